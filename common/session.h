@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/capture.h"
+
+namespace sheen {
+
+inline constexpr int kSessionVersion = 1;  ///< of the layout on disk; a newer one is refused with both versions named
+
+/// Journal of a capture: a folder with `session.sqlite` (index, metadata) and one file a capture in `captures/` (the
+/// wire encoding, lossless). A capture is durable when `append` returns: file and index are flushed to the disk.
+/// One writer at a time (locked); after a crash an unindexed or torn file is dropped on opening.
+class Session {
+ public:
+  static Session create(const std::filesystem::path& folder);  ///< throws FileError; the folder may exist if empty
+  static Session open(const std::filesystem::path& folder);    ///< for appending; throws FileError
+  static Session open_read_only(const std::filesystem::path& folder);  ///< throws FileError
+  static bool exists(const std::filesystem::path& folder);
+  Session(Session&&) noexcept;
+  ~Session();
+
+  /// Appends and flushes; returns the capture's index. A (source_session, sequence) that is there already returns the
+  /// index it has. Throws FileError, a full disk included; the session stays usable and consistent.
+  std::uint64_t append(const Capture& capture);
+  std::uint64_t size() const;
+  /// Throws FileError naming the file when it is missing or its checksum is wrong.
+  Capture read(std::uint64_t index) const;
+  /// Highest sequence that is durable, without a gap before it, a source session.
+  std::map<std::string, std::uint64_t> held() const;
+
+  /// Small text values: the mesh's path and hash, the model's configuration, tool versions.
+  void set_metadata(const std::string& key, const std::string& value);
+  std::optional<std::string> metadata(const std::string& key) const;
+
+ private:
+  struct Impl;
+  explicit Session(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/capture.h"
+#include "common/wire.h"
+
+namespace sheen {
+
+/// CURVE keys. Without them only loopback endpoints are allowed.
+struct CurveKeys {
+  std::string public_key;  ///< Z85
+  std::string secret_key;  ///< Z85
+};
+/// Writes NAME.pub and NAME.key (mode 0600), refusing to overwrite. Throws FileError.
+CurveKeys generate_keys(const std::filesystem::path& folder, const std::string& name);
+CurveKeys load_keys(const std::filesystem::path& key_file);          ///< the .key file; throws FileError
+std::string load_public_key(const std::filesystem::path& pub_file);  ///< throws FileError
+
+struct SenderOptions {
+  std::string endpoint = "tcp://127.0.0.1:7410";  ///< bound
+  std::optional<CurveKeys> keys;
+  std::filesystem::path allowlist;  ///< file of public keys, a line each ("KEY role name"); reloaded when it changes
+  std::size_t retained = 64;        ///< keyframes kept until acknowledged; beyond it `keep` waits
+  Codec codec = Codec::kRaw;
+  std::string source_session;
+};
+
+struct SenderStats {
+  std::uint64_t kept = 0, delivered = 0, acknowledged = 0, resent = 0;
+  std::uint64_t live_sent = 0, live_dropped = 0;
+  std::uint64_t rejected_messages = 0;  ///< malformed or of another version
+  std::uint64_t refused_keys = 0;
+  bool peer_connected = false;
+};
+
+/// The tracker's end of the data link: binds a ROUTER, sends while it has credits. Thread-safe; its own I/O thread.
+class CaptureSender {
+ public:
+  explicit CaptureSender(
+      const SenderOptions& options);  ///< throws DeviceError: address in use, non-loopback without keys
+  ~CaptureSender();
+
+  /// Delivered at least once, in order. Waits while `retained` captures are unacknowledged; false when it timed out
+  /// (the capture is then not taken).
+  bool keep(Capture capture, std::chrono::milliseconds timeout);
+  /// Latest wins; never waits.
+  void live(Capture capture);
+  /// Tells the receiver that nothing more comes, and waits until all kept captures are acknowledged.
+  bool finish(std::chrono::milliseconds timeout);
+  SenderStats stats() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+struct ReceiverOptions {
+  std::string endpoint = "tcp://127.0.0.1:7410";  ///< connected to
+  std::optional<CurveKeys> keys;
+  std::string server_public_key;  ///< of the sender, with `keys`
+  int credits = 2;
+  /// What is already durable: source session -> highest acknowledged sequence.
+  std::map<std::string, std::uint64_t> held;
+};
+
+struct Received {
+  Capture capture;
+  bool live = false;
+};
+
+struct ReceiverStats {
+  std::uint64_t kept = 0, live = 0, duplicates = 0, rejected_messages = 0, bytes = 0;
+  std::map<std::string, std::uint64_t> rejected_by_reason;
+  bool connected = false;
+  bool ended = false;  ///< the sender said that its source has ended, and everything it kept was received
+  std::string last_error;
+};
+
+/// The reconstructor's end: a DEALER that connects, says hello (again after every reconnect), and gives credits.
+class CaptureReceiver {
+ public:
+  explicit CaptureReceiver(const ReceiverOptions& options);
+  ~CaptureReceiver();
+
+  /// The next capture, validated and deduplicated; nothing after `timeout`. A credit is returned to the sender when the
+  /// capture is taken from here.
+  std::optional<Received> next(std::chrono::milliseconds timeout);
+  /// Call once the capture is durable.
+  void acknowledge(const std::string& source_session, std::uint64_t sequence);
+  ReceiverStats stats() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "common/capture.h"
+#include "common/geometry/mesh.h"
+
+namespace sheen {
+
+enum class IngestStatus {
+  kAccepted,  ///< folded into the model
+  kHeldOut,   ///< accepted, and kept aside to judge the model
+  kRefused,   ///< see `reason`
+};
+
+/// What became of one capture.
+struct IngestReport {
+  IngestStatus status = IngestStatus::kRefused;
+  std::string reason;                      ///< of a refusal: a short, stable word ("object_not_in_view", ...)
+  std::map<std::string, double> stage_ms;  ///< time a stage of the pipeline
+  std::size_t rings_updated = 0;
+  double relative_residual = 0;  ///< ||p|| / ||c|| over all updated rings: how much of the image the model did not know
+  double predicted_psnr_db = 0;  ///< of the model's prediction of this image before it was added; 0 when it had none
+};
+
+/// How well a part of the surface is known, and why it is not.
+enum class QualityReason : std::uint8_t {
+  kGood = 0,
+  kUnseen = 1,            ///< no image shows it
+  kOblique = 2,           ///< seen only at grazing angles
+  kSparseDirections = 3,  ///< no image from near the asked direction
+  kHighResidual = 4,      ///< images still bring what the model does not know
+};
+const char* to_string(QualityReason reason);
+
+enum class SampleState : std::uint8_t {
+  kUnseen = 0,   ///< no image shows the sample: its colour is a guess
+  kImputed = 1,  ///< for the asked direction, hidden in the nearest image and filled in from the others
+  kMeasured = 2,
+};
+
+/// One surface point as the model knows it.
+struct SurfaceSample {
+  Eigen::Vector3f rgb = Eigen::Vector3f::Zero();  ///< linear radiance
+  SampleState state = SampleState::kUnseen;
+};
+
+/// The model as seen from one eye: cheap to ask point by point. Thread-safe.
+class ViewShader {
+ public:
+  virtual ~ViewShader() = default;
+  /// Radiance towards the eye at barycentric (u, v) of a triangle.
+  virtual SurfaceSample shade(std::uint32_t triangle, float u, float v) const = 0;
+  /// The quality heuristic of a triangle for this eye, 0 = well known .. 1 = not at all (000 sec. 3.2).
+  virtual float heuristic(std::uint32_t triangle) const = 0;
+  virtual QualityReason reason(std::uint32_t triangle) const = 0;
+};
+
+/// A model at one moment; immutable, shared between threads. It keeps alive all that it refers to.
+class ModelSnapshot {
+ public:
+  virtual ~ModelSnapshot() = default;
+  virtual const Mesh& mesh() const = 0;
+  /// `eye` in the object frame.
+  virtual std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& eye) const = 0;
+};
+
+/// The one interface of a model to the capture loop.
+class AppearanceModel {
+ public:
+  virtual ~AppearanceModel() = default;
+  /// Folds one image in. Never throws for what a frame can hold; the report says why it was refused.
+  virtual IngestReport ingest(const Capture& capture) = 0;
+  /// The model as it now stands. Parts that did not change since the last snapshot are shared with it.
+  virtual std::shared_ptr<const ModelSnapshot> snapshot() = 0;
+};
+
+}  // namespace sheen

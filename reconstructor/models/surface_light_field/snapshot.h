@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "reconstructor/models/appearance_model.h"
+#include "reconstructor/surface/vertex_ring.h"
+
+namespace sheen {
+
+/// Covariance of view coefficients over the angle t between two view directions: Matern 3/2,
+/// k(t) = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale); `nugget` is added on the diagonal.
+struct ViewKernel {
+  float scale_rad = 0.3f;
+  float nugget = 0.02f;
+};
+float evaluate(const ViewKernel& kernel, float angle_rad);
+
+/// The light field of one vertex ring, factorised (000 sec. 4.1): encoded value of row i seen from direction d =
+/// sum_r basis(i, r) * h_r(d), with the view functions h_r interpolated by kriging:
+/// h(d) = mean + sum_j weights.col(j) * k(angle(d, directions.col(j))).
+/// Values are sRGB-encoded (`srgb_encode`); the sum over a triangle's rings is decoded once, at the end.
+struct RingSnapshot {
+  Eigen::MatrixXf basis;        ///< rows (3 * ring samples) x rank
+  Eigen::Matrix3Xf directions;  ///< unit vectors from the vertex to the cameras, object frame; a column a view
+  Eigen::MatrixXf weights;      ///< rank x views: kriging in its dual form
+  Eigen::VectorXf mean;         ///< rank
+  ViewKernel kernel;
+  std::vector<std::uint8_t> measured;  ///< a sample: 1 when some image showed it
+  float residual = 0;                  ///< psi_p: smoothed relative projection error of new images, 0..1
+  float best_cosine = 0;               ///< of the most frontal view: cos of the angle to the vertex normal
+  int views_folded = 0;                ///< images folded in, thinned ones included
+
+  int rank() const { return static_cast<int>(basis.cols()); }
+  /// h(d) for a unit direction from the vertex to the eye.
+  Eigen::VectorXf coefficients(const Eigen::Vector3f& direction) const;
+};
+
+/// Immutable surface light field. Unchanged rings are shared between snapshots; a ring that no image has reached is
+/// null.
+class SurfaceLightFieldSnapshot : public ModelSnapshot {
+ public:
+  SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings,
+                            std::vector<std::shared_ptr<const RingSnapshot>> ring_data, std::uint64_t version);
+
+  const Mesh& mesh() const override { return *mesh_; }
+  std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& eye) const override;
+
+  const std::shared_ptr<const Mesh>& shared_mesh() const { return mesh_; }
+  const std::shared_ptr<const VertexRings>& shared_rings() const { return rings_; }
+  const VertexRings& rings() const { return *rings_; }
+  const std::vector<std::shared_ptr<const RingSnapshot>>& ring_data() const { return ring_data_; }
+  std::uint64_t version() const { return version_; }  ///< counts up with every snapshot of a model
+  int max_rank() const;
+
+  /// View coefficients of every ring for this eye: max_rank() x vertices, zero-padded. What a GPU needs a frame.
+  Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const;
+  /// The quality heuristic a triangle for this eye, and its reason (000 sec. 3.2).
+  void quality_for(const Eigen::Vector3d& eye, std::vector<float>& heuristic, std::vector<QualityReason>& reason) const;
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
+  std::shared_ptr<const VertexRings> rings_;
+  std::vector<std::shared_ptr<const RingSnapshot>> ring_data_;
+  std::uint64_t version_;
+};
+
+}  // namespace sheen
