@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/camera.h"
 
+#include <Eigen/LU>
 #include <cmath>
 #include <string>
 
