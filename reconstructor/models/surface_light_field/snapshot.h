@@ -8,6 +8,7 @@
 
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
 
@@ -29,6 +30,8 @@ struct RingSnapshot {
   Eigen::MatrixXf weights;      ///< rank x views: kriging in its dual form
   Eigen::VectorXf mean;         ///< rank
   ViewKernel kernel;
+  Eigen::Matrix3f frame;               ///< of the vertex's hemisphere
+  ViewTriangulation views;             ///< of `directions` on the view map
   std::vector<std::uint8_t> measured;  ///< a sample: 1 when some image showed it
   float residual = 0;                  ///< psi_p: smoothed relative projection error of new images, 0..1
   float best_cosine = 0;               ///< of the most frontal view: cos of the angle to the vertex normal

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/geometry/ray_scene.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "common/errors.h"
+
+namespace sheen {
+namespace {
+
+constexpr std::size_t kPacket = 8;
+
+Hit to_hit(std::uint32_t geometry, std::uint32_t triangle, float distance, float u, float v, const Eigen::Vector3f& n,
+           const Eigen::Vector3f& direction) {
+  if (geometry == RTC_INVALID_GEOMETRY_ID) return {};
+  return {triangle, distance, u, v, n.dot(direction) < 0};
+}
+
+}  // namespace
+
+struct RayScene::Impl {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  explicit Impl(const Mesh& mesh) {
+    device = rtcNewDevice("threads=1");
+    if (!device) throw Error("Embree could not be started (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 3 * sizeof(float), mesh.vertices.size()));
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+      Eigen::Map<Eigen::Vector3f>(vertices + 3 * i) = mesh.vertices[i];
+    auto* triangles = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), mesh.triangles.size()));
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) std::copy_n(mesh.triangles[i].data(), 3, triangles + 3 * i);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene);
+    if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE) {
+      release();
+      throw Error("Embree could not build the scene of " + std::to_string(mesh.triangles.size()) +
+                  " triangles (error " + std::to_string(error) + ")");
+    }
+  }
+  ~Impl() { release(); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void release() {
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+};
+
+RayScene::RayScene(const Mesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+Hit RayScene::intersect(const Ray& ray) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query{};
+  query.ray = {ray.origin.x(),
+               ray.origin.y(),
+               ray.origin.z(),
+               ray.near,
+               ray.direction.x(),
+               ray.direction.y(),
+               ray.direction.z(),
+               0,
+               ray.far,
+               0xffffffffu,
+               0,
+               0};
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(impl_->scene, &context, &query);
+  return to_hit(query.hit.geomID, query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v,
+                {query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z}, ray.direction);
+}
+
+bool RayScene::occluded(const Ray& ray) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay query{ray.origin.x(),
+               ray.origin.y(),
+               ray.origin.z(),
+               ray.near,
+               ray.direction.x(),
+               ray.direction.y(),
+               ray.direction.z(),
+               0,
+               ray.far,
+               0xffffffffu,
+               0,
+               0};
+  rtcOccluded1(impl_->scene, &context, &query);
+  return query.tfar < 0;
+}
+
+void RayScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+  if (rays.size() != hits.size()) throw std::invalid_argument("RayScene::intersect: as many hits as rays are needed");
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+    const std::size_t n = std::min(kPacket, rays.size() - first);
+    alignas(32) int valid[kPacket];
+    RTCRayHit8 query;
+    for (std::size_t k = 0; k < kPacket; ++k) {
+      const Ray& ray = rays[first + std::min(k, n - 1)];
+      valid[k] = k < n ? -1 : 0;
+      query.ray.org_x[k] = ray.origin.x();
+      query.ray.org_y[k] = ray.origin.y();
+      query.ray.org_z[k] = ray.origin.z();
+      query.ray.dir_x[k] = ray.direction.x();
+      query.ray.dir_y[k] = ray.direction.y();
+      query.ray.dir_z[k] = ray.direction.z();
+      query.ray.tnear[k] = ray.near;
+      query.ray.tfar[k] = ray.far;
+      query.ray.time[k] = 0;
+      query.ray.mask[k] = 0xffffffffu;
+      query.ray.id[k] = query.ray.flags[k] = 0;
+      query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+      query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(valid, impl_->scene, &context, &query);
+    for (std::size_t k = 0; k < n; ++k)
+      hits[first + k] =
+          to_hit(query.hit.geomID[k], query.hit.primID[k], query.ray.tfar[k], query.hit.u[k], query.hit.v[k],
+                 {query.hit.Ng_x[k], query.hit.Ng_y[k], query.hit.Ng_z[k]}, rays[first + k].direction);
+  }
+}
+
+}  // namespace sheen

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "common/errors.h"
+#include "reconstructor/commands/commands.h"
+
+int main(int argc, char** argv) {
+  CLI::App app("sheen-reconstructor: turns posed images into a surface light field, live or from files.");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", SHEEN_VERSION);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const sheen::ConfigError& error) {
+    std::fprintf(stderr, "sheen-reconstructor: %s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "sheen-reconstructor: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/snapshot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/color.h"
+#include "reconstructor/models/surface_light_field/quality.h"
+
+namespace sheen {
+namespace {
+
+/// Shades from the basis maps and one vector of view coefficients a vertex.
+class LightFieldShader : public ViewShader {
+ public:
+  LightFieldShader(const SurfaceLightFieldSnapshot& snapshot, const Eigen::Vector3d& eye)
+      : mesh_(snapshot.shared_mesh()),
+        rings_(snapshot.shared_rings()),
+        ring_data_(snapshot.ring_data()),
+        coefficients_(snapshot.coefficients_for(eye)) {
+    snapshot.quality_for(eye, heuristic_, reason_);
+  }
+
+  SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
+    const float beta[3] = {1 - u - v, u, v};
+    const LatticeStencil stencil = lattice_stencil(rings_->resolution(triangle), u, v);
+    Eigen::Vector3f encoded = Eigen::Vector3f::Zero();
+    float total = 0;
+    bool measured = false;
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t vertex = mesh_->triangles[triangle][c];
+      const RingSnapshot* ring = ring_data_[vertex].get();
+      if (!ring || ring->rank() == 0) continue;
+      const std::uint32_t first = rings_->membership(triangle, c).first_sample;
+      const auto h = coefficients_.col(vertex).head(ring->rank());
+      Eigen::Vector3f value = Eigen::Vector3f::Zero();
+      for (int k = 0; k < 3; ++k) {
+        const int sample = static_cast<int>(first) + stencil.index[k];
+        value.noalias() += stencil.weight[k] * (ring->basis.middleRows<3>(3 * sample) * h);
+        measured |= stencil.weight[k] > 0.25f && ring->measured[sample];
+      }
+      encoded += beta[c] * value;
+      total += beta[c];
+    }
+    if (total < 1e-4f) return {};
+    encoded /= total;
+    return {{srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z())},
+            measured ? SampleState::kMeasured : SampleState::kImputed};
+  }
+  float heuristic(std::uint32_t triangle) const override { return heuristic_[triangle]; }
+  QualityReason reason(std::uint32_t triangle) const override { return reason_[triangle]; }
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
+  std::shared_ptr<const VertexRings> rings_;
+  std::vector<std::shared_ptr<const RingSnapshot>> ring_data_;
+  Eigen::MatrixXf coefficients_;
+  std::vector<float> heuristic_;
+  std::vector<QualityReason> reason_;
+};
+
+}  // namespace
+
+float evaluate(const ViewKernel& kernel, float angle) {
+  const float t = std::sqrt(3.0f) * angle / kernel.scale_rad;
+  return (1 + t) * std::exp(-t);
+}
+
+Eigen::VectorXf RingSnapshot::coefficients(const Eigen::Vector3f& direction) const {
+  Eigen::VectorXf k(directions.cols());
+  for (Eigen::Index j = 0; j < k.size(); ++j)
+    k[j] = evaluate(kernel, std::acos(std::clamp(directions.col(j).dot(direction), -1.0f, 1.0f)));
+  return mean + weights * k;
+}
+
+SurfaceLightFieldSnapshot::SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh> mesh,
+                                                     std::shared_ptr<const VertexRings> rings,
+                                                     std::vector<std::shared_ptr<const RingSnapshot>> ring_data,
+                                                     std::uint64_t version)
+    : mesh_(std::move(mesh)), rings_(std::move(rings)), ring_data_(std::move(ring_data)), version_(version) {}
+
+int SurfaceLightFieldSnapshot::max_rank() const {
+  int rank = 0;
+  for (const auto& ring : ring_data_)
+    if (ring) rank = std::max(rank, ring->rank());
+  return rank;
+}
+
+Eigen::MatrixXf SurfaceLightFieldSnapshot::coefficients_for(const Eigen::Vector3d& eye) const {
+  Eigen::MatrixXf coefficients = Eigen::MatrixXf::Zero(max_rank(), static_cast<Eigen::Index>(ring_data_.size()));
+  for (std::size_t v = 0; v < ring_data_.size(); ++v) {
+    const RingSnapshot* ring = ring_data_[v].get();
+    if (!ring || ring->rank() == 0) continue;
+    const Eigen::Vector3f direction = (eye.cast<float>() - mesh_->vertices[v]).normalized();
+    coefficients.col(static_cast<Eigen::Index>(v)).head(ring->rank()) = ring->coefficients(direction);
+  }
+  return coefficients;
+}
+
+void SurfaceLightFieldSnapshot::quality_for(const Eigen::Vector3d& eye, std::vector<float>& heuristic,
+                                            std::vector<QualityReason>& reason) const {
+  const std::size_t triangles = mesh_->triangles.size();
+  heuristic.resize(triangles);
+  reason.resize(triangles);
+  std::vector<RingQuality> ring_quality(ring_data_.size());
+  for (std::size_t v = 0; v < ring_data_.size(); ++v)
+    if (ring_data_[v])
+      ring_quality[v] = assess_ring(*ring_data_[v], (eye.cast<float>() - mesh_->vertices[v]).normalized());
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const auto& [a, b, c] = mesh_->triangles[t];
+    const RingQuality quality = combine(ring_quality[a], ring_quality[b], ring_quality[c]);
+    heuristic[t] = quality.heuristic();
+    reason[t] = quality.reason();
+  }
+}
+
+const char* to_string(QualityReason reason) {
+  switch (reason) {
+    case QualityReason::kGood:
+      return "good";
+    case QualityReason::kUnseen:
+      return "unseen";
+    case QualityReason::kOblique:
+      return "oblique";
+    case QualityReason::kSparseDirections:
+      return "sparse_directions";
+    case QualityReason::kHighResidual:
+      return "high_residual";
+  }
+  return "unknown";
+}
+
+}  // namespace sheen

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/camera.h"
+#include "common/geometry/ray_scene.h"
+#include "common/image.h"
+#include "common/rigid3.h"
+#include "reconstructor/models/appearance_model.h"
+
+namespace sheen {
+
+/// A picture of a model with what is known about each pixel.
+struct PaintedView {
+  ImageF beauty;     ///< linear RGB; 0 where there is no surface
+  ImageU8 coverage;  ///< 255 where the first hit is a front face that some image showed, 128 where none did, else 0
+  ImageF heuristic;  ///< 1 channel, 0..1
+  ImageU8 reason;    ///< QualityReason + 1; 0 where there is no surface
+};
+
+/// Ray-casts a model's snapshot through a real camera, lens distortion included: one ray a pixel through its centre.
+/// Needs no GPU and no display. Thread-safe.
+class RayPainter {
+ public:
+  explicit RayPainter(const Mesh& mesh) : scene_(mesh) {}
+
+  /// The snapshot must be of the painter's mesh.
+  PaintedView paint(const ModelSnapshot& snapshot, const Camera& camera, const Rigid3& camera_from_object) const;
+
+  /// First hits of all pixels, row by row.
+  std::vector<Hit> cast(const Camera& camera, const Rigid3& camera_from_object) const;
+
+ private:
+  RayScene scene_;
+};
+
+}  // namespace sheen
