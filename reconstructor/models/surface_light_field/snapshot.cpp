@@ -61,15 +61,9 @@ class LightFieldShader : public ViewShader {
 
 }  // namespace
 
-float evaluate(const ViewKernel& kernel, float angle) {
-  const float t = std::sqrt(3.0f) * angle / kernel.scale_rad;
-  return (1 + t) * std::exp(-t);
-}
-
 Eigen::VectorXf RingSnapshot::coefficients(const Eigen::Vector3f& direction) const {
   Eigen::VectorXf k(directions.cols());
-  for (Eigen::Index j = 0; j < k.size(); ++j)
-    k[j] = evaluate(kernel, std::acos(std::clamp(directions.col(j).dot(direction), -1.0f, 1.0f)));
+  for (Eigen::Index j = 0; j < k.size(); ++j) k[j] = evaluate(kernel, angle_between(directions.col(j), direction));
   return mean + weights * k;
 }
 

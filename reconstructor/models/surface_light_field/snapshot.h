@@ -7,18 +7,11 @@
 #include <vector>
 
 #include "reconstructor/models/appearance_model.h"
+#include "reconstructor/numerics/view_kriging.h"
 #include "reconstructor/surface/vertex_ring.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
-
-/// Covariance of view coefficients over the angle t between two view directions: Matern 3/2,
-/// k(t) = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale); `nugget` is added on the diagonal.
-struct ViewKernel {
-  float scale_rad = 0.3f;
-  float nugget = 0.02f;
-};
-float evaluate(const ViewKernel& kernel, float angle_rad);
 
 /// The light field of one vertex ring, factorised (000 sec. 4.1): encoded value of row i seen from direction d =
 /// sum_r basis(i, r) * h_r(d), with the view functions h_r interpolated by kriging:

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+namespace sheen {
+
+/// Covariance of view coefficients over the angle t between two view directions: Matern 3/2,
+/// k(t) = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale); `nugget` is added on the diagonal.
+struct ViewKernel {
+  float scale_rad = 0.3f;
+  float nugget = 0.1f;
+  bool operator==(const ViewKernel&) const = default;
+};
+float evaluate(const ViewKernel& kernel, float angle_rad);
+
+/// Angle between two unit vectors, accurate for small ones.
+float angle_between(const Eigen::Vector3f& a, const Eigen::Vector3f& b);
+
+/// The kernels that a ring chooses from.
+inline constexpr std::array<ViewKernel, 5> kViewKernels{
+    {{0.15f, 0.02f}, {0.3f, 0.02f}, {0.3f, 0.1f}, {0.6f, 0.05f}, {0.6f, 0.2f}}};
+
+/// Ordinary kriging of coefficients over view directions, in its dual form: h(d) = mean + weights * k(d), with
+/// k(d)_j = k(angle(d, d_j)).
+struct ViewInterpolant {
+  Eigen::VectorXf mean;     ///< rank
+  Eigen::MatrixXf weights;  ///< rank x views
+  /// Sum over views of the squared error of predicting each view from the others (closed form).
+  double leave_one_out = 0;
+};
+
+/// directions: 3 x views, unit. coefficients: rank x views. reliability: a view, > 0; the nugget is divided by it.
+/// No view gives an empty interpolant, one view a constant.
+ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
+                      const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel);
+
+}  // namespace sheen
