@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <iostream>
+
+#include "common/errors.h"
+#include "tracker/commands/commands.h"
+#include "tracker/stop_signal.h"
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+int report(const std::exception& error, int status) {
+  std::cerr << "sheen-tracker: " << error.what() << '\n';
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Grabs a camera, solves its pose against a stage of tags and streams posed images.", "sheen-tracker");
+  app.require_subcommand(1);
+  sheen::add_cameras_command(app);
+
+  sheen::install_stop_signals();
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kWrongUsage;
+  } catch (const sheen::ConfigError& error) {
+    return report(error, kWrongUsage);
+  } catch (const std::exception& error) {
+    return report(error, kFailed);
+  }
+}
