@@ -47,6 +47,9 @@ struct MeshDiagnosis {
   std::vector<std::string> warnings() const;  ///< a sentence each, with what to do; empty for a clean mesh
 };
 
+/// All but the two counts of what loading removed.
+MeshDiagnosis diagnose(const Mesh& mesh);
+
 struct LoadedMesh {
   Mesh mesh;
   MeshDiagnosis diagnosis;
@@ -55,6 +58,9 @@ struct LoadedMesh {
 /// Reads PLY (ASCII and binary, either byte order), OBJ or OFF. Polygons are split into fans. Throws FileError with the
 /// line or element where a file is broken: out-of-range index, NaN, no triangle, truncated, unknown format.
 LoadedMesh load_mesh(const std::filesystem::path& path);
+
+/// The same files, validated but not cleaned: indices stay as they stand in the file.
+Mesh load_mesh_unchanged(const std::filesystem::path& path);
 
 /// Binary little-endian PLY of vertices and triangles. Throws FileError.
 void save_ply(const Mesh& mesh, const std::filesystem::path& path);

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/files.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include "common/errors.h"
+
+namespace sheen {
+
+namespace fs = std::filesystem;
+
+std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw FileError(path.string(), "no such file");
+  if (!fs::is_regular_file(status)) throw FileError(path.string(), "is not a regular file");
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) throw FileError(path.string(), "cannot be read: " + error.message());
+  if (size > max_bytes)
+    throw FileError(path.string(), "has " + std::to_string(size) + " bytes, more than the " +
+                                       std::to_string(max_bytes) + " that such a file may have");
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw FileError(path.string(), std::string("cannot be opened: ") + std::strerror(errno));
+  std::string bytes(size, '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (static_cast<std::uintmax_t>(in.gcount()) != size) throw FileError(path.string(), "could not be read to its end");
+  return bytes;
+}
+
+void write_file(const fs::path& path, std::string_view bytes) {
+  const fs::path unfinished = path.string() + "." + std::to_string(::getpid()) + ".part";
+  {
+    std::ofstream out(unfinished, std::ios::binary);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out) {
+      const std::string reason = std::strerror(errno);
+      std::error_code ignored;
+      fs::remove(unfinished, ignored);
+      throw FileError(path.string(), "cannot be written: " + reason);
+    }
+  }
+  std::error_code error;
+  fs::rename(unfinished, path, error);
+  if (!error) return;
+  std::error_code ignored;
+  fs::remove(unfinished, ignored);
+  throw FileError(path.string(), "cannot be written: " + error.message());
+}
+
+}  // namespace sheen

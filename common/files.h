@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace sheen {
+
+/// The whole of a regular file. Throws FileError when it is missing, no regular file, unreadable or longer than
+/// `max_bytes`.
+std::string read_file(const std::filesystem::path& path, std::uintmax_t max_bytes = std::uintmax_t(1) << 34);
+
+/// Writes beside the target and renames, so that a crash or a full disk leaves the old file or the new one, never half
+/// of one. Throws FileError.
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace sheen

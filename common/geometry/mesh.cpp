@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/geometry/mesh.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "common/errors.h"
+#include "common/files.h"
+#include "common/geometry/mesh_io.h"
+
+namespace sheen {
+
+namespace {
+
+/// Twice the area below which a triangle has none, in squares of its longest edge.
+constexpr double kNoArea = 1e-9;
+
+RawMesh read_mesh(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  const std::string_view start = std::string_view(bytes).substr(0, 8);
+  if (start.starts_with("ply")) return read_ply(path.string(), bytes);
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  if (extension == ".off" || start.starts_with("OFF")) return read_off(path.string(), bytes);
+  if (extension == ".obj") return read_obj(path.string(), bytes);
+  throw FileError(path.string(), "is neither PLY nor OBJ nor OFF");
+}
+
+bool has_area(const Mesh& mesh, const Triangle& triangle) {
+  const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>(), b = mesh.vertices[triangle[1]].cast<double>(),
+                        c = mesh.vertices[triangle[2]].cast<double>();
+  const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  return (b - a).cross(c - a).norm() > kNoArea * longest;
+}
+
+/// The same corners in the same order round, from the smallest index on.
+Triangle rotated_to_smallest(Triangle t) {
+  std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  return t;
+}
+
+std::size_t remove_degenerate(Mesh& mesh) {
+  return std::erase_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh, t); });
+}
+
+/// Keeps the first of equal triangles. The two sides of a sheet are not equal.
+std::size_t remove_duplicates(Mesh& mesh) {
+  std::vector<std::size_t> order(mesh.triangles.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::vector<Triangle> key(mesh.triangles.size());
+  std::transform(mesh.triangles.begin(), mesh.triangles.end(), key.begin(), rotated_to_smallest);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
+  std::vector<bool> drop(key.size(), false);
+  for (std::size_t i = 1; i < order.size(); ++i) drop[order[i]] = key[order[i]] == key[order[i - 1]];
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < key.size(); ++t)
+    if (!drop[t]) mesh.triangles[kept++] = mesh.triangles[t];
+  const std::size_t removed = mesh.triangles.size() - kept;
+  mesh.triangles.resize(kept);
+  return removed;
+}
+
+}  // namespace
+
+BoundingSphere bounding_sphere(const Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex.cast<double>().eval());
+  if (box.isEmpty()) return {Eigen::Vector3d::Zero(), 0};
+  return {box.center(), box.diagonal().norm() / 2};
+}
+
+std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh) {
+  std::vector<Eigen::Vector3f> normals(mesh.vertices.size(), Eigen::Vector3f::Zero());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Eigen::Vector3f area_normal = mesh.area_normal(t);
+    for (const std::uint32_t v : mesh.triangles[t]) normals[v] += area_normal;
+  }
+  for (Eigen::Vector3f& normal : normals) {
+    const float length = normal.stableNorm();
+    normal = length > 0 ? Eigen::Vector3f(normal / length) : Eigen::Vector3f(0, 0, 1);
+  }
+  return normals;
+}
+
+LoadedMesh load_mesh(const std::filesystem::path& path) {
+  RawMesh raw = read_mesh(path);
+  LoadedMesh loaded;
+  loaded.mesh = std::move(raw.mesh);
+  const std::size_t degenerate = raw.empty_faces + remove_degenerate(loaded.mesh);
+  const std::size_t duplicate = remove_duplicates(loaded.mesh);
+  if (loaded.mesh.triangles.empty()) throw FileError(path.string(), "none of its triangles has an area");
+  loaded.diagnosis = diagnose(loaded.mesh);
+  loaded.diagnosis.removed_degenerate = degenerate;
+  loaded.diagnosis.removed_duplicate = duplicate;
+  return loaded;
+}
+
+Mesh load_mesh_unchanged(const std::filesystem::path& path) {
+  return read_mesh(path).mesh;
+}
+
+}  // namespace sheen

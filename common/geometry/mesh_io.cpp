@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/geometry/mesh_io.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "common/errors.h"
+
+namespace sheen {
+
+namespace {
+constexpr double kMaxIndex = 4294967294.0;  // 2^32 - 1 means "no hit" elsewhere
+constexpr std::string_view kBlanks = " \t\r\v\f";
+}  // namespace
+
+void MeshBuilder::fail(FilePlace place, const std::string& what) const {
+  throw FileError(path_, std::string(place.kind) + " " + std::to_string(place.number) + ": " + what);
+}
+
+void MeshBuilder::add_vertex(double x, double y, double z, FilePlace place) {
+  const Eigen::Vector3f vertex(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+  if (!vertex.allFinite()) fail(place, "a coordinate is no finite number");
+  raw_.mesh.vertices.push_back(vertex);
+}
+
+void MeshBuilder::add_face(std::span<const double> corners, FilePlace place) {
+  for (const double corner : corners) {
+    if (!(corner >= 0 && corner <= kMaxIndex && corner == std::floor(corner)))
+      fail(place, "a corner is no vertex index");
+    if (corner >= largest_index_) {
+      largest_index_ = static_cast<std::uint32_t>(corner);
+      largest_place_ = place;
+    }
+  }
+  if (corners.size() < 3) ++raw_.empty_faces;
+  for (std::size_t i = 2; i < corners.size(); ++i)
+    raw_.mesh.triangles.push_back({static_cast<std::uint32_t>(corners[0]), static_cast<std::uint32_t>(corners[i - 1]),
+                                   static_cast<std::uint32_t>(corners[i])});
+}
+
+RawMesh MeshBuilder::finish() {
+  if (raw_.mesh.vertices.empty()) throw FileError(path_, "holds no vertex");
+  if (raw_.mesh.triangles.empty()) throw FileError(path_, "holds no triangle: a mesh is needed, not a point cloud");
+  if (largest_index_ >= raw_.mesh.vertices.size())
+    fail(largest_place_, "refers to vertex " + std::to_string(largest_index_) + " (counted from 0), but there are " +
+                             std::to_string(raw_.mesh.vertices.size()));
+  return std::move(raw_);
+}
+
+WordReader::WordReader(std::string_view text, bool continuations) : rest_(text), continuations_(continuations) {
+  if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+}
+
+bool WordReader::next(std::vector<std::string_view>& words) {
+  words.clear();
+  bool continued = false;
+  while (!rest_.empty() && (words.empty() || continued)) {
+    const std::size_t end = rest_.find('\n');
+    std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+    ++line_;
+    if (words.empty()) first_line_ = line_;
+    line = line.substr(0, line.find('#'));
+    while (!line.empty() && kBlanks.find(line.back()) != std::string_view::npos) line.remove_suffix(1);
+    continued = continuations_ && line.ends_with('\\');
+    if (continued) line.remove_suffix(1);
+    while (true) {
+      const std::size_t begin = line.find_first_not_of(kBlanks);
+      if (begin == std::string_view::npos) break;
+      const std::size_t length = std::min(line.find_first_of(kBlanks, begin), line.size()) - begin;
+      words.push_back(line.substr(begin, length));
+      line.remove_prefix(begin + length);
+    }
+  }
+  return !words.empty();
+}
+
+std::optional<double> parse_number(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace sheen

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/geometry/mesh.h"
+
+namespace sheen {
+
+/// A mesh as its file has it, before it is cleaned.
+struct RawMesh {
+  Mesh mesh;
+  std::size_t empty_faces = 0;  ///< faces of fewer than three corners
+};
+
+/// The three formats, from a file's bytes; `path` only names the file in errors. Throw FileError.
+RawMesh read_ply(const std::string& path, std::string_view bytes);
+RawMesh read_obj(const std::string& path, std::string_view bytes);
+RawMesh read_off(const std::string& path, std::string_view bytes);
+
+/// Where in a file something stands: "line 12", "vertex 3".
+struct FilePlace {
+  const char* kind;
+  std::size_t number;
+};
+
+/// Collects vertices and polygons and refuses what cannot be: the part that all formats share.
+class MeshBuilder {
+ public:
+  explicit MeshBuilder(std::string path) : path_(std::move(path)) {}
+
+  void add_vertex(double x, double y, double z, FilePlace place);
+  /// Corners may refer to vertices that come later; `finish` checks that they came.
+  void add_face(std::span<const double> corners, FilePlace place);
+  std::size_t vertex_count() const { return raw_.mesh.vertices.size(); }
+  RawMesh finish();
+  [[noreturn]] void fail(FilePlace place, const std::string& what) const;
+
+ private:
+  std::string path_;
+  RawMesh raw_;
+  std::uint32_t largest_index_ = 0;
+  FilePlace largest_place_{"face", 0};
+};
+
+/// Lines of a text file as words: comments from `#` on, carriage returns and (where `continuations`) line ends behind a
+/// backslash are taken away. Counts lines from 1.
+class WordReader {
+ public:
+  WordReader(std::string_view text, bool continuations);
+  /// The words of the next line that has any; false at the end.
+  bool next(std::vector<std::string_view>& words);
+  FilePlace place() const { return {"line", first_line_}; }
+
+ private:
+  std::string_view rest_;
+  bool continuations_;
+  std::size_t line_ = 0;
+  std::size_t first_line_ = 0;
+};
+
+/// A number, the whole of the word. Independent of the locale.
+std::optional<double> parse_number(std::string_view word);
+
+}  // namespace sheen

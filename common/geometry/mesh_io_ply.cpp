@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <bit>
+#include <cstring>
+#include <map>
+
+#include "common/errors.h"
+#include "common/files.h"
+#include "common/geometry/mesh_io.h"
+
+namespace sheen {
+
+namespace {
+
+enum class Encoding { kAscii, kLittleEndian, kBigEndian };
+enum class Scalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+const std::map<std::string_view, Scalar> kScalars = {
+    {"char", Scalar::kInt8},      {"int8", Scalar::kInt8},       {"uchar", Scalar::kUint8},
+    {"uint8", Scalar::kUint8},    {"short", Scalar::kInt16},     {"int16", Scalar::kInt16},
+    {"ushort", Scalar::kUint16},  {"uint16", Scalar::kUint16},   {"int", Scalar::kInt32},
+    {"int32", Scalar::kInt32},    {"uint", Scalar::kUint32},     {"uint32", Scalar::kUint32},
+    {"float", Scalar::kFloat32},  {"float32", Scalar::kFloat32}, {"double", Scalar::kFloat64},
+    {"float64", Scalar::kFloat64}};
+
+struct Property {
+  std::string_view name;
+  Scalar value;
+  std::optional<Scalar> list_count;  ///< of a list: the type of its length
+};
+
+struct Element {
+  std::string_view name;
+  double count = 0;
+  std::vector<Property> properties;
+};
+
+struct Header {
+  Encoding encoding = Encoding::kAscii;
+  std::vector<Element> elements;
+  std::string_view body;
+};
+
+[[noreturn]] void fail(const std::string& path, const std::string& what) {
+  throw FileError(path, what);
+}
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> words;
+  WordReader(line, false).next(words);
+  return words;
+}
+
+Property parse_property(const std::string& path, const std::vector<std::string_view>& words, std::size_t line) {
+  const auto scalar = [&](std::string_view word) {
+    const auto found = kScalars.find(word);
+    if (found == kScalars.end())
+      fail(path, "header line " + std::to_string(line) + ": unknown type \"" + std::string(word.substr(0, 40)) + "\"");
+    return found->second;
+  };
+  if (words.size() == 5 && words[1] == "list") return {words[4], scalar(words[3]), scalar(words[2])};
+  if (words.size() == 3) return {words[2], scalar(words[1]), std::nullopt};
+  fail(path, "header line " + std::to_string(line) + ": a property is TYPE NAME or list TYPE TYPE NAME");
+}
+
+Header parse_header(const std::string& path, std::string_view bytes) {
+  Header header;
+  bool has_format = false;
+  for (std::size_t line = 1;; ++line) {
+    const std::size_t end = bytes.find('\n');
+    if (end == std::string_view::npos) fail(path, "the header has no end_header");
+    const auto words = split(bytes.substr(0, end));
+    bytes.remove_prefix(end + 1);
+    const auto bad = [&](const char* what) { fail(path, "header line " + std::to_string(line) + ": " + what); };
+    if (words.empty() || words[0] == "ply" || words[0] == "comment" || words[0] == "obj_info") continue;
+    if (words[0] == "end_header") break;
+    if (words[0] == "format" && words.size() >= 2) {
+      has_format = true;
+      if (words[1] == "ascii") {
+        header.encoding = Encoding::kAscii;
+      } else if (words[1] == "binary_little_endian") {
+        header.encoding = Encoding::kLittleEndian;
+      } else if (words[1] == "binary_big_endian") {
+        header.encoding = Encoding::kBigEndian;
+      } else {
+        bad("unknown format");
+      }
+    } else if (words[0] == "element" && words.size() == 3) {
+      const auto count = parse_number(words[2]);
+      if (!count || !(*count >= 0)) bad("an element needs a count");
+      header.elements.push_back({words[1], *count, {}});
+    } else if (words[0] == "property" && !header.elements.empty()) {
+      header.elements.back().properties.push_back(parse_property(path, words, line));
+    } else {
+      bad("is neither format, element, property nor comment");
+    }
+  }
+  if (!has_format) fail(path, "the header has no format line");
+  // Without a property an element takes no bytes, and its count would be believed without any.
+  for (const Element& element : header.elements)
+    if (element.properties.empty()) fail(path, "element " + std::string(element.name) + " has no property");
+  header.body = bytes;
+  return header;
+}
+
+/// Takes one number after the other from the body, in any of the encodings.
+class BodyReader {
+ public:
+  BodyReader(Encoding encoding, std::string_view body) : encoding_(encoding), rest_(body) {}
+
+  /// Empty at the end of the file, and in ASCII for a word that is no number.
+  std::optional<double> next(Scalar type) {
+    if (encoding_ == Encoding::kAscii) return next_word();
+    switch (type) {
+      case Scalar::kInt8:
+        return next_binary<std::int8_t>();
+      case Scalar::kUint8:
+        return next_binary<std::uint8_t>();
+      case Scalar::kInt16:
+        return next_binary<std::int16_t>();
+      case Scalar::kUint16:
+        return next_binary<std::uint16_t>();
+      case Scalar::kInt32:
+        return next_binary<std::int32_t>();
+      case Scalar::kUint32:
+        return next_binary<std::uint32_t>();
+      case Scalar::kFloat32:
+        return next_binary<float>();
+      case Scalar::kFloat64:
+        return next_binary<double>();
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::optional<double> next_word() {
+    constexpr std::string_view kBlanks = " \t\r\n\v\f";
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
+    rest_.remove_prefix(word.size());
+    return parse_number(word);
+  }
+
+  template <typename T>
+  std::optional<double> next_binary() {
+    static_assert(std::endian::native == std::endian::little);
+    if (rest_.size() < sizeof(T)) return std::nullopt;
+    char bytes[sizeof(T)];
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+      bytes[i] = rest_[encoding_ == Encoding::kBigEndian ? sizeof(T) - 1 - i : i];
+    rest_.remove_prefix(sizeof(T));
+    T value;
+    std::memcpy(&value, bytes, sizeof(T));
+    return static_cast<double>(value);
+  }
+
+  Encoding encoding_;
+  std::string_view rest_;
+};
+
+int coordinate_axis(const Property& property) {
+  if (property.list_count) return -1;
+  return property.name == "x" ? 0 : property.name == "y" ? 1 : property.name == "z" ? 2 : -1;
+}
+
+bool holds_corners(const Property& property) {
+  return property.list_count && (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+}  // namespace
+
+RawMesh read_ply(const std::string& path, std::string_view bytes) {
+  const Header header = parse_header(path, bytes);
+  BodyReader body(header.encoding, header.body);
+  MeshBuilder builder(path);
+  std::vector<double> list;
+  for (const Element& element : header.elements) {
+    const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+    if (is_vertex) {
+      bool axes[3] = {};
+      for (const Property& property : element.properties)
+        if (coordinate_axis(property) >= 0) axes[coordinate_axis(property)] = true;
+      if (!axes[0] || !axes[1] || !axes[2]) fail(path, "element vertex lacks one of the properties x, y, z");
+    }
+    // The count is only ever a limit: memory grows with what really stands in the file.
+    for (std::size_t i = 0; static_cast<double>(i) < element.count; ++i) {
+      const FilePlace place{is_vertex ? "vertex" : is_face ? "face" : "row", i};
+      const auto next = [&](const Property& property, Scalar type) {
+        const auto value = body.next(type);
+        if (!value)
+          builder.fail(place, "element " + std::string(element.name) + ", property " + std::string(property.name) +
+                                  ": no number (is the file cut off?)");
+        return *value;
+      };
+      double position[3] = {};
+      for (const Property& property : element.properties) {
+        if (property.list_count) {
+          const double count = next(property, *property.list_count);
+          if (!(count >= 0)) builder.fail(place, "property " + std::string(property.name) + ": negative length");
+          list.clear();
+          for (double k = 0; k < count; ++k) list.push_back(next(property, property.value));
+          if (is_face && holds_corners(property)) builder.add_face(list, place);
+        } else {
+          const double value = next(property, property.value);
+          if (const int axis = coordinate_axis(property); axis >= 0) position[axis] = value;
+        }
+      }
+      if (is_vertex) builder.add_vertex(position[0], position[1], position[2], place);
+    }
+  }
+  return builder.finish();
+}
+
+void save_ply(const Mesh& mesh, const std::filesystem::path& path) {
+  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
+                    "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                    std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  out.reserve(out.size() + 12 * mesh.vertices.size() + 13 * mesh.triangles.size());
+  for (const Eigen::Vector3f& vertex : mesh.vertices) out.append(reinterpret_cast<const char*>(vertex.data()), 12);
+  for (const Triangle& triangle : mesh.triangles) {
+    out.push_back(3);
+    out.append(reinterpret_cast<const char*>(triangle.data()), 12);
+  }
+  write_file(path, out);
+}
+
+}  // namespace sheen
