@@ -148,6 +148,10 @@ void RingFactor::merge_views(int kept, int removed, double kept_share) {
   --views_;
 }
 
+std::size_t RingFactor::bytes() const {
+  return sizeof(float) * (basis_.size() + coefficients_.size()) + sizeof(double) * gram_.size();
+}
+
 void RingFactor::reserve_rank(int rank) {
   if (rank <= basis_.cols()) return;
   const int capacity = std::min(std::max(rank, rank_ + 4), options_.max_rank + options_.block);

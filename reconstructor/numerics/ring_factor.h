@@ -46,6 +46,7 @@ class RingFactor {
   const Eigen::MatrixXd& gram() const { return gram_; }
   double energy() const { return energy_; }     ///< sum of w ||c||^2
   double lost_energy() const { return lost_; }  ///< sum of w ||p||^2 that the basis does not hold
+  std::size_t bytes() const;                    ///< of heap memory held
   /// sqrt(lost / energy): the factor's own estimate of its relative error.
   double relative_error() const { return energy_ > 0 ? std::sqrt(lost_ / energy_) : 0; }
 

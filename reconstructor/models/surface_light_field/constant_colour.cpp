@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/constant_colour.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "common/color.h"
+
+namespace sheen {
+namespace {
+
+struct ConstantColourSnapshot : public ModelSnapshot {
+  std::shared_ptr<const Mesh> shape;
+  std::shared_ptr<const VertexRings> rings;
+  Eigen::Matrix3Xf colour;  ///< encoded; a sample
+  std::vector<std::uint8_t> known;
+
+  const Mesh& mesh() const override { return *shape; }
+  std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& eye) const override;
+};
+
+class ConstantColourShader : public ViewShader {
+ public:
+  explicit ConstantColourShader(const ConstantColourSnapshot& model) : model_(model) {}
+
+  SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
+    const LatticeStencil stencil = lattice_stencil(model_.rings->resolution(triangle), u, v);
+    Eigen::Vector3f encoded = Eigen::Vector3f::Zero();
+    float total = 0;
+    for (int k = 0; k < 3; ++k) {
+      const auto s = static_cast<Eigen::Index>(model_.rings->first_sample(triangle) + stencil.index[k]);
+      if (!model_.known[s]) continue;
+      encoded += stencil.weight[k] * model_.colour.col(s);
+      total += stencil.weight[k];
+    }
+    if (total < 1e-4f) return {};
+    encoded /= total;
+    return {{srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z())}, SampleState::kMeasured};
+  }
+  float heuristic(std::uint32_t) const override { return 0; }
+  QualityReason reason(std::uint32_t) const override { return QualityReason::kGood; }
+
+ private:
+  const ConstantColourSnapshot& model_;
+};
+
+std::unique_ptr<ViewShader> ConstantColourSnapshot::shader_for(const Eigen::Vector3d&) const {
+  return std::make_unique<ConstantColourShader>(*this);
+}
+
+}  // namespace
+
+ConstantColour::ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings)
+    : mesh_(std::move(mesh)),
+      rings_(std::move(rings)),
+      sum_(Eigen::Matrix3Xf::Zero(3, static_cast<Eigen::Index>(rings_->total_samples()))),
+      count_(rings_->total_samples(), 0) {}
+
+void ConstantColour::add(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count_.size(), 4096), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s < range.end(); ++s)
+      if (view.visible[s]) {
+        sum_.col(static_cast<Eigen::Index>(s)) += encoded.col(static_cast<Eigen::Index>(s));
+        ++count_[s];
+      }
+  });
+}
+
+std::shared_ptr<const ModelSnapshot> ConstantColour::snapshot() const {
+  auto snapshot = std::make_shared<ConstantColourSnapshot>();
+  snapshot->shape = mesh_;
+  snapshot->rings = rings_;
+  snapshot->colour = sum_;
+  snapshot->known.resize(count_.size());
+  for (std::size_t s = 0; s < count_.size(); ++s) {
+    snapshot->known[s] = count_[s] > 0;
+    snapshot->colour.col(static_cast<Eigen::Index>(s)) /= static_cast<float>(std::max(count_[s], 1u));
+  }
+  return snapshot;
+}
+
+}  // namespace sheen

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "reconstructor/models/appearance_model.h"
+#include "reconstructor/surface/ring_visibility.h"
+#include "reconstructor/surface/vertex_ring.h"
+
+namespace sheen {
+
+/// Running mean of each surface sample's encoded colour over the images that show it: the model that knows no view
+/// dependence. Every figure of a surface light field stands beside it.
+class ConstantColour {
+ public:
+  ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings);
+
+  /// encoded: 3 x samples; only columns of visible samples are read.
+  void add(const SurfaceView& view, const Eigen::Matrix3Xf& encoded);
+  std::shared_ptr<const ModelSnapshot> snapshot() const;
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
+  std::shared_ptr<const VertexRings> rings_;
+  Eigen::Matrix3Xf sum_;
+  std::vector<std::uint32_t> count_;
+};
+
+}  // namespace sheen

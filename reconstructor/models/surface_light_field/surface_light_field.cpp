@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/surface_light_field.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "common/color.h"
+#include "common/errors.h"
+#include "reconstructor/models/surface_light_field/exposure_gain.h"
+#include "reconstructor/models/surface_light_field/ring_resampler.h"
+
+namespace sheen {
+namespace {
+
+/// Writes the time since the last call under a stage's name.
+class StageClock {
+ public:
+  explicit StageClock(IngestReport& report) : report_(report) {}
+  void done(const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    report_.stage_ms[stage] += std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  IngestReport& report_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// As many samples along a triangle's longest edge as it has pixels in an image from the first camera's distance.
+std::vector<std::uint8_t> choose_resolution(const Mesh& mesh, const SurfaceLightFieldOptions& options,
+                                            const Capture& first) {
+  if (options.surface_map > 0)
+    return std::vector<std::uint8_t>(mesh.triangles.size(), static_cast<std::uint8_t>(options.surface_map));
+  const BoundingSphere bounds = bounding_sphere(mesh);
+  const double distance = std::max((camera_centre(first.pose.camera_from_object) - bounds.centre).norm(), 1e-9);
+  const double pixels_per_metre = std::sqrt(first.camera.fx * first.camera.fy) / distance;
+  std::vector<std::uint8_t> resolution(mesh.triangles.size());
+  for (std::size_t t = 0; t < resolution.size(); ++t) {
+    const Eigen::Vector3f a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+    const double edge = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    resolution[t] = static_cast<std::uint8_t>(std::clamp(static_cast<int>(std::lround(edge * pixels_per_metre)) + 1,
+                                                         options.min_surface_map, options.max_surface_map));
+  }
+  return resolution;
+}
+
+/// Exposure times gain, in arbitrary units; 0 when unknown.
+double exposure_product(const Exposure& exposure) {
+  return exposure.exposure_s > 0 ? exposure.exposure_s * std::pow(10.0, exposure.gain_db / 20) : 0;
+}
+
+float log_ratio(float encoded_seen, float encoded_expected) {
+  const auto usable = [](float v) { return v > 0.03f && v < 0.97f; };  // black and clipped values tell no gain
+  if (!usable(encoded_seen) || !usable(encoded_expected)) return std::numeric_limits<float>::quiet_NaN();
+  return std::log(srgb_decode(encoded_seen) / srgb_decode(encoded_expected));
+}
+
+}  // namespace
+
+struct SurfaceLightField::Pipeline {
+  std::shared_ptr<const Mesh> mesh;
+  SurfaceLightFieldOptions options;
+  std::vector<Eigen::Matrix3f> frames;  ///< of the vertices' hemispheres
+
+  // From the first image on:
+  std::shared_ptr<const VertexRings> rings;
+  std::unique_ptr<RingVisibility> visibility;
+  std::unique_ptr<ConstantColour> constant_colour;
+  std::vector<std::unique_ptr<RingModel>> ring_models;  ///< null until an image shows enough of the ring
+  double reference_exposure = 0;
+
+  Eigen::Matrix3Xf samples;  ///< radiance, then encoded values of the current image
+  KernelErrors all_kernel_errors{};
+  std::size_t accepted = 0, folded = 0;
+  std::uint64_t version = 0;
+
+  void start(const Capture& first);
+  IngestReport ingest(const Capture& capture);
+  float exposure_gain(const Capture& capture, const SurfaceView& view) const;
+  void encode(const SurfaceView& view, float gain);
+  void absorb(const SurfaceView& view, IngestReport& report);
+  void choose_kernels(const std::vector<std::uint32_t>& undecided);
+  bool gather(std::size_t vertex, const SurfaceView& view, Eigen::VectorXf& column, std::vector<std::uint8_t>& visible,
+              float& cosine) const;
+  Eigen::Vector3f direction_to(const Eigen::Vector3d& eye, std::size_t vertex) const {
+    return (eye.cast<float>() - mesh->vertices[vertex]).normalized();
+  }
+};
+
+void SurfaceLightField::Pipeline::start(const Capture& first) {
+  rings = std::make_shared<VertexRings>(*mesh, choose_resolution(*mesh, options, first));
+  visibility = std::make_unique<RingVisibility>(*mesh, *rings, options.visibility);
+  constant_colour = std::make_unique<ConstantColour>(mesh, rings);
+  ring_models.resize(mesh->vertices.size());
+  reference_exposure = exposure_product(first.exposure);
+}
+
+IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
+  IngestReport report;
+  const auto refuse = [&](const char* reason) {
+    report.reason = reason;
+    return report;
+  };
+  if (!capture.pose.usable()) return refuse("no_pose");
+  if (capture.image.width != capture.camera.width || capture.image.height != capture.camera.height)
+    return refuse("image_size");
+  if (!rings) start(capture);
+
+  StageClock clock(report);
+  RadianceImage image(
+      to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data()));
+  ImageU8 mask = capture.mask;
+  if (!image.valid().empty()) {
+    if (mask.empty())
+      mask = image.valid();
+    else
+      for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] &= image.valid().data()[i];
+  }
+  clock.done("decode");
+
+  const SurfaceView& view = visibility->look(capture.camera, capture.pose.camera_from_object, mask);
+  clock.done("visibility");
+  if (view.visible_samples == 0) return refuse("object_not_in_view");
+
+  ++accepted;
+  const bool held_out =
+      capture.purpose == Purpose::kHeldOut || (capture.purpose == Purpose::kUnspecified && options.hold_out_every > 0 &&
+                                               accepted % static_cast<std::size_t>(options.hold_out_every) == 0);
+  if (held_out) {
+    report.status = IngestStatus::kHeldOut;
+    return report;
+  }
+
+  resample(image, view, *rings, samples);
+  encode(view, 1);
+  clock.done("resample");
+  if (const float gain = exposure_gain(capture, view); gain != 1) {
+    resample(image, view, *rings, samples);
+    encode(view, gain);
+  }
+  clock.done("exposure");
+  constant_colour->add(view, samples);
+  absorb(view, report);
+  clock.done("factorize");
+  ++folded;
+  report.status = IngestStatus::kAccepted;
+  return report;
+}
+
+float SurfaceLightField::Pipeline::exposure_gain(const Capture& capture, const SurfaceView& view) const {
+  if (options.exposure == ExposureCompensation::kOff || capture.exposure.locked) return 1;
+  const double product = exposure_product(capture.exposure);
+  if (product > 0 && reference_exposure > 0) return static_cast<float>(product / reference_exposure);
+
+  std::vector<float> ratios(ring_models.size(), std::numeric_limits<float>::quiet_NaN());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ring_models.size(), 64), [&](const auto& range) {
+    Eigen::VectorXf column;
+    std::vector<std::uint8_t> visible;
+    float cosine = 0;
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      if (!ring_models[v] || !gather(v, view, column, visible, cosine)) continue;
+      double level = 0;
+      std::size_t shown = 0;
+      for (std::size_t s = 0; s < visible.size(); ++s)
+        if (visible[s]) {
+          level += column.segment<3>(static_cast<Eigen::Index>(3 * s)).sum();
+          shown += 3;
+        }
+      const float expected = ring_models[v]->expected_level(visible, direction_to(view.eye, v));
+      ratios[v] = log_ratio(static_cast<float>(level / static_cast<double>(shown)), expected);
+    }
+  });
+  return robust_gain(ratios);
+}
+
+void SurfaceLightField::Pipeline::encode(const SurfaceView& view, float gain) {
+  const float scale = 1 / gain;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.visible.size(), 4096), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s < range.end(); ++s)
+      if (view.visible[s])
+        for (int c = 0; c < 3; ++c) {
+          float& value = samples(c, static_cast<Eigen::Index>(s));
+          value = srgb_encode_fast(value * scale);
+        }
+  });
+}
+
+/// The column of a ring: false when no sample of it is visible. `cosine` is the largest of its visible triangles.
+bool SurfaceLightField::Pipeline::gather(std::size_t vertex, const SurfaceView& view, Eigen::VectorXf& column,
+                                         std::vector<std::uint8_t>& visible, float& cosine) const {
+  const auto ring = rings->ring(vertex);
+  cosine = 0;
+  bool any = false;
+  for (const RingTriangle& member : ring) any |= view.visible_in_triangle[member.triangle] > 0;
+  if (!any) return false;
+  column.resize(3 * rings->ring_samples(vertex));
+  visible.resize(static_cast<std::size_t>(rings->ring_samples(vertex)));
+  for (const RingTriangle& member : ring) {
+    const auto first = static_cast<Eigen::Index>(rings->first_sample(member.triangle));
+    const int count = lattice_samples(rings->resolution(member.triangle));
+    Eigen::Map<Eigen::Matrix3Xf>(column.data() + 3 * member.first_sample, 3, count) = samples.middleCols(first, count);
+    std::copy_n(view.visible.begin() + first, count, visible.begin() + member.first_sample);
+    if (view.visible_in_triangle[member.triangle] > 0) cosine = std::max(cosine, view.cosine[member.triangle]);
+  }
+  return true;
+}
+
+void SurfaceLightField::Pipeline::absorb(const SurfaceView& view, IngestReport& report) {
+  std::vector<RingModel::Absorbed> absorbed(ring_models.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ring_models.size(), 32), [&](const auto& range) {
+    Eigen::VectorXf column;
+    std::vector<std::uint8_t> visible;
+    float cosine = 0;
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      if (!gather(v, view, column, visible, cosine)) continue;
+      if (!ring_models[v]) ring_models[v] = std::make_unique<RingModel>(rings->ring_samples(v), options.ring);
+      absorbed[v] = ring_models[v]->absorb(column, visible, direction_to(view.eye, v), cosine, cosine);
+    }
+  });
+  double energy = 0, residual = 0;
+  std::vector<std::uint32_t> undecided;
+  for (std::size_t v = 0; v < absorbed.size(); ++v) {
+    if (!absorbed[v].used) continue;
+    ++report.rings_updated;
+    energy += absorbed[v].energy;
+    residual += absorbed[v].residual_energy;
+    if (absorbed[v].wants_kernel) undecided.push_back(static_cast<std::uint32_t>(v));
+  }
+  report.relative_residual = energy > 0 ? std::sqrt(residual / energy) : 0;
+  choose_kernels(undecided);
+}
+
+void SurfaceLightField::Pipeline::choose_kernels(const std::vector<std::uint32_t>& undecided) {
+  std::vector<KernelErrors> errors(undecided.size());
+  tbb::parallel_for(std::size_t{0}, undecided.size(),
+                    [&](std::size_t i) { errors[i] = ring_models[undecided[i]]->kernel_errors(); });
+  for (const KernelErrors& e : errors)
+    for (std::size_t k = 0; k < e.size(); ++k) all_kernel_errors[k] += e[k];
+  const double best_of_all = *std::min_element(all_kernel_errors.begin(), all_kernel_errors.end());
+  for (std::size_t i = 0; i < undecided.size(); ++i) {
+    // A ring's own error ratio is noisy with few views; that of all rings steadies it.
+    const double best = std::max(*std::min_element(errors[i].begin(), errors[i].end()), 1e-30);
+    std::size_t chosen = 0;
+    double lowest = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < kViewKernels.size(); ++k) {
+      const double score = errors[i][k] / best + all_kernel_errors[k] / std::max(best_of_all, 1e-30);
+      if (score < lowest) {
+        lowest = score;
+        chosen = k;
+      }
+    }
+    ring_models[undecided[i]]->set_kernel(kViewKernels[chosen]);
+  }
+}
+
+SurfaceLightField::SurfaceLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options)
+    : pipeline_(std::make_unique<Pipeline>()) {
+  const auto require = [](bool holds, const char* rule) {
+    if (!holds) throw ConfigError(std::string("surface light field: ") + rule);
+  };
+  require(options.surface_map == 0 || (options.surface_map >= 2 && options.surface_map <= 64),
+          "surface_map must be 0 (chosen from the footprint) or 2..64");
+  require(options.hold_out_every >= 0 && options.hold_out_every != 1,
+          "hold_out_every must be 0 (none) or at least 2: with 1 nothing would be left to learn from");
+  require(options.ring.factor.max_rank >= 1 && options.ring.factor.max_rank <= 64, "max_rank must be 1..64");
+  require(options.ring.factor.tolerance >= 0 && options.ring.factor.tolerance < 1, "tolerance must be in [0, 1)");
+  require(options.ring.max_views >= 8 && options.ring.max_views <= 1000, "max_views must be 8..1000");
+  require(options.visibility.erosion_px >= 0 && options.visibility.erosion_px <= 32, "erosion_px must be 0..32");
+  pipeline_->mesh = std::move(mesh);
+  pipeline_->options = options;
+  const std::vector<Eigen::Vector3f> normals = vertex_normals(*pipeline_->mesh);
+  pipeline_->frames.reserve(normals.size());
+  for (const Eigen::Vector3f& normal : normals) pipeline_->frames.push_back(hemisphere_frame(normal));
+}
+
+SurfaceLightField::~SurfaceLightField() = default;
+
+IngestReport SurfaceLightField::ingest(const Capture& capture) {
+  return pipeline_->ingest(capture);
+}
+
+std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_snapshot() {
+  Pipeline& p = *pipeline_;
+  if (!p.rings) {  // nothing seen yet: an empty light field on the coarsest maps
+    const std::vector<std::uint8_t> coarse(p.mesh->triangles.size(), 2);
+    return std::make_shared<SurfaceLightFieldSnapshot>(
+        p.mesh, std::make_shared<VertexRings>(*p.mesh, coarse),
+        std::vector<std::shared_ptr<const RingSnapshot>>(p.mesh->vertices.size()), p.version++);
+  }
+  std::vector<std::shared_ptr<const RingSnapshot>> data(p.ring_models.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, data.size(), 32), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v)
+      if (p.ring_models[v]) data[v] = p.ring_models[v]->snapshot(p.frames[v]);
+  });
+  return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.rings, std::move(data), p.version++);
+}
+
+std::shared_ptr<const ModelSnapshot> SurfaceLightField::constant_colour() const {
+  if (pipeline_->constant_colour) return pipeline_->constant_colour->snapshot();
+  const std::vector<std::uint8_t> coarse(pipeline_->mesh->triangles.size(), 2);
+  return ConstantColour(pipeline_->mesh, std::make_shared<VertexRings>(*pipeline_->mesh, coarse)).snapshot();
+}
+
+std::size_t SurfaceLightField::images() const {
+  return pipeline_->folded;
+}
+
+std::vector<std::size_t> SurfaceLightField::rank_histogram() const {
+  std::vector<std::size_t> histogram;
+  for (const auto& ring : pipeline_->ring_models) {
+    if (!ring || ring->views() == 0) continue;
+    const auto rank = static_cast<std::size_t>(ring->rank());
+    if (histogram.size() <= rank) histogram.resize(rank + 1, 0);
+    ++histogram[rank];
+  }
+  return histogram;
+}
+
+double SurfaceLightField::bytes_per_ring() const {
+  std::size_t bytes = 0, rings = 0;
+  for (const auto& ring : pipeline_->ring_models)
+    if (ring && ring->views() > 0) {
+      bytes += ring->bytes();
+      ++rings;
+    }
+  return rings > 0 ? double(bytes) / double(rings) : 0;
+}
+
+}  // namespace sheen

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "reconstructor/models/appearance_model.h"
+#include "reconstructor/models/surface_light_field/constant_colour.h"
+#include "reconstructor/models/surface_light_field/ring_model.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/surface/ring_visibility.h"
+
+namespace sheen {
+
+enum class ExposureCompensation {
+  kOff,   ///< grey levels mean the same in all images
+  kAuto,  ///< by exposure time and gain where they are known or locked, else estimated an image
+};
+
+struct SurfaceLightFieldOptions {
+  /// Side of a triangle's surface map; 0 = from the footprint of a pixel in the first image.
+  int surface_map = 0;
+  int min_surface_map = 4, max_surface_map = 24;  ///< bounds of the choice by footprint
+  int hold_out_every = 8;                         ///< every Nth accepted image is held out; 0 = none
+  ExposureCompensation exposure = ExposureCompensation::kAuto;
+  VisibilityOptions visibility;
+  RingModelOptions ring;
+};
+
+/// The online surface light field (000): one online SVD a vertex ring, fed image by image.
+class SurfaceLightField : public AppearanceModel {
+ public:
+  /// Throws ConfigError when an option is out of range, naming it.
+  SurfaceLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options);
+  ~SurfaceLightField() override;
+
+  IngestReport ingest(const Capture& capture) override;
+  std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
+  std::shared_ptr<const SurfaceLightFieldSnapshot> light_field_snapshot();
+  /// The mean colour of each surface sample over all images: what a model without view dependence would be.
+  std::shared_ptr<const ModelSnapshot> constant_colour() const;
+
+  std::size_t images() const;                       ///< folded in
+  std::vector<std::size_t> rank_histogram() const;  ///< [rings of rank 0, 1, ...], rings that no image reached left out
+  double bytes_per_ring() const;                    ///< mean over rings that an image reached
+
+ private:
+  struct Pipeline;
+  std::unique_ptr<Pipeline> pipeline_;
+};
+
+}  // namespace sheen

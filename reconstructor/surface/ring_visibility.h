@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "common/camera.h"
+#include "common/geometry/ray_scene.h"
+#include "common/image.h"
+#include "common/rigid3.h"
+#include "reconstructor/surface/vertex_ring.h"
+
+namespace sheen {
+
+struct VisibilityOptions {
+  int erosion_px = 2;       ///< kept away from silhouettes, depth steps, the mask's and the image's border
+  double min_cosine = 0.2;  ///< of the angle between a triangle's normal and the direction to the camera
+  double depth_step = 8;    ///< a step between neighbouring pixels, in pixel footprints, that is an edge and no slope
+  double depth_tolerance = 6;  ///< how far behind the first hit a sample may lie, in pixel footprints
+};
+
+/// What one image shows of the sampled surface. Arrays a sample run as VertexRings::first_sample says.
+struct SurfaceView {
+  Eigen::Vector3d eye;                   ///< object frame
+  std::vector<Eigen::Vector2f> pixel;    ///< a sample: where it falls in the image, through the lens
+  std::vector<std::uint8_t> visible;     ///< a sample
+  std::vector<int> visible_in_triangle;  ///< a triangle: how many of its samples are visible
+  std::vector<float> cosine;             ///< a triangle: towards the camera; <= 0 when it faces away
+  std::vector<float> step_px;            ///< a triangle: mean distance of neighbouring samples in the image
+  std::size_t visible_samples = 0;
+};
+
+/// Decides sample by sample what an image shows (000 sec. 4.2, which tests vertices only): the sample must be the first
+/// hit of its pixel's ray on a front face, away from every silhouette and depth edge, so that background never bleeds
+/// in.
+class RingVisibility {
+ public:
+  RingVisibility(const Mesh& mesh, const VertexRings& rings, const VisibilityOptions& options);
+
+  /// `mask`: empty, or the image's size with 0 where pixels are to be ignored. Not thread-safe (buffers are reused).
+  const SurfaceView& look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
+
+ private:
+  void cast_depth(const Camera& camera, const Rigid3& camera_from_object);
+  void mark_solid(const Camera& camera, const ImageU8& mask);
+  void test_samples(const Camera& camera, const Rigid3& camera_from_object);
+
+  struct Box {
+    int x0, y0, x1, y1;  ///< half open
+  };
+
+  const Mesh& mesh_;
+  const VertexRings& rings_;
+  VisibilityOptions options_;
+  RayScene scene_;
+  Camera rays_of_;                     ///< whose pixel rays are cached
+  std::vector<Eigen::Vector3f> rays_;  ///< camera frame, z = 1; NaN where the lens has none
+  Box box_{};                          ///< pixels that can show the mesh
+  ImageF depth_;                       ///< z of the first hit, 0 where there is none or it is a back face
+  ImageU8 solid_;                      ///< pixels that are safely inside a surface
+  SurfaceView view_;
+};
+
+}  // namespace sheen
