@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/stage/stage_layout.h"
+
+#include <Eigen/Geometry>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/errors.h"
+#include "common/stage/tag_pattern.h"
+
+namespace sheen {
+namespace {
+
+using nlohmann::json;
+
+constexpr char kFormat[] = "sheen-stage";
+constexpr int kVersion = 1;
+constexpr char kFamily[] = "tag36h11";
+constexpr std::size_t kMinTags = 4;  // fewer do not surround an object
+
+std::string millimetres(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g mm", metres * 1e3);
+  return text;
+}
+
+void require_length(double value, const char* field, bool zero_allowed = false) {
+  if (!std::isfinite(value) || value < 0 || (value == 0 && !zero_allowed) || value > 10)
+    throw ConfigError(std::string("stage: ") + field + " is " + millimetres(value) +
+                      "; it must be a length up to 10 m");
+}
+
+/// Tags that fit along a side that is `length` long between its margins.
+int tags_along(double length, double footprint) {
+  return static_cast<int>(std::floor(length / footprint + 1e-9));
+}
+
+StageTag upright_tag(int id, double x, double y, double side) {
+  const double h = side / 2;
+  return {id, {{{x - h, y + h, 0}, {x + h, y + h, 0}, {x + h, y - h, 0}, {x - h, y - h, 0}}}};
+}
+
+/// Mixes the bits of a value into an FNV-1a hash.
+void mix(std::uint64_t& hash, std::uint64_t value) {
+  for (int byte = 0; byte < 8; ++byte) hash = (hash ^ ((value >> (8 * byte)) & 0xff)) * 0x100000001b3ull;
+}
+
+/// Reads JSON fields and says which one is wrong.
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& path) : path_(path.string()) {}
+
+  [[noreturn]] void fail(const std::string& field, const std::string& what) const {
+    throw FileError(path_, "field \"" + field + "\" " + what);
+  }
+  const json& member(const json& object, const std::string& key, const std::string& where) const {
+    if (!object.is_object()) fail(where.empty() ? "(top)" : where, "must be an object");
+    const auto it = object.find(key);
+    if (it == object.end()) fail(where + key, "is missing");
+    return *it;
+  }
+  double number(const json& value, const std::string& field) const {
+    if (!value.is_number()) fail(field, "must be a number");
+    const double number = value.get<double>();
+    if (!std::isfinite(number) || std::abs(number) > 100) fail(field, "must be a length in metres");
+    return number;
+  }
+
+ private:
+  std::string path_;
+};
+
+StageTag read_tag(const Reader& reader, const json& entry, const std::string& where) {
+  StageTag tag;
+  const json& id = reader.member(entry, "id", where);
+  if (!id.is_number_integer() || id.get<std::int64_t>() < 0 || id.get<std::int64_t>() >= kTagIdCount)
+    reader.fail(where + "id", "must be an id of tag36h11, 0.." + std::to_string(kTagIdCount - 1));
+  tag.id = id.get<int>();
+  const json& corners = reader.member(entry, "corners_m", where);
+  const std::string field = where + "corners_m";
+  if (!corners.is_array() || corners.size() != 4) reader.fail(field, "must list four corners");
+  for (std::size_t c = 0; c < 4; ++c) {
+    if (!corners[c].is_array() || corners[c].size() != 3) reader.fail(field, "must hold corners of the form [x, y, z]");
+    for (int axis = 0; axis < 3; ++axis) tag.corners_object[c][axis] = reader.number(corners[c][axis], field);
+  }
+  const auto& q = tag.corners_object;
+  const Eigen::Vector3d normal = (q[2] - q[0]).cross(q[3] - q[1]);  // twice the area; clockwise from above, so -z
+  if (!(normal.norm() > 1e-8)) reader.fail(field, "spans no area");
+  if (normal.z() > 0)
+    reader.fail(field, "runs the wrong way round; list top left, top right, bottom right, bottom left seen from +z");
+  return tag;
+}
+
+}  // namespace
+
+const StageTag* StageLayout::find(int id) const {
+  for (const StageTag& tag : tags)
+    if (tag.id == id) return &tag;
+  return nullptr;
+}
+
+std::string StageLayout::hash() const {
+  std::uint64_t hash = 0xcbf29ce484222325ull;
+  for (const char c : family) mix(hash, static_cast<unsigned char>(c));
+  for (const StageTag& tag : tags) {
+    mix(hash, static_cast<std::uint64_t>(tag.id));
+    for (const Eigen::Vector3d& corner : tag.corners_object)
+      for (const double coordinate : corner) mix(hash, std::bit_cast<std::uint64_t>(coordinate + 0.0));  // -0 is 0
+  }
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+StageLayout make_stage(const StageOptions& options) {
+  require_length(options.width_m, "width");
+  require_length(options.height_m, "height");
+  require_length(options.tag_m, "tag size");
+  require_length(options.margin_m, "margin", true);
+  // Every tag keeps one white cell on each side, so neighbours are two apart.
+  const double cell = options.tag_m / kTagCells, footprint = options.tag_m + 2 * cell;
+  const double inner_width = options.width_m - 2 * options.margin_m;
+  const double inner_height = options.height_m - 2 * options.margin_m;
+  const int columns = tags_along(inner_width, footprint), rows = tags_along(inner_height, footprint);
+  if (columns < 3 || rows < 3)
+    throw ConfigError("stage: a board of " + millimetres(options.width_m) + " x " + millimetres(options.height_m) +
+                      " holds too few tags of " + millimetres(options.tag_m) +
+                      "; take smaller tags or a larger board (at least three tags a side)");
+  const int count = 2 * columns + 2 * (rows - 2);
+  if (options.first_id < 0 || options.first_id + count > kTagIdCount)
+    throw ConfigError("stage: first id " + std::to_string(options.first_id) + " leaves no room for " +
+                      std::to_string(count) + " tags among the ids 0.." + std::to_string(kTagIdCount - 1));
+
+  StageLayout stage{.family = kFamily, .width_m = options.width_m, .height_m = options.height_m};
+  const auto x = [&](int column) { return (inner_width - footprint) * (double(column) / (columns - 1) - 0.5); };
+  const auto y = [&](int row) { return (inner_height - footprint) * (0.5 - double(row) / (rows - 1)); };
+  int id = options.first_id;
+  const auto put = [&](int column, int row) {
+    stage.tags.push_back(upright_tag(id++, x(column), y(row), options.tag_m));
+  };
+  // Clockwise from the top left, seen from above.
+  for (int column = 0; column < columns; ++column) put(column, 0);
+  for (int row = 1; row < rows; ++row) put(columns - 1, row);
+  for (int column = columns - 2; column >= 0; --column) put(column, rows - 1);
+  for (int row = rows - 2; row >= 1; --row) put(0, row);
+  return stage;
+}
+
+StageLayout load_stage(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  if (!in) throw FileError(path.string(), "cannot be opened; make a stage with `sheen-tracker stage`");
+  const Reader reader(path);
+  json file;
+  try {
+    file = json::parse(in);
+  } catch (const json::parse_error& error) {
+    throw FileError(path.string(), "is not JSON, at byte " + std::to_string(error.byte));
+  }
+  if (reader.member(file, "format", "") != kFormat) reader.fail("format", std::string("must be \"") + kFormat + "\"");
+  const json& version = reader.member(file, "version", "");
+  if (!version.is_number_integer()) reader.fail("version", "must be a whole number");
+  if (version.get<std::int64_t>() != kVersion)
+    reader.fail("version", "is " + version.dump() + "; this program reads " + std::to_string(kVersion));
+  if (reader.member(file, "family", "") != kFamily) reader.fail("family", "must be \"tag36h11\"");
+
+  StageLayout stage{.family = kFamily};
+  stage.width_m = reader.number(reader.member(file, "width_m", ""), "width_m");
+  stage.height_m = reader.number(reader.member(file, "height_m", ""), "height_m");
+  if (stage.width_m <= 0) reader.fail("width_m", "must be positive");
+  if (stage.height_m <= 0) reader.fail("height_m", "must be positive");
+  const json& tags = reader.member(file, "tags", "");
+  if (!tags.is_array() || tags.size() < kMinTags)
+    reader.fail("tags", "must list at least " + std::to_string(kMinTags) + " tags");
+  std::set<int> ids;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const std::string where = "tags[" + std::to_string(i) + "].";
+    stage.tags.push_back(read_tag(reader, tags[i], where));
+    if (!ids.insert(stage.tags.back().id).second) reader.fail(where + "id", "stands there twice");
+  }
+  return stage;
+}
+
+void save_stage(const StageLayout& stage, const std::filesystem::path& path) {
+  json tags = json::array();
+  for (const StageTag& tag : stage.tags) {
+    json corners = json::array();
+    for (const Eigen::Vector3d& c : tag.corners_object) corners.push_back({c.x(), c.y(), c.z()});
+    tags.push_back({{"id", tag.id}, {"corners_m", corners}});
+  }
+  const json file = {{"format", kFormat},        {"version", kVersion},        {"family", stage.family},
+                     {"width_m", stage.width_m}, {"height_m", stage.height_m}, {"tags", tags}};
+  std::ofstream out(path);
+  out << file.dump(1) << '\n';
+  out.flush();
+  if (!out) throw FileError(path.string(), "cannot be written");
+}
+
+}  // namespace sheen
