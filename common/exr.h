@@ -18,9 +18,11 @@ struct ExrPart {
   std::vector<std::string> channels;
   ImageF image;
   ExrPrecision precision = ExrPrecision::kFloat;
+  int left = 0, top = 0;  ///< of the image in the picture that the file describes; not 0 where it was cropped
 };
 
-/// String attributes of the file ("cameraModel", "sheen.metrics", ...).
+/// Attributes of the file ("cameraModel", "sheen.metrics", ...) as text; the standard's numbers ("expTime", "isoSpeed",
+/// "aperture") are stored as such.
 using ExrAttributes = std::map<std::string, std::string>;
 
 struct ExrFile {
@@ -30,13 +32,15 @@ struct ExrFile {
   const ExrPart* find(const std::string& name) const;
 };
 
-/// Multi-part scan-line file, ZIP compressed; part 0 is what simple readers show. Throws FileError.
+/// Multi-part scan-line file, ZIP compressed; part 0 is what simple readers show. Finite values beyond the range of
+/// half are clamped to it. The file is complete or not there at all. Throws FileError.
 void write_exr(const std::filesystem::path& path, const ExrFile& file);
 
 /// A single RGB or grey image.
 void write_exr(const std::filesystem::path& path, const ImageF& image);
 
-/// Throws FileError for anything that is not a readable EXR of flat scan-line or tiled parts.
+/// Channels come as R, G, B, A and then by name. Throws FileError for anything that is not a readable EXR of flat
+/// scan-line or tiled parts.
 ExrFile read_exr(const std::filesystem::path& path);
 
 }  // namespace sheen

@@ -33,24 +33,27 @@ std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
 }
 
 void write_file(const fs::path& path, std::string_view bytes) {
-  const fs::path unfinished = path.string() + "." + std::to_string(::getpid()) + ".part";
-  {
+  write_file(path, [&](const fs::path& unfinished) {
     std::ofstream out(unfinished, std::ios::binary);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     out.close();
-    if (!out) {
-      const std::string reason = std::strerror(errno);
-      std::error_code ignored;
-      fs::remove(unfinished, ignored);
-      throw FileError(path.string(), "cannot be written: " + reason);
-    }
-  }
+    if (!out) throw FileError(path.string(), std::string("cannot be written: ") + std::strerror(errno));
+  });
+}
+
+void write_file(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  const fs::path unfinished = path.string() + "." + std::to_string(::getpid()) + ".part";
   std::error_code error;
-  fs::rename(unfinished, path, error);
-  if (!error) return;
-  std::error_code ignored;
-  fs::remove(unfinished, ignored);
-  throw FileError(path.string(), "cannot be written: " + error.message());
+  try {
+    write(unfinished);
+    fs::rename(unfinished, path);
+  } catch (const fs::filesystem_error& failure) {
+    fs::remove(unfinished, error);
+    throw FileError(path.string(), "cannot be written: " + failure.code().message());
+  } catch (...) {
+    fs::remove(unfinished, error);
+    throw;
+  }
 }
 
 }  // namespace sheen

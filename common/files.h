@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -15,5 +16,8 @@ std::string read_file(const std::filesystem::path& path, std::uintmax_t max_byte
 /// Writes beside the target and renames, so that a crash or a full disk leaves the old file or the new one, never half
 /// of one. Throws FileError.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// The same for what must write a file by its name: `write` is given the unfinished file's.
+void write_file(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
 
 }  // namespace sheen

@@ -8,8 +8,16 @@
 
 namespace sheen {
 
-/// Reads JPEG, PNG (8 bit: grey or RGB, sRGB) or EXR (linear float). Alpha is dropped. Throws FileError.
+/// Reads JPEG, PNG (8 bit: grey or RGB, sRGB) or EXR (linear float; its first part). Alpha is dropped, an EXIF
+/// orientation is not applied: poses belong to the pixels as they are stored. Throws FileError, for damaged data too.
 RawImage read_image(const std::filesystem::path& path);
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+/// Of such a file, without decoding its pixels. Throws FileError.
+ImageSize read_image_size(const std::filesystem::path& path);
 
 /// First channel of an 8-bit image: 0 = ignore. Throws FileError.
 ImageU8 read_mask(const std::filesystem::path& path);

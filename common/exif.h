@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+namespace sheen {
+
+/// How a photograph was exposed, as far as its EXIF data say.
+struct ExifExposure {
+  double exposure_s = 0;
+  double iso = 0;       ///< 0 = not said
+  double f_number = 0;  ///< 0 = not said
+};
+
+/// From the bytes of a JPEG (APP1 segment) or PNG (eXIf chunk). Empty where there is no exposure time, or no sense in
+/// it.
+std::optional<ExifExposure> read_exif_exposure(std::string_view file);
+
+}  // namespace sheen

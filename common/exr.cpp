@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/exr.h"
+
+#include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
+#include <ImfStringAttribute.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "common/errors.h"
+#include "common/files.h"
+
+namespace sheen {
+
+namespace {
+
+constexpr std::string_view kNumbers[] = {"expTime", "isoSpeed", "aperture"};
+constexpr int kMaxSide = 1 << 20;
+
+bool is_number_attribute(const std::string& name) {
+  return std::find(std::begin(kNumbers), std::end(kNumbers), name) != std::end(kNumbers);
+}
+
+Imf::Header header_of(const ExrPart& part, int picture_width, int picture_height) {
+  const int right = part.image.width() - 1, bottom = part.image.height() - 1;
+  Imf::Header header(Imath::Box2i({0, 0}, {picture_width - 1, picture_height - 1}),
+                     Imath::Box2i({part.left, part.top}, {part.left + right, part.top + bottom}));
+  header.setName(part.name);
+  header.setType(Imf::SCANLINEIMAGE);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const std::string& channel : part.channels)
+    header.channels().insert(channel, Imf::Channel(part.precision == ExrPrecision::kHalf ? Imf::HALF : Imf::FLOAT));
+  return header;
+}
+
+void add_attributes(const ExrAttributes& attributes, Imf::Header& header) {
+  for (const auto& [name, text] : attributes)
+    if (is_number_attribute(name))
+      header.insert(name, Imf::FloatAttribute(std::strtof(text.c_str(), nullptr)));
+    else
+      header.insert(name, Imf::StringAttribute(text));
+}
+
+/// A slice whose pixel (left, top) is `data[channel]`.
+template <typename T>
+Imf::Slice slice(T* data, Imf::PixelType type, int channel, int width, int channels, int left, int top) {
+  const std::ptrdiff_t x_stride = sizeof(T) * channels, y_stride = x_stride * width;
+  char* base = reinterpret_cast<char*>(data + channel) - left * x_stride - top * y_stride;
+  return Imf::Slice(type, base, x_stride, y_stride);
+}
+
+std::vector<half> to_half(const ImageF& image) {
+  std::vector<half> out(image.size());
+  std::transform(image.data(), image.data() + image.size(), out.begin(), [](float value) {
+    return half(std::isfinite(value) ? std::clamp<float>(value, -HALF_MAX, HALF_MAX) : value);
+  });
+  return out;
+}
+
+void write_part(const ExrPart& part, Imf::OutputPart out) {
+  std::vector<half> halves;
+  if (part.precision == ExrPrecision::kHalf) halves = to_half(part.image);
+  const int width = part.image.width(), channels = part.image.channels();
+  Imf::FrameBuffer buffer;
+  for (int c = 0; c < channels; ++c)
+    buffer.insert(part.channels[c], part.precision == ExrPrecision::kHalf
+                                        ? slice(halves.data(), Imf::HALF, c, width, channels, part.left, part.top)
+                                        : slice(const_cast<float*>(part.image.data()), Imf::FLOAT, c, width, channels,
+                                                part.left, part.top));
+  out.setFrameBuffer(buffer);
+  out.writePixels(part.image.height());
+}
+
+void check_writable(const std::filesystem::path& path, const ExrFile& file) {
+  if (file.parts.empty()) throw FileError(path.string(), "cannot be written: an EXR file needs a part");
+  std::set<std::string> names;
+  for (const ExrPart& part : file.parts) {
+    const auto fail = [&](const char* what) {
+      throw FileError(path.string(), "cannot be written: part \"" + part.name + "\" " + what);
+    };
+    if (part.image.empty()) fail("has no pixels");
+    if (int(part.channels.size()) != part.image.channels()) fail("has not one name a channel");
+    if (std::set(part.channels.begin(), part.channels.end()).size() != part.channels.size())
+      fail("has two channels of one name");
+    if (part.name.empty() || !names.insert(part.name).second) fail("needs a name of its own");
+  }
+}
+
+/// R, G, B, A first, within their layer.
+bool channel_before(const std::string& a, const std::string& b) {
+  const auto key = [](const std::string& name) {
+    const std::size_t dot = name.rfind('.');
+    const std::size_t last = dot == std::string::npos ? 0 : dot + 1;
+    const std::size_t rank = name.size() - last == 1 ? std::string_view("RGBA").find(name[last]) : std::string::npos;
+    return std::tuple(name.substr(0, last), rank, name);
+  };
+  return key(a) < key(b);
+}
+
+ExrPart read_part(Imf::MultiPartInputFile& file, int index, std::uintmax_t file_bytes) {
+  const Imf::Header& header = file.header(index);
+  ExrPart part;
+  part.name = header.hasName() ? header.name() : "";
+  const std::string where = "part " + std::to_string(index) + (part.name.empty() ? "" : " (\"" + part.name + "\")");
+  if (header.hasType() && Imf::isDeepData(header.type())) throw Error(where + " is deep; only flat parts can be read");
+
+  part.precision = ExrPrecision::kHalf;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+    if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
+      throw Error(where + ", channel " + c.name() + ": is subsampled, which cannot be read");
+    if (c.channel().type != Imf::HALF) part.precision = ExrPrecision::kFloat;
+    part.channels.push_back(c.name());
+  }
+  if (part.channels.empty()) throw Error(where + " has no channel");
+  std::sort(part.channels.begin(), part.channels.end(), channel_before);
+
+  const Imath::Box2i window = header.dataWindow(), picture = header.displayWindow();
+  const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1,
+                     height = std::int64_t(window.max.y) - window.min.y + 1;
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide)
+    throw Error(where + " claims " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
+  // No compression packs more densely than this, but for pictures too small to matter.
+  const double claimed = double(width) * double(height) * double(part.channels.size()) * sizeof(float);
+  if (claimed > 64e6 + 2000.0 * double(file_bytes))
+    throw Error(where + " claims " + std::to_string(width) + " x " + std::to_string(height) +
+                " pixels, more than the file can hold");
+  part.image = ImageF(int(width), int(height), int(part.channels.size()));
+  part.left = window.min.x - picture.min.x;
+  part.top = window.min.y - picture.min.y;
+
+  Imf::FrameBuffer buffer;
+  for (std::size_t c = 0; c < part.channels.size(); ++c)
+    buffer.insert(part.channels[c], slice(part.image.data(), Imf::FLOAT, int(c), int(width), part.image.channels(),
+                                          window.min.x, window.min.y));
+  try {
+    Imf::InputPart in(file, index);
+    in.setFrameBuffer(buffer);
+    in.readPixels(window.min.y, window.max.y);
+  } catch (const std::exception& error) {
+    throw Error(where + ": " + error.what());
+  }
+  return part;
+}
+
+std::string shortest_text(float value) {
+  char text[32];
+  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
+}
+
+ExrAttributes read_attributes(const Imf::Header& header) {
+  ExrAttributes attributes;
+  for (auto a = header.begin(); a != header.end(); ++a) {
+    const std::string name = a.name();
+    if (name == "name" || name == "type") continue;
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
+      attributes[name] = text->value();
+    else if (const auto* number = dynamic_cast<const Imf::FloatAttribute*>(&a.attribute());
+             number && is_number_attribute(name))
+      attributes[name] = shortest_text(number->value());
+  }
+  return attributes;
+}
+
+}  // namespace
+
+const ExrPart* ExrFile::find(const std::string& name) const {
+  const auto found = std::find_if(parts.begin(), parts.end(), [&](const ExrPart& part) { return part.name == name; });
+  return found == parts.end() ? nullptr : &*found;
+}
+
+void write_exr(const std::filesystem::path& path, const ExrFile& file) {
+  check_writable(path, file);
+  // The picture's size is shared by all parts: that of part 0, where it was not cropped.
+  const int width = file.parts[0].left + file.parts[0].image.width();
+  const int height = file.parts[0].top + file.parts[0].image.height();
+  std::vector<Imf::Header> headers;
+  for (const ExrPart& part : file.parts) headers.push_back(header_of(part, width, height));
+  add_attributes(file.attributes, headers[0]);
+  write_file(path, [&](const std::filesystem::path& unfinished) {
+    try {
+      Imf::MultiPartOutputFile out(unfinished.c_str(), headers.data(), int(headers.size()));
+      for (std::size_t i = 0; i < file.parts.size(); ++i) write_part(file.parts[i], Imf::OutputPart(out, int(i)));
+    } catch (const std::exception& error) {
+      throw FileError(path.string(), std::string("cannot be written: ") + error.what());
+    }
+  });
+}
+
+void write_exr(const std::filesystem::path& path, const ImageF& image) {
+  if (image.channels() != 1 && image.channels() != 3)
+    throw FileError(path.string(), "cannot be written: an image of " + std::to_string(image.channels()) +
+                                       " channels needs names for them");
+  ExrFile file;
+  file.parts.push_back({"beauty",
+                        image.channels() == 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"},
+                        image, ExrPrecision::kFloat});
+  write_exr(path, file);
+}
+
+ExrFile read_exr(const std::filesystem::path& path) {
+  std::error_code missing;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
+  if (missing) throw FileError(path.string(), "cannot be read: " + missing.message());
+  try {
+    Imf::MultiPartInputFile in(path.c_str(), Imf::globalThreadCount(), /*reconstructChunkOffsetTable=*/false);
+    ExrFile file;
+    file.attributes = read_attributes(in.header(0));
+    for (int i = 0; i < in.parts(); ++i) file.parts.push_back(read_part(in, i, bytes));
+    return file;
+  } catch (const std::exception& error) {
+    throw FileError(path.string(), std::string("is no readable EXR: ") + error.what());
+  }
+}
+
+}  // namespace sheen
