@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/image.h"
+#include "common/raw_image.h"
+#include "common/wire.h"
+
+namespace sheen {
+
+/// The pixels (every byte of every row, padding included), then the mask row by row, as `codec` packs them. Lossless.
+std::vector<std::uint8_t> pack_pixels(const RawImage& image, const ImageU8& mask, Codec codec);
+
+/// Inverse of `pack_pixels`: fills `image.bytes` and `mask`, whose formats and sizes are already set and sane. Throws
+/// ProtocolError when the blob does not hold exactly that much.
+void unpack_pixels(std::span<const std::uint8_t> blob, Codec codec, RawImage& image, ImageU8& mask);
+
+}  // namespace sheen
