@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/evaluation/held_out.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/color.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kErosionWithoutMask = 3;
+
+ImageF scaled(const ImageF& linear, float gain) {
+  ImageF out = linear;
+  for (std::size_t i = 0; i < out.size(); ++i) out.data()[i] *= gain;
+  return out;
+}
+
+/// Best PSNR over one scalar gain: golden-section search on the log of the gain, within a factor of two.
+double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth, const ImageU8& object) {
+  const auto psnr = [&](double log_gain) {
+    return squared_error(to_srgb8(scaled(painted, static_cast<float>(std::exp(log_gain)))), truth, object).psnr_db();
+  };
+  constexpr double kGolden = 0.6180339887498949;
+  double low = -std::log(2.0), high = std::log(2.0);
+  double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+  double at_a = psnr(a), at_b = psnr(b);
+  while (high - low > 0.002) {
+    if (at_a > at_b) {
+      high = b;
+      b = a;
+      at_b = at_a;
+      a = high - kGolden * (high - low);
+      at_a = psnr(a);
+    } else {
+      low = a;
+      a = b;
+      at_a = at_b;
+      b = low + kGolden * (high - low);
+      at_b = psnr(b);
+    }
+  }
+  return std::max({at_a, at_b, psnr(0)});
+}
+
+}  // namespace
+
+HeldOutView make_held_out_view(const Capture& capture, const RayPainter& painter) {
+  HeldOutView view{
+      .name = capture.name, .camera = capture.camera, .camera_from_object = capture.pose.camera_from_object};
+  view.truth =
+      to_srgb8(to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data()));
+  const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
+  ImageU8 silhouette(view.camera.width, view.camera.height, 1);
+  for (std::size_t i = 0; i < hits.size(); ++i) silhouette.data()[i] = hits[i] && hits[i].front ? 255 : 0;
+  if (capture.mask.empty()) {
+    view.object = erode(silhouette, kErosionWithoutMask);
+  } else {
+    view.object = std::move(silhouette);
+    for (std::size_t i = 0; i < view.object.size(); ++i)
+      if (capture.mask.data()[i] == 0) view.object.data()[i] = 0;
+  }
+  return view;
+}
+
+ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter) {
+  const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object);
+  const ImageU8 picture = to_srgb8(painted.beauty);
+  ViewScore score{.name = view.name};
+  score.error = squared_error(picture, view.truth, view.object);
+  score.psnr_db = score.error.psnr_db();
+  score.ssim = ssim(picture, view.truth, view.object);
+  score.psnr_gain_aligned_db = gain_aligned_psnr(painted.beauty, view.truth, view.object);
+  score.full_psnr_db = squared_error(picture, view.truth, {}).psnr_db();
+  score.full_ssim = ssim(picture, view.truth, {});
+  std::size_t object = 0, uncovered = 0;
+  for (std::size_t i = 0; i < view.object.size(); ++i) {
+    object += view.object.data()[i] != 0;
+    uncovered += view.object.data()[i] != 0 && painted.coverage.data()[i] != 255;
+  }
+  score.uncovered = object > 0 ? double(uncovered) / double(object) : 0;
+  return score;
+}
+
+Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter) {
+  Scores scores;
+  SquaredError pooled;
+  for (const HeldOutView& view : views) {
+    const ViewScore& s = scores.views.emplace_back(score(view, model, painter));
+    const double share = 1.0 / double(views.size());
+    scores.psnr_db += share * s.psnr_db;
+    scores.ssim += share * s.ssim;
+    scores.psnr_gain_aligned_db += share * s.psnr_gain_aligned_db;
+    scores.full_psnr_db += share * s.full_psnr_db;
+    scores.full_ssim += share * s.full_ssim;
+    scores.uncovered += share * s.uncovered;
+    pooled += s.error;
+  }
+  scores.psnr_pooled_db = pooled.psnr_db();
+  return scores;
+}
+
+}  // namespace sheen

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/capture.h"
+#include "common/image.h"
+#include "common/image_metrics.h"
+#include "reconstructor/models/appearance_model.h"
+#include "reconstructor/render/ray_painter.h"
+
+namespace sheen {
+
+/// A view the model never saw, ready to be compared with: 8-bit sRGB truth and the pixels that count.
+struct HeldOutView {
+  std::string name;
+  Camera camera;
+  Rigid3 camera_from_object;
+  ImageU8 truth;   ///< RGB
+  ImageU8 object;  ///< pixels of the object: first hit a front face, and inside the mask, or eroded by 3 without one
+};
+HeldOutView make_held_out_view(const Capture& capture, const RayPainter& painter);
+
+struct ViewScore {
+  std::string name;
+  double psnr_db = 0;               ///< object pixels, 8-bit sRGB
+  double ssim = 0;                  ///< object pixels
+  double psnr_gain_aligned_db = 0;  ///< after the one gain of linear radiance that fits the object's pixels best
+  double full_psnr_db = 0;          ///< the whole picture; where there is no surface it is black
+  double full_ssim = 0;
+  SquaredError error;    ///< of the object's pixels, to be pooled
+  double uncovered = 0;  ///< share of the object's pixels that no training image showed
+};
+ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter);
+
+/// Means over views, as published figures are; `psnr_pooled_db` from the pooled squared error.
+struct Scores {
+  std::vector<ViewScore> views;
+  double psnr_db = 0, ssim = 0, psnr_gain_aligned_db = 0, psnr_pooled_db = 0;
+  double full_psnr_db = 0, full_ssim = 0, uncovered = 0;
+};
+Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter);
+
+}  // namespace sheen

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/capture.h"
+#include "common/geometry/mesh.h"
+#include "reconstructor/evaluation/held_out.h"
+#include "reconstructor/models/surface_light_field/surface_light_field.h"
+#include "reconstructor/render/ray_painter.h"
+
+namespace sheen {
+
+/// What became of the captures so far.
+struct FrameCounts {
+  std::uint64_t received = 0, accepted = 0, held_out = 0;
+  std::map<std::string, std::uint64_t> refused;  ///< by reason
+};
+
+/// One object being reconstructed: the model, the views that judge it, and the account of every capture. Live capture
+/// and files go through the same `ingest`, so that the same captures in the same order give the same bits.
+class Reconstruction {
+ public:
+  Reconstruction(Mesh mesh, const SurfaceLightFieldOptions& options);
+
+  IngestReport ingest(const Capture& capture);
+
+  std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot() { return model_.light_field_snapshot(); }
+  const SurfaceLightField& model() const { return model_; }
+  const RayPainter& painter() const { return painter_; }
+  const std::vector<HeldOutView>& held_out() const { return held_out_; }
+  const FrameCounts& counts() const { return counts_; }
+  const std::map<std::string, std::vector<double>>& stage_ms() const { return stage_ms_; }  ///< a stage, an image
+  double images_per_s() const;  ///< accepted images over the time spent on ingesting them
+
+  /// The held-out views, seen by the light field and by its constant-colour twin.
+  struct Judgement {
+    Scores light_field, constant;
+  };
+  Judgement judge();
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
+  SurfaceLightField model_;
+  RayPainter painter_;
+  std::vector<HeldOutView> held_out_;
+  FrameCounts counts_;
+  std::map<std::string, std::vector<double>> stage_ms_;
+};
+
+double median(std::vector<double> values);  ///< NaN for none
+
+}  // namespace sheen

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/report.h"
+
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "common/errors.h"
+
+namespace sheen {
+namespace {
+
+using nlohmann::json;
+
+/// JSON has no infinity and no NaN.
+json number(double value) {
+  return std::isfinite(value) ? json(value) : json(nullptr);
+}
+
+}  // namespace
+
+json views_to_json(const Scores& scores) {
+  json views = json::array();
+  for (const ViewScore& v : scores.views)
+    views.push_back({{"file", v.name},
+                     {"psnr_db", number(v.psnr_db)},
+                     {"ssim", number(v.ssim)},
+                     {"psnr_gain_aligned_db", number(v.psnr_gain_aligned_db)},
+                     {"uncovered", number(v.uncovered)}});
+  return views;
+}
+
+json reconstruction_report(Reconstruction& reconstruction) {
+  const FrameCounts& counts = reconstruction.counts();
+  json refused = json::object();
+  for (const auto& [reason, n] : counts.refused) refused[reason] = n;
+  json stages = json::object();
+  for (const auto& [stage, ms] : reconstruction.stage_ms()) stages[stage] = median(ms);
+
+  json report;
+  report["frames"] = {{"sent", counts.received},     {"received", counts.received}, {"accepted", counts.accepted},
+                      {"held_out", counts.held_out}, {"refused", refused},          {"lost", 0}};
+  report["ingest_images_per_s"] = reconstruction.images_per_s();
+  report["ingest_ms"] = stages;
+  report["rank_histogram"] = reconstruction.model().rank_histogram();
+  report["bytes_per_ring"] = reconstruction.model().bytes_per_ring();
+  const Reconstruction::Judgement judged = reconstruction.judge();
+  report["held_out"] = {{"views", judged.light_field.views.size()},
+                        {"protocol",
+                         "object pixels: first hit a front face, inside the mask or eroded by 3 px without one; 8-bit "
+                         "sRGB; mean over views"},
+                        {"psnr_db", number(judged.light_field.psnr_db)},
+                        {"ssim", number(judged.light_field.ssim)},
+                        {"psnr_gain_aligned_db", number(judged.light_field.psnr_gain_aligned_db)},
+                        {"psnr_pooled_db", number(judged.light_field.psnr_pooled_db)},
+                        {"uncovered", number(judged.light_field.uncovered)},
+                        {"constant_psnr_db", number(judged.constant.psnr_db)},
+                        {"constant_ssim", number(judged.constant.ssim)},
+                        {"constant_psnr_gain_aligned_db", number(judged.constant.psnr_gain_aligned_db)},
+                        {"per_view", views_to_json(judged.light_field)},
+                        {"constant_per_view", views_to_json(judged.constant)}};
+  return report;
+}
+
+void write_json(const std::filesystem::path& path, const json& document) {
+  if (path == "-") {
+    std::cout << document.dump(2) << '\n';
+    return;
+  }
+  std::ofstream out(path);
+  out << document.dump(2) << '\n';
+  out.close();
+  if (!out) throw FileError(path.string(), "cannot be written; check that the folder exists and the disk has room");
+}
+
+}  // namespace sheen

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "reconstructor/models/surface_light_field/surface_light_field.h"
+
+namespace sheen {
+
+/// What a scene file says of the model. See docs/user_guide.md for the keys.
+///
+///   [surface_light_field]
+///   surface_map = 0            # side of a triangle's map; 0 = from the footprint of a pixel
+///   max_rank = 24              # terms a ring
+///   tolerance = 0.01           # relative error a ring may keep
+///   max_views = 64             # directions kept a ring
+///   min_visible = 0.25         # share of a ring that an image must show
+///   hold_out_every = 8         # every Nth accepted image judges the model instead of feeding it; 0 = none
+///   exposure = "auto"          # or "off"
+///   erosion_px = 2             # kept away from silhouettes
+struct SceneConfig {
+  SurfaceLightFieldOptions surface_light_field;
+};
+
+/// Throws ConfigError or FileError naming file, line and key; unknown keys are errors.
+SceneConfig load_scene_config(const std::filesystem::path& file);
+
+}  // namespace sheen

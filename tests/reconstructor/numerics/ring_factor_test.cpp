@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/numerics/ring_factor.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "tests/support/matchers.h"
+#include "tests/support/test_matrices.h"
+
+namespace sheen {
+namespace {
+
+RingFactor factor_of(const Eigen::MatrixXf& data, const RingFactorOptions& options) {
+  RingFactor factor(static_cast<int>(data.rows()), options);
+  for (Eigen::Index j = 0; j < data.cols(); ++j) factor.add(data.col(j));
+  return factor;
+}
+
+double relative_error(const RingFactor& factor, const Eigen::MatrixXf& data) {
+  return (factor.basis() * factor.coefficients() - data).norm() / data.norm();
+}
+
+/// Relative error of the best approximation of this rank (Eckart and Young).
+double best_relative_error(const Eigen::MatrixXf& data, int rank) {
+  const Eigen::VectorXd s = Eigen::BDCSVD<Eigen::MatrixXd>(data.cast<double>()).singularValues();
+  return s.tail(s.size() - std::min<Eigen::Index>(rank, s.size())).norm() / s.norm();
+}
+
+TEST(RingFactor, HoldsEverythingWhenItMay) {
+  const Eigen::MatrixXf data = gaussian_matrix(90, 20, 1);
+  const RingFactor factor = factor_of(data, {.max_rank = 32, .block = 8, .tolerance = 0});
+  EXPECT_EQ(factor.rank(), 20);
+  EXPECT_LT(relative_error(factor, data), 1e-5);
+  EXPECT_LT(orthogonality_loss(factor.basis()), 1e-5);
+  EXPECT_NEAR(factor.energy(), data.cast<double>().squaredNorm(), 1e-4 * factor.energy());
+}
+
+TEST(RingFactor, ADiffuseRingCostsOneTerm) {
+  const Eigen::MatrixXf data = ring_like_matrix(300, 60, 0, 0.01f, 2);
+  const RingFactor factor = factor_of(data, {.max_rank = 24, .block = 12, .tolerance = 0.02});
+  EXPECT_EQ(factor.rank(), 1);
+  EXPECT_LT(relative_error(factor, data), 0.02);
+}
+
+TEST(RingFactor, RankGrowsOnlyWhereTheDataAskForIt) {
+  const Eigen::MatrixXf data = gaussian_matrix(200, 5, 3) * gaussian_matrix(5, 80, 4);
+  RingFactor factor = factor_of(data, {.max_rank = 24, .block = 12, .tolerance = 1e-3});
+  factor.compress();
+  EXPECT_EQ(factor.rank(), 5);
+  EXPECT_LT(relative_error(factor, data), 2e-3);
+}
+
+TEST(RingFactor, NearlyAsGoodAsBatchInAnyOrder) {
+  // The truncation must not depend on luck: sorted orders are the worst for a plain Brand update.
+  const Eigen::MatrixXf data = ring_like_matrix(240, 120, 14, 0.01f, 5);
+  const int rank = 12;
+  const double best = best_relative_error(data, rank);
+  std::vector<Eigen::Index> order(data.cols());
+  std::iota(order.begin(), order.end(), 0);
+  std::mt19937 engine(6);
+  const Eigen::VectorXf norms = data.colwise().norm();
+  for (int trial = 0; trial < 6; ++trial) {
+    if (trial == 1) std::sort(order.begin(), order.end(), [&](auto a, auto b) { return norms[a] < norms[b]; });
+    if (trial == 2) std::reverse(order.begin(), order.end());
+    if (trial > 2) std::shuffle(order.begin(), order.end(), engine);
+    const Eigen::MatrixXf permuted = data(Eigen::all, order);
+    RingFactor factor = factor_of(permuted, {.max_rank = 2 * rank, .block = 12, .tolerance = 0});
+    factor.compress();
+    const Eigen::MatrixXf top =
+        factor.basis().leftCols(rank) * factor.coefficients().topRows(rank);  // displayed: half the internal terms
+    EXPECT_LT((top - permuted).norm() / permuted.norm(), 1.02 * best) << "order " << trial;
+    EXPECT_LT(orthogonality_loss(factor.basis()), 1e-5);
+  }
+}
+
+TEST(RingFactor, KnowsItsOwnError) {
+  const Eigen::MatrixXf data = ring_like_matrix(200, 100, 20, 0.02f, 7);
+  const RingFactor factor = factor_of(data, {.max_rank = 8, .block = 8, .tolerance = 0.01});
+  const double actual = relative_error(factor, data);
+  EXPECT_GT(factor.relative_error(), 0.95 * actual);
+  EXPECT_LT(factor.relative_error(), 1.10 * actual);
+}
+
+TEST(RingFactor, SingularValuesAreSortedAndMatchBatch) {
+  const Eigen::MatrixXf data = ring_like_matrix(150, 40, 6, 0, 8);
+  RingFactor factor = factor_of(data, {.max_rank = 24, .block = 12, .tolerance = 0});
+  factor.compress();
+  const Eigen::VectorXd exact = Eigen::BDCSVD<Eigen::MatrixXd>(data.cast<double>()).singularValues();
+  for (int i = 0; i < 7; ++i) EXPECT_NEAR(std::sqrt(factor.gram()(i, i)), exact[i], 1e-4 * exact[0]) << i;
+  for (int i = 1; i < factor.rank(); ++i) EXPECT_LE(factor.gram()(i, i), factor.gram()(i - 1, i - 1));
+}
+
+TEST(RingFactor, ZeroRepeatedAndTinyColumnsKeepTheirPlace) {
+  const Eigen::VectorXf c = ring_like_matrix(60, 1, 0, 0, 9);
+  RingFactor factor(60, {.max_rank = 4, .block = 3, .tolerance = 1e-3});
+  EXPECT_FALSE(factor.add(Eigen::VectorXf::Zero(60)).grew) << "a zero column first";
+  factor.add(c);
+  for (int i = 0; i < 50; ++i) EXPECT_FALSE(factor.add(c).grew);
+  factor.add(Eigen::VectorXf::Zero(60));
+  EXPECT_EQ(factor.views(), 53);
+  EXPECT_EQ(factor.rank(), 1);
+  const Eigen::MatrixXf model = factor.basis() * factor.coefficients();
+  EXPECT_LT((model.col(20) - c).norm(), 1e-5 * c.norm());
+  EXPECT_EQ(model.col(0).norm(), 0);
+  EXPECT_EQ(model.col(52).norm(), 0);
+}
+
+TEST(RingFactor, ScaleDoesNotMatter) {
+  const Eigen::MatrixXf data = ring_like_matrix(80, 30, 5, 0.01f, 10);
+  const RingFactorOptions options{.max_rank = 6, .block = 6, .tolerance = 0.01};
+  const RingFactor plain = factor_of(data, options);
+  for (const float scale : {1e-15f, 1e-30f, 1e15f, 1e30f}) {
+    const RingFactor scaled = factor_of(scale * data, options);
+    EXPECT_EQ(scaled.rank(), plain.rank()) << scale;
+    EXPECT_NEAR(scaled.relative_error(), plain.relative_error(), 1e-3) << scale;
+    EXPECT_LT(orthogonality_loss(scaled.basis()), 1e-5) << scale;
+  }
+}
+
+TEST(RingFactor, AHighlightOnADiffusePatchIsKept) {
+  Eigen::MatrixXf data = ring_like_matrix(100, 30, 0, 0.005f, 11);
+  data.col(17).segment(40, 6).setConstant(1e4f);
+  const RingFactor factor = factor_of(data, {.max_rank = 8, .block = 8, .tolerance = 1e-3});
+  const Eigen::VectorXf spot = factor.basis() * factor.coefficients().col(17);
+  EXPECT_NEAR(spot[42], 1e4f, 20);
+}
+
+TEST(RingFactor, AHundredThousandNearDuplicatesStayOrthonormal) {
+  const Eigen::MatrixXf data = ring_like_matrix(48, 64, 6, 1e-4f, 12);
+  RingFactor factor(48, {.max_rank = 8, .block = 8, .tolerance = 1e-6});
+  for (int i = 0; i < 100000; ++i) {
+    factor.add(data.col(i % data.cols()));
+    if (factor.views() > 64) factor.merge_views(0, 1, 0.5);
+  }
+  EXPECT_LT(orthogonality_loss(factor.basis()), 1e-5);
+  EXPECT_TRUE(factor.coefficients().allFinite());
+  EXPECT_TRUE(factor.gram().allFinite());
+}
+
+TEST(RingFactorEstimate, IsTheProjectionWhenEverythingIsKnown) {
+  const Eigen::MatrixXf data = ring_like_matrix(120, 30, 6, 0.01f, 13);
+  const RingFactor factor = factor_of(data, {.max_rank = 8, .block = 8, .tolerance = 0});
+  const std::vector<std::uint8_t> all(120, 1);
+  const Eigen::VectorXf y = factor.estimate(data.col(3), all, 0);
+  const Eigen::VectorXf projected = factor.basis().transpose() * data.col(3);
+  EXPECT_LT((y - projected).norm(), 1e-3 * projected.norm());
+}
+
+TEST(RingFactorEstimate, FillsHiddenRowsFromTheOthers) {
+  const Eigen::MatrixXf data = ring_like_matrix(150, 41, 3, 0, 14);
+  const RingFactor factor = factor_of(data.leftCols(40), {.max_rank = 8, .block = 8, .tolerance = 0});
+  std::vector<std::uint8_t> known(150, 0);
+  std::fill_n(known.begin(), 50, 1);
+  const Eigen::VectorXf filled = factor.basis() * factor.estimate(data.col(40), known, 1e-9);
+  EXPECT_LT((filled - data.col(40)).norm(), 0.01 * data.col(40).norm()) << "the new column lies in the span";
+}
+
+TEST(RingFactorEstimate, StaysFiniteWithOneRowOrNone) {
+  const Eigen::MatrixXf data = ring_like_matrix(90, 30, 8, 0.01f, 15);
+  const RingFactor factor = factor_of(data, {.max_rank = 12, .block = 8, .tolerance = 0});
+  std::vector<std::uint8_t> known(90, 0);
+  EXPECT_TRUE(factor.estimate(data.col(0), known, 1e-4).allFinite());
+  known[45] = 1;
+  const Eigen::VectorXf filled = factor.basis() * factor.estimate(data.col(0), known, 1e-4);
+  EXPECT_TRUE(filled.allFinite());
+  EXPECT_LT(filled.norm(), 3 * data.col(0).norm()) << "the prior keeps a wild extrapolation away";
+}
+
+TEST(RingFactorReveal, NewRowsJoinWithoutDisturbingTheOthers) {
+  Eigen::MatrixXf data = ring_like_matrix(120, 20, 3, 0, 16);
+  data.bottomRows(30).setZero();  // never seen so far
+  RingFactor factor = factor_of(data, {.max_rank = 8, .block = 8, .tolerance = 0});
+  const Eigen::MatrixXf before = factor.basis() * factor.coefficients();
+  // The new rows repeat the first thirty at half their value.
+  std::vector<int> rows(30);
+  std::iota(rows.begin(), rows.end(), 90);
+  const Eigen::MatrixXf as_first = 0.5f * factor.basis().topRows(30);
+  factor.reveal(rows, as_first);
+  const Eigen::MatrixXf after = factor.basis() * factor.coefficients();
+  EXPECT_LT((after.topRows(90) - before.topRows(90)).norm(), 1e-4 * before.norm());
+  EXPECT_LT((after.bottomRows(30) - 0.5f * before.topRows(30)).norm(), 1e-4 * before.norm());
+  EXPECT_LT(orthogonality_loss(factor.basis()), 1e-5);
+  EXPECT_NEAR(factor.energy(), after.cast<double>().squaredNorm(), 1e-3 * factor.energy());
+}
+
+TEST(RingFactorMerge, TheBasisStaysAndTheLastViewTakesTheFreePlace) {
+  const Eigen::MatrixXf data = ring_like_matrix(60, 6, 3, 0, 17);
+  RingFactor factor = factor_of(data, {.max_rank = 8, .block = 8, .tolerance = 0});
+  const Eigen::MatrixXf before = factor.basis() * factor.coefficients();
+  const double energy = factor.energy();
+  factor.merge_views(1, 3, 0.75);
+  ASSERT_EQ(factor.views(), 5);
+  const Eigen::MatrixXf after = factor.basis() * factor.coefficients();
+  EXPECT_LT((after.col(1) - (0.75f * before.col(1) + 0.25f * before.col(3))).norm(), 1e-5);
+  EXPECT_LT((after.col(3) - before.col(5)).norm(), 1e-5);
+  EXPECT_EQ(factor.energy(), energy);
+}
+
+}  // namespace
+}  // namespace sheen
