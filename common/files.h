@@ -13,6 +13,9 @@ namespace sheen {
 /// `max_bytes`.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t max_bytes = std::uintmax_t(1) << 34);
 
+/// No more than its first `bytes`. Throws FileError likewise.
+std::string read_file_start(const std::filesystem::path& path, std::size_t bytes);
+
 /// Writes beside the target and renames, so that a crash or a full disk leaves the old file or the new one, never half
 /// of one. Throws FileError.
 void write_file(const std::filesystem::path& path, std::string_view bytes);

@@ -19,18 +19,25 @@ struct DatasetView {
   Rigid3 camera_from_object;
   Purpose purpose = Purpose::kUnspecified;
   std::optional<double> exposure_s;  ///< from EXIF or the file, when it is there
+  double gain_db = 0;                ///< likewise: 20 log10(ISO / 100 / f-number^2), what a grey level is multiplied by
 };
 
 /// Posed image set: a folder with `transforms.json` (nerfstudio / instant-ngp keys, OpenGL axes) or a COLMAP model
-/// (text or binary). Views stand in the order of the file.
+/// (binary or text, in the folder, its `sparse` or its `sparse/0`; images in its `images`, else in the folder; masks,
+/// if any, in `masks/IMAGE.png`). Views stand in the order of the file.
 struct Dataset {
   std::filesystem::path root;
   std::vector<DatasetView> views;
   std::string hash;  ///< of the description file: names the source session, so that a repeated run is recognised
 };
 
-/// Throws FileError naming file, frame and field. Images are checked for existence, not read.
+/// Throws FileError naming file, frame and field. Images are checked for existence, their pixels not read. The path of
+/// the `transforms.json` itself will do as well.
 Dataset load_dataset(const std::filesystem::path& folder);
+
+/// Cameras and names of a `transforms.json` whose images need not exist, to render from. Throws FileError, also where
+/// `w` and `h` are missing.
+std::vector<DatasetView> load_cameras(const std::filesystem::path& transforms_json);
 
 /// Reads a view's image (JPEG, PNG: 8-bit sRGB; EXR: linear float) and mask. `sequence` counts from 1. An image whose
 /// size differs from its camera's is an error that names both.

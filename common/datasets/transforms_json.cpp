@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/datasets/transforms_json.h"
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string_view>
+
+#include "common/datasets/pose_check.h"
+#include "common/errors.h"
+
+namespace sheen {
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// Typed look-ups that name file, frame and field when something is wrong.
+class Fields {
+ public:
+  Fields(const std::string& file, std::string where, const Json& own, const Json* shared = nullptr)
+      : file_(file), where_(std::move(where)), own_(own), shared_(shared) {}
+
+  [[noreturn]] void fail(const std::string& field, const std::string& what) const {
+    throw FileError(file_, where_ + (where_.empty() || field.empty() ? "" : ", ") + field + ": " + what);
+  }
+  /// The frame's own value, else that for all frames. Null counts as absent.
+  const Json* find(const char* field) const {
+    for (const Json* object : {&own_, shared_})
+      if (object)
+        if (const auto found = object->find(field); found != object->end() && !found->is_null()) return &*found;
+    return nullptr;
+  }
+  std::optional<double> number(const char* field) const {
+    const Json* value = find(field);
+    if (!value) return std::nullopt;
+    if (!value->is_number()) fail(field, "must be a number");
+    return value->get<double>();
+  }
+  std::optional<std::string> text(const char* field) const {
+    const Json* value = find(field);
+    if (!value) return std::nullopt;
+    if (!value->is_string()) fail(field, "must be a text");
+    return value->get<std::string>();
+  }
+  /// A matrix of `rows` (or, where `or_less`, one less) rows and 4 columns; what is missing is the identity's.
+  std::optional<Eigen::Matrix4d> matrix(const char* field) const {
+    const Json* value = find(field);
+    if (!value) return std::nullopt;
+    if (!value->is_array() || (value->size() != 3 && value->size() != 4)) fail(field, "must have 3 or 4 rows");
+    Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+    for (std::size_t r = 0; r < value->size(); ++r) {
+      const Json& row = (*value)[r];
+      if (!row.is_array() || row.size() != 4) fail(field, "row " + std::to_string(r) + " must have 4 numbers");
+      for (std::size_t c = 0; c < 4; ++c) {
+        if (!row[c].is_number()) fail(field, "row " + std::to_string(r) + " must have 4 numbers");
+        m(Eigen::Index(r), Eigen::Index(c)) = row[c].get<double>();
+      }
+    }
+    if (!m.allFinite()) fail(field, "is not finite");
+    if ((m.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > 1e-6)
+      fail(field, "its last row must be 0 0 0 1");
+    return m;
+  }
+  /// The same with a checked rotation part.
+  std::optional<Eigen::Matrix4d> rigid(const char* field) const {
+    auto m = matrix(field);
+    if (!m) return m;
+    Eigen::Matrix3d rotation = m->topLeftCorner<3, 3>();
+    if (const std::string wrong = make_rotation(rotation); !wrong.empty()) fail(field, wrong);
+    m->topLeftCorner<3, 3>() = rotation;
+    return m;
+  }
+
+ private:
+  const std::string& file_;
+  std::string where_;
+  const Json& own_;
+  const Json* shared_;
+};
+
+struct LensKind {
+  LensModel lens;
+  std::vector<const char*> coefficients;  ///< fields it has, in the order of Camera::distortion; null: stays 0
+};
+
+const LensKind kBrown{LensModel::kOpenCv, {"k1", "k2", "p1", "p2", "k3"}};
+const LensKind kEquidistant{LensModel::kFisheye, {"k1", "k2", "k3", "k4"}};
+const std::map<std::string_view, LensKind> kLenses = {
+    {"OPENCV", kBrown},
+    {"PINHOLE", {LensModel::kOpenCv, {}}},
+    {"SIMPLE_PINHOLE", {LensModel::kOpenCv, {}}},
+    {"SIMPLE_RADIAL", {LensModel::kOpenCv, {"k1"}}},
+    {"RADIAL", {LensModel::kOpenCv, {"k1", "k2"}}},
+    {"OPENCV_FISHEYE", kEquidistant},
+    {"SIMPLE_RADIAL_FISHEYE", {LensModel::kFisheye, {"k1"}}},
+    {"RADIAL_FISHEYE", {LensModel::kFisheye, {"k1", "k2"}}},
+};
+
+LensKind lens_kind(const Fields& fields) {
+  if (const auto name = fields.text("camera_model")) {
+    if (const auto found = kLenses.find(*name); found != kLenses.end()) return found->second;
+    fields.fail("camera_model", "\"" + name->substr(0, 40) + "\" is not supported; undistort the images to PINHOLE");
+  }
+  const Json* fisheye = fields.find("is_fisheye");
+  return fisheye && fisheye->is_boolean() && fisheye->get<bool>() ? kEquidistant : kBrown;
+}
+
+int side(const Fields& fields, const char* field, double value) {
+  constexpr int kMaxSide = 1 << 16;
+  if (!(value >= 1 && value <= kMaxSide && value == std::floor(value)))
+    fields.fail(field, "must be a whole number of pixels, 1.." + std::to_string(kMaxSide));
+  return static_cast<int>(value);
+}
+
+/// From a field of view, where no focal length is given.
+std::optional<double> focal_from_angle(const Fields& fields, const char* field, int pixels) {
+  const auto angle = fields.number(field);
+  if (!angle) return std::nullopt;
+  if (!(*angle > 0 && *angle < M_PI)) fields.fail(field, "must be between 0 and pi");
+  return pixels / 2.0 / std::tan(*angle / 2);
+}
+
+Camera parse_camera(const Fields& fields, const std::filesystem::path& image, const ImageFiles& images) {
+  Camera camera;
+  const auto w = fields.number("w"), h = fields.number("h");
+  if (w.has_value() != h.has_value()) fields.fail(w ? "h" : "w", "is missing");
+  if (w) {
+    camera.width = side(fields, "w", *w);
+    camera.height = side(fields, "h", *h);
+  } else {
+    const ImageSize size = images.size(image);
+    camera.width = side(fields, "w", size.width);
+    camera.height = side(fields, "h", size.height);
+  }
+
+  auto fx = fields.number("fl_x"), fy = fields.number("fl_y");
+  if (!fx && !fy) {
+    fx = focal_from_angle(fields, "camera_angle_x", camera.width);
+    fy = focal_from_angle(fields, "camera_angle_y", camera.height);
+  }
+  if (!fx && !fy) fields.fail("fl_x", "is missing, and so is camera_angle_x");
+  camera.fx = fx.value_or(fy.value_or(0));
+  camera.fy = fy.value_or(camera.fx);
+  // There the first pixel's centre is (0.5, 0.5), here (0, 0).
+  camera.cx = fields.number("cx").value_or(camera.width / 2.0) - 0.5;
+  camera.cy = fields.number("cy").value_or(camera.height / 2.0) - 0.5;
+
+  const LensKind kind = lens_kind(fields);
+  camera.lens = kind.lens;
+  std::set<std::string_view> used;
+  for (std::size_t i = 0; i < kind.coefficients.size(); ++i) {
+    camera.distortion[i] = fields.number(kind.coefficients[i]).value_or(0);
+    used.insert(kind.coefficients[i]);
+  }
+  for (const char* coefficient : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
+    if (!used.contains(coefficient) && fields.number(coefficient).value_or(0) != 0)
+      fields.fail(coefficient, "is not 0, but the camera_model has no such coefficient");
+  if (const std::string wrong = validation_error(camera); !wrong.empty()) fields.fail("", wrong);
+  return camera;
+}
+
+/// What was done to all poses after they were found, to be undone.
+struct AppliedTransform {
+  Eigen::Matrix4d inverse = Eigen::Matrix4d::Identity();
+  double scale = 1;
+};
+
+AppliedTransform parse_applied(const Fields& top) {
+  AppliedTransform applied;
+  if (const auto transform = top.rigid("applied_transform"))
+    applied.inverse = Rigid3::from_matrix(*transform).inverse().matrix();
+  applied.scale = top.number("applied_scale").value_or(1);
+  if (!(std::isfinite(applied.scale) && applied.scale > 0)) top.fail("applied_scale", "must be positive");
+  const auto orientation = top.text("orientation_override");
+  if (orientation && *orientation != "none")
+    top.fail("orientation_override",
+             "\"" + orientation->substr(0, 40) +
+                 "\" would turn the poses away from the mesh; the only value that can be used is \"none\"");
+  return applied;
+}
+
+Rigid3 parse_pose(const Fields& fields, const AppliedTransform& applied) {
+  auto object_from_gl = fields.rigid("transform_matrix");
+  if (!object_from_gl) fields.fail("transform_matrix", "is missing");
+  object_from_gl->topRightCorner<3, 1>() /= applied.scale;
+  const Eigen::Matrix4d object_from_camera =
+      applied.inverse * *object_from_gl * Eigen::Vector4d(1, -1, -1, 1).asDiagonal();
+  return Rigid3::from_matrix(object_from_camera).inverse();
+}
+
+std::string normal_name(const std::string& file_path) {
+  return std::filesystem::path(file_path).lexically_normal().generic_string();
+}
+
+/// The lists that say which views are held out.
+void apply_lists(const Fields& top, std::vector<DatasetView>& views) {
+  std::map<std::string, DatasetView*> by_name;
+  for (DatasetView& view : views) by_name[normal_name(view.name)] = &view;
+  std::set<const DatasetView*> training, held_out;
+  bool any_list = false;
+  for (const char* field : {"train_filenames", "val_filenames", "test_filenames"}) {
+    const Json* list = top.find(field);
+    if (!list) continue;
+    any_list = true;
+    if (!list->is_array()) top.fail(field, "must be a list of file names");
+    for (const Json& entry : *list) {
+      if (!entry.is_string()) top.fail(field, "must be a list of file names");
+      const auto found = by_name.find(normal_name(entry.get<std::string>()));
+      if (found == by_name.end()) top.fail(field, "no frame has the file_path \"" + entry.get<std::string>() + "\"");
+      if (std::string_view(field) == "train_filenames") training.insert(found->second);
+      if (std::string_view(field) == "test_filenames") held_out.insert(found->second);
+    }
+  }
+  if (!any_list) return;
+  for (DatasetView& view : views) {
+    view.purpose = held_out.contains(&view) ? Purpose::kHeldOut : Purpose::kTraining;
+    if (held_out.contains(&view) && training.contains(&view))
+      top.fail("test_filenames", "\"" + view.name + "\" stands in train_filenames as well");
+  }
+}
+
+DatasetView parse_frame(const Fields& fields, const AppliedTransform& applied, const ImageFiles& images) {
+  DatasetView view;
+  const auto name = fields.text("file_path");
+  if (!name || name->empty()) fields.fail("file_path", "is missing");
+  if (name->find('\0') != std::string::npos) fields.fail("file_path", "is no file name");
+  view.name = *name;
+  view.image_path = images.find(view.name);
+  if (view.image_path.empty()) fields.fail("file_path", "there is no such image");
+  if (const auto mask = fields.text("mask_path")) {
+    if (mask->find('\0') == std::string::npos) view.mask_path = images.find(*mask);
+    if (!view.mask_path || view.mask_path->empty())
+      fields.fail("mask_path", "there is no such file: \"" + *mask + "\"");
+  }
+  view.camera_from_object = parse_pose(fields, applied);
+  view.camera = parse_camera(fields, view.image_path, images);
+  return view;
+}
+
+Json parse_json(const std::string& file, const std::string& text) {
+  try {
+    return Json::parse(text);
+  } catch (const Json::exception& error) {
+    throw FileError(file, std::string("is no valid JSON: ") + error.what());
+  }
+}
+
+}  // namespace
+
+std::vector<DatasetView> parse_transforms(const std::string& file, const std::string& text, const ImageFiles& images) {
+  const Json json = parse_json(file, text);
+  if (!json.is_object()) throw FileError(file, "must be a JSON object with a list \"frames\"");
+  const Fields top(file, "", json);
+  const Json* frames = top.find("frames");
+  if (!frames || !frames->is_array() || frames->empty()) top.fail("frames", "must be a list of at least one frame");
+
+  const AppliedTransform applied = parse_applied(top);
+  std::vector<DatasetView> views;
+  std::map<std::string, std::size_t> first_of_name;
+  std::size_t masks = 0;
+  for (std::size_t i = 0; i < frames->size(); ++i) {
+    const Json& frame = (*frames)[i];
+    const auto label = frame.is_object() ? frame.find("file_path") : frame.end();
+    const std::string name = label != frame.end() && label->is_string() ? " (" + label->get<std::string>() + ")" : "";
+    const std::string where = "frame " + std::to_string(i) + name;
+    if (!frame.is_object()) throw FileError(file, where + ": must be a JSON object");
+    const Fields fields(file, where, frame, &json);
+    views.push_back(parse_frame(fields, applied, images));
+    const auto [first, is_new] = first_of_name.emplace(normal_name(views.back().name), i);
+    if (!is_new) fields.fail("file_path", "is that of frame " + std::to_string(first->second) + " again");
+    if (views.back().mask_path) ++masks;
+    if (masks != 0 && masks != views.size())
+      fields.fail("mask_path", "either all frames have a mask or none; this one and those before differ");
+  }
+  apply_lists(top, views);
+  return views;
+}
+
+}  // namespace sheen

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/datasets/dataset.h"
+#include "common/image_io.h"
+
+namespace sheen {
+
+/// What a description leaves to its image files. Both are asked with the path as the description has it.
+struct ImageFiles {
+  /// The file that a `file_path` means (it may lack its extension, Blender style); empty when there is none.
+  std::function<std::filesystem::path(const std::string& file_path)> find;
+  /// Asked where the description gives no `w` and `h`. Throws FileError.
+  std::function<ImageSize(const std::filesystem::path& image)> size;
+};
+
+/// Views of the text of a `transforms.json`: cameras (OPENCV, PINHOLE, SIMPLE_PINHOLE, SIMPLE_RADIAL, RADIAL,
+/// OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, or `camera_angle_x`; for all frames or one by one), poses,
+/// masks and the lists of views. Poses are taken back behind `applied_transform` and `applied_scale`, to the frame that
+/// the poses had, and a mesh made with them still has. `file` names the description in errors; reads nothing itself.
+/// Throws FileError with frame and field.
+std::vector<DatasetView> parse_transforms(const std::string& file, const std::string& text, const ImageFiles& images);
+
+}  // namespace sheen

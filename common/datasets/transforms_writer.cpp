@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "common/datasets/dataset.h"
+#include "common/errors.h"
+#include "common/files.h"
+
+namespace sheen {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json matrix_rows(const Eigen::Matrix4d& m, int rows) {
+  Json out = Json::array();
+  for (int r = 0; r < rows; ++r) out.push_back({m(r, 0), m(r, 1), m(r, 2), m(r, 3)});
+  return out;
+}
+
+/// One name for all views where there is one, as some readers know only one.
+const char* camera_model(std::span<const DatasetView> views) {
+  const auto fisheye = [](const DatasetView& v) { return v.camera.lens == LensModel::kFisheye; };
+  const auto distorted = [](const DatasetView& v) { return v.camera.has_distortion(); };
+  if (std::all_of(views.begin(), views.end(), fisheye)) return "OPENCV_FISHEYE";
+  if (std::any_of(views.begin(), views.end(), fisheye)) return nullptr;
+  return std::any_of(views.begin(), views.end(), distorted) ? "OPENCV" : "PINHOLE";
+}
+
+Json camera_fields(const Camera& camera) {
+  Json out;
+  out["w"] = camera.width;
+  out["h"] = camera.height;
+  out["fl_x"] = camera.fx;
+  out["fl_y"] = camera.fy;
+  out["cx"] = camera.cx + 0.5;
+  out["cy"] = camera.cy + 0.5;
+  if (!camera.has_distortion()) return out;
+  const bool fisheye = camera.lens == LensModel::kFisheye;
+  const std::array<const char*, 5> names =
+      fisheye ? std::array{"k1", "k2", "k3", "k4", ""} : std::array{"k1", "k2", "p1", "p2", "k3"};
+  for (std::size_t i = 0; i < (fisheye ? 4u : 5u); ++i) out[names[i]] = camera.distortion[i];
+  return out;
+}
+
+/// As seen from the folder that the file stands in, where that can be said.
+std::string relative_name(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  return std::filesystem::absolute(path).lexically_proximate(std::filesystem::absolute(folder)).generic_string();
+}
+
+}  // namespace
+
+void write_transforms(const std::filesystem::path& file, const std::vector<DatasetView>& views) {
+  if (views.empty()) throw FileError(file.string(), "cannot be written: there are no views");
+  const bool masks =
+      std::all_of(views.begin(), views.end(), [](const DatasetView& v) { return v.mask_path.has_value(); });
+  const bool lists =
+      std::any_of(views.begin(), views.end(), [](const DatasetView& v) { return v.purpose == Purpose::kHeldOut; });
+  const Json shared_camera = camera_fields(views[0].camera);
+  const bool one_camera = camera_model(views) && std::all_of(views.begin(), views.end(), [&](const DatasetView& v) {
+                            return camera_fields(v.camera) == shared_camera;
+                          });
+  const char* model = camera_model(views);
+  Json out;
+  if (model) out["camera_model"] = model;
+  if (one_camera) out.update(shared_camera);
+  // The tools that read this must neither turn nor scale the poses, or they no longer fit the mesh.
+  out["applied_transform"] = matrix_rows(Eigen::Matrix4d::Identity(), 3);
+  out["orientation_override"] = "none";
+  Json training = Json::array(), held_out = Json::array();
+  for (const DatasetView& view : views) {
+    Json frame;
+    frame["file_path"] = view.name;
+    if (masks) frame["mask_path"] = relative_name(*view.mask_path, file.parent_path());
+    if (!model) frame["camera_model"] = camera_model({&view, 1});
+    if (!one_camera) frame.update(camera_fields(view.camera));
+    const Eigen::Matrix4d object_from_gl =
+        view.camera_from_object.inverse().matrix() * Eigen::Vector4d(1, -1, -1, 1).asDiagonal();
+    frame["transform_matrix"] = matrix_rows(object_from_gl, 4);
+    out["frames"].push_back(std::move(frame));
+    (view.purpose == Purpose::kHeldOut ? held_out : training).push_back(view.name);
+  }
+  if (lists) {
+    out["train_filenames"] = training;
+    out["val_filenames"] = held_out;
+    out["test_filenames"] = held_out;
+  }
+  try {
+    write_file(file, out.dump(1) + "\n");
+  } catch (const nlohmann::json::exception& error) {
+    throw FileError(file.string(), std::string("cannot be written: ") + error.what());
+  }
+}
+
+}  // namespace sheen
