@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <map>
+
+#include "common/files.h"
+#include "common/geometry/mesh.h"
+#include "support/expect_error.h"
+#include "support/temp_folder.h"
+
+namespace sheen {
+namespace {
+
+/// A pyramid over the unit square: 5 vertices; base quad and 4 triangles, outwards.
+const std::vector<Eigen::Vector3f> kPyramid = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 1.25}};
+const std::vector<Triangle> kPyramidTriangles = {{3, 2, 1}, {3, 1, 0}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+
+void expect_pyramid(const LoadedMesh& loaded) {
+  EXPECT_EQ(loaded.mesh.vertices, kPyramid);
+  EXPECT_EQ(loaded.mesh.triangles, kPyramidTriangles);
+  EXPECT_THAT(loaded.diagnosis.warnings(), testing::IsEmpty());
+  EXPECT_NEAR(loaded.diagnosis.signed_volume, 1.25 / 3, 1e-9);
+}
+
+template <typename T>
+void append(std::string& out, T value, bool big_endian) {
+  char bytes[sizeof(T)];
+  std::memcpy(bytes, &value, sizeof(T));
+  if (big_endian) std::reverse(bytes, bytes + sizeof(T));
+  out.append(bytes, sizeof(T));
+}
+
+/// Doubles, extra properties of every kind before, between and behind, an element between and one behind.
+std::string pyramid_ply(bool big_endian) {
+  std::string out =
+      std::string("ply\nformat ") + (big_endian ? "binary_big_endian" : "binary_little_endian") +
+      " 1.0\ncomment made by hand\nobj_info nothing\nelement vertex 5\nproperty uchar flag\n"
+      "property double x\nproperty double y\nproperty short spare\nproperty double z\nproperty list uchar "
+      "float weights\nelement material 2\nproperty int8 kind\nelement face 5\nproperty float quality\n"
+      "property list ushort uint32 vertex_index\nproperty list uchar float texcoord\nelement edge 1\n"
+      "property int vertex1\nproperty int vertex2\nend_header\n";
+  const auto put = [&](auto value) { append(out, value, big_endian); };
+  for (const Eigen::Vector3f& v : kPyramid) {
+    put(std::uint8_t(7));
+    put(double(v.x()));
+    put(double(v.y()));
+    put(std::int16_t(-3));
+    put(double(v.z()));
+    put(std::uint8_t(2));
+    put(0.5f);
+    put(0.25f);
+  }
+  put(std::int8_t(1));
+  put(std::int8_t(-1));
+  const std::vector<std::vector<std::uint32_t>> faces = {{3, 2, 1, 0}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  for (const auto& face : faces) {
+    put(1.5f);
+    put(std::uint16_t(face.size()));
+    for (const std::uint32_t corner : face) put(corner);
+    put(std::uint8_t(1));
+    put(9.f);
+  }
+  put(std::int32_t(0));
+  put(std::int32_t(1));
+  return out;
+}
+
+const char* const kAsciiPly =
+    "ply\r\nformat ascii 1.0\r\nelement vertex 5\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\n"
+    "element face 5\r\nproperty list uchar int vertex_indices\r\nend_header\r\n0 0 0\r\n1 0 0\r\n1 1 0\r\n0 1 0\r\n"
+    "+.5 5e-1 1.25\r\n4 3 2 1 0\r\n3 0 1 4\r\n3 1 2 4\r\n3 2 3 4\r\n3 3 0 4\r\n";
+
+TEST(Ply, BinaryOfBothByteOrdersWithAnyPropertiesAndElements) {
+  const TempFolder folder;
+  for (const bool big_endian : {false, true}) expect_pyramid(load_mesh(folder.write("a.ply", pyramid_ply(big_endian))));
+}
+
+TEST(Ply, AsciiWithCarriageReturns) {
+  const TempFolder folder;
+  expect_pyramid(load_mesh(folder.write("a.ply", kAsciiPly)));
+}
+
+TEST(Ply, FacesMayStandBeforeVertices) {
+  const TempFolder folder;
+  expect_pyramid(load_mesh(folder.write(
+      "a.ply",
+      "ply\nformat ascii 1.0\nelement face 5\nproperty list uchar int vertex_indices\nelement vertex 5\nproperty float "
+      "x\nproperty float y\nproperty float z\nend_header\n4 3 2 1 0\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n0 0 0\n1 0 0\n"
+      "1 1 0\n0 1 0\n.5 .5 1.25\n")));
+}
+
+TEST(Ply, CutOffAnywhereIsAnErrorAndNothingElse) {
+  const TempFolder folder;
+  const std::string whole = pyramid_ply(false);
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    EXPECT_THROW(load_mesh(folder.write("a.ply", whole.substr(0, size))), FileError) << size;
+}
+
+TEST(Ply, EveryDamagedByteIsReadOrRefused) {
+  const TempFolder folder;
+  const std::string whole = pyramid_ply(true);
+  int refused = 0;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    std::string damaged = whole;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x91);
+    try {
+      load_mesh(folder.write("a.ply", damaged));
+    } catch (const FileError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 300) << "at least what is in the header";
+}
+
+TEST(Ply, ClaimedSizesAreNotBelieved) {
+  const TempFolder folder;
+  const std::string head = "ply\nformat binary_little_endian 1.0\n";
+  const std::string vertex = "property float x\nproperty float y\nproperty float z\n";
+  expect_error([&] { load_mesh(folder.write("a.ply", head + "element vertex 1e18\n" + vertex + "end_header\nabc")); },
+               {"a.ply", "vertex 0", "cut off"});
+  expect_error(
+      [&] {
+        load_mesh(folder.write(
+            "a.ply", head + "element face 1\nproperty list uint int vertex_indices\nend_header\n\xff\xff\xff\x7f"));
+      },
+      {"a.ply", "face 0", "cut off"});
+  expect_error([&] { load_mesh(folder.write("a.ply", head + "element nothing 1e18\nend_header\n")); },
+               {"nothing", "no property"});
+}
+
+TEST(Ply, SaysWhatIsWrong) {
+  const TempFolder folder;
+  const auto refused = [&](std::string text, const std::string& from, const std::string& to,
+                           std::initializer_list<std::string> words) {
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos);
+    text.replace(at, from.size(), to);
+    expect_error([&] { load_mesh(folder.write("a.ply", text)); }, words);
+  };
+  refused(kAsciiPly, "3 0 1 4", "3 0 1 5", {"a.ply", "face 1", "vertex 5", "there are 5"});
+  refused(kAsciiPly, "3 0 1 4", "3 0 -1 4", {"face 1", "no vertex index"});
+  refused(kAsciiPly, "3 0 1 4", "3 0 1.5 4", {"face 1", "no vertex index"});
+  refused(kAsciiPly, "1 1 0", "1 nan 0", {"vertex 2", "no finite number"});
+  refused(kAsciiPly, "1 1 0", "1 1e300 0", {"vertex 2", "no finite number"});
+  refused(kAsciiPly, "1 1 0", "1 one 0", {"vertex 2", "property y"});
+  refused(kAsciiPly, "property float z", "property float w", {"x, y, z"});
+  refused(kAsciiPly, "property float z", "property real z", {"line 6", "real"});
+  refused(kAsciiPly, "ascii", "morse", {"line 2", "format"});
+  refused(kAsciiPly, "list uchar int vertex_indices", "list uchar int corners", {"no triangle"});
+}
+
+TEST(Obj, EveryFormOfFace) {
+  const TempFolder folder;
+  expect_pyramid(load_mesh(folder.write("a.OBJ",
+                                        "\xEF\xBB\xBF# a comment\r\nmtllib some.mtl\r\no pyramid\r\nv 0 0 0\r\nv 1 0 0 "
+                                        "1.0\r\nv 1 1 0 0.5 0.5 0.5\r\nv 0 1 \\\r\n 0 # behind\r\nv .5 .5 1.25\r\n"
+                                        "vt 0 0\r\nvn 0 0 1\r\ng base\r\nusemtl stone\r\ns off\r\nf 4 3 2 1\r\n"
+                                        "f 1/1 2/1 5/1\r\nf 2//1 3//1 5//1\r\nf 3/1/1 4/1/1 \\\r\n  5/1/1\r\n"
+                                        "f -2 -5 -1\r\nl 1 2\r\n")));
+}
+
+TEST(Obj, SaysWhatIsWrong) {
+  const TempFolder folder;
+  const auto refused = [&](const std::string& text, std::initializer_list<std::string> words) {
+    expect_error([&] { load_mesh(folder.write("a.obj", text)); }, words);
+  };
+  const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  refused(three + "\n\nf 1 2 4\n", {"a.obj", "line 6", "vertex 3", "there are 3"});
+  refused(three + "f 1 2 -4\n", {"line 4", "before the first"});
+  refused(three + "f 1 2 0\n", {"line 4", "\"0\""});
+  refused(three + "f 1 2 x/1\n", {"line 4", "x/1"});
+  refused(three + "f 1 2 99999999999999999999\n", {"line 4"});
+  refused(three + "f 1 2 3.5\n", {"line 4"});
+  refused("v 0 0\n", {"line 1", "three numbers"});
+  refused("v 0 0 inf\n" + three, {"line 1", "finite"});
+  refused(three, {"no triangle"});
+  refused(three + "f 1 2\n", {"no triangle"});
+  refused(three + "f 1 1 2\n", {"area"});
+  refused("", {"no vertex"});
+  refused(std::string("\0\xff\xfe\x80garbage\n\\", 13), {"no vertex"});
+}
+
+TEST(Off, CountsOnTheFirstLineOrTheNextAndColours) {
+  const TempFolder folder;
+  const std::string body =
+      "0 0 0\n1 0 0 # a corner\n\n1 1 0\n0 1 0\n.5 .5 1.25\n4 3 2 1 0 255 0 0\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n";
+  expect_pyramid(load_mesh(folder.write("a.off", "OFF\n# comment\n5 5 0\n" + body)));
+  expect_pyramid(load_mesh(folder.write("a.off", "OFF 5 5 0\n" + body)));
+  expect_pyramid(load_mesh(folder.write("a.off", "5 5 0\n" + body)));
+  expect_pyramid(load_mesh(folder.write("without_extension", "OFF\n5 5 0\n" + body)));
+  const std::string coloured =
+      "COFF\n5 5 0\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n1 1 0 1 1 1 1\n0 1 0 1 1 1 1\n.5 .5 1.25 1 1 1 1\n4 3 2 1 0\n3 0 1 "
+      "4\n"
+      "3 1 2 4\n3 2 3 4\n3 3 0 4\n";
+  expect_pyramid(load_mesh(folder.write("a.off", coloured)));
+}
+
+TEST(Off, SaysWhatIsWrong) {
+  const TempFolder folder;
+  const auto refused = [&](const std::string& text, std::initializer_list<std::string> words) {
+    expect_error([&] { load_mesh(folder.write("a.off", text)); }, words);
+  };
+  refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", {"a.off", "line 6", "face"});
+  refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", {"line 6", "vertex 3"});
+  refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n", {"ends", "face"});
+  refused("OFF\n1e18 1e18 0\n0 0 0\n", {"ends", "vertex"});
+  refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n1e18 0 1 2\n", {"line 6"});
+  refused("4OFF\n3 1 0\n", {"line 1", "variant"});
+  refused("OFF BINARY\n", {"line 1", "variant"});
+  refused("OFF\n", {"ends", "counts"});
+}
+
+TEST(MeshFiles, MissingFolderOrUnknown) {
+  const TempFolder folder;
+  expect_error([&] { load_mesh(folder.path() / "none.ply"); }, {"none.ply", "no such file"});
+  expect_error([&] { load_mesh(folder.path()); }, {"regular file"});
+  expect_error([&] { load_mesh(folder.write("a.stl", "solid")); }, {"a.stl", "neither PLY nor OBJ nor OFF"});
+}
+
+TEST(MeshFiles, SavedAndReadAgainBitForBit) {
+  const TempFolder folder;
+  Mesh mesh{kPyramid, kPyramidTriangles};
+  mesh.vertices[4] = {0.1f, std::numeric_limits<float>::denorm_min(), -3.3f};
+  mesh.triangles.push_back({1, 1, 2});  // no area: only loading unchanged keeps it
+  save_ply(mesh, folder.path() / "out.ply");
+  const Mesh again = load_mesh_unchanged(folder.path() / "out.ply");
+  EXPECT_EQ(again.vertices, mesh.vertices);
+  EXPECT_EQ(again.triangles, mesh.triangles);
+  EXPECT_EQ(load_mesh(folder.path() / "out.ply").diagnosis.removed_degenerate, 1u);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "nothing unfinished is left";
+  expect_error([&] { save_ply(mesh, folder.path() / "no_folder" / "out.ply"); }, {"no_folder", "cannot be written"});
+  expect_error([&] { save_ply(mesh, "/dev/full/out.ply"); }, {"cannot be written"});
+}
+
+TEST(MeshFiles, MeshesOfThePublicCollections) {
+  const std::filesystem::path folder = std::filesystem::path(SHEEN_SHARED_DATA) / "meshes_clean";
+  if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << "no shared data";
+  std::map<std::string, std::size_t> triangles;
+  for (const char* name : {"spot_6k_uv.obj", "teapot_3k_decimated.ply", "head_2.9k.off", "penguin_6.7k.obj"}) {
+    const LoadedMesh loaded = load_mesh(folder / name);
+    EXPECT_TRUE(std::all_of(loaded.mesh.vertices.begin(), loaded.mesh.vertices.end(),
+                            [](const Eigen::Vector3f& v) { return v.allFinite(); }));
+    triangles[name] = loaded.diagnosis.triangles;
+  }
+  EXPECT_GT(triangles["spot_6k_uv.obj"], 5000u);
+  EXPECT_LT(triangles["spot_6k_uv.obj"], 7000u);
+  EXPECT_GT(triangles["head_2.9k.off"], 2500u);
+}
+
+}  // namespace
+}  // namespace sheen

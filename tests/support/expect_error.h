@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <string>
+
+#include "common/errors.h"
+
+namespace sheen {
+
+/// `action` must throw an `Exception` whose message holds all of `words`: an error has to say where and what.
+template <typename Exception = FileError, typename Action>
+void expect_error(Action action, std::initializer_list<std::string> words) {
+  try {
+    action();
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const Exception& error) {
+    for (const std::string& word : words) EXPECT_THAT(error.what(), testing::HasSubstr(word));
+  }
+}
+
+}  // namespace sheen
