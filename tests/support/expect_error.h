@@ -18,7 +18,7 @@ void expect_error(Action action, std::initializer_list<std::string> words) {
     action();
     ADD_FAILURE() << "nothing was thrown";
   } catch (const Exception& error) {
-    for (const std::string& word : words) EXPECT_THAT(error.what(), testing::HasSubstr(word));
+    for (const std::string& word : words) EXPECT_THAT(std::string(error.what()), testing::HasSubstr(word));
   }
 }
 
