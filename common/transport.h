@@ -15,7 +15,7 @@
 
 namespace sheen {
 
-/// CURVE keys. Without them only loopback endpoints are allowed.
+/// CURVE key pair of one role. Without keys only loopback endpoints are allowed.
 struct CurveKeys {
   std::string public_key;  ///< Z85
   std::string secret_key;  ///< Z85
@@ -38,24 +38,29 @@ struct SenderStats {
   std::uint64_t kept = 0, delivered = 0, acknowledged = 0, resent = 0;
   std::uint64_t live_sent = 0, live_dropped = 0;
   std::uint64_t rejected_messages = 0;  ///< malformed or of another version
-  std::uint64_t refused_keys = 0;
+  std::uint64_t refused_keys = 0;       ///< handshakes of unknown, revoked or missing keys
+  std::string last_refusal;             ///< who was refused, and why; keys, second receivers, malformed messages
   bool peer_connected = false;
 };
 
 /// The tracker's end of the data link: binds a ROUTER, sends while it has credits. Thread-safe; its own I/O thread.
 class CaptureSender {
  public:
-  explicit CaptureSender(
-      const SenderOptions& options);  ///< throws DeviceError: address in use, non-loopback without keys
+  /// Throws DeviceError when the address cannot be bound, ConfigError for a non-loopback one without keys, for keys
+  /// without an allowlist and for a broken allowlist.
+  explicit CaptureSender(const SenderOptions& options);
   ~CaptureSender();
 
   /// Delivered at least once, in order. Waits while `retained` captures are unacknowledged; false when it timed out
-  /// (the capture is then not taken).
+  /// (the capture is then not taken). An empty source_session and a sequence of 0 are filled in; else the session must
+  /// be the sender's and the sequence the one after the last. Throws ProtocolError for an invalid capture.
   bool keep(Capture capture, std::chrono::milliseconds timeout);
-  /// Latest wins; never waits.
+  /// Latest wins; never waits for the network. Throws ProtocolError for an invalid capture.
   void live(Capture capture);
-  /// Tells the receiver that nothing more comes, and waits until all kept captures are acknowledged.
+  /// Tells the receiver that nothing more comes, and waits until it has acknowledged that and all kept captures.
   bool finish(std::chrono::milliseconds timeout);
+  /// The address in use, with the port that the system chose if `options.endpoint` left it open (":*").
+  std::string endpoint() const;
   SenderStats stats() const;
 
  private:
@@ -79,7 +84,10 @@ struct Received {
 
 struct ReceiverStats {
   std::uint64_t kept = 0, live = 0, duplicates = 0, rejected_messages = 0, bytes = 0;
+  std::uint64_t missing = 0;  ///< kept captures that the sender no longer has because another receiver took them
   std::map<std::string, std::uint64_t> rejected_by_reason;
+  std::int64_t clock_offset_ns = 0;  ///< sender's steady clock minus this one, to half of round_trip_ns
+  std::int64_t round_trip_ns = 0;    ///< of the latest hello
   bool connected = false;
   bool ended = false;  ///< the sender said that its source has ended, and everything it kept was received
   std::string last_error;
@@ -88,7 +96,7 @@ struct ReceiverStats {
 /// The reconstructor's end: a DEALER that connects, says hello (again after every reconnect), and gives credits.
 class CaptureReceiver {
  public:
-  explicit CaptureReceiver(const ReceiverOptions& options);
+  explicit CaptureReceiver(const ReceiverOptions& options);  ///< throws ConfigError
   ~CaptureReceiver();
 
   /// The next capture, validated and deduplicated; nothing after `timeout`. A credit is returned to the sender when the
