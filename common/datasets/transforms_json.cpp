@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/datasets/transforms_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -81,6 +82,15 @@ class Fields {
   const Json* shared_;
 };
 
+/// A text from the file as an error may show it: short and without control characters.
+std::string shown(std::string text) {
+  constexpr std::size_t kLength = 200;
+  if (text.size() > kLength) text.resize(kLength);
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
+  return text;
+}
+
 struct LensKind {
   LensModel lens;
   std::vector<const char*> coefficients;  ///< fields it has, in the order of Camera::distortion; null: stays 0
@@ -102,7 +112,7 @@ const std::map<std::string_view, LensKind> kLenses = {
 LensKind lens_kind(const Fields& fields) {
   if (const auto name = fields.text("camera_model")) {
     if (const auto found = kLenses.find(*name); found != kLenses.end()) return found->second;
-    fields.fail("camera_model", "\"" + name->substr(0, 40) + "\" is not supported; undistort the images to PINHOLE");
+    fields.fail("camera_model", "\"" + shown(*name) + "\" is not supported; undistort the images to PINHOLE");
   }
   const Json* fisheye = fields.find("is_fisheye");
   return fisheye && fisheye->is_boolean() && fisheye->get<bool>() ? kEquidistant : kBrown;
@@ -177,7 +187,7 @@ AppliedTransform parse_applied(const Fields& top) {
   const auto orientation = top.text("orientation_override");
   if (orientation && *orientation != "none")
     top.fail("orientation_override",
-             "\"" + orientation->substr(0, 40) +
+             "\"" + shown(*orientation) +
                  "\" would turn the poses away from the mesh; the only value that can be used is \"none\"");
   return applied;
 }
@@ -209,7 +219,8 @@ void apply_lists(const Fields& top, std::vector<DatasetView>& views) {
     for (const Json& entry : *list) {
       if (!entry.is_string()) top.fail(field, "must be a list of file names");
       const auto found = by_name.find(normal_name(entry.get<std::string>()));
-      if (found == by_name.end()) top.fail(field, "no frame has the file_path \"" + entry.get<std::string>() + "\"");
+      if (found == by_name.end())
+        top.fail(field, "no frame has the file_path \"" + shown(entry.get<std::string>()) + "\"");
       if (std::string_view(field) == "train_filenames") training.insert(found->second);
       if (std::string_view(field) == "test_filenames") held_out.insert(found->second);
     }
@@ -218,7 +229,7 @@ void apply_lists(const Fields& top, std::vector<DatasetView>& views) {
   for (DatasetView& view : views) {
     view.purpose = held_out.contains(&view) ? Purpose::kHeldOut : Purpose::kTraining;
     if (held_out.contains(&view) && training.contains(&view))
-      top.fail("test_filenames", "\"" + view.name + "\" stands in train_filenames as well");
+      top.fail("test_filenames", "\"" + shown(view.name) + "\" stands in train_filenames as well");
   }
 }
 
@@ -233,7 +244,7 @@ DatasetView parse_frame(const Fields& fields, const AppliedTransform& applied, c
   if (const auto mask = fields.text("mask_path")) {
     if (mask->find('\0') == std::string::npos) view.mask_path = images.find(*mask);
     if (!view.mask_path || view.mask_path->empty())
-      fields.fail("mask_path", "there is no such file: \"" + *mask + "\"");
+      fields.fail("mask_path", "there is no such file: \"" + shown(*mask) + "\"");
   }
   view.camera_from_object = parse_pose(fields, applied);
   view.camera = parse_camera(fields, view.image_path, images);
@@ -264,7 +275,8 @@ std::vector<DatasetView> parse_transforms(const std::string& file, const std::st
   for (std::size_t i = 0; i < frames->size(); ++i) {
     const Json& frame = (*frames)[i];
     const auto label = frame.is_object() ? frame.find("file_path") : frame.end();
-    const std::string name = label != frame.end() && label->is_string() ? " (" + label->get<std::string>() + ")" : "";
+    const std::string name =
+        label != frame.end() && label->is_string() ? " (" + shown(label->get<std::string>()) + ")" : "";
     const std::string where = "frame " + std::to_string(i) + name;
     if (!frame.is_object()) throw FileError(file, where + ": must be a JSON object");
     const Fields fields(file, where, frame, &json);

@@ -77,7 +77,7 @@ TEST(Exr, ACropKeepsItsPlace) {
 
 TEST(Exr, RefusesToWriteWhatNobodyCouldRead) {
   const TempFolder folder;
-  const auto refused = [&](std::vector<ExrPart> parts, std::initializer_list<std::string> words) {
+  const auto refused = [&](std::vector<ExrPart> parts, const std::vector<std::string>& words) {
     ExrFile file;
     file.parts = std::move(parts);
     expect_error([&] { write_exr(folder.path() / "a.exr", file); }, words);

@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <initializer_list>
 #include <string>
+#include <vector>
 
 #include "common/errors.h"
 
@@ -13,7 +13,7 @@ namespace sheen {
 
 /// `action` must throw an `Exception` whose message holds all of `words`: an error has to say where and what.
 template <typename Exception = FileError, typename Action>
-void expect_error(Action action, std::initializer_list<std::string> words) {
+void expect_error(Action action, const std::vector<std::string>& words) {
   try {
     action();
     ADD_FAILURE() << "nothing was thrown";

@@ -135,7 +135,7 @@ TEST(Ply, ClaimedSizesAreNotBelieved) {
 TEST(Ply, SaysWhatIsWrong) {
   const TempFolder folder;
   const auto refused = [&](std::string text, const std::string& from, const std::string& to,
-                           std::initializer_list<std::string> words) {
+                           const std::vector<std::string>& words) {
     const std::size_t at = text.find(from);
     ASSERT_NE(at, std::string::npos);
     text.replace(at, from.size(), to);
@@ -165,7 +165,7 @@ TEST(Obj, EveryFormOfFace) {
 
 TEST(Obj, SaysWhatIsWrong) {
   const TempFolder folder;
-  const auto refused = [&](const std::string& text, std::initializer_list<std::string> words) {
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
     expect_error([&] { load_mesh(folder.write("a.obj", text)); }, words);
   };
   const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -201,7 +201,7 @@ TEST(Off, CountsOnTheFirstLineOrTheNextAndColours) {
 
 TEST(Off, SaysWhatIsWrong) {
   const TempFolder folder;
-  const auto refused = [&](const std::string& text, std::initializer_list<std::string> words) {
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
     expect_error([&] { load_mesh(folder.write("a.off", text)); }, words);
   };
   refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", {"a.off", "line 6", "face"});

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/datasets/transforms_json.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "support/expect_error.h"
+
+namespace sheen {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Every file is there, and 200 x 100 pixels large.
+const ImageFiles kAllThere{[](const std::string& name) { return std::filesystem::path("/data") / name; },
+                           [](const std::filesystem::path&) {
+                             return ImageSize{200, 100};
+                           }};
+
+std::vector<DatasetView> parse(const Json& json) {
+  return parse_transforms("t.json", json.dump(), kAllThere);
+}
+
+/// One OpenGL camera at (1, 2, 3) that looks along the world's -x, up is +z.
+Json pose_json() {
+  return {{0, 0, 1, 1}, {1, 0, 0, 2}, {0, 1, 0, 3}, {0, 0, 0, 1}};
+}
+
+Json valid() {
+  return {{"camera_model", "OPENCV"},
+          {"w", 640},
+          {"h", 480},
+          {"fl_x", 500},
+          {"fl_y", 510},
+          {"cx", 320},
+          {"cy", 241},
+          {"k1", 0.1},
+          {"k2", -0.02},
+          {"p1", 0.003},
+          {"p2", 0.004},
+          {"k3", 0.005},
+          {"frames",
+           {{{"file_path", "images/a.jpg"}, {"transform_matrix", pose_json()}},
+            {{"file_path", "images/b.jpg"}, {"transform_matrix", pose_json()}},
+            {{"file_path", "./images/c.jpg"}, {"transform_matrix", pose_json()}}}}};
+}
+
+TEST(Transforms, AxesAndPrincipalPointBecomeOpenCvs) {
+  const auto views = parse(valid());
+  ASSERT_EQ(views.size(), 3u);
+  const DatasetView& view = views[0];
+  EXPECT_EQ(view.name, "images/a.jpg");
+  EXPECT_EQ(view.purpose, Purpose::kUnspecified);
+  EXPECT_NEAR((camera_centre(view.camera_from_object) - Eigen::Vector3d(1, 2, 3)).norm(), 0, 1e-12);
+  // Ahead is -x, the image's right +y, its down -z.
+  const Eigen::Vector3d point = view.camera_from_object * Eigen::Vector3d(1 - 5, 2 + 0.5, 3 - 0.25);
+  EXPECT_NEAR((point - Eigen::Vector3d(0.5, 0.25, 5)).norm(), 0, 1e-12);
+  EXPECT_DOUBLE_EQ(view.camera.cx, 319.5);
+  EXPECT_DOUBLE_EQ(view.camera.cy, 240.5);
+  EXPECT_EQ(view.camera.lens, LensModel::kOpenCv);
+  EXPECT_EQ(view.camera.distortion, (std::array<double, 5>{0.1, -0.02, 0.003, 0.004, 0.005}));
+}
+
+TEST(Transforms, EveryCameraModel) {
+  const auto camera = [](const Json& changes) {
+    Json json = valid();
+    for (const char* k : {"k1", "k2", "k3", "p1", "p2"}) json.erase(k);
+    json.update(changes);
+    return parse(json)[0].camera;
+  };
+  EXPECT_EQ(camera({{"camera_model", "PINHOLE"}}).distortion, (std::array<double, 5>{}));
+  EXPECT_EQ(camera({{"camera_model", "SIMPLE_PINHOLE"}}).fx, 500);
+  EXPECT_EQ(camera({{"camera_model", "SIMPLE_RADIAL"}, {"k1", 0.2}}).distortion[0], 0.2);
+  EXPECT_EQ(camera({{"camera_model", "RADIAL"}, {"k1", 0.2}, {"k2", 0.3}}).distortion[1], 0.3);
+  const Camera fisheye =
+      camera({{"camera_model", "OPENCV_FISHEYE"}, {"k1", 0.1}, {"k2", 0.2}, {"k3", 0.3}, {"k4", 0.4}});
+  EXPECT_EQ(fisheye.lens, LensModel::kFisheye);
+  EXPECT_EQ(fisheye.distortion, (std::array<double, 5>{0.1, 0.2, 0.3, 0.4, 0}));
+  EXPECT_EQ(camera({{"camera_model", nullptr}, {"is_fisheye", true}}).lens, LensModel::kFisheye);
+  EXPECT_THROW(camera({{"camera_model", "EQUIRECTANGULAR"}}), FileError);
+}
+
+TEST(Transforms, AngleOfViewAndSizeOfTheImage) {
+  const Json json = {{"camera_angle_x", 2 * std::atan(0.5)},
+                     {"frames", {{{"file_path", "train/r_0"}, {"transform_matrix", pose_json()}}}}};
+  const DatasetView view = parse(json)[0];
+  EXPECT_EQ(view.camera.width, 200);
+  EXPECT_EQ(view.camera.height, 100);
+  EXPECT_NEAR(view.camera.fx, 200, 1e-9);
+  EXPECT_NEAR(view.camera.fy, 200, 1e-9);
+  EXPECT_EQ(view.camera.cx, 99.5);
+  EXPECT_EQ(view.camera.cy, 49.5);
+}
+
+TEST(Transforms, AFramesOwnValuesComeFirst) {
+  Json json = valid();
+  json["frames"][1].update({{"w", 320}, {"h", 240}, {"fl_x", 250}, {"cx", 160}, {"k1", 0}});
+  const auto views = parse(json);
+  EXPECT_EQ(views[0].camera.width, 640);
+  EXPECT_EQ(views[1].camera.width, 320);
+  EXPECT_EQ(views[1].camera.fx, 250);
+  EXPECT_EQ(views[1].camera.fy, 510);
+  EXPECT_EQ(views[1].camera.cx, 159.5);
+  EXPECT_EQ(views[1].camera.distortion[0], 0);
+  EXPECT_EQ(views[1].camera.distortion[1], -0.02);
+}
+
+TEST(Transforms, AppliedTransformAndScaleAreUndone) {
+  Json json = valid();
+  const Rigid3 before = parse(json)[0].camera_from_object;
+  // Every pose is turned by a quarter round x, moved and then scaled by 2, and the file says so.
+  json["applied_transform"] = {{1, 0, 0, 5}, {0, 0, 1, 6}, {0, -1, 0, 7}};
+  json["applied_scale"] = 2;
+  const auto turned = [](const Json& pose) {
+    Json out = pose;
+    for (int c = 0; c < 4; ++c) {
+      out[1][c] = pose[2][c];
+      out[2][c] = -pose[1][c].get<double>();
+    }
+    const double move[] = {5, 6, 7};
+    for (int r = 0; r < 3; ++r) out[r][3] = 2 * (out[r][3].get<double>() + move[r]);
+    return out;
+  };
+  for (Json& frame : json["frames"]) frame["transform_matrix"] = turned(frame["transform_matrix"]);
+  const Rigid3 after = parse(json)[0].camera_from_object;
+  EXPECT_NEAR((after.matrix() - before.matrix()).norm(), 0, 1e-12);
+}
+
+TEST(Transforms, ListsDecideThePurpose) {
+  Json json = valid();
+  json["train_filenames"] = {"images/a.jpg"};
+  json["val_filenames"] = {"images/b.jpg"};
+  json["test_filenames"] = {"images/c.jpg"};  // the frame says ./images/c.jpg
+  const auto views = parse(json);
+  EXPECT_EQ(views[0].purpose, Purpose::kTraining);
+  EXPECT_EQ(views[1].purpose, Purpose::kTraining);
+  EXPECT_EQ(views[2].purpose, Purpose::kHeldOut);
+  EXPECT_EQ(views[2].name, "./images/c.jpg") << "as the dataset writes it";
+}
+
+TEST(Transforms, MasksForAllOrNone) {
+  Json json = valid();
+  for (Json& frame : json["frames"]) frame["mask_path"] = "mask.png";
+  EXPECT_EQ(parse(json)[2].mask_path, std::filesystem::path("/data/mask.png"));
+  json["frames"][1].erase("mask_path");
+  expect_error([&] { parse(json); }, {"frame 1", "images/b.jpg", "mask_path"});
+  json["frames"][0].erase("mask_path");
+  expect_error([&] { parse(json); }, {"frame 2", "mask_path"});
+}
+
+TEST(Transforms, RoundedRotationsAreRepairedAndWrongOnesRefused) {
+  Json json = valid();
+  json["frames"][0]["transform_matrix"][0] = {0.0002, 0, 1.0003, 1};
+  const Eigen::Matrix3d r = parse(json)[0].camera_from_object.rotation.toRotationMatrix();
+  EXPECT_NEAR((r * r.transpose() - Eigen::Matrix3d::Identity()).norm(), 0, 1e-14);
+  json["frames"][0]["transform_matrix"][0] = {0.01, 0, 1, 1};
+  expect_error([&] { parse(json); }, {"t.json", "frame 0", "images/a.jpg", "transform_matrix", "not orthonormal"});
+  json["frames"][0]["transform_matrix"][0] = {0, 0, -1, 1};
+  expect_error([&] { parse(json); }, {"frame 0", "reflection"});
+}
+
+TEST(Transforms, EveryWrongFieldIsNamed) {
+  struct Case {
+    const char* pointer;
+    Json value;
+    std::vector<std::string> words;
+  };
+  const std::vector<Case> cases = {
+      {"/w", -1, {"w:", "whole number"}},
+      {"/w", 0.5, {"w:", "whole number"}},
+      {"/w", 1e30, {"w:", "whole number"}},
+      {"/w", "640", {"w:", "number"}},
+      {"/w", nullptr, {"w:", "missing"}},
+      {"/h", nullptr, {"h:", "missing"}},
+      {"/fl_x", 0, {"fx", "positive"}},
+      {"/fl_x", Json::array(), {"fl_x:", "number"}},
+      {"/k4", 0.1, {"k4:", "not 0"}},
+      {"/camera_model", "FOV", {"camera_model", "FOV"}},
+      {"/camera_model", "PINHOLE", {"k1:", "not 0"}},
+      {"/camera_model", 3, {"camera_model:", "text"}},
+      {"/orientation_override", "up", {"orientation_override", "none"}},
+      {"/applied_scale", 0, {"applied_scale", "positive"}},
+      {"/applied_transform", {{2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 2, 0}}, {"applied_transform", "scale"}},
+      {"/frames", Json::array(), {"frames:", "at least one"}},
+      {"/frames", "none", {"frames:"}},
+      {"/frames/1", 7, {"frame 1", "object"}},
+      {"/frames/1/file_path", nullptr, {"frame 1", "file_path", "missing"}},
+      {"/frames/1/file_path", 7, {"frame 1", "file_path", "text"}},
+      {"/frames/1/file_path", "images/../images/a.jpg", {"frame 1", "frame 0 again"}},
+      {"/frames/1/file_path", std::string("a\0b", 3), {"frame 1", "file_path"}},
+      {"/frames/1/transform_matrix", nullptr, {"frame 1 (images/b.jpg)", "transform_matrix", "missing"}},
+      {"/frames/1/transform_matrix", Json::array({1, 2}), {"frame 1", "transform_matrix", "rows"}},
+      {"/frames/1/transform_matrix/2", {1, 2, 3}, {"frame 1", "row 2", "4 numbers"}},
+      {"/frames/1/transform_matrix/2/1", "x", {"frame 1", "row 2"}},
+      {"/frames/1/transform_matrix/2/1", nullptr, {"frame 1", "row 2"}},
+      {"/frames/1/transform_matrix/3/3", 2, {"frame 1", "0 0 0 1"}},
+      {"/train_filenames", {"images/d.jpg"}, {"train_filenames", "images/d.jpg"}},
+      {"/test_filenames", "images/a.jpg", {"test_filenames", "list"}},
+      {"/test_filenames", {1}, {"test_filenames", "list"}},
+  };
+  for (const Case& c : cases) {
+    Json json = valid();
+    json[Json::json_pointer(c.pointer)] = c.value;
+    SCOPED_TRACE(c.pointer + (" = " + c.value.dump()));
+    expect_error([&] { parse(json); }, c.words);
+  }
+  Json both = valid();
+  both["train_filenames"] = both["test_filenames"] = {"images/a.jpg"};
+  expect_error([&] { parse(both); }, {"test_filenames", "images/a.jpg", "train_filenames"});
+}
+
+TEST(Transforms, MissingFilesAreNamed) {
+  const ImageFiles none{[](const std::string&) { return std::filesystem::path(); }, nullptr};
+  expect_error([&] { parse_transforms("t.json", valid().dump(), none); },
+               {"t.json", "frame 0", "file_path", "no such"});
+}
+
+TEST(Transforms, TextThatIsNoJson) {
+  const auto refused = [](const std::string& text) {
+    expect_error([&] { parse_transforms("t.json", text, kAllThere); }, {"t.json"});
+  };
+  refused("");
+  refused("{");
+  refused("[]");
+  refused("null");
+  refused("{\"frames\": [{\"file_path\": \"\xff\xfe\"}]}");
+  refused("{\"w\": 1e999, \"frames\": []}");
+  refused("{\"w\": NaN}");
+  refused(std::string("{\"w\": 1\0}", 9));
+  refused(std::string(200000, '['));
+  std::string deep = std::string(200000, '[') + std::string(200000, ']');
+  refused(deep);
+  refused("{\"frames\": " + deep + "}");
+  const std::string whole = valid().dump();
+  for (std::size_t size = 0; size < whole.size(); size += 7) refused(whole.substr(0, size));
+}
+
+TEST(Transforms, CarriageReturnsAndAByteOrderMark) {
+  std::string text = valid().dump(1);
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) text.replace(at, 1, "\r\n");
+  EXPECT_EQ(parse_transforms("t.json", "\xEF\xBB\xBF" + text, kAllThere).size(), 3u);
+}
+
+}  // namespace
+}  // namespace sheen
