@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/architecture/include_rules.h"
+
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <sstream>
+
+namespace sheen {
+namespace {
+
+/// A file whose path matches `files` may include what matches `allowed` (in which $1 is what `files` captured), and
+/// nothing else of what matches `forbidden`. All match whole strings.
+struct Rule {
+  std::string says;
+  std::string files;
+  std::string forbidden;
+  std::string allowed;
+};
+
+const std::string kSources = "(?:common|tracker|reconstructor)/.*";
+const std::string kHeavy =
+    "opencv2/.*|embree3/.*|.*\\.pb\\.h|google/protobuf/.*|zmq.*|httplib\\.h|sqlite3\\.h|arv\\.h|spdlog/.*|"
+    "nlohmann/json\\.hpp|toml\\+\\+/.*|CLI/.*|Imf.*|GLFW/.*|epoxy/.*|ceres/.*|tbb/.*|png\\.h|jpeglib\\.h|zstd\\.h|"
+    "sodium\\.h|apriltag/.*";
+
+const std::vector<Rule>& rules() {
+  static const std::vector<Rule> all = {
+      {"common knows neither daemon", "common/.*", "(tracker|reconstructor)/.*", ""},
+      {"the daemons meet on the wire only", "tracker/.*", "reconstructor/.*", ""},
+      {"the daemons meet on the wire only", "reconstructor/.*", "tracker/.*", ""},
+      {"sources never include tests", kSources, "tests/.*", ""},
+      {"numerics sees Eigen and the standard library only", "reconstructor/numerics/.*", ".*",
+       "reconstructor/numerics/.*|Eigen/.*|[a-z0-9_]+"},
+      {"surface stands below models, render and all above", "reconstructor/surface/.*", "reconstructor/.*",
+       "reconstructor/(surface|numerics)/.*"},
+      {"models stand below render and all above", "reconstructor/models/.*", "reconstructor/.*",
+       "reconstructor/(models|surface|numerics)/.*"},
+      {"models never include each other", "reconstructor/models/([^/]+)/.*", "reconstructor/models/[^/]+/.*",
+       "reconstructor/models/$1/.*"},
+      {"what all models share knows none of them", "reconstructor/models/[^/]+", "reconstructor/models/[^/]+/.*", ""},
+      {"render stands on models, surface and numerics only", "reconstructor/render/.*", "reconstructor/.*",
+       "reconstructor/(render|models|surface|numerics)/.*"},
+      {"the monitor shows plain data, whoever made it", "reconstructor/monitor/.*", "reconstructor/.*",
+       "reconstructor/monitor/.*"},
+      {"only main includes commands", "(tracker|reconstructor)/(?!commands/|main\\.cpp).*",
+       "(tracker|reconstructor)/commands/.*", ""},
+      {"only the wire reads Protobuf messages", kSources + "|tests/.*", ".*\\.pb\\.h", ""},
+      {"only the transport uses ZeroMQ", kSources, "zmq.*", ""},
+      {"only ray_scene.cpp uses Embree", kSources + "|tests/.*", "embree3/.*", ""},
+      {"heavy third-party headers stay out of our headers", kSources + "\\.h", kHeavy, ""},
+  };
+  return all;
+}
+
+/// The few files that a rule is about.
+struct Exception {
+  std::string files;
+  std::string allowed;
+};
+const std::vector<Exception>& exceptions() {
+  static const std::vector<Exception> all = {
+      {"common/(wire[a-z_]*|monitor_socket)\\.cpp|tests/common/wire[a-z_]*\\.cpp", "proto/.*\\.pb\\.h"},
+      {"common/proto_io\\.h", "google/protobuf/.*"},
+      {"common/(transport[a-z_]*|capture_sender|capture_receiver|monitor_socket|curve_keys)\\.cpp", "zmq.*"},
+      {"common/geometry/ray_scene\\.cpp", "embree3/.*"},
+  };
+  return all;
+}
+
+bool excepted(const Include& include) {
+  for (const Exception& exception : exceptions()) {
+    if (std::regex_match(include.file, std::regex(exception.files)) &&
+        std::regex_match(include.target, std::regex(exception.allowed)))
+      return true;
+  }
+  return false;
+}
+
+bool breaks(const Include& include, const Rule& rule) {
+  std::smatch match;
+  if (!std::regex_match(include.file, match, std::regex(rule.files))) return false;
+  if (!std::regex_match(include.target, std::regex(rule.forbidden))) return false;
+  return rule.allowed.empty() || !std::regex_match(include.target, std::regex(match.format(rule.allowed)));
+}
+
+}  // namespace
+
+std::vector<Include> includes_of(const std::string& file, const std::string& text) {
+  static const std::regex directive("\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"].*");
+  std::vector<Include> includes;
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::smatch match;
+    if (std::regex_match(line, match, directive)) includes.push_back({file, number, match[1]});
+  }
+  return includes;
+}
+
+std::vector<Include> includes_below(const std::filesystem::path& root) {
+  namespace fs = std::filesystem;
+  std::vector<Include> all;
+  for (const char* folder : {"common", "tracker", "reconstructor", "tests"}) {
+    if (!fs::exists(root / folder)) continue;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+      const fs::path& path = entry.path();
+      if (!entry.is_regular_file() || (path.extension() != ".h" && path.extension() != ".cpp")) continue;
+      std::ifstream stream(path);
+      const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+      const std::vector<Include> found = includes_of(fs::relative(path, root).generic_string(), text);
+      all.insert(all.end(), found.begin(), found.end());
+    }
+  }
+  return all;
+}
+
+std::vector<std::string> broken_include_rules(const std::vector<Include>& includes) {
+  std::vector<std::string> broken;
+  for (const Include& include : includes) {
+    if (excepted(include)) continue;
+    for (const Rule& rule : rules()) {
+      if (breaks(include, rule))
+        broken.push_back(include.file + ":" + std::to_string(include.line) + " includes " + include.target + ": " +
+                         rule.says);
+    }
+  }
+  return broken;
+}
+
+}  // namespace sheen

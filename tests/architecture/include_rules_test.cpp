@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/architecture/include_rules.h"
+
+namespace sheen {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+std::vector<std::string> verdict(const std::string& file, const std::string& target) {
+  return broken_include_rules({{file, 1, target}});
+}
+
+TEST(IncludeRules, HoldInThisRepository) {
+  const std::vector<Include> includes = includes_below(SHEEN_SOURCE_DIR);
+  ASSERT_GT(includes.size(), 100U) << "the sources were not found";
+  std::string all;
+  for (const std::string& broken : broken_include_rules(includes)) all += broken + "\n";
+  EXPECT_EQ(all, "");
+}
+
+TEST(IncludeRules, EachForbidsWhatItIsThereFor) {
+  const std::vector<std::pair<std::string, std::string>> violations = {
+      {"common/camera.h", "tracker/pose/pose_solver.h"},
+      {"common/simulation/rig.cpp", "reconstructor/report.h"},
+      {"tracker/tracking_loop.cpp", "reconstructor/surface/vertex_ring.h"},
+      {"reconstructor/capture_loop.cpp", "tracker/stop_signal.h"},
+      {"reconstructor/report.cpp", "tests/support/matchers.h"},
+      {"reconstructor/numerics/ring_factor.cpp", "common/camera.h"},
+      {"reconstructor/numerics/ring_factor.cpp", "tbb/parallel_for.h"},
+      {"reconstructor/surface/vertex_ring.h", "reconstructor/models/appearance_model.h"},
+      {"reconstructor/surface/vertex_ring.h", "reconstructor/evaluation/held_out.h"},
+      {"reconstructor/models/appearance_model.h", "reconstructor/render/ray_painter.h"},
+      {"reconstructor/models/surface_light_field/quality.h", "reconstructor/commands/commands.h"},
+      {"reconstructor/models/irradiance_field/lamp.cpp", "reconstructor/models/surface_light_field/quality.h"},
+      {"reconstructor/models/appearance_model.h", "reconstructor/models/surface_light_field/quality.h"},
+      {"reconstructor/render/gl/window.cpp", "reconstructor/capture_loop.h"},
+      {"reconstructor/monitor/monitor_server.h", "reconstructor/reconstruction.h"},
+      {"reconstructor/capture_loop.cpp", "reconstructor/commands/commands.h"},
+      {"reconstructor/models/surface_light_field/quality.cpp", "embree3/rtcore.h"},
+      {"tracker/tracking_loop.cpp", "proto/capture.pb.h"},
+      {"tests/loopback/link_test.cpp", "proto/capture.pb.h"},
+      {"reconstructor/capture_loop.cpp", "zmq.hpp"},
+      {"common/session.h", "sqlite3.h"},
+      {"tracker/sources/aravis_devices.h", "arv.h"},
+      {"reconstructor/surface/view_hemisphere.h", "opencv2/imgproc.hpp"},
+  };
+  for (const auto& [file, target] : violations)
+    EXPECT_THAT(verdict(file, target), testing::Not(IsEmpty())) << file << " includes " << target;
+}
+
+TEST(IncludeRules, AllowWhatTheLayersAreFor) {
+  const std::vector<std::pair<std::string, std::string>> fine = {
+      {"common/wire.cpp", "proto/capture.pb.h"},
+      {"common/transport.cpp", "zmq.hpp"},
+      {"common/geometry/ray_scene.cpp", "embree3/rtcore.h"},
+      {"common/session.cpp", "sqlite3.h"},
+      {"reconstructor/numerics/ring_factor.h", "Eigen/Core"},
+      {"reconstructor/numerics/ring_factor.h", "vector"},
+      {"reconstructor/models/surface_light_field/quality.h", "reconstructor/models/surface_light_field/snapshot.h"},
+      {"reconstructor/models/surface_light_field/quality.h", "reconstructor/models/appearance_model.h"},
+      {"reconstructor/render/ray_painter.h", "reconstructor/models/appearance_model.h"},
+      {"reconstructor/main.cpp", "reconstructor/commands/commands.h"},
+      {"reconstructor/commands/build.cpp", "reconstructor/commands/commands.h"},
+      {"reconstructor/report.h", "nlohmann/json_fwd.hpp"},
+  };
+  for (const auto& [file, target] : fine) EXPECT_THAT(verdict(file, target), IsEmpty()) << file << " <- " << target;
+}
+
+TEST(IncludeRules, AreFoundInATreeOnDisk) {
+  namespace fs = std::filesystem;
+  const fs::path root = fs::path(testing::TempDir()) / "include_rules_tree";
+  fs::remove_all(root);
+  fs::create_directories(root / "common");
+  fs::create_directories(root / "reconstructor" / "numerics");
+  std::ofstream(root / "common" / "camera.h") << "#pragma once\n#include \"reconstructor/report.h\"\n";
+  std::ofstream(root / "reconstructor" / "numerics" / "svd.cpp")
+      << "#include <Eigen/SVD>\n// #include \"common/camera.h\"\n  #  include <opencv2/core.hpp>  // why not\n";
+  std::ofstream(root / "common" / "notes.txt") << "#include \"tracker/main.h\"\n";
+
+  EXPECT_THAT(includes_below(root), SizeIs(3));
+  std::vector<std::string> broken = broken_include_rules(includes_below(root));
+  std::sort(broken.begin(), broken.end());
+  EXPECT_THAT(broken, ElementsAre(HasSubstr("common/camera.h:2 includes reconstructor/report.h"),
+                                  HasSubstr("reconstructor/numerics/svd.cpp:3 includes opencv2/core.hpp")));
+  fs::remove_all(root);
+}
+
+}  // namespace
+}  // namespace sheen
