@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/session_index.h"
+
+#include <sqlite3.h>
+
+#include <utility>
+
+#include "common/errors.h"
+#include "common/session.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kApplicationId = 0x5348454E;  // "SHEN"
+constexpr int kBusyMs = 2000;
+
+/// The schema of version 1. `idx` counts captures from 0 without a gap.
+const char* const kSchema = R"(
+  CREATE TABLE captures (
+    idx INTEGER PRIMARY KEY,
+    source_session TEXT NOT NULL,
+    sequence INTEGER NOT NULL,
+    file TEXT NOT NULL UNIQUE,
+    bytes INTEGER NOT NULL,
+    crc32c INTEGER NOT NULL,
+    UNIQUE (source_session, sequence)
+  );
+  CREATE TABLE metadata (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+)";
+
+[[noreturn]] void fail(const std::filesystem::path& file, sqlite3* db) {
+  throw FileError(file.string(), std::string("the session's index: ") + (db ? sqlite3_errmsg(db) : "out of memory"));
+}
+
+struct Closer {
+  void operator()(sqlite3* db) const { sqlite3_close(db); }
+  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+using Database = std::unique_ptr<sqlite3, Closer>;
+
+Database open_database(const std::filesystem::path& file, const std::string& name, int flags) {
+  sqlite3* raw = nullptr;
+  const int status = sqlite3_open_v2(name.c_str(), &raw, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  Database db(raw);
+  if (status != SQLITE_OK) fail(file, db.get());
+  sqlite3_busy_timeout(db.get(), kBusyMs);
+  return db;
+}
+
+/// One prepared statement, its parameters bound in the order in which they come.
+class Statement {
+ public:
+  Statement(const std::filesystem::path& file, sqlite3* db, const char* sql) : file_(file), db_(db) {
+    sqlite3_stmt* raw = nullptr;
+    if (sqlite3_prepare_v2(db, sql, -1, &raw, nullptr) != SQLITE_OK) fail(file_, db_);
+    statement_.reset(raw);
+  }
+  Statement& bind(std::uint64_t value) {
+    check(sqlite3_bind_int64(statement_.get(), ++bound_, static_cast<sqlite3_int64>(value)));
+    return *this;
+  }
+  Statement& bind(const std::string& value) {
+    check(
+        sqlite3_bind_text(statement_.get(), ++bound_, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT));
+    return *this;
+  }
+  /// True while there is a row.
+  bool step() {
+    const int status = sqlite3_step(statement_.get());
+    if (status != SQLITE_ROW && status != SQLITE_DONE) fail(file_, db_);
+    return status == SQLITE_ROW;
+  }
+  std::uint64_t integer(int column) const {
+    return static_cast<std::uint64_t>(sqlite3_column_int64(statement_.get(), column));
+  }
+  std::string text(int column) const {
+    const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
+    return bytes ? std::string(bytes, sqlite3_column_bytes(statement_.get(), column)) : std::string();
+  }
+
+ private:
+  void check(int status) {
+    if (status != SQLITE_OK) fail(file_, db_);
+  }
+  const std::filesystem::path& file_;
+  sqlite3* db_;
+  std::unique_ptr<sqlite3_stmt, Closer> statement_;
+  int bound_ = 0;
+};
+
+void execute(const std::filesystem::path& file, sqlite3* db, const std::string& sql) {
+  if (sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK) return;
+  const std::string message = sqlite3_errmsg(db);
+  if (!sqlite3_get_autocommit(db)) sqlite3_exec(db, "ROLLBACK", nullptr, nullptr, nullptr);
+  throw FileError(file.string(), "the session's index: " + message);
+}
+
+}  // namespace
+
+struct SessionIndex::Impl {
+  std::filesystem::path file;
+  Database db;
+
+  Statement prepare(const char* sql) const { return Statement(file, db.get(), sql); }
+  void check_version() const;
+};
+
+void SessionIndex::Impl::check_version() const {
+  Statement id = prepare("PRAGMA application_id"), version = prepare("PRAGMA user_version");
+  id.step();
+  version.step();
+  if (id.integer(0) != kApplicationId) throw FileError(file.string(), "is not the index of a Sheen session");
+  if (version.integer(0) > kSessionVersion)
+    throw FileError(file.string(), "the session has version " + std::to_string(version.integer(0)) +
+                                       ", this program reads up to version " + std::to_string(kSessionVersion) +
+                                       "; open it with the newer release that wrote it");
+}
+
+void SessionIndex::create(const std::filesystem::path& file) {
+  const std::filesystem::path unfinished = file.string() + ".part";
+  std::error_code error;
+  std::filesystem::remove(unfinished, error);
+  std::filesystem::remove(unfinished.string() + "-journal", error);
+  {
+    const Database db = open_database(file, unfinished.string(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+    execute(file, db.get(),
+            "PRAGMA synchronous = FULL; BEGIN; PRAGMA application_id = " + std::to_string(kApplicationId) +
+                "; PRAGMA user_version = " + std::to_string(kSessionVersion) + ";" + kSchema + "COMMIT;");
+  }
+  std::filesystem::rename(unfinished, file, error);
+  if (error) throw FileError(file.string(), "cannot be written: " + error.message());
+}
+
+SessionIndex::SessionIndex(const std::filesystem::path& file, Access access) : impl_(std::make_unique<Impl>()) {
+  impl_->file = file;
+  if (access == Access::kWrite) {
+    impl_->db = open_database(file, file.string(), SQLITE_OPEN_READWRITE);
+    impl_->check_version();
+    execute(file, impl_->db.get(), "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
+    return;
+  }
+  impl_->db = open_database(file, file.string(), SQLITE_OPEN_READONLY);
+  try {
+    impl_->check_version();
+  } catch (const FileError&) {
+    // On a read-only disk SQLite cannot make the file in which readers of a write-ahead log meet; without a log none
+    // is needed.
+    std::error_code error;
+    const std::uintmax_t log_bytes = std::filesystem::file_size(file.string() + "-wal", error);
+    if (sqlite3_errcode(impl_->db.get()) != SQLITE_CANTOPEN || (!error && log_bytes > 0)) throw;
+    impl_->db = open_database(file, "file:" + file.string() + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+    impl_->check_version();
+  }
+}
+
+SessionIndex::~SessionIndex() = default;
+
+std::uint64_t SessionIndex::size() const {
+  Statement query = impl_->prepare("SELECT COALESCE(MAX(idx) + 1, 0) FROM captures");
+  query.step();
+  return query.integer(0);
+}
+
+std::optional<std::uint64_t> SessionIndex::find(const std::string& source_session, std::uint64_t sequence) const {
+  Statement query = impl_->prepare("SELECT idx FROM captures WHERE source_session = ? AND sequence = ?");
+  if (!query.bind(source_session).bind(sequence).step()) return std::nullopt;
+  return query.integer(0);
+}
+
+void SessionIndex::insert(std::uint64_t index, const std::string& source_session, std::uint64_t sequence,
+                          const IndexedFile& file) {
+  impl_->prepare("INSERT INTO captures VALUES (?, ?, ?, ?, ?, ?)")
+      .bind(index)
+      .bind(source_session)
+      .bind(sequence)
+      .bind(file.name)
+      .bind(file.bytes)
+      .bind(file.crc32c)
+      .step();
+}
+
+std::optional<IndexedFile> SessionIndex::file(std::uint64_t index) const {
+  Statement query = impl_->prepare("SELECT file, bytes, crc32c FROM captures WHERE idx = ?");
+  if (!query.bind(index).step()) return std::nullopt;
+  return IndexedFile{query.text(0), query.integer(1), static_cast<std::uint32_t>(query.integer(2))};
+}
+
+std::set<std::string> SessionIndex::file_names() const {
+  std::set<std::string> names;
+  Statement query = impl_->prepare("SELECT file FROM captures");
+  while (query.step()) names.insert(query.text(0));
+  return names;
+}
+
+std::map<std::string, std::uint64_t> SessionIndex::held() const {
+  // Sequences are distinct, so the n-th smallest is n exactly as long as none is missing before it.
+  Statement query = impl_->prepare(R"(
+    SELECT source_session, MAX(sequence) FROM (
+      SELECT source_session, sequence, ROW_NUMBER() OVER (PARTITION BY source_session ORDER BY sequence) AS n
+      FROM captures)
+    WHERE sequence = n GROUP BY source_session)");
+  std::map<std::string, std::uint64_t> held;
+  while (query.step()) held[query.text(0)] = query.integer(1);
+  return held;
+}
+
+void SessionIndex::set_metadata(const std::string& key, const std::string& value) {
+  impl_->prepare("INSERT OR REPLACE INTO metadata VALUES (?, ?)").bind(key).bind(value).step();
+}
+
+std::optional<std::string> SessionIndex::metadata(const std::string& key) const {
+  Statement query = impl_->prepare("SELECT value FROM metadata WHERE key = ?");
+  if (!query.bind(key).step()) return std::nullopt;
+  return query.text(0);
+}
+
+}  // namespace sheen
