@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/simulation/path_tracer.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "common/errors.h"
+
+namespace sheen {
+namespace {
+
+using Eigen::Array3f;
+using Eigen::Vector3f;
+
+constexpr float kRayOffset = 3e-4f;      // metres; clears the facets next to a secondary ray's origin
+constexpr float kGrazingCosine = 0.03f;  // a smooth normal that turns away further than this is bent back
+
+/// Additive low-discrepancy sequence in the unit square (the plastic number's).
+Eigen::Vector2f spread_point(int i) {
+  const float a = 0.5f + 0.7548776662f * i, b = 0.5f + 0.5698402910f * i;
+  return {a - std::floor(a), b - std::floor(b)};
+}
+
+int square_root(int n) {
+  return static_cast<int>(std::lround(std::sqrt(double(n))));
+}
+
+}  // namespace
+
+LensRays::LensRays(const Camera& camera) : camera_(camera) {
+  if (const std::string error = validation_error(camera); !error.empty()) throw ConfigError("simulation: " + error);
+  corners_.resize(std::size_t(camera.width + 1) * (camera.height + 1));
+  tbb::parallel_for(0, camera.height + 1, [&](int y) {
+    for (int x = 0; x <= camera.width; ++x) {
+      const auto ray = camera.ray({x - 0.5, y - 0.5});
+      if (!ray || ray->z() <= 0.05)
+        throw ConfigError("simulation: the camera's lens folds inside the image; reduce the distortion");
+      corners_[std::size_t(y) * (camera.width + 1) + x] = (ray->head<2>() / ray->z()).cast<float>();
+    }
+  });
+}
+
+Vector3f LensRays::direction(float x, float y) const {
+  const float gx = x + 0.5f, gy = y + 0.5f;
+  const int x0 = std::clamp(static_cast<int>(gx), 0, camera_.width - 1);
+  const int y0 = std::clamp(static_cast<int>(gy), 0, camera_.height - 1);
+  const float fx = gx - x0, fy = gy - y0;
+  const Eigen::Vector2f* top = &corners_[std::size_t(y0) * (camera_.width + 1) + x0];
+  const Eigen::Vector2f* bottom = top + camera_.width + 1;
+  const Eigen::Vector2f p = (top[0] * (1 - fx) + top[1] * fx) * (1 - fy) + (bottom[0] * (1 - fx) + bottom[1] * fx) * fy;
+  return {p.x(), p.y(), 1};
+}
+
+/// The first thing along a ray. `region` is meaningless on the object.
+struct PathTracer::Surface {
+  Hit object;
+  StageSurface::Region region = StageSurface::Region::kNothing;
+  Vector3f position = Vector3f::Zero();
+
+  bool same_kind(const Surface& other) const { return bool(object) == bool(other.object) && region == other.region; }
+};
+
+PathTracer::PathTracer(SimulatedScene scene, const BakeOptions& bake)
+    : scene_(std::make_unique<SimulatedScene>(std::move(scene))),
+      rays_(std::make_unique<RayScene>(scene_->object.mesh)),
+      bake_(std::make_unique<LightBake>(*scene_, *rays_, bake)),
+      bounds_(bounding_sphere(scene_->object.mesh)) {}
+
+PathTracer::Surface PathTracer::first_surface(const Vector3f& origin, const Vector3f& direction) const {
+  Surface surface;
+  const Vector3f to_centre = bounds_.centre.cast<float>() - origin;
+  const float off = to_centre.cross(direction).squaredNorm() / direction.squaredNorm();
+  if (off <= float(bounds_.radius * bounds_.radius)) {
+    surface.object = rays_->intersect({origin, direction});
+    if (surface.object) {
+      surface.position = origin + surface.object.distance * direction;
+      return surface;
+    }
+  }
+  if (scene_->stage && origin.z() > 0 && direction.z() < 0) {
+    surface.position = origin - origin.z() / direction.z() * direction;
+    surface.region = scene_->stage->region(surface.position.x(), surface.position.y());
+  }
+  return surface;
+}
+
+Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const Vector3f& direction, int first_sample,
+                                 int stride, int samples) const {
+  if (!hit.front) return Array3f::Zero();
+  const TestObject& object = scene_->object;
+  const Triangle& t = object.mesh.triangles[hit.triangle];
+  const Vector3f eye = -direction.normalized();
+  Vector3f n =
+      ((1 - hit.u - hit.v) * object.normals[t[0]] + hit.u * object.normals[t[1]] + hit.v * object.normals[t[2]])
+          .normalized();
+  if (const float cosine = n.dot(eye); cosine < kGrazingCosine) n = (n + (kGrazingCosine - cosine) * eye).normalized();
+  const float eye_cosine = n.dot(eye);
+
+  const Material material = object.material(position);
+  Array3f radiance =
+      material.albedo * (1 - lobe_albedo(material, eye_cosine)) * bake_->object_irradiance(hit) / float(M_PI);
+  if (material.normal_reflectance.maxCoeff() <= 0 || samples <= 0) return radiance;
+
+  // The frame turns with the eye, so that the sample points move smoothly over the surface.
+  Vector3f across = n.cross(eye);
+  across = across.norm() > 1e-4f ? across.normalized() : n.unitOrthogonal();
+  Eigen::Matrix3f object_from_local;
+  object_from_local << across.cross(n), across, n;
+  const Vector3f eye_local = object_from_local.transpose() * eye;
+  const Vector3f origin = position + kRayOffset * n;
+  Array3f sum = Array3f::Zero();
+  for (int k = 0; k < samples; ++k) {
+    const Eigen::Vector2f u = spread_point(first_sample + k * stride);
+    const LobeSample sample = sample_ggx(material, eye_local, u.x(), u.y());
+    if (sample.weight.maxCoeff() <= 0) continue;
+    sum += sample.weight * bake_->incoming(origin, (object_from_local * sample.light).normalized());
+  }
+  return radiance + sum / samples;
+}
+
+Array3f PathTracer::shade(const Surface& surface, const Vector3f& direction, int first_sample, int stride,
+                          int samples) const {
+  if (surface.object) return shade_object(surface.object, surface.position, direction, first_sample, stride, samples);
+  if (surface.region == StageSurface::Region::kNothing) return scene_->lighting.environment(direction.normalized());
+  const float x = surface.position.x(), y = surface.position.y();
+  return scene_->stage->albedo(surface.region, x, y) * bake_->stage_irradiance(x, y) / float(M_PI);
+}
+
+Array3f PathTracer::radiance(const Vector3f& origin, const Vector3f& direction, int lobe_samples) const {
+  return shade(first_surface(origin, direction), direction, 0, 1, lobe_samples);
+}
+
+RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_object,
+                                const RenderOptions& options) const {
+  const int width = lens.camera().width, height = lens.camera().height;
+  const Eigen::Matrix3f object_from_camera = camera_from_object.rotation.conjugate().toRotationMatrix().cast<float>();
+  const Vector3f eye = camera_centre(camera_from_object).cast<float>();
+  const auto ray_at = [&](float x, float y) -> Vector3f { return object_from_camera * lens.direction(x, y); };
+
+  RenderedView view{ImageF(width, height, 3), ImageU8(width, height, 1)};
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, 8), [&](const tbb::blocked_range<int>& rows) {
+    std::vector<Surface> above(width + 1), below(width + 1);
+    const auto trace_corners = [&](int y, std::vector<Surface>& corners) {
+      for (int x = 0; x <= width; ++x) corners[x] = first_surface(eye, ray_at(x - 0.5f, y - 0.5f));
+    };
+    trace_corners(rows.begin(), below);
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      std::swap(above, below);
+      trace_corners(y + 1, below);
+      for (int x = 0; x < width; ++x) {
+        const Vector3f central = ray_at(x, y);
+        const Surface middle = first_surface(eye, central);
+        view.mask.at(x, y) = middle.object ? 255 : 0;
+        const bool uniform = middle.same_kind(above[x]) && middle.same_kind(above[x + 1]) &&
+                             middle.same_kind(below[x]) && middle.same_kind(below[x + 1]);
+        Eigen::Map<Array3f> pixel(view.radiance.pixel(x, y));
+        if (uniform && !middle.object) {
+          pixel = shade(middle, central, 0, 1, 0);
+          continue;
+        }
+        const int side = square_root(uniform ? options.object_samples : options.edge_samples), count = side * side;
+        const int lobe_samples = std::max(1, options.lobe_samples / count);
+        Array3f sum = Array3f::Zero();
+        for (int k = 0; k < count; ++k) {
+          const Vector3f ray = ray_at(x + (k % side + 0.5f) / side - 0.5f, y + (k / side + 0.5f) / side - 0.5f);
+          sum += shade(first_surface(eye, ray), ray, k, count, lobe_samples);
+        }
+        pixel = sum / count;
+      }
+    }
+  });
+  return view;
+}
+
+}  // namespace sheen

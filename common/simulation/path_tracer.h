@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/camera.h"
+#include "common/image.h"
+#include "common/rigid3.h"
+#include "common/simulation/light_bake.h"
+
+namespace sheen {
+
+/// Directions of a camera's pixel corners, worked out through its lens once. Throws ConfigError where the lens folds.
+class LensRays {
+ public:
+  explicit LensRays(const Camera& camera);
+  const Camera& camera() const { return camera_; }
+  /// Direction in camera coordinates with z = 1 of a pixel position, integer at pixel centres.
+  Eigen::Vector3f direction(float x, float y) const;
+
+ private:
+  Camera camera_;
+  std::vector<Eigen::Vector2f> corners_;  ///< (width + 1) x (height + 1), at half-integer positions
+};
+
+struct RenderOptions {
+  int object_samples = 4;  ///< primary rays a pixel on the object, a square number
+  int edge_samples = 16;   ///< primary rays a pixel that an edge crosses, a square number
+  int lobe_samples = 32;   ///< rays a pixel into the glossy lobe, shared among its primary rays
+};
+
+/// Linear radiance (3 channels) as a box filter over each pixel sees it, and the object's silhouette: 255 where the ray
+/// through the pixel's centre meets the object.
+struct RenderedView {
+  ImageF radiance;
+  ImageU8 mask;
+};
+
+/// Renders a scene from anywhere. The diffuse light is baked when the tracer is made; the glossy lobe is sampled a
+/// pixel with the same points in every frame. Deterministic: the same call gives the same bits. Const calls are
+/// thread-safe.
+class PathTracer {
+ public:
+  explicit PathTracer(SimulatedScene scene, const BakeOptions& bake = {});
+
+  const SimulatedScene& scene() const { return *scene_; }
+  const LightBake& light() const { return *bake_; }
+
+  RenderedView render(const LensRays& lens, const Rigid3& camera_from_object, const RenderOptions& options = {}) const;
+
+  /// Radiance along one ray, its lobe sampled with `lobe_samples` rays.
+  Eigen::Array3f radiance(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, int lobe_samples) const;
+
+ private:
+  struct Surface;
+  Surface first_surface(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
+  Eigen::Array3f shade(const Surface& surface, const Eigen::Vector3f& direction, int first_sample, int stride,
+                       int samples) const;
+  Eigen::Array3f shade_object(const Hit& hit, const Eigen::Vector3f& position, const Eigen::Vector3f& direction,
+                              int first_sample, int stride, int samples) const;
+
+  std::unique_ptr<const SimulatedScene> scene_;  ///< stays where it is: the bake refers to it
+  std::unique_ptr<const RayScene> rays_;
+  std::unique_ptr<const LightBake> bake_;
+  BoundingSphere bounds_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/mesh.h"
+#include "common/simulation/reflectance.h"
+
+namespace sheen {
+
+/// A generated object: its mesh is closed and wound outward, its look is a function of the place in space.
+struct TestObject {
+  std::string name;
+  Mesh mesh;                             ///< metres; stands on z = 0, round the z axis
+  std::vector<Eigen::Vector3f> normals;  ///< unit, a vertex, of the smooth surface behind the mesh
+  std::function<Material(const Eigen::Vector3f&)> material;
+};
+
+/// The demo's object, a hard case: a ribbed teapot 190 mm across and 112 mm tall, about 12K triangles, its glaze
+/// textured down to a millimetre and glossy with a gloss that varies; spout, handle, knob and foot hide one another.
+TestObject make_demo_object();
+
+/// Sphere of one material; `subdivisions` of an icosahedron.
+TestObject make_sphere(const Material& material, double radius_m, const Eigen::Vector3d& centre, int subdivisions);
+
+/// The textured glossy sphere of `simulate --object sphere`, 90 mm across.
+TestObject make_demo_sphere();
+
+/// "demo" or "sphere". Throws ConfigError for any other name.
+TestObject make_test_object(const std::string& name);
+
+}  // namespace sheen
