@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "common/capture.h"
@@ -24,12 +25,14 @@ struct RigRecording {
   double frame_rate_hz = 0;
   Exposure exposure;
   std::vector<RigFrame> frames;
+  std::string parameters_hash;  ///< of what it was rendered from: tells whether it must be rendered again
 
   std::filesystem::path mesh_file() const { return folder / "mesh.ply"; }
   std::filesystem::path stage_file() const { return folder / "stage.json"; }
 };
 
-/// Reads and writes `rig.json` in the recording's folder. Throws FileError naming the field.
+/// Reads and writes `rig.json` in the recording's folder. Throws FileError naming the field. `raw_file` is relative to
+/// the folder in the file, and absolute or relative to the current directory, as `folder` is, in memory.
 RigRecording load_rig_recording(const std::filesystem::path& folder);
 void save_rig_recording(const RigRecording& recording);
 

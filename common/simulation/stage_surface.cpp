@@ -10,7 +10,7 @@
 namespace sheen {
 namespace {
 
-const Eigen::Array3f kPaperAlbedo(0.74f, 0.74f, 0.72f);
+const Eigen::Array3f kPaperAlbedo(0.46f, 0.46f, 0.45f);
 const Eigen::Array3f kInkAlbedo(0.035f, 0.035f, 0.037f);
 const Eigen::Array3f kTableAlbedo(0.17f, 0.115f, 0.08f);
 

@@ -6,11 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "common/errors.h"
+#include "common/files.h"
+#include "common/json_fields.h"
 #include "common/stage/tag_pattern.h"
 
 namespace sheen {
@@ -21,7 +22,8 @@ using nlohmann::json;
 constexpr char kFormat[] = "sheen-stage";
 constexpr int kVersion = 1;
 constexpr char kFamily[] = "tag36h11";
-constexpr std::size_t kMinTags = 4;  // fewer do not surround an object
+constexpr double kLargestLength = 10, kSmallestBoard = 0.01;  // metres
+constexpr std::size_t kMinTags = 4;                           // fewer do not surround an object
 
 std::string millimetres(double metres) {
   char text[32];
@@ -30,7 +32,7 @@ std::string millimetres(double metres) {
 }
 
 void require_length(double value, const char* field, bool zero_allowed = false) {
-  if (!std::isfinite(value) || value < 0 || (value == 0 && !zero_allowed) || value > 10)
+  if (!std::isfinite(value) || value < 0 || (value == 0 && !zero_allowed) || value > kLargestLength)
     throw ConfigError(std::string("stage: ") + field + " is " + millimetres(value) +
                       "; it must be a length up to 10 m");
 }
@@ -50,49 +52,21 @@ void mix(std::uint64_t& hash, std::uint64_t value) {
   for (int byte = 0; byte < 8; ++byte) hash = (hash ^ ((value >> (8 * byte)) & 0xff)) * 0x100000001b3ull;
 }
 
-/// Reads JSON fields and says which one is wrong.
-class Reader {
- public:
-  explicit Reader(const std::filesystem::path& path) : path_(path.string()) {}
-
-  [[noreturn]] void fail(const std::string& field, const std::string& what) const {
-    throw FileError(path_, "field \"" + field + "\" " + what);
-  }
-  const json& member(const json& object, const std::string& key, const std::string& where) const {
-    if (!object.is_object()) fail(where.empty() ? "(top)" : where, "must be an object");
-    const auto it = object.find(key);
-    if (it == object.end()) fail(where + key, "is missing");
-    return *it;
-  }
-  double number(const json& value, const std::string& field) const {
-    if (!value.is_number()) fail(field, "must be a number");
-    const double number = value.get<double>();
-    if (!std::isfinite(number) || std::abs(number) > 100) fail(field, "must be a length in metres");
-    return number;
-  }
-
- private:
-  std::string path_;
-};
-
-StageTag read_tag(const Reader& reader, const json& entry, const std::string& where) {
+StageTag read_tag(const JsonFields& fields, const json& entry, const std::string& where) {
   StageTag tag;
-  const json& id = reader.member(entry, "id", where);
-  if (!id.is_number_integer() || id.get<std::int64_t>() < 0 || id.get<std::int64_t>() >= kTagIdCount)
-    reader.fail(where + "id", "must be an id of tag36h11, 0.." + std::to_string(kTagIdCount - 1));
-  tag.id = id.get<int>();
-  const json& corners = reader.member(entry, "corners_m", where);
+  tag.id = static_cast<int>(fields.integer(fields.member(entry, "id", where), where + "id", 0, kTagIdCount - 1));
   const std::string field = where + "corners_m";
-  if (!corners.is_array() || corners.size() != 4) reader.fail(field, "must list four corners");
+  const json& corners = fields.array(fields.member(entry, "corners_m", where), field, 4, 4);
   for (std::size_t c = 0; c < 4; ++c) {
-    if (!corners[c].is_array() || corners[c].size() != 3) reader.fail(field, "must hold corners of the form [x, y, z]");
-    for (int axis = 0; axis < 3; ++axis) tag.corners_object[c][axis] = reader.number(corners[c][axis], field);
+    fields.array(corners[c], field, 3, 3);
+    for (int axis = 0; axis < 3; ++axis)
+      tag.corners_object[c][axis] = fields.number(corners[c][axis], field, -kLargestLength, kLargestLength);
   }
   const auto& q = tag.corners_object;
   const Eigen::Vector3d normal = (q[2] - q[0]).cross(q[3] - q[1]);  // twice the area; clockwise from above, so -z
-  if (!(normal.norm() > 1e-8)) reader.fail(field, "spans no area");
+  if (!(normal.norm() > 1e-8)) fields.fail(field, "spans no area");
   if (normal.z() > 0)
-    reader.fail(field, "runs the wrong way round; list top left, top right, bottom right, bottom left seen from +z");
+    fields.fail(field, "runs the wrong way round; list top left, top right, bottom right, bottom left seen from +z");
   return tag;
 }
 
@@ -152,35 +126,19 @@ StageLayout make_stage(const StageOptions& options) {
 }
 
 StageLayout load_stage(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  if (!in) throw FileError(path.string(), "cannot be opened; make a stage with `sheen-tracker stage`");
-  const Reader reader(path);
-  json file;
-  try {
-    file = json::parse(in);
-  } catch (const json::parse_error& error) {
-    throw FileError(path.string(), "is not JSON, at byte " + std::to_string(error.byte));
-  }
-  if (reader.member(file, "format", "") != kFormat) reader.fail("format", std::string("must be \"") + kFormat + "\"");
-  const json& version = reader.member(file, "version", "");
-  if (!version.is_number_integer()) reader.fail("version", "must be a whole number");
-  if (version.get<std::int64_t>() != kVersion)
-    reader.fail("version", "is " + version.dump() + "; this program reads " + std::to_string(kVersion));
-  if (reader.member(file, "family", "") != kFamily) reader.fail("family", "must be \"tag36h11\"");
+  const JsonFields fields(path);
+  const json file = fields.open(kFormat, kVersion, "make one with `sheen-tracker stage`");
+  if (fields.member(file, "family", "") != kFamily) fields.fail("family", "must be \"tag36h11\"");
 
   StageLayout stage{.family = kFamily};
-  stage.width_m = reader.number(reader.member(file, "width_m", ""), "width_m");
-  stage.height_m = reader.number(reader.member(file, "height_m", ""), "height_m");
-  if (stage.width_m <= 0) reader.fail("width_m", "must be positive");
-  if (stage.height_m <= 0) reader.fail("height_m", "must be positive");
-  const json& tags = reader.member(file, "tags", "");
-  if (!tags.is_array() || tags.size() < kMinTags)
-    reader.fail("tags", "must list at least " + std::to_string(kMinTags) + " tags");
+  stage.width_m = fields.number(fields.member(file, "width_m", ""), "width_m", kSmallestBoard, kLargestLength);
+  stage.height_m = fields.number(fields.member(file, "height_m", ""), "height_m", kSmallestBoard, kLargestLength);
+  const json& tags = fields.array(fields.member(file, "tags", ""), "tags", kMinTags, kTagIdCount);
   std::set<int> ids;
   for (std::size_t i = 0; i < tags.size(); ++i) {
     const std::string where = "tags[" + std::to_string(i) + "].";
-    stage.tags.push_back(read_tag(reader, tags[i], where));
-    if (!ids.insert(stage.tags.back().id).second) reader.fail(where + "id", "stands there twice");
+    stage.tags.push_back(read_tag(fields, tags[i], where));
+    if (!ids.insert(stage.tags.back().id).second) fields.fail(where + "id", "stands there twice");
   }
   return stage;
 }
@@ -194,10 +152,7 @@ void save_stage(const StageLayout& stage, const std::filesystem::path& path) {
   }
   const json file = {{"format", kFormat},        {"version", kVersion},        {"family", stage.family},
                      {"width_m", stage.width_m}, {"height_m", stage.height_m}, {"tags", tags}};
-  std::ofstream out(path);
-  out << file.dump(1) << '\n';
-  out.flush();
-  if (!out) throw FileError(path.string(), "cannot be written");
+  write_file(path, file.dump(1) + "\n");
 }
 
 }  // namespace sheen

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <oneapi/tbb/parallel_for.h>
+
+#include <atomic>
+#include <cstdio>
+#include <mutex>
+#include <sstream>
+
+#include "common/color.h"
+#include "common/datasets/dataset.h"
+#include "common/errors.h"
+#include "common/exr.h"
+#include "common/files.h"
+#include "common/image_io.h"
+#include "common/simulation/procedural_noise.h"
+#include "common/simulation/simulated_rig.h"
+
+namespace sheen {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kRendererVersion = 1;  // counts up when the same options give other pixels
+constexpr int kHoldOutEvery = 8;
+constexpr double kExposureSeconds = 0.004;
+
+std::string parameters_hash(const SimulationOptions& o) {
+  std::ostringstream text;
+  text << kRendererVersion << ' ' << o.object << ' ' << o.frames << ' ' << o.width << 'x' << o.height << ' ' << o.seed
+       << ' ' << o.truth << ' ' << o.frame_rate_hz;
+  std::uint64_t hash = 0;
+  for (const char c : text.str()) hash = mix_bits(hash ^ static_cast<unsigned char>(c));
+  char hex[17];
+  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(hash));
+  return hex;
+}
+
+std::string frame_name(std::size_t index) {
+  char name[32];
+  std::snprintf(name, sizeof name, "frame_%04zu", index);
+  return name;
+}
+
+/// Configuration with which `sheen-tracker run` tracks this rig through its camera server.
+std::string tracker_config(const Camera& c) {
+  std::ostringstream toml;
+  toml.precision(17);
+  toml << "# Written with a simulated rig: its exact intrinsics and the stage it stands on.\n"
+       << "[camera]\nwidth = " << c.width << "\nheight = " << c.height << "\nfx = " << c.fx << "\nfy = " << c.fy
+       << "\ncx = " << c.cx << "\ncy = " << c.cy << "\nlens = \"opencv\"\ndistortion = [";
+  for (std::size_t i = 0; i < c.distortion.size(); ++i) toml << (i ? ", " : "") << std::fixed << c.distortion[i];
+  toml << "]\n\n[stage]\nfile = \"stage.json\"\n\n[source]\nuri = \"aravis:127.0.0.1\"\n";
+  return toml.str();
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw FileError(folder.string(), "cannot be made: " + error.message());
+}
+
+void write_frame(const SimulatedFrame& frame, const fs::path& folder, const std::string& name, bool truth) {
+  write_file(folder / "frames" / (name + ".raw"),
+             {reinterpret_cast<const char*>(frame.raw.bytes.data()), frame.raw.bytes.size()});
+  write_png(folder / "images" / (name + ".png"), to_srgb8(to_linear_rgb(frame.raw)));
+  write_png(folder / "masks" / (name + ".png"), frame.mask);
+  if (truth)
+    write_exr(folder / "truth" / (name + ".exr"), ExrFile{.parts = {{.name = "radiance",
+                                                                     .channels = {"R", "G", "B"},
+                                                                     .image = frame.radiance,
+                                                                     .precision = ExrPrecision::kHalf}},
+                                                          .attributes = {}});
+}
+
+/// Whether every file that `recording` promises is there and whole.
+bool is_complete(const RigRecording& recording) {
+  const auto bytes = std::uintmax_t(recording.camera.width) * recording.camera.height;
+  std::error_code error;
+  for (const RigFrame& frame : recording.frames)
+    if (fs::file_size(frame.raw_file, error) != bytes || error) return false;
+  for (const char* file : {"mesh.ply", "stage.json", "rig.toml", "transforms.json"})
+    if (!fs::is_regular_file(recording.folder / file, error)) return false;
+  return true;
+}
+
+}  // namespace
+
+RigRecording write_recording(const SimulatedRig& rig, const fs::path& folder, const RenderProgress& progress) {
+  make_folder(folder);
+  std::error_code ignored;
+  fs::remove(folder / "rig.json", ignored);  // from here on the folder is incomplete
+  for (const char* sub : {"frames", "images", "masks"}) make_folder(folder / sub);
+  if (rig.options().truth) make_folder(folder / "truth");
+  save_ply(rig.object().mesh, folder / "mesh.ply");
+  save_stage(rig.stage(), folder / "stage.json");
+  write_file(folder / "rig.toml", tracker_config(rig.camera()));
+
+  RigRecording recording{.folder = folder,
+                         .camera = rig.camera(),
+                         .frame_rate_hz = rig.options().frame_rate_hz,
+                         .exposure = {.exposure_s = kExposureSeconds, .locked = true},
+                         .parameters_hash = parameters_hash(rig.options())};
+  recording.frames.resize(rig.size());
+  std::mutex reporting;
+  int done = 0;
+  tbb::parallel_for(std::size_t(0), rig.size(), [&](std::size_t i) {
+    const SimulatedFrame frame = rig.frame(i);
+    const std::string name = frame_name(i);
+    write_frame(frame, folder, name, rig.options().truth);
+    recording.frames[i] = {folder / "frames" / (name + ".raw"), frame.camera_from_object, frame.blur_px};
+    const std::lock_guard lock(reporting);
+    ++done;
+    if (progress) progress(done, static_cast<int>(rig.size()));
+  });
+
+  std::vector<DatasetView> views;
+  for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+    if (recording.frames[i].blur_px > 0) continue;
+    const std::string name = "images/" + frame_name(i) + ".png";
+    views.push_back(
+        {.name = name,
+         .image_path = folder / name,
+         .mask_path = folder / "masks" / (frame_name(i) + ".png"),
+         .camera = rig.camera(),
+         .camera_from_object = recording.frames[i].camera_from_object,
+         .purpose = views.size() % kHoldOutEvery == kHoldOutEvery / 2 ? Purpose::kHeldOut : Purpose::kTraining,
+         .exposure_s = kExposureSeconds});
+  }
+  write_transforms(folder / "transforms.json", views);
+  save_rig_recording(recording);
+  return recording;
+}
+
+CachedRecording cached_recording(const SimulationOptions& options, const fs::path& folder,
+                                 const RenderProgress& progress) {
+  if (fs::exists(folder / "rig.json")) {
+    RigRecording recording = load_rig_recording(folder);
+    if (recording.parameters_hash == parameters_hash(options) && is_complete(recording))
+      return {std::move(recording), false};
+  }
+  return {write_recording(SimulatedRig(options), folder, progress), true};
+}
+
+}  // namespace sheen

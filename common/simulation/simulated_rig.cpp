@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/simulation/simulated_rig.h"
+
+#include <algorithm>
+
+#include "common/errors.h"
+#include "common/simulation/procedural_noise.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kBlurSteps = 13;  // poses that a moving frame averages
+constexpr double kMeterQuantile = 0.9975;
+constexpr double kMeterLevel = 0.97;  // of white, at that quantile of the object's pixels
+
+PathTracer make_tracer(const SimulationOptions& options, const StageLayout& stage) {
+  return PathTracer({make_test_object(options.object), StageSurface(stage), make_studio()});
+}
+
+Camera checked_camera(const SimulationOptions& options) {
+  if (options.width < 16 || options.height < 16 || options.width > 8192 || options.height > 8192)
+    throw ConfigError("simulation: the size must be 16x16 to 8192x8192 pixels");
+  if (options.width % 2 != 0 || options.height % 2 != 0)
+    throw ConfigError("simulation: width and height must be even, as a Bayer sensor's are");
+  return simulated_camera(options.width, options.height);
+}
+
+}  // namespace
+
+SimulatedRig::SimulatedRig(const SimulationOptions& options)
+    : options_(options),
+      stage_(make_stage({})),
+      tracer_(make_tracer(options, stage_)),
+      lens_(checked_camera(options)),
+      path_(camera_path({.frames = options.frames, .seed = options.seed}, lens_.camera())),
+      white_level_(meter()) {}
+
+/// White level at which all but the hottest cores of highlights stay below it, from small views along the path.
+double SimulatedRig::meter() const {
+  constexpr int kViews = 12;
+  const LensRays small(simulated_camera(256, 192));
+  std::vector<float> brightest;
+  for (int i = 0; i < kViews; ++i) {
+    const CameraStation& station = path_[path_.size() * i / kViews];
+    const RenderedView view = tracer_.render(small, station.camera_from_object, {.edge_samples = 4});
+    for (std::size_t p = 0; p < view.mask.size(); ++p)
+      if (view.mask.data()[p]) {
+        const float* rgb = view.radiance.data() + 3 * p;
+        brightest.push_back(std::max({rgb[0], rgb[1], rgb[2]}));
+      }
+  }
+  if (brightest.empty()) throw ConfigError("simulation: the camera never sees the object");
+  const auto at = brightest.begin() + static_cast<std::ptrdiff_t>(kMeterQuantile * (brightest.size() - 1));
+  std::nth_element(brightest.begin(), at, brightest.end());
+  return *at / kMeterLevel;
+}
+
+SimulatedFrame SimulatedRig::frame(std::size_t index) const {
+  const CameraStation& station = path_.at(index);
+  SimulatedFrame frame;
+  frame.camera_from_object = station.camera_from_object;
+  frame.blur_px = station.streak_px(camera(), bounding_sphere(object().mesh).centre);
+  RenderedView view = tracer_.render(lens_, station.camera_from_object);
+  frame.mask = std::move(view.mask);
+  frame.radiance = std::move(view.radiance);
+  if (station.moves()) {
+    const RenderOptions coarse{.object_samples = 1, .edge_samples = 4, .lobe_samples = 8};
+    frame.radiance = ImageF(camera().width, camera().height, 3);
+    for (int i = 0; i < kBlurSteps; ++i) {
+      const RenderedView moment = tracer_.render(lens_, station.at((i + 0.5) / kBlurSteps - 0.5), coarse);
+      for (std::size_t k = 0; k < frame.radiance.size(); ++k)
+        frame.radiance.data()[k] += moment.radiance.data()[k] / kBlurSteps;
+    }
+  }
+  for (std::size_t k = 0; k < frame.radiance.size(); ++k)
+    frame.radiance.data()[k] = static_cast<float>(frame.radiance.data()[k] / white_level_);
+  ImageF mosaic = mosaic_rggb(frame.radiance);
+  add_sensor_noise(mosaic, {}, mix_bits(options_.seed) + index);
+  frame.raw = quantize_rggb(mosaic);
+  return frame;
+}
+
+}  // namespace sheen

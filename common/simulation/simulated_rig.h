@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/raw_image.h"
+#include "common/simulation/camera_path.h"
+#include "common/simulation/path_tracer.h"
+#include "common/simulation/rig_recording.h"
+#include "common/simulation/sensor.h"
+#include "common/stage/stage_layout.h"
+
+namespace sheen {
+
+struct SimulationOptions {
+  std::string object = "demo";  ///< see `make_test_object`
+  int frames = 130;
+  int width = 1024, height = 768;  ///< pixels
+  std::uint64_t seed = 1;          ///< of path and noise
+  bool truth = false;              ///< also write each frame's linear radiance as EXR
+  double frame_rate_hz = 12;       ///< at which the recording is to be served
+};
+
+/// One frame of the rig with its truth. Radiance is in units of the white level, before noise and clipping.
+struct SimulatedFrame {
+  Rigid3 camera_from_object;  ///< at the middle of the exposure
+  double blur_px = 0;         ///< streak of the object's centre
+  ImageF radiance;
+  ImageU8 mask;  ///< 255 on the object's silhouette, at the middle of the exposure
+  RawImage raw;  ///< BayerRG8, linear: what the camera sends
+};
+
+/// Object, stage, lights, camera and its path, all generated. Making one bakes the light (seconds); `frame` renders.
+/// Throws ConfigError.
+class SimulatedRig {
+ public:
+  explicit SimulatedRig(const SimulationOptions& options);
+
+  std::size_t size() const { return path_.size(); }
+  SimulatedFrame frame(std::size_t index) const;
+
+  const SimulationOptions& options() const { return options_; }
+  const StageLayout& stage() const { return stage_; }
+  const TestObject& object() const { return tracer_.scene().object; }
+  const PathTracer& tracer() const { return tracer_; }
+  const Camera& camera() const { return lens_.camera(); }
+  const std::vector<CameraStation>& path() const { return path_; }
+  double white_level() const { return white_level_; }  ///< radiance that just saturates the sensor
+
+ private:
+  double meter() const;
+
+  SimulationOptions options_;
+  StageLayout stage_;
+  PathTracer tracer_;
+  LensRays lens_;
+  std::vector<CameraStation> path_;
+  double white_level_;
+};
+
+/// Called after each frame with the numbers of frames done and wanted; any thread, one at a time.
+using RenderProgress = std::function<void(int done, int total)>;
+
+/// Renders the rig into a folder as a recording and a dataset (see `RigRecording`), with `rig.toml` for the tracker.
+/// `rig.json` is written last: a folder that has it is complete. Every 8th sharp frame is marked as held out; frames
+/// with motion blur are in the recording and not in `transforms.json`. Throws FileError.
+RigRecording write_recording(const SimulatedRig& rig, const std::filesystem::path& folder,
+                             const RenderProgress& progress = {});
+
+/// The folder's recording when it is complete and was rendered from the same options, else renders it.
+struct CachedRecording {
+  RigRecording recording;
+  bool rendered = false;  ///< false: it was there
+};
+CachedRecording cached_recording(const SimulationOptions& options, const std::filesystem::path& folder,
+                                 const RenderProgress& progress = {});
+
+}  // namespace sheen
