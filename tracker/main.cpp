@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   CLI::App app("Grabs a camera, solves its pose against a stage of tags and streams posed images.", "sheen-tracker");
   app.require_subcommand(1);
   sheen::add_cameras_command(app);
+  sheen::add_simulate_command(app);
 
   sheen::install_stop_signals();
   try {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdio>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "common/color.h"
@@ -41,14 +42,19 @@ std::string frame_name(std::size_t index) {
   return name;
 }
 
+/// The shortest text that reads back as the same number, with a point or an exponent, as JSON and TOML floats have.
+std::string toml_float(double value) {
+  return nlohmann::json(value).dump();
+}
+
 /// Configuration with which `sheen-tracker run` tracks this rig through its camera server.
 std::string tracker_config(const Camera& c) {
   std::ostringstream toml;
-  toml.precision(17);
   toml << "# Written with a simulated rig: its exact intrinsics and the stage it stands on.\n"
-       << "[camera]\nwidth = " << c.width << "\nheight = " << c.height << "\nfx = " << c.fx << "\nfy = " << c.fy
-       << "\ncx = " << c.cx << "\ncy = " << c.cy << "\nlens = \"opencv\"\ndistortion = [";
-  for (std::size_t i = 0; i < c.distortion.size(); ++i) toml << (i ? ", " : "") << std::fixed << c.distortion[i];
+       << "[camera]\nwidth = " << c.width << "\nheight = " << c.height << "\nfx = " << toml_float(c.fx)
+       << "\nfy = " << toml_float(c.fy) << "\ncx = " << toml_float(c.cx) << "\ncy = " << toml_float(c.cy)
+       << "\nlens = \"opencv\"\ndistortion = [";
+  for (std::size_t i = 0; i < c.distortion.size(); ++i) toml << (i ? ", " : "") << toml_float(c.distortion[i]);
   toml << "]\n\n[stage]\nfile = \"stage.json\"\n\n[source]\nuri = \"aravis:127.0.0.1\"\n";
   return toml.str();
 }
