@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/render/gl/hud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace sheen {
+namespace {
+
+constexpr Rgba kText{240, 240, 240, 255}, kDim{165, 172, 182, 255}, kPanel{12, 14, 18, 190};
+constexpr Rgba kGreen{90, 220, 120, 255}, kAmber{255, 190, 70, 255}, kRed{255, 90, 80, 255};
+
+struct Line {
+  std::string label, value;
+  Rgba color = kText;
+};
+
+template <typename... Values>
+std::string print(const char* format, Values... values) {
+  char text[160];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+unsigned long long count(std::uint64_t n) {
+  return n;
+}
+
+Rgba rgba(const Eigen::Vector3f& color) {
+  const auto level = [](float x) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(x, 0.0f, 1.0f))); };
+  return {level(color.x()), level(color.y()), level(color.z()), 255};
+}
+
+/// A dark box with two columns of text; returns nothing to the caller but the picture.
+void draw_box(OverlayPainter& overlay, float x, float y, const std::vector<Line>& lines) {
+  std::size_t label = 0, value = 0;
+  for (const Line& line : lines) {
+    label = std::max(label, line.label.size());
+    value = std::max(value, line.value.size());
+  }
+  const float pad = overlay.advance(), gap = label && value ? 2 * overlay.advance() : 0;
+  const float column = static_cast<float>(label) * overlay.advance() + gap;
+  overlay.fill(x, y, column + static_cast<float>(value) * overlay.advance() + 2 * pad,
+               static_cast<float>(lines.size()) * overlay.line_height() + pad, kPanel);
+  y += pad / 2;
+  for (const Line& line : lines) {
+    overlay.text(x + pad, y, line.label, kDim);
+    overlay.text(x + pad + column, y, line.value, line.color);
+    y += overlay.line_height();
+  }
+}
+
+const char* title(const ViewControls& controls) {
+  switch (controls.mode) {
+    case ViewMode::kLightField:
+      return "light field";
+    case ViewMode::kHeuristic:
+      return controls.reasons ? "why images are needed" : "where images are needed";
+    case ViewMode::kSplit:
+      return controls.reasons ? "light field | why images are needed" : "light field | where images are needed";
+    case ViewMode::kCamera:
+      return "camera image, tags, pose";
+  }
+  return "";
+}
+
+Line tracker_line(TrackerLink link) {
+  switch (link) {
+    case TrackerLink::kWaiting:
+      return {"tracker", "waiting for it", kAmber};
+    case TrackerLink::kConnected:
+      return {"tracker", "connected", kGreen};
+    case TrackerLink::kStale:
+      return {"tracker", "STALE: no sign of it", kRed};
+    case TrackerLink::kNone:
+      break;
+  }
+  return {"tracker", "none: a saved model", kDim};
+}
+
+}  // namespace
+
+RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot) {
+  RankFigures figures{.rings = snapshot.ring_data().size()};
+  std::vector<int> ranks;
+  for (const auto& ring : snapshot.ring_data())
+    if (ring) ranks.push_back(ring->rank());
+  figures.rings_seen = ranks.size();
+  if (ranks.empty()) return figures;
+  const auto middle = ranks.begin() + static_cast<std::ptrdiff_t>(ranks.size() / 2);
+  std::nth_element(ranks.begin(), middle, ranks.end());
+  figures.median = *middle;
+  if (ranks.size() % 2 == 0) figures.median = 0.5 * (figures.median + *std::max_element(ranks.begin(), middle));
+  figures.most = *std::max_element(ranks.begin(), ranks.end());
+  return figures;
+}
+
+Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, const Eigen::Vector3d& next_eye) {
+  const Eigen::Matrix3d camera = camera_from_object.rotation.toRotationMatrix();
+  const Eigen::Vector3d out = (camera_centre(camera_from_object) - centre).normalized();
+  const Eigen::Vector3d image_up = -camera.row(1).transpose();
+  const Eigen::Vector3d right = image_up.cross(out).normalized();
+  const Eigen::Vector3d up = out.cross(right);
+  const Eigen::Vector3d next = (next_eye - centre).normalized();
+  constexpr double kDegrees = 180 / M_PI;
+  return {std::atan2(next.dot(right), next.dot(out)) * kDegrees,
+          std::asin(std::clamp(next.dot(up), -1.0, 1.0)) * kDegrees};
+}
+
+void Hud::draw_figures(OverlayPainter& overlay) const {
+  std::vector<Line> lines{{"Sheen", title(controls)}};
+  lines.push_back(tracker_line(state.link));
+  if (state.figures) {
+    const CaptureFigures& f = *state.figures;
+    std::uint64_t refused = 0;
+    for (const auto& [reason, n] : f.frames_refused) refused += n;
+    lines.push_back({"frames", print("%llu, used %llu (%llu held out), refused %llu", count(f.frames_received),
+                                     count(f.frames_accepted), count(f.frames_held_out), count(refused))});
+    for (const auto& [reason, n] : f.frames_refused)
+      lines.push_back({"", print("  %s %llu", reason.c_str(), count(n)), kDim});
+    lines.push_back({"rate", print("%.1f images/s", f.images_per_s)});
+  }
+  if (ranks) {
+    lines.push_back({"rank", print("median %.3g, most %d", ranks->median, ranks->most)});
+    lines.push_back(
+        {"surface", print("%.0f %% seen", 100.0 * static_cast<double>(ranks->rings_seen) /
+                                              static_cast<double>(std::max<std::size_t>(1, ranks->rings)))});
+  }
+  if (state.figures) {
+    const CaptureFigures& f = *state.figures;
+    if (f.residual) lines.push_back({"residual", print("%.1f %% of the last image", 100 * *f.residual)});
+    if (f.held_out_psnr_db) {
+      std::string value = print("%.1f dB", *f.held_out_psnr_db);
+      if (f.held_out_ssim) value += print(", SSIM %.3f", *f.held_out_ssim);
+      lines.push_back({"held out", value, kGreen});
+    }
+  }
+  if (controls.follow) lines.push_back({"view", "follows the camera"});
+  draw_box(overlay, overlay.advance(), overlay.advance(), lines);
+}
+
+void Hud::draw_guidance(OverlayPainter& overlay) const {
+  constexpr double kThere = 4;  // degrees: as near as a hand gets
+  if (!guidance) return;
+  const double right = guidance->right_deg, up = guidance->up_deg;
+  const bool there = std::hypot(right, up) < kThere;
+  std::string text = there ? "next image: here, hold still" : "next image:";
+  if (!there && std::abs(right) >= 1) text += print(" %.0f deg %s", std::abs(right), right > 0 ? "right" : "left");
+  if (!there && std::abs(up) >= 1) text += print(" %.0f deg %s", std::abs(up), up > 0 ? "up" : "down");
+  if (state.next_view && !state.next_view->reason.empty()) text += " (" + state.next_view->reason + ")";
+
+  const float arrow = 1.4f * overlay.line_height(), pad = overlay.advance();
+  const float width = static_cast<float>(text.size()) * overlay.advance() + arrow + 3 * pad;
+  const float height = arrow + pad, x = (static_cast<float>(overlay.width()) - width) / 2;
+  const float y = static_cast<float>(overlay.height()) - height - 1.2f * overlay.line_height();
+  overlay.fill(x, y, width, height, kPanel);
+  overlay.text(x + arrow + 2 * pad, y + (height - overlay.line_height()) / 2, text, kText);
+  const Eigen::Vector2f middle(x + pad + arrow / 2, y + height / 2);
+  if (there) {
+    overlay.fill(middle.x() - arrow / 4, middle.y() - arrow / 4, arrow / 2, arrow / 2, kGreen);
+    return;
+  }
+  const Eigen::Vector2f along = Eigen::Vector2d(right, -up).normalized().cast<float>() * (arrow / 2);
+  const Eigen::Vector2f side(-along.y(), along.x());
+  overlay.line(middle - along, middle + 0.2f * along, arrow / 5, kGreen);
+  overlay.triangle(middle + along, middle + 0.75f * side, middle - 0.75f * side, kGreen);
+}
+
+void Hud::draw_legend(OverlayPainter& overlay) const {
+  struct Swatch {
+    Rgba color;
+    std::string text;
+  };
+  std::vector<Swatch> swatches;
+  switch (controls.mode) {
+    case ViewMode::kHeuristic:
+    case ViewMode::kSplit:
+      if (controls.reasons) {
+        swatches = {{rgba(reason_color(QualityReason::kUnseen)), "no image shows it"},
+                    {rgba(reason_color(QualityReason::kOblique)), "seen at grazing angles only"},
+                    {rgba(reason_color(QualityReason::kSparseDirections)), "no image from near here"},
+                    {rgba(reason_color(QualityReason::kHighResidual)), "images still bring news"},
+                    {{43, 43, 43, 255}, "well known"}};
+      } else {
+        swatches = {{{255, 15, 10, 255}, "needs images most"},
+                    {{149, 29, 27, 255}, "needs some"},
+                    {{43, 43, 43, 255}, "well known"}};
+      }
+      break;
+    case ViewMode::kLightField:
+      if (ranks && ranks->rings_seen < ranks->rings) swatches = {{{52, 55, 62, 255}, "striped: no image shows it"}};
+      break;
+    case ViewMode::kCamera:
+      if (state.capture)
+        swatches = {{{60, 230, 90, 255}, "tag the pose rests on"},
+                    {{255, 150, 40, 255}, "tag left out"},
+                    {{64, 217, 255, 255}, "mesh at this pose"}};
+      break;
+  }
+  if (swatches.empty()) return;
+  std::size_t longest = 0;
+  for (const Swatch& s : swatches) longest = std::max(longest, s.text.size());
+  const float pad = overlay.advance(), side = 0.6f * overlay.line_height(), row = overlay.line_height();
+  const float width = side + 3 * pad + static_cast<float>(longest) * overlay.advance();
+  const float height = static_cast<float>(swatches.size()) * row + pad;
+  const float x = static_cast<float>(overlay.width()) - width - pad;
+  float y = static_cast<float>(overlay.height()) - height - pad - 3.2f * row;
+  overlay.fill(x, y, width, height, kPanel);
+  y += pad / 2;
+  for (const Swatch& s : swatches) {
+    overlay.fill(x + pad, std::round(y + 0.15f * row), side, side, s.color);
+    overlay.text(x + side + 2 * pad, y, s.text, kText);
+    y += row;
+  }
+}
+
+void Hud::draw_notes(OverlayPainter& overlay) const {
+  const float pad = overlay.advance();
+  float y = pad;
+  std::vector<std::string> all = notes;
+  if (!state.message.empty()) all.push_back(state.message);
+  if (state.link == TrackerLink::kStale) all.insert(all.begin(), "no sign of the tracker: the picture is old");
+  for (const std::string& note : all) {
+    const float width = static_cast<float>(note.size()) * overlay.advance() + 2 * pad;
+    const float x = static_cast<float>(overlay.width()) - width - pad;
+    overlay.fill(x, y, width, overlay.line_height() + pad / 2, kPanel);
+    overlay.text(x + pad, y + pad / 4, note, kAmber);
+    y += overlay.line_height() + pad;
+  }
+}
+
+void Hud::draw_help(OverlayPainter& overlay) const {
+  const std::vector<Line> lines{{"1", "light field"},
+                                {"2", "where images are needed"},
+                                {"3", "both, side by side"},
+                                {"4", "camera image, tags, pose"},
+                                {"W", "why images are needed: by reason"},
+                                {"F", "follow the tracked camera"},
+                                {"R", "reset the view"},
+                                {"S", "save a screenshot (PNG)"},
+                                {"H", "hide these keys"},
+                                {"Q, Esc", "quit"},
+                                {"drag", "turn"},
+                                {"right drag", "move"},
+                                {"wheel", "nearer, farther"}};
+  const float height = static_cast<float>(lines.size()) * overlay.line_height() + overlay.advance();
+  draw_box(overlay, overlay.advance(), static_cast<float>(overlay.height()) - height - overlay.advance(), lines);
+}
+
+void Hud::draw(OverlayPainter& overlay) const {
+  draw_figures(overlay);
+  draw_guidance(overlay);
+  draw_legend(overlay);
+  draw_notes(overlay);
+  if (controls.help)
+    draw_help(overlay);
+  else
+    overlay.text(overlay.advance(), static_cast<float>(overlay.height()) - 1.2f * overlay.line_height(), "H: keys",
+                 kDim);
+}
+
+}  // namespace sheen

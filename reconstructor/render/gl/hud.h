@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "reconstructor/render/gl/overlay_painter.h"
+#include "reconstructor/render/gl/view_controls.h"
+#include "reconstructor/render/gl/viewer_state.h"
+
+namespace sheen {
+
+/// How many terms the rings of a model have.
+struct RankFigures {
+  double median = 0;  ///< over rings that were seen
+  int most = 0;
+  std::size_t rings_seen = 0, rings = 0;
+};
+RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot);
+
+/// How to move from one eye to another, as the person who holds the camera sees it. Degrees on a sphere round the
+/// centre, positive to the right and up.
+struct Guidance {
+  double right_deg = 0, up_deg = 0;
+};
+Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, const Eigen::Vector3d& next_eye);
+
+/// The text over the picture: figures at the top left, where to go next at the bottom, the legend of the colours at the
+/// bottom right, keys on demand. Collected into `overlay`, not flushed.
+struct Hud {
+  const ViewerState& state;
+  const ViewControls& controls;
+  const RankFigures* ranks = nullptr;  ///< null without a model
+  const Guidance* guidance = nullptr;  ///< null without a next view
+  std::vector<std::string> notes;      ///< warnings and news, a line each
+  void draw(OverlayPainter& overlay) const;
+
+ private:
+  void draw_figures(OverlayPainter& overlay) const;
+  void draw_guidance(OverlayPainter& overlay) const;
+  void draw_legend(OverlayPainter& overlay) const;
+  void draw_notes(OverlayPainter& overlay) const;
+  void draw_help(OverlayPainter& overlay) const;
+};
+
+}  // namespace sheen

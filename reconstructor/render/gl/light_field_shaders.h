@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace sheen {
+
+/// Vertices come out of buffers: vertex 3 t + c of the draw call is corner c of triangle t.
+inline constexpr const char* kSurfaceVertexShader = R"glsl(#version 330 core
+uniform samplerBuffer positions;
+uniform usamplerBuffer corners;
+uniform mat4 clip_from_object;
+centroid out vec3 beta;     // barycentric weights; never outside the triangle, also where several samples make a pixel
+out vec3 position_object;
+
+void main() {
+  uint vertex = texelFetch(corners, gl_VertexID).x;
+  int corner = gl_VertexID % 3;
+  beta = vec3(corner == 0, corner == 1, corner == 2);
+  position_object = texelFetch(positions, int(vertex)).xyz;
+  gl_Position = clip_from_object * vec4(position_object, 1);
+}
+)glsl";
+
+inline constexpr const char* kSurfaceFragmentShader = R"glsl(#version 330 core
+uniform usamplerBuffer corners, resolutions, slots;
+uniform samplerBuffer coefficients, quality;
+uniform samplerBuffer basis0, basis1, basis2, basis3;
+uniform int coefficient_stride;
+uniform int shading;               // SurfaceShading
+uniform vec3 eye;
+uniform vec3 reason_colors[5];     // by QualityReason
+centroid in vec3 beta;
+in vec3 position_object;
+out vec4 color;
+
+vec3 fetch_basis(uint buffer, int texel) {
+  if (buffer == 0u) return texelFetch(basis0, texel).rgb;
+  if (buffer == 1u) return texelFetch(basis1, texel).rgb;
+  if (buffer == 2u) return texelFetch(basis2, texel).rgb;
+  return texelFetch(basis3, texel).rgb;
+}
+
+int lattice_index(int n, int i, int j) { return i * n - i * (i - 1) / 2 + j; }
+
+// Three lattice points and their weights: lattice_stencil of the CPU.
+void lattice_stencil(int n, float u, float v, out ivec3 index, out vec3 weight) {
+  float cu = clamp(u, 0.0, 1.0) * float(n - 1);
+  float cv = clamp(v, 0.0, 1.0 - clamp(u, 0.0, 1.0)) * float(n - 1);
+  int i = min(int(cu), n - 2);
+  int j = min(int(cv), n - 2 - i);
+  float a = cu - float(i), b = cv - float(j);
+  if (a + b <= 1.0 || i + j + 2 > n - 1) {
+    float s = max(1.0, a + b);
+    index = ivec3(lattice_index(n, i, j), lattice_index(n, i + 1, j), lattice_index(n, i, j + 1));
+    weight = vec3(max(0.0, 1.0 - a - b), a / s, b / s);
+  } else {
+    index = ivec3(lattice_index(n, i + 1, j + 1), lattice_index(n, i, j + 1), lattice_index(n, i + 1, j));
+    weight = vec3(a + b - 1.0, 1.0 - a, 1.0 - b);
+  }
+}
+
+// Grey by the angle to the eye: shape where there is no colour.
+float facing() {
+  vec3 normal = normalize(cross(dFdx(position_object), dFdy(position_object)));
+  return abs(dot(normal, normalize(eye - position_object)));
+}
+
+vec3 unknown_color() {
+  float stripe = step(6.0, mod(gl_FragCoord.x + gl_FragCoord.y, 12.0));
+  return vec3(0.20, 0.21, 0.24) * (0.55 + 0.45 * facing()) + 0.035 * stripe;
+}
+
+// Sum over the three rings and all their terms, sRGB-encoded (000 sec. 4.1).
+vec3 light_field() {
+  ivec3 index;
+  vec3 weight;
+  lattice_stencil(int(texelFetch(resolutions, gl_PrimitiveID).x), beta.y, beta.z, index, weight);
+  vec3 sum = vec3(0);
+  float total = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    uvec2 corner = texelFetch(corners, 3 * gl_PrimitiveID + c).xy;
+    uvec2 slot = texelFetch(slots, int(corner.x)).xy;
+    int rank = int(slot.y & 0xffffu);
+    if (rank == 0) continue;
+    uint buffer = slot.y >> 16;
+    ivec3 texel = int(slot.x) + (int(corner.y) + index) * rank;
+    int h = int(corner.x) * coefficient_stride;
+    vec3 value = vec3(0);
+    for (int r = 0; r < rank; ++r)
+      value += texelFetch(coefficients, h + r).x * (weight.x * fetch_basis(buffer, texel.x + r) +
+                                                    weight.y * fetch_basis(buffer, texel.y + r) +
+                                                    weight.z * fetch_basis(buffer, texel.z + r));
+    sum += beta[c] * value;
+    total += beta[c];
+  }
+  return total < 1e-4 ? unknown_color() : sum / total;
+}
+
+void main() {
+  if (!gl_FrontFacing) {
+    color = vec4(vec3(0.42) * (0.4 + 0.6 * facing()), 1);
+    return;
+  }
+  if (shading == 0) {
+    color = vec4(light_field(), 1);
+    return;
+  }
+  vec2 need = texelFetch(quality, gl_PrimitiveID).xy;
+  float shape = 0.35 + 0.65 * facing();
+  vec3 hue = shading == 1 ? vec3(1.0, 0.06, 0.04) : reason_colors[int(need.y + 0.5)];
+  color = vec4(mix(vec3(0.17), hue, need.x) * shape, 1);
+}
+)glsl";
+
+}  // namespace sheen

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/render/gl/view_controls.h"
+
+namespace sheen {
+
+const char* to_string(ViewMode mode) {
+  switch (mode) {
+    case ViewMode::kLightField:
+      return "light-field";
+    case ViewMode::kHeuristic:
+      return "heuristic";
+    case ViewMode::kSplit:
+      return "split";
+    case ViewMode::kCamera:
+      return "camera";
+  }
+  return "unknown";
+}
+
+std::optional<ViewMode> view_mode_from(std::string_view word) {
+  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera})
+    if (word == to_string(mode)) return mode;
+  return std::nullopt;
+}
+
+void ViewControls::frame(const std::shared_ptr<const Mesh>& mesh) {
+  if (!mesh || mesh == framed_) return;
+  framed_ = mesh;
+  orbit.frame(bounding_sphere(*mesh));
+}
+
+void ViewControls::reset() {
+  follow = false;
+  if (framed_) orbit.frame(bounding_sphere(*framed_));
+}
+
+}  // namespace sheen

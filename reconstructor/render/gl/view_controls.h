@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "reconstructor/render/gl/orbit_camera.h"
+
+namespace sheen {
+
+enum class ViewMode {
+  kLightField,  ///< what was captured
+  kHeuristic,   ///< where images are missing
+  kSplit,       ///< both, side by side from the same eye
+  kCamera,      ///< the camera's image, with tags and pose
+};
+const char* to_string(ViewMode mode);
+/// Of "light-field", "heuristic", "split", "camera"; nothing for any other word.
+std::optional<ViewMode> view_mode_from(std::string_view word);
+
+/// What the person at the window has chosen.
+struct ViewControls {
+  ViewMode mode = ViewMode::kLightField;
+  bool follow = false;   ///< look through the tracked camera instead of the free one
+  bool reasons = false;  ///< the heuristic by its reasons
+  bool help = false;
+  bool figures = true;  ///< text and guides over the picture
+  OrbitCamera orbit;
+
+  /// Lets the free camera frame a mesh that it has not framed yet.
+  void frame(const std::shared_ptr<const Mesh>& mesh);
+  void reset();  ///< back to where `frame` put the camera
+
+ private:
+  std::shared_ptr<const Mesh> framed_;
+};
+
+}  // namespace sheen

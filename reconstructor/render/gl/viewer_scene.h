@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "reconstructor/render/gl/camera_picture.h"
+#include "reconstructor/render/gl/hud.h"
+#include "reconstructor/render/gl/light_field_renderer.h"
+#include "reconstructor/render/gl/overlay_painter.h"
+#include "reconstructor/render/gl/view_controls.h"
+#include "reconstructor/render/gl/viewer_state.h"
+
+namespace sheen {
+
+/// Draws a state as the controls ask, into any target; knows OpenGL but no window.
+class ViewerScene {
+ public:
+  explicit ViewerScene(const LightFieldRendererOptions& options) : surface_(options) {}
+
+  /// Brings what is new to the GPU, a bounded part of it a call; true when all of it is there.
+  bool update(const ViewerState& state) { return surface_.update(state.snapshot); }
+  /// `news`: lines to show beside the state's own message.
+  void draw(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,
+            const RenderTarget& target);
+
+ private:
+  void draw_surface(const ViewerState& state, const ViewControls& controls, const Panel& area, SurfaceShading shading);
+  void draw_camera(const ViewerState& state, const Panel& area);
+  void draw_guides(const ViewerState& state, const Viewpoint& viewpoint, const Panel& panel);
+  void draw_hud(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes);
+
+  LightFieldRenderer surface_;
+  CameraPicture camera_;
+  OverlayPainter overlay_;
+  std::shared_ptr<const SurfaceLightFieldSnapshot> counted_;  ///< of which `ranks_` are
+  RankFigures ranks_;
+};
+
+}  // namespace sheen

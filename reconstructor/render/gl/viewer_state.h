@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/capture.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
+
+namespace sheen {
+
+enum class TrackerLink {
+  kNone,       ///< nobody is expected: a saved model is looked at
+  kWaiting,    ///< listening; no tracker has come yet
+  kConnected,  ///< frames or heartbeats arrive
+  kStale,      ///< the tracker fell silent: what is on the screen is old
+};
+
+/// Counts and figures of a running capture. Refusals have the short words of `IngestReport::reason` as keys.
+struct CaptureFigures {
+  std::uint64_t frames_received = 0;
+  std::uint64_t frames_accepted = 0;  ///< held-out ones included
+  std::uint64_t frames_held_out = 0;
+  std::map<std::string, std::uint64_t> frames_refused;
+  double images_per_s = 0;
+  std::optional<double> residual;  ///< relative, of the last image: 0..1
+  std::optional<double> held_out_psnr_db;
+  std::optional<double> held_out_ssim;
+};
+
+/// Where an image is needed most.
+struct NextView {
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< object frame, metres
+  std::string reason;                             ///< shown as it stands; may be empty
+};
+
+/// All that the window shows at one moment: plain data, filled by whoever drives it. Every part may be absent.
+struct ViewerState {
+  std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot;
+  std::shared_ptr<const Capture> capture;  ///< last camera image, with its camera, pose and tags
+  std::optional<CaptureFigures> figures;
+  TrackerLink link = TrackerLink::kNone;
+  std::optional<NextView> next_view;
+  std::string message;  ///< one line for the person at the screen
+};
+
+}  // namespace sheen

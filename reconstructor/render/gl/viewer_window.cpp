@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/render/gl/viewer_window.h"
+
+#include <epoxy/gl.h>
+// epoxy must come first
+#include <GLFW/glfw3.h>
+
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <optional>
+#include <string>
+
+#include "common/errors.h"
+#include "common/image_io.h"
+#include "reconstructor/render/gl/gl_objects.h"
+#include "reconstructor/render/gl/viewer_scene.h"
+
+namespace sheen {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kNewsLasts = std::chrono::seconds(4);
+constexpr double kIdleSeconds = 0.05;  // how long a new state may wait for a window in which nothing moves
+
+std::string glfw_message() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text ? text : "no reason given";
+}
+
+/// GLFW's library, started and ended with the window.
+struct GlfwLibrary {
+  GlfwLibrary() {
+    if (!glfwInit())
+      throw DeviceError("no display for the window (" + glfw_message() +
+                        "): start it in a desktop session, under `xvfb-run -a`, or use `sheen-reconstructor render`, "
+                        "which needs no display");
+  }
+  ~GlfwLibrary() { glfwTerminate(); }
+};
+
+struct WindowDeleter {
+  void operator()(GLFWwindow* window) const { glfwDestroyWindow(window); }
+};
+using WindowHandle = std::unique_ptr<GLFWwindow, WindowDeleter>;
+
+WindowHandle open_window(const ViewerOptions& options) {
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_VISIBLE, options.visible ? GLFW_TRUE : GLFW_FALSE);
+  WindowHandle window(glfwCreateWindow(options.width, options.height, "Sheen", nullptr, nullptr));
+  if (!window)
+    throw DeviceError("no window with OpenGL 3.3 (" + glfw_message() +
+                      "): update the graphics driver, set LIBGL_ALWAYS_SOFTWARE=1 to draw in software, or use "
+                      "`sheen-reconstructor render`, which needs no OpenGL");
+  glfwMakeContextCurrent(window.get());
+  glfwSwapInterval(1);
+  return window;
+}
+
+std::filesystem::path screenshot_name(ViewMode mode) {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char stamp[32];
+  std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &local);
+  return std::string("sheen-") + to_string(mode) + "-" + stamp;
+}
+
+/// A name that is free: two screenshots a second do not overwrite each other.
+std::filesystem::path free_name(const std::filesystem::path& stem) {
+  std::filesystem::path path = stem;
+  path += ".png";
+  for (int i = 2; std::filesystem::exists(path); ++i) {
+    path = stem;
+    path += "-" + std::to_string(i) + ".png";
+  }
+  return path;
+}
+
+}  // namespace
+
+struct ViewerWindow::Impl {
+  explicit Impl(const ViewerOptions& o) : options(o), window(open_window(o)), scene(o.renderer) {
+    glfwSetWindowUserPointer(window.get(), this);
+    glfwSetKeyCallback(window.get(), [](GLFWwindow* w, int key, int, int action, int) {
+      if (action == GLFW_PRESS) of(w).on_key(key);
+    });
+    glfwSetCursorPosCallback(window.get(), [](GLFWwindow* w, double x, double y) { of(w).on_cursor(x, y); });
+    glfwSetScrollCallback(window.get(), [](GLFWwindow* w, double, double steps) {
+      of(w).controls.follow = false;
+      of(w).controls.orbit.dolly(std::pow(0.9, steps));
+      of(w).changed = true;
+    });
+    glfwSetWindowRefreshCallback(window.get(), [](GLFWwindow* w) { of(w).changed = true; });
+    glfwSetFramebufferSizeCallback(window.get(), [](GLFWwindow* w, int, int) { of(w).changed = true; });
+  }
+
+  static Impl& of(GLFWwindow* w) { return *static_cast<Impl*>(glfwGetWindowUserPointer(w)); }
+
+  void on_key(int key) {
+    changed = true;
+    switch (key) {
+      case GLFW_KEY_1:
+      case GLFW_KEY_2:
+      case GLFW_KEY_3:
+      case GLFW_KEY_4:
+        controls.mode = static_cast<ViewMode>(key - GLFW_KEY_1);
+        break;
+      case GLFW_KEY_W:
+        controls.reasons = !controls.reasons;
+        break;
+      case GLFW_KEY_F:
+        controls.follow = !controls.follow;
+        break;
+      case GLFW_KEY_R:
+        controls.reset();
+        break;
+      case GLFW_KEY_S:
+        screenshot_wanted = true;
+        break;
+      case GLFW_KEY_H:
+        controls.help = !controls.help;
+        break;
+      case GLFW_KEY_Q:
+      case GLFW_KEY_ESCAPE:
+        glfwSetWindowShouldClose(window.get(), GLFW_TRUE);
+        break;
+      default:
+        break;
+    }
+  }
+
+  void on_cursor(double x, double y) {
+    const Eigen::Vector2d now(x, y), moved = now - cursor;
+    cursor = now;
+    const auto held = [&](int button) { return glfwGetMouseButton(window.get(), button) == GLFW_PRESS; };
+    const bool shift = glfwGetKey(window.get(), GLFW_KEY_LEFT_SHIFT) == GLFW_PRESS;
+    int width = 1, height = 1;
+    glfwGetWindowSize(window.get(), &width, &height);
+    const Eigen::Vector2d part = moved / std::max(1, height);
+    if (held(GLFW_MOUSE_BUTTON_RIGHT) || held(GLFW_MOUSE_BUTTON_MIDDLE) || (held(GLFW_MOUSE_BUTTON_LEFT) && shift))
+      controls.orbit.pan(-part.x(), part.y());
+    else if (held(GLFW_MOUSE_BUTTON_LEFT))
+      controls.orbit.orbit(-4 * part.x(), 4 * part.y());
+    else
+      return;
+    controls.follow = false;
+    changed = true;
+  }
+
+  void make_target(int width, int height) {
+    if (!target || target->width() != width || target->height() != height)
+      target.emplace(width, height, options.samples);
+  }
+
+  std::vector<std::string> current_news() {
+    if (!news.empty() && Clock::now() > news_until) news.clear();
+    return news.empty() ? std::vector<std::string>{} : std::vector{news};
+  }
+
+  void save_screenshot() {
+    screenshot_wanted = false;
+    const auto path = free_name(options.screenshot_folder / screenshot_name(controls.mode));
+    try {
+      write_png(path, target->read());
+      news = "saved " + path.string();
+    } catch (const Error& error) {  // a full disk must not end the capture
+      news = std::string("no screenshot: ") + error.what();
+    }
+    news_until = Clock::now() + kNewsLasts;
+    changed = true;
+  }
+
+  void show(const ViewerState& state) {
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window.get(), &width, &height);
+    if (width < 1 || height < 1) return;  // minimised
+    make_target(width, height);
+    scene.draw(state, controls, current_news(), *target);
+    target->show(width, height);
+    glfwSwapBuffers(window.get());
+  }
+
+  ViewerOptions options;
+  GlfwLibrary library;
+  WindowHandle window;
+  ViewerScene scene;
+  std::optional<RenderTarget> target;
+  ViewControls controls;
+  Eigen::Vector2d cursor = Eigen::Vector2d::Zero();
+  bool changed = true;  ///< something to draw
+  bool screenshot_wanted = false;
+  std::string news;
+  Clock::time_point news_until;
+};
+
+ViewerWindow::ViewerWindow(const ViewerOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+ViewerWindow::~ViewerWindow() = default;
+
+ViewControls& ViewerWindow::controls() {
+  return impl_->controls;
+}
+
+void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop) {
+  Impl& w = *impl_;
+  std::shared_ptr<const ViewerState> shown;
+  bool complete = true;
+  while (!stop.stop_requested() && !glfwWindowShouldClose(w.window.get())) {
+    const auto state = feed.latest();
+    const bool news_over = !w.news.empty() && Clock::now() > w.news_until;
+    if (state != shown || !complete || w.changed || news_over) {
+      w.changed = false;
+      shown = state;
+      if (state->snapshot) w.controls.frame(state->snapshot->shared_mesh());
+      complete = w.scene.update(*state);
+      w.show(*state);
+      if (w.screenshot_wanted && w.target) w.save_screenshot();
+    }
+    if (complete && !w.changed)
+      glfwWaitEventsTimeout(kIdleSeconds);
+    else
+      glfwPollEvents();
+  }
+}
+
+ImageU8 ViewerWindow::draw_once(const ViewerState& state) {
+  Impl& w = *impl_;
+  if (state.snapshot) w.controls.frame(state.snapshot->shared_mesh());
+  while (!w.scene.update(state)) {
+  }
+  w.make_target(w.options.width, w.options.height);
+  w.scene.draw(state, w.controls, w.current_news(), *w.target);
+  return w.target->read();
+}
+
+}  // namespace sheen

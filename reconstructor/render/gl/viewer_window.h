@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <stop_token>
+
+#include "common/image.h"
+#include "reconstructor/render/gl/light_field_renderer.h"
+#include "reconstructor/render/gl/view_controls.h"
+#include "reconstructor/render/gl/viewer_feed.h"
+#include "reconstructor/render/gl/viewer_state.h"
+
+namespace sheen {
+
+struct ViewerOptions {
+  int width = 1280, height = 800;  ///< pixels
+  bool visible = true;             ///< false: for pictures only; still needs a display
+  int samples = 4;                 ///< a pixel, against jagged outlines; 1 = none
+  std::filesystem::path screenshot_folder = ".";
+  LightFieldRendererOptions renderer;
+};
+
+/// The window (GLFW, OpenGL 3.3). One a process; made, used and destroyed on the main thread. Keys: 1..4 modes, W
+/// reasons, F follow, R reset, S screenshot, H help, Q or Esc quit.
+class ViewerWindow {
+ public:
+  /// Throws DeviceError without a display or without OpenGL 3.3: the message says what to do.
+  explicit ViewerWindow(const ViewerOptions& options);
+  ~ViewerWindow();
+
+  ViewControls& controls();
+
+  /// Shows what is published until the person quits or a stop is asked for. Draws only when something has changed.
+  void run(const ViewerFeed& feed, const std::stop_token& stop);
+
+  /// One picture of `options.width` x `options.height` with all of the state on the GPU.
+  ImageU8 draw_once(const ViewerState& state);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sheen
