@@ -73,6 +73,10 @@ SurfaceLightFieldSnapshot::SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh>
                                                      std::uint64_t version)
     : mesh_(std::move(mesh)), rings_(std::move(rings)), ring_data_(std::move(ring_data)), version_(version) {}
 
+std::unique_ptr<ViewShader> SurfaceLightFieldSnapshot::shader_for(const Eigen::Vector3d& eye) const {
+  return std::make_unique<LightFieldShader>(*this, eye);
+}
+
 int SurfaceLightFieldSnapshot::max_rank() const {
   int rank = 0;
   for (const auto& ring : ring_data_)

@@ -48,7 +48,7 @@ out vec4 color;
 void main() {
   vec3 pixels = beta / max(fwidth(beta), vec3(1e-6));  // distance to each edge
   float line = 1.0 - smoothstep(0.4, 1.1, min(pixels.x, min(pixels.y, pixels.z)));
-  color = vec4(0.25, 0.85, 1.0, 0.45 * line);
+  color = vec4(0.25, 0.85, 1.0, 0.38 * line);
 }
 )glsl";
 

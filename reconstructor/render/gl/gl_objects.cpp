@@ -196,8 +196,11 @@ RenderTarget::RenderTarget(int width, int height, int samples)
   check_gl("making a picture to draw into");
 }
 
-void RenderTarget::bind() const {
+void RenderTarget::clear(const Eigen::Vector3f& color) const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+  glDisable(GL_SCISSOR_TEST);
+  glClearColor(color.x(), color.y(), color.z(), 1);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
 void RenderTarget::resolve() {

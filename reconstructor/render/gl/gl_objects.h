@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -84,7 +85,7 @@ class RenderTarget {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  void bind() const;                               ///< drawing goes here
+  void clear(const Eigen::Vector3f& color) const;  ///< and drawing goes here from now on
   void show(int window_width, int window_height);  ///< to the window's back buffer
   ImageU8 read();                                  ///< RGB, top row first
 

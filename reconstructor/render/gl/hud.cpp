@@ -32,7 +32,7 @@ Rgba rgba(const Eigen::Vector3f& color) {
   return {level(color.x()), level(color.y()), level(color.z()), 255};
 }
 
-/// A dark box with two columns of text; returns nothing to the caller but the picture.
+/// A dark box with two columns of text.
 void draw_box(OverlayPainter& overlay, float x, float y, const std::vector<Line>& lines) {
   std::size_t label = 0, value = 0;
   for (const Line& line : lines) {
@@ -79,6 +79,40 @@ Line tracker_line(TrackerLink link) {
   return {"tracker", "none: a saved model", kDim};
 }
 
+std::vector<Line> pose_lines(const Capture& capture) {
+  if (!capture.pose.usable()) return {{"pose", std::string("none: ") + to_string(capture.pose.status), kRed}};
+  if (capture.pose.status == PoseStatus::kGiven) return {{"pose", "given with the image"}};
+  return {{"pose", print("%d of %zu tags, error %.2f px", capture.pose.tags_used, capture.tags.size(),
+                         capture.pose.reprojection_rms_px)}};
+}
+
+std::vector<Line> frame_lines(const CaptureFigures& f) {
+  std::uint64_t refused = 0;
+  for (const auto& [reason, n] : f.frames_refused) refused += n;
+  std::vector<Line> lines{{"frames", print("%llu, used %llu (%llu held out), refused %llu", count(f.frames_received),
+                                           count(f.frames_accepted), count(f.frames_held_out), count(refused))}};
+  for (const auto& [reason, n] : f.frames_refused)
+    lines.push_back({"", print("  %s %llu", reason.c_str(), count(n)), kDim});
+  lines.push_back({"rate", print("%.1f images/s", f.images_per_s)});
+  return lines;
+}
+
+std::vector<Line> rank_lines(const RankFigures& ranks) {
+  const double rings = static_cast<double>(std::max<std::size_t>(1, ranks.rings));
+  return {{"rank", print("median %.3g, most %d", ranks.median, ranks.most)},
+          {"surface", print("%.0f %% seen", 100 * static_cast<double>(ranks.rings_seen) / rings)}};
+}
+
+std::vector<Line> error_lines(const CaptureFigures& f) {
+  std::vector<Line> lines;
+  if (f.residual) lines.push_back({"residual", print("%.1f %% of the last image", 100 * *f.residual)});
+  if (!f.held_out_psnr_db) return lines;
+  std::string value = print("%.1f dB", *f.held_out_psnr_db);
+  if (f.held_out_ssim) value += print(", SSIM %.3f", *f.held_out_ssim);
+  lines.push_back({"held out", value, kGreen});
+  return lines;
+}
+
 }  // namespace
 
 RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot) {
@@ -109,34 +143,16 @@ Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, 
 }
 
 void Hud::draw_figures(OverlayPainter& overlay) const {
-  std::vector<Line> lines{{"Sheen", title(controls)}};
-  lines.push_back(tracker_line(state.link));
-  if (state.figures) {
-    const CaptureFigures& f = *state.figures;
-    std::uint64_t refused = 0;
-    for (const auto& [reason, n] : f.frames_refused) refused += n;
-    lines.push_back({"frames", print("%llu, used %llu (%llu held out), refused %llu", count(f.frames_received),
-                                     count(f.frames_accepted), count(f.frames_held_out), count(refused))});
-    for (const auto& [reason, n] : f.frames_refused)
-      lines.push_back({"", print("  %s %llu", reason.c_str(), count(n)), kDim});
-    lines.push_back({"rate", print("%.1f images/s", f.images_per_s)});
+  std::vector<Line> lines{{"Sheen", title(controls)}, tracker_line(state.link)};
+  const auto add = [&](const std::vector<Line>& more) { lines.insert(lines.end(), more.begin(), more.end()); };
+  if (controls.mode == ViewMode::kCamera) {  // the image is the news: little may cover it
+    if (state.capture) add(pose_lines(*state.capture));
+  } else {
+    if (state.figures) add(frame_lines(*state.figures));
+    if (ranks) add(rank_lines(*ranks));
+    if (state.figures) add(error_lines(*state.figures));
+    if (controls.follow) add({{"view", "follows the camera"}});
   }
-  if (ranks) {
-    lines.push_back({"rank", print("median %.3g, most %d", ranks->median, ranks->most)});
-    lines.push_back(
-        {"surface", print("%.0f %% seen", 100.0 * static_cast<double>(ranks->rings_seen) /
-                                              static_cast<double>(std::max<std::size_t>(1, ranks->rings)))});
-  }
-  if (state.figures) {
-    const CaptureFigures& f = *state.figures;
-    if (f.residual) lines.push_back({"residual", print("%.1f %% of the last image", 100 * *f.residual)});
-    if (f.held_out_psnr_db) {
-      std::string value = print("%.1f dB", *f.held_out_psnr_db);
-      if (f.held_out_ssim) value += print(", SSIM %.3f", *f.held_out_ssim);
-      lines.push_back({"held out", value, kGreen});
-    }
-  }
-  if (controls.follow) lines.push_back({"view", "follows the camera"});
   draw_box(overlay, overlay.advance(), overlay.advance(), lines);
 }
 
@@ -147,6 +163,7 @@ void Hud::draw_guidance(OverlayPainter& overlay) const {
   const bool there = std::hypot(right, up) < kThere;
   std::string text = there ? "next image: here, hold still" : "next image:";
   if (!there && std::abs(right) >= 1) text += print(" %.0f deg %s", std::abs(right), right > 0 ? "right" : "left");
+  if (!there && std::abs(right) >= 1 && std::abs(up) >= 1) text += ",";
   if (!there && std::abs(up) >= 1) text += print(" %.0f deg %s", std::abs(up), up > 0 ? "up" : "down");
   if (state.next_view && !state.next_view->reason.empty()) text += " (" + state.next_view->reason + ")";
 
@@ -245,7 +262,8 @@ void Hud::draw_help(OverlayPainter& overlay) const {
                                 {"right drag", "move"},
                                 {"wheel", "nearer, farther"}};
   const float height = static_cast<float>(lines.size()) * overlay.line_height() + overlay.advance();
-  draw_box(overlay, overlay.advance(), static_cast<float>(overlay.height()) - height - overlay.advance(), lines);
+  draw_box(overlay, overlay.advance(), static_cast<float>(overlay.height()) - height - 3.2f * overlay.line_height(),
+           lines);
 }
 
 void Hud::draw(OverlayPainter& overlay) const {

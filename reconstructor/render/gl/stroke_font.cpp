@@ -111,7 +111,7 @@ constexpr const char* kGlyphs[] = {
 };
 static_assert(std::size(kGlyphs) == GlyphAtlas::kLast - GlyphAtlas::kFirst + 1);
 
-constexpr float kCellWidth = 6, kCellHeight = 10.5f, kLeft = 1, kTop = 1;  // in grid units
+constexpr float kCellWidth = 6, kCellHeight = 10.5f, kLeft = 1, kTop = 1.25f;  // in grid units
 
 using Stroke = std::vector<Eigen::Vector2f>;
 

@@ -14,7 +14,7 @@ struct GlyphAtlas {
   int cell_height = 0;
 };
 
-/// Draws all glyphs with antialiased strokes. `unit` is a sixth of a capital's height, in pixels, 1 or more.
+/// Draws all glyphs with antialiased strokes. `unit` is a sixth of a capital's height, in pixels, 1.5 or more.
 GlyphAtlas draw_glyphs(float unit);
 
 }  // namespace sheen

@@ -1,7 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/render/gl/view_controls.h"
 
+#include <algorithm>
+
 namespace sheen {
+namespace {
+
+/// About the bounding box's middle, and no larger than the mesh needs.
+BoundingSphere tight_sphere(const Mesh& mesh) {
+  BoundingSphere sphere = bounding_sphere(mesh);
+  sphere.radius = 0;
+  for (const Eigen::Vector3f& v : mesh.vertices)
+    sphere.radius = std::max(sphere.radius, (v.cast<double>() - sphere.centre).norm());
+  return sphere;
+}
+
+}  // namespace
 
 const char* to_string(ViewMode mode) {
   switch (mode) {
@@ -26,12 +40,12 @@ std::optional<ViewMode> view_mode_from(std::string_view word) {
 void ViewControls::frame(const std::shared_ptr<const Mesh>& mesh) {
   if (!mesh || mesh == framed_) return;
   framed_ = mesh;
-  orbit.frame(bounding_sphere(*mesh));
+  orbit.frame(tight_sphere(*mesh));
 }
 
 void ViewControls::reset() {
   follow = false;
-  if (framed_) orbit.frame(bounding_sphere(*framed_));
+  if (framed_) orbit.frame(tight_sphere(*framed_));
 }
 
 }  // namespace sheen

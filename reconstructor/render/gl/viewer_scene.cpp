@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/render/gl/viewer_scene.h"
 
-#include <epoxy/gl.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -32,10 +30,7 @@ float text_unit(int height) {
 
 void ViewerScene::draw(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,
                        const RenderTarget& target) {
-  target.bind();
-  glDisable(GL_SCISSOR_TEST);
-  glClearColor(0.11f, 0.12f, 0.135f, 1);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  target.clear({0.11f, 0.12f, 0.135f});
   overlay_.begin(target.width(), target.height(), text_unit(target.height()));
 
   const Panel all{0, 0, target.width(), target.height()};

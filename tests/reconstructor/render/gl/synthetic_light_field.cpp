@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/reconstructor/render/gl/synthetic_light_field.h"
+
+#include <cmath>
+
+namespace sheen {
+namespace {
+
+constexpr float kRadius = 0.06f, kThickness = 0.026f;  // metres
+
+Mesh bumpy_ring(int around, int across) {
+  Mesh mesh;
+  for (int i = 0; i < around; ++i)
+    for (int j = 0; j < across; ++j) {
+      const double a = 2 * M_PI * i / around, b = 2 * M_PI * j / across;
+      const double tube = kThickness * (1 + 0.12 * std::sin(5 * a) * std::cos(2 * b));
+      const double r = kRadius + tube * std::cos(b);
+      mesh.vertices.emplace_back(Eigen::Vector3d(r * std::cos(a), r * std::sin(a), tube * std::sin(b)).cast<float>());
+    }
+  const auto index = [&](int i, int j) { return std::uint32_t(i % around * across + j % across); };
+  for (int i = 0; i < around; ++i)
+    for (int j = 0; j < across; ++j) {
+      mesh.triangles.push_back({index(i, j), index(i + 1, j), index(i + 1, j + 1)});
+      mesh.triangles.push_back({index(i, j), index(i + 1, j + 1), index(i, j + 1)});
+    }
+  return mesh;
+}
+
+/// Pattern of term r at a surface point: continuous over the whole object, so that triangles agree on their edges.
+Eigen::Vector3f pattern(const Eigen::Vector3f& p, int r) {
+  const float f = 60.0f + 25.0f * static_cast<float>(r);
+  Eigen::Vector3f rgb;
+  for (int c = 0; c < 3; ++c) {
+    const float phase = 0.9f * static_cast<float>(c) + 1.7f * static_cast<float>(r);
+    rgb[c] = std::sin(f * p.x() + phase) * std::cos(0.8f * f * p.y() - phase) + 0.4f * std::sin(1.3f * f * p.z());
+  }
+  return r == 0 ? Eigen::Vector3f(Eigen::Vector3f(0.55f, 0.45f, 0.35f) + 0.16f * rgb) : 0.25f / (1.0f + r) * rgb;
+}
+
+}  // namespace
+
+SyntheticLightField::SyntheticLightField(const SyntheticOptions& options) : options_(options) {
+  auto mesh = std::make_shared<Mesh>(bumpy_ring(options.around, options.across));
+  std::vector<std::uint8_t> resolution(mesh->triangles.size());
+  for (std::size_t t = 0; t < resolution.size(); ++t) resolution[t] = t % 7 == 0 ? 2 : (t % 3 == 0 ? 8 : 16);
+  normals_ = vertex_normals(*mesh);
+  mesh_ = mesh;
+  rings_ = std::make_shared<VertexRings>(*mesh, std::move(resolution));
+  std::vector<std::shared_ptr<const RingSnapshot>> data(mesh_->vertices.size());
+  for (std::size_t v = 0; v < data.size(); ++v) {
+    const bool unseen = static_cast<double>(v) < options.unseen * static_cast<double>(data.size()) || v % 97 == 96;
+    if (!unseen) data[v] = make_ring(v, 1 + static_cast<int>(v * 7 % static_cast<std::size_t>(options.max_rank)));
+  }
+  snapshot_ = std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, std::move(data), options.version);
+}
+
+std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t vertex, int rank) const {
+  auto ring = std::make_shared<RingSnapshot>();
+  const int samples = rings_->ring_samples(vertex);
+  ring->basis.resize(3 * samples, rank);
+  for (const RingTriangle& member : rings_->ring(vertex)) {
+    const int n = rings_->resolution(member.triangle);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j) {
+        const float u = static_cast<float>(i) / (n - 1), v = static_cast<float>(j) / (n - 1);
+        const Eigen::Vector3f p = (1 - u - v) * mesh_->corner(member.triangle, 0) +
+                                  u * mesh_->corner(member.triangle, 1) + v * mesh_->corner(member.triangle, 2);
+        const int row = 3 * (static_cast<int>(member.first_sample) + lattice_index(n, i, j));
+        for (int r = 0; r < rank; ++r) ring->basis.block<3, 1>(row, r) = pattern(p, r);
+      }
+  }
+  constexpr int kViews = 10;
+  ring->frame = hemisphere_frame(normals_[vertex]);
+  ring->directions.resize(3, kViews);
+  for (int j = 0; j < kViews; ++j) {
+    const float turn = 2.4f * static_cast<float>(j), lean = 0.13f * static_cast<float>(j);
+    const Eigen::Vector3f local(std::sin(lean) * std::cos(turn), std::sin(lean) * std::sin(turn), std::cos(lean));
+    ring->directions.col(j) = ring->frame.transpose() * local;
+  }
+  ring->views = triangulate_views(ring->frame, ring->directions);
+  ring->kernel = {0.6f, 0.05f};
+  ring->mean = Eigen::VectorXf::Constant(rank, 0.2f);
+  ring->mean[0] = 1;
+  ring->weights.resize(rank, kViews);
+  for (int r = 0; r < rank; ++r)
+    for (int j = 0; j < kViews; ++j) ring->weights(r, j) = r == 0 ? 0.0f : 0.6f * std::cos(1.1f * (r + 1) * (j + 1));
+  ring->measured.assign(samples, 1);
+  ring->residual = 0.12f + 0.12f * std::sin(40 * mesh_->vertices[vertex].x());
+  ring->best_cosine = mesh_->vertices[vertex].y() > 0.05f ? 0.2f : 0.9f;
+  ring->views_folded = kViews;
+  return ring;
+}
+
+std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_changed_rings(int stride,
+                                                                                         int max_rank) const {
+  auto data = snapshot_->ring_data();
+  for (std::size_t v = 0; v < data.size(); v += static_cast<std::size_t>(stride))
+    data[v] = make_ring(v, 1 + static_cast<int>(v * 5 % static_cast<std::size_t>(max_rank)));
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, std::move(data), snapshot_->version() + 1);
+}
+
+std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_other_bases() const {
+  auto data = snapshot_->ring_data();
+  for (auto& ring : data) {
+    if (!ring) continue;
+    auto other = std::make_shared<RingSnapshot>(*ring);
+    for (int r = 0; r < ring->rank(); ++r) {
+      const int from = ring->rank() - 1 - r;
+      const float sign = r % 2 ? -1.0f : 1.0f;
+      other->basis.col(r) = sign * ring->basis.col(from);
+      other->mean[r] = sign * ring->mean[from];
+      other->weights.row(r) = sign * ring->weights.row(from);
+    }
+    ring = other;
+  }
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, std::move(data), snapshot_->version() + 1);
+}
+
+std::shared_ptr<const Capture> synthetic_capture(const Eigen::Vector3d& eye) {
+  auto capture = std::make_shared<Capture>();
+  capture->camera = {.width = 640, .height = 480, .fx = 800, .fy = 800, .cx = 319.5, .cy = 239.5};
+  capture->camera.distortion = {-0.25, 0.05, 0.001, -0.001, 0};
+  capture->image = {
+      .format = PixelFormat::kRGB8, .transfer = Transfer::kSrgb, .width = 640, .height = 480, .stride = 640 * 3};
+  for (int y = 0; y < 480; ++y)
+    for (int x = 0; x < 640; ++x)
+      for (int c = 0; c < 3; ++c)
+        capture->image.bytes.push_back(static_cast<std::uint8_t>((x / 32 + y / 32) % 2 ? 150 : 110 + 10 * c));
+  capture->pose.status = PoseStatus::kTracked;
+  capture->pose.camera_from_object = look_at(eye, {0, 0, 0}, {0, 0, 1});
+  capture->pose.tags_used = 1;
+  capture->pose.reprojection_rms_px = 0.31;
+  capture->tags.push_back({.id = 3, .corners = {{{60, 60}, {120, 64}, {118, 124}, {58, 120}}}, .used = true});
+  capture->tags.push_back({.id = 17, .corners = {{{520, 380}, {580, 384}, {578, 444}, {518, 440}}}, .used = false});
+  return capture;
+}
+
+}  // namespace sheen

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "common/capture.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
+
+namespace sheen {
+
+/// A light field made by formula, with no capture behind it: a bumpy ring with patterns that change with the direction.
+struct SyntheticOptions {
+  int around = 64, across = 24;  ///< 2 * around * across triangles
+  int max_rank = 6;              ///< ranks differ from ring to ring: 1 .. max_rank
+  double unseen = 0.1;           ///< share of the way round that no image has reached
+  std::uint64_t version = 1;
+};
+
+class SyntheticLightField {
+ public:
+  explicit SyntheticLightField(const SyntheticOptions& options);
+
+  std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot() const { return snapshot_; }
+  /// The next snapshot: every `stride`-th ring has new maps of another rank, all others are shared.
+  std::shared_ptr<const SurfaceLightFieldSnapshot> with_changed_rings(int stride, int max_rank) const;
+  /// The same light field in other bases: the terms of every ring in reverse order, every other one negated.
+  std::shared_ptr<const SurfaceLightFieldSnapshot> with_other_bases() const;
+
+ private:
+  std::shared_ptr<const RingSnapshot> make_ring(std::size_t vertex, int rank) const;
+
+  SyntheticOptions options_;
+  std::shared_ptr<const Mesh> mesh_;
+  std::shared_ptr<const VertexRings> rings_;
+  std::vector<Eigen::Vector3f> normals_;
+  std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot_;
+};
+
+/// A camera image of 640x480 with a pose on the object, two tags and lens distortion.
+std::shared_ptr<const Capture> synthetic_capture(const Eigen::Vector3d& eye);
+
+}  // namespace sheen

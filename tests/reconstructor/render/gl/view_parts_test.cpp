@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+#include <set>
+#include <thread>
+
+#include "reconstructor/render/gl/hud.h"
+#include "reconstructor/render/gl/orbit_camera.h"
+#include "reconstructor/render/gl/range_allocator.h"
+#include "reconstructor/render/gl/stroke_font.h"
+#include "reconstructor/render/gl/view_controls.h"
+#include "reconstructor/render/gl/viewer_feed.h"
+
+namespace sheen {
+namespace {
+
+TEST(RangeAllocator, NeverOverlapsAndLosesNothing) {
+  RangeAllocator ranges;
+  std::mt19937 random(7);
+  std::map<std::size_t, std::size_t> held;
+  std::size_t sum = 0;
+  ranges.extend(500);
+  for (int step = 0; step < 5000; ++step) {
+    if (step % 1000 == 999) ranges.extend(100);
+    if (held.empty() || random() % 2) {
+      const std::size_t size = 1 + random() % 40;
+      const auto first = ranges.allocate(size);
+      if (!first) continue;
+      ASSERT_LE(*first + size, ranges.capacity());
+      const auto next = held.lower_bound(*first);
+      if (next != held.end()) {
+        ASSERT_LE(*first + size, next->first);
+      }
+      if (next != held.begin()) {
+        ASSERT_LE(std::prev(next)->first + std::prev(next)->second, *first);
+      }
+      held.emplace(*first, size);
+      sum += size;
+    } else {
+      auto victim = held.begin();
+      std::advance(victim, random() % held.size());
+      ranges.release(victim->first, victim->second);
+      sum -= victim->second;
+      held.erase(victim);
+    }
+    ASSERT_EQ(ranges.used(), sum);
+  }
+  for (const auto& [first, size] : held) ranges.release(first, size);
+  EXPECT_EQ(ranges.allocate(ranges.capacity()), 0u) << "all gaps have melted into one";
+}
+
+TEST(OrbitCamera, KeepsTheObjectInTheMiddleAndInThePicture) {
+  OrbitCamera orbit;
+  const BoundingSphere object{{1, 2, 3}, 0.5};
+  orbit.frame(object);
+  for (const auto& [width, height] : {std::pair{800, 600}, {400, 900}}) {
+    for (int i = 0; i < 20; ++i) {
+      orbit.orbit(0.7, 0.3 * (i % 5 - 2));
+      const Viewpoint view = orbit.viewpoint(width, height);
+      const auto middle = view.camera.project(view.camera_from_object * object.centre);
+      ASSERT_TRUE(middle);
+      EXPECT_NEAR(middle->x(), (width - 1) / 2.0, 1e-6);
+      EXPECT_NEAR(middle->y(), (height - 1) / 2.0, 1e-6);
+      // The sphere's outline, seen from distance d, has a half angle of asin(r / d).
+      const double d = (view.eye() - object.centre).norm();
+      const double outline = view.camera.fx * std::tan(std::asin(object.radius / d));
+      EXPECT_LT(outline, 0.5 * std::min(width, height));
+      EXPECT_GT(outline, 0.4 * std::min(width, height));
+    }
+  }
+}
+
+TEST(OrbitCamera, DraggingMovesWhatIsSeenWithTheMouse) {
+  OrbitCamera orbit;
+  orbit.frame({{0, 0, 0}, 1});
+  const auto where = [&](const Eigen::Vector3d& p) {
+    const Viewpoint view = orbit.viewpoint(1000, 1000);
+    return *view.camera.project(view.camera_from_object * p);
+  };
+  const Eigen::Vector2d before = where({0, 0, 0});
+  orbit.pan(-0.1, 0);  // the mouse went right by a tenth of the height
+  EXPECT_NEAR(where({0, 0, 0}).x() - before.x(), 100, 1e-6);
+  orbit.pan(0, 0.1);  // and down
+  EXPECT_NEAR(where({0, 0, 0}).y() - before.y(), 100, 1e-6);
+}
+
+TEST(OrbitCamera, PlacedEyeIsWhereItWasPut) {
+  OrbitCamera orbit;
+  orbit.frame({{0.1, 0, 0}, 1});
+  const Eigen::Vector3d eye(-3, 2, 1.5);
+  orbit.place(eye);
+  EXPECT_NEAR((orbit.viewpoint(640, 480).eye() - eye).norm(), 0, 1e-12);
+  orbit.place({0.1, 0, 0});
+  EXPECT_NEAR((orbit.viewpoint(640, 480).eye() - eye).norm(), 0, 1e-12) << "an eye on the target says nothing";
+}
+
+TEST(Guidance, SpeaksInTheDirectionsOfTheCamerasPicture) {
+  const Rigid3 camera = look_at({2, 0, 0}, {0, 0, 0}, {0, 0, 1});
+  const double a = 30 * M_PI / 180;
+  // From +x, looking at the origin with z up, +y is on the right.
+  const Guidance right = guide(camera, {0, 0, 0}, {3 * std::cos(a), 3 * std::sin(a), 0});
+  EXPECT_NEAR(right.right_deg, 30, 1e-9);
+  EXPECT_NEAR(right.up_deg, 0, 1e-9);
+  EXPECT_GT((camera * Eigen::Vector3d(0, 1, 0)).x(), 0) << "and so the picture says";
+  const Guidance up = guide(camera, {0, 0, 0}, {std::cos(a), 0, std::sin(a)});
+  EXPECT_NEAR(up.right_deg, 0, 1e-9);
+  EXPECT_NEAR(up.up_deg, 30, 1e-9);
+  const Guidance behind = guide(camera, {0, 0, 0}, {-1, 0.001, 0});
+  EXPECT_NEAR(behind.right_deg, 180, 0.1);
+}
+
+TEST(StrokeFont, EveryGlyphIsThereAndDiffersFromAllOthers) {
+  for (const float unit : {1.5f, 2.0f, 3.5f}) {
+    const GlyphAtlas atlas = draw_glyphs(unit);
+    std::set<std::vector<std::uint8_t>> seen;
+    for (int g = 0; g <= GlyphAtlas::kLast - GlyphAtlas::kFirst; ++g) {
+      std::vector<std::uint8_t> cell;
+      int ink = 0, border = 0;
+      for (int y = 0; y < atlas.cell_height; ++y)
+        for (int x = 0; x < atlas.cell_width; ++x) {
+          const int value = atlas.coverage.at(g % GlyphAtlas::kColumns * atlas.cell_width + x,
+                                              g / GlyphAtlas::kColumns * atlas.cell_height + y);
+          cell.push_back(static_cast<std::uint8_t>(value));
+          ink += value > 128;
+          if (y == 0 || y + 1 == atlas.cell_height) border += value;
+        }
+      EXPECT_EQ(ink > 0, g > 0) << g;
+      EXPECT_EQ(border, 0) << "glyph " << g << " reaches into the next line";
+      EXPECT_TRUE(seen.insert(cell).second) << "glyph " << g << " looks like another";
+    }
+  }
+}
+
+TEST(ViewMode, NamesRoundTrip) {
+  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera})
+    EXPECT_EQ(view_mode_from(to_string(mode)), mode);
+  EXPECT_FALSE(view_mode_from("Split"));
+  EXPECT_FALSE(view_mode_from(""));
+}
+
+TEST(ViewerFeed, TheLatestWinsAndIsNeverTorn) {
+  ViewerFeed feed;
+  EXPECT_NE(feed.latest(), nullptr);
+  std::jthread writer([&] {
+    for (std::uint64_t i = 1; i <= 2000; ++i) {
+      ViewerState state;
+      state.figures = CaptureFigures{.frames_received = i, .frames_accepted = i};
+      state.message = std::to_string(i);
+      feed.publish(std::move(state));
+    }
+  });
+  std::uint64_t last = 0;
+  while (last < 2000) {
+    const auto state = feed.latest();
+    if (!state->figures) continue;
+    ASSERT_GE(state->figures->frames_received, last);
+    ASSERT_EQ(state->message, std::to_string(state->figures->frames_accepted));
+    last = state->figures->frames_received;
+  }
+}
+
+}  // namespace
+}  // namespace sheen

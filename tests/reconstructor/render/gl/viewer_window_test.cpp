@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/render/gl/viewer_window.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "common/color.h"
+#include "common/errors.h"
+#include "common/image_io.h"
+#include "common/image_metrics.h"
+#include "reconstructor/render/gl/gl_objects.h"
+#include "reconstructor/render/ray_painter.h"
+#include "tests/reconstructor/render/gl/synthetic_light_field.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kWidth = 480, kHeight = 360;
+
+/// A window that nobody sees, made anew for each test; skipped where there is no display or no OpenGL 3.3.
+class Window : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!open({})) GTEST_SKIP() << why_not_;
+  }
+  bool open(const LightFieldRendererOptions& renderer) {
+    window_.reset();
+    try {
+      window_ = std::make_unique<ViewerWindow>(
+          ViewerOptions{.width = kWidth, .height = kHeight, .visible = false, .samples = 1, .renderer = renderer});
+    } catch (const DeviceError& error) {
+      why_not_ = error.what();
+      return false;
+    }
+    window_->controls().figures = false;
+    return true;
+  }
+  ViewerState state_of(std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot) {
+    ViewerState state;
+    state.snapshot = std::move(snapshot);
+    return state;
+  }
+  ImageU8 draw(std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot) {
+    return window_->draw_once(state_of(std::move(snapshot)));
+  }
+
+  std::unique_ptr<ViewerWindow> window_;
+  std::string why_not_;
+};
+
+/// Pixels whose 3x3 neighbourhood lies on one smooth piece of the front: no outline runs through it.
+ImageU8 interior(const std::vector<Hit>& hits, double jump) {
+  ImageU8 mask(kWidth, kHeight, 1);
+  for (int y = 1; y + 1 < kHeight; ++y)
+    for (int x = 1; x + 1 < kWidth; ++x) {
+      const Hit& middle = hits[y * kWidth + x];
+      bool inside = middle && middle.front;
+      for (int dy = -1; dy <= 1 && inside; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          const Hit& other = hits[(y + dy) * kWidth + x + dx];
+          inside &= other && other.front && std::abs(other.distance - middle.distance) < jump;
+        }
+      mask.at(x, y) = inside ? 255 : 0;
+    }
+  return mask;
+}
+
+int largest_difference(const ImageU8& a, const ImageU8& b) {
+  int largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a.data()[i] - b.data()[i]));
+  return largest;
+}
+
+TEST_F(Window, AgreesWithTheRayPainter) {
+  const SyntheticLightField light_field({});
+  const auto snapshot = light_field.snapshot();
+  const RayPainter painter(snapshot->mesh());
+  ViewControls& controls = window_->controls();
+  controls.frame(snapshot->shared_mesh());
+  for (const double azimuth : {0.0, 1.9, 4.0}) {
+    controls.orbit.place({0.25 * std::cos(azimuth), 0.25 * std::sin(azimuth), 0.12 - 0.05 * azimuth});
+    const Viewpoint view = controls.orbit.viewpoint(kWidth, kHeight);
+    const PaintedView truth = painter.paint(*snapshot, view.camera, view.camera_from_object);
+    const ImageU8 mask = interior(painter.cast(view.camera, view.camera_from_object), 0.02);
+    const ImageU8 expected = to_srgb8(truth.beauty), actual = draw(snapshot);
+
+    double sum = 0;
+    int count = 0, unseen = 0, largest = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        if (!mask.at(x, y)) continue;
+        if (truth.coverage.at(x, y) != 255) {  // no ring at all: the painter has black there, the window stripes
+          ++unseen;
+          EXPECT_LT(actual.at(x, y, 0), 70);
+          continue;
+        }
+        for (int c = 0; c < 3; ++c) {
+          const int difference = std::abs(actual.at(x, y, c) - expected.at(x, y, c));
+          sum += difference;
+          largest = std::max(largest, difference);
+          ++count;
+        }
+      }
+    ASSERT_GT(count, 30000);
+    EXPECT_LT(sum / count, 0.1) << "grey levels of 255";
+    EXPECT_LE(largest, 2) << "grey levels of 255";
+    RecordProperty("mean_difference_millilevels", static_cast<int>(1000 * sum / count));
+    if (azimuth == 0.0) {
+      EXPECT_GT(unseen, 500) << "the part that no image reached is in this view";
+    }
+  }
+}
+
+TEST_F(Window, TheHeuristicIsThePaintersInRed) {
+  const auto snapshot = SyntheticLightField({}).snapshot();
+  const RayPainter painter(snapshot->mesh());
+  ViewControls& controls = window_->controls();
+  controls.mode = ViewMode::kHeuristic;
+  const ImageU8 picture = draw(snapshot);
+  const Viewpoint view = controls.orbit.viewpoint(kWidth, kHeight);
+  const PaintedView truth = painter.paint(*snapshot, view.camera, view.camera_from_object);
+  const ImageU8 mask = interior(painter.cast(view.camera, view.camera_from_object), 0.02);
+  double sum = 0, lowest = 1, highest = 0;
+  int count = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      if (!mask.at(x, y)) continue;
+      // Shape darkens all channels alike, so that the need follows from the ratio of red to green.
+      const double ratio = (picture.at(x, y, 0)) / std::max(1.0, double(picture.at(x, y, 1)));
+      const double need = 0.17 * (ratio - 1) / (0.83 + 0.11 * ratio);
+      sum += std::abs(need - truth.heuristic.at(x, y));
+      lowest = std::min<double>(lowest, truth.heuristic.at(x, y));
+      highest = std::max<double>(highest, truth.heuristic.at(x, y));
+      ++count;
+    }
+  ASSERT_GT(count, 10000);
+  EXPECT_LT(lowest, 0.5);
+  EXPECT_GT(highest, 0.8);
+  EXPECT_LT(sum / count, 0.05) << "8 bits of a dark green leave that much";
+}
+
+TEST_F(Window, IncrementalUploadEqualsAFullOne) {
+  const SyntheticLightField light_field({});
+  // Small buffers and a small budget: several buffers, several calls, growth, and maps that change their size.
+  ASSERT_TRUE(open({.texels_per_update = 20000, .max_buffer_texels = 1000000}));
+  draw(light_field.snapshot());
+  const ImageU8 incremental = draw(light_field.with_changed_rings(3, 9));
+  const ImageU8 and_back = draw(light_field.snapshot());
+  ASSERT_TRUE(open({}));
+  EXPECT_EQ(largest_difference(incremental, draw(light_field.with_changed_rings(3, 9))), 0);
+  EXPECT_EQ(largest_difference(and_back, draw(light_field.snapshot())), 0);
+  EXPECT_GT(largest_difference(and_back, incremental), 10) << "the change can be seen at all";
+}
+
+TEST_F(Window, WhileRingsAreOnTheirWayThePictureStaysWhole) {
+  const SyntheticLightField light_field({});
+  LightFieldRenderer renderer({.texels_per_update = 50000});
+  RenderTarget target(kWidth, kHeight, 1);
+  const auto render = [&](const Viewpoint& view) {
+    target.clear({0, 0, 0});
+    renderer.draw(view, {0, 0, kWidth, kHeight}, kHeight, SurfaceShading::kLightField);
+    return target.read();
+  };
+  OrbitCamera orbit;
+  orbit.frame(bounding_sphere(light_field.snapshot()->mesh()));
+  const Viewpoint view = orbit.viewpoint(kWidth, kHeight);
+  while (!renderer.update(light_field.snapshot())) {
+  }
+  const ImageU8 before = render(view);
+  // Every ring gets other maps and other coefficients that make the same picture; maps of the one with coefficients of
+  // the other would not.
+  const auto next = light_field.with_other_bases();
+  bool complete = false;
+  int calls = 0;
+  for (; !complete; ++calls) {
+    complete = renderer.update(next);
+    EXPECT_LE(largest_difference(render(view), before), 1) << "after call " << calls;
+  }
+  EXPECT_GT(calls, 3) << "more than one call's worth";
+}
+
+TEST_F(Window, FullGraphicsMemoryShortensRingsInsteadOfLosingThem) {
+  const SyntheticLightField light_field({.unseen = 0});
+  LightFieldRenderer renderer({.max_buffer_texels = 200000});
+  while (!renderer.update(light_field.snapshot())) {
+  }
+  EXPECT_GT(renderer.shortened_rings(), 0u);
+  EXPECT_LE(renderer.texels_used(), 4 * 200000u);
+  const SyntheticLightField small({.around = 24, .across = 8, .unseen = 0});
+  while (!renderer.update(small.snapshot())) {
+  }
+  EXPECT_EQ(renderer.shortened_rings(), 0u) << "another model finds the room of the first";
+}
+
+TEST_F(Window, EveryModeDrawsWhatItShould) {
+  ViewerState state = state_of(SyntheticLightField({}).snapshot());
+  state.capture = synthetic_capture({0.22, -0.1, 0.16});
+  state.figures = CaptureFigures{.frames_received = 152,
+                                 .frames_accepted = 121,
+                                 .frames_held_out = 11,
+                                 .frames_refused = {{"too_near", 22}, {"motion_blur", 9}},
+                                 .images_per_s = 5.3,
+                                 .residual = 0.041,
+                                 .held_out_psnr_db = 31.2,
+                                 .held_out_ssim = 0.941};
+  state.link = TrackerLink::kStale;
+  state.next_view = NextView{{-0.1, 0.2, 0.15}, "sparse directions"};
+  ViewControls& controls = window_->controls();
+  controls.figures = true;
+  std::vector<ImageU8> pictures;
+  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera}) {
+    controls.mode = mode;
+    pictures.push_back(window_->draw_once(state));
+    for (std::size_t i = 0; i + 1 < pictures.size(); ++i)
+      EXPECT_GT(largest_difference(pictures[i], pictures.back()), 60) << to_string(mode);
+  }
+  controls.mode = ViewMode::kLightField;
+  const auto differs = [&](bool ViewControls::*option) {
+    controls.*option = true;
+    const ImageU8 picture = window_->draw_once(state);
+    controls.*option = false;
+    return largest_difference(picture, pictures[0]) > 60;
+  };
+  EXPECT_TRUE(differs(&ViewControls::help));
+  EXPECT_TRUE(differs(&ViewControls::follow));
+  EXPECT_FALSE(differs(&ViewControls::reasons)) << "the light field has none";
+}
+
+TEST_F(Window, TheMeshLiesOverTheImageThroughTheLens) {
+  ViewerState state = state_of(SyntheticLightField({}).snapshot());
+  state.capture = synthetic_capture({0.22, -0.1, 0.16});
+  window_->controls().mode = ViewMode::kCamera;
+  const ImageU8 with_mesh = window_->draw_once(state);
+  state.snapshot = nullptr;
+  const ImageU8 without = window_->draw_once(state);
+  // The painter casts rays through the lens: where it hits, and only there, the mesh may have changed the picture.
+  const auto capture = synthetic_capture({0.22, -0.1, 0.16});
+  const auto mesh = SyntheticLightField({}).snapshot()->shared_mesh();
+  const Camera camera = capture->camera.scaled(kWidth, kHeight);
+  const std::vector<Hit> hits = RayPainter(*mesh).cast(camera, capture->pose.camera_from_object);
+  int changed_inside = 0, changed_outside = 0;
+  for (int y = 2; y + 2 < kHeight; ++y)
+    for (int x = 2; x + 2 < kWidth; ++x) {
+      bool changed = false, near = false;
+      for (int c = 0; c < 3; ++c) changed |= with_mesh.at(x, y, c) != without.at(x, y, c);
+      for (int dy = -2; dy <= 2; ++dy)
+        for (int dx = -2; dx <= 2; ++dx) near |= bool(hits[(y + dy) * kWidth + x + dx]);
+      (near ? changed_inside : changed_outside) += changed;
+    }
+  EXPECT_GT(changed_inside, 3000);
+  EXPECT_LT(changed_outside, 300) << "the axes stick out, nothing else does";
+}
+
+TEST_F(Window, EmptyStatesAndOddOnesAreDrawn) {
+  window_->controls().figures = true;
+  window_->controls().follow = true;
+  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera}) {
+    window_->controls().mode = mode;
+    EXPECT_NO_THROW(window_->draw_once({}));
+    EXPECT_NO_THROW(draw(SyntheticLightField({.unseen = 1}).snapshot()));
+    ViewerState unposed;
+    auto capture = std::make_shared<Capture>(*synthetic_capture({0.2, 0, 0.2}));
+    capture->pose.status = PoseStatus::kNoTags;
+    capture->tags.clear();
+    unposed.capture = capture;
+    unposed.message = "pas de pose \xc3\xa0 voir";
+    EXPECT_NO_THROW(window_->draw_once(unposed));
+    ViewerState inside = state_of(SyntheticLightField({}).snapshot());
+    inside.capture = synthetic_capture({0.06, 0.001, 0.001});  // the eye in the middle of the object
+    EXPECT_NO_THROW(window_->draw_once(inside));
+  }
+}
+
+TEST_F(Window, RunShowsTheLatestStateAndStopsWhenAsked) {
+  ViewerFeed feed;
+  std::stop_source stop;
+  const auto snapshot = SyntheticLightField({.around = 24, .across = 8}).snapshot();
+  std::jthread loop([&] {
+    for (int i = 0; i < 20; ++i) {
+      feed.publish(state_of(snapshot));
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    stop.request_stop();
+  });
+  EXPECT_NO_THROW(window_->run(feed, stop.get_token()));
+  EXPECT_EQ(feed.latest()->snapshot, snapshot);
+}
+
+TEST(NoDisplay, IsSaidClearly) {
+  const char* display = std::getenv("DISPLAY");
+  const std::string kept = display ? display : "";
+  unsetenv("DISPLAY");
+  try {
+    ViewerWindow window({.visible = false});
+    ADD_FAILURE() << "a window without a display";
+  } catch (const DeviceError& error) {
+    EXPECT_NE(std::string(error.what()).find("xvfb-run"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("sheen-reconstructor render"), std::string::npos) << error.what();
+  }
+  if (display) setenv("DISPLAY", kept.c_str(), 1);
+}
+
+}  // namespace
+}  // namespace sheen
