@@ -31,8 +31,8 @@ bool is_number_attribute(const std::string& name) {
   return std::find(std::begin(kNumbers), std::end(kNumbers), name) != std::end(kNumbers);
 }
 
-Imf::Header header_of(const ExrPart& part, int picture_width, int picture_height) {
-  const int right = part.image.width() - 1, bottom = part.image.height() - 1;
+Imf::Header header_of(const ExrPartInfo& part, int picture_width, int picture_height) {
+  const int right = part.width - 1, bottom = part.height - 1;
   Imf::Header header(Imath::Box2i({0, 0}, {picture_width - 1, picture_height - 1}),
                      Imath::Box2i({part.left, part.top}, {part.left + right, part.top + bottom}));
   header.setName(part.name);
@@ -67,29 +67,30 @@ std::vector<half> to_half(const ImageF& image) {
   return out;
 }
 
-void write_part(const ExrPart& part, Imf::OutputPart out) {
+void write_part(const ExrPartInfo& part, const ImageF& image, Imf::OutputPart out) {
+  if (image.width() != part.width || image.height() != part.height || image.channels() != int(part.channels.size()))
+    throw Error("part \"" + part.name + "\": its image is not of the size that was announced");
   std::vector<half> halves;
-  if (part.precision == ExrPrecision::kHalf) halves = to_half(part.image);
-  const int width = part.image.width(), channels = part.image.channels();
+  if (part.precision == ExrPrecision::kHalf) halves = to_half(image);
+  const int width = image.width(), channels = image.channels();
   Imf::FrameBuffer buffer;
   for (int c = 0; c < channels; ++c)
-    buffer.insert(part.channels[c], part.precision == ExrPrecision::kHalf
-                                        ? slice(halves.data(), Imf::HALF, c, width, channels, part.left, part.top)
-                                        : slice(const_cast<float*>(part.image.data()), Imf::FLOAT, c, width, channels,
-                                                part.left, part.top));
+    buffer.insert(part.channels[c],
+                  part.precision == ExrPrecision::kHalf
+                      ? slice(halves.data(), Imf::HALF, c, width, channels, part.left, part.top)
+                      : slice(const_cast<float*>(image.data()), Imf::FLOAT, c, width, channels, part.left, part.top));
   out.setFrameBuffer(buffer);
-  out.writePixels(part.image.height());
+  out.writePixels(image.height());
 }
 
-void check_writable(const std::filesystem::path& path, const ExrFile& file) {
-  if (file.parts.empty()) throw FileError(path.string(), "cannot be written: an EXR file needs a part");
+void check_writable(const std::filesystem::path& path, const std::vector<ExrPartInfo>& parts) {
+  if (parts.empty()) throw FileError(path.string(), "cannot be written: an EXR file needs a part");
   std::set<std::string> names;
-  for (const ExrPart& part : file.parts) {
+  for (const ExrPartInfo& part : parts) {
     const auto fail = [&](const char* what) {
       throw FileError(path.string(), "cannot be written: part \"" + part.name + "\" " + what);
     };
-    if (part.image.empty()) fail("has no pixels");
-    if (int(part.channels.size()) != part.image.channels()) fail("has not one name a channel");
+    if (part.width < 1 || part.height < 1 || part.channels.empty()) fail("has no pixels");
     if (std::set(part.channels.begin(), part.channels.end()).size() != part.channels.size())
       fail("has two channels of one name");
     if (part.name.empty() || !names.insert(part.name).second) fail("needs a name of its own");
@@ -179,17 +180,25 @@ const ExrPart* ExrFile::find(const std::string& name) const {
 }
 
 void write_exr(const std::filesystem::path& path, const ExrFile& file) {
-  check_writable(path, file);
+  std::vector<ExrPartInfo> parts;
+  for (const ExrPart& part : file.parts)
+    parts.push_back(
+        {part.name, part.channels, part.image.width(), part.image.height(), part.precision, part.left, part.top});
+  write_exr(path, parts, file.attributes, [&](std::size_t i) { return file.parts[i].image; });
+}
+
+void write_exr(const std::filesystem::path& path, const std::vector<ExrPartInfo>& parts,
+               const ExrAttributes& attributes, const std::function<ImageF(std::size_t)>& image) {
+  check_writable(path, parts);
   // The picture's size is shared by all parts: that of part 0, where it was not cropped.
-  const int width = file.parts[0].left + file.parts[0].image.width();
-  const int height = file.parts[0].top + file.parts[0].image.height();
+  const int width = parts[0].left + parts[0].width, height = parts[0].top + parts[0].height;
   std::vector<Imf::Header> headers;
-  for (const ExrPart& part : file.parts) headers.push_back(header_of(part, width, height));
-  add_attributes(file.attributes, headers[0]);
+  for (const ExrPartInfo& part : parts) headers.push_back(header_of(part, width, height));
+  add_attributes(attributes, headers[0]);
   write_file(path, [&](const std::filesystem::path& unfinished) {
     try {
       Imf::MultiPartOutputFile out(unfinished.c_str(), headers.data(), int(headers.size()));
-      for (std::size_t i = 0; i < file.parts.size(); ++i) write_part(file.parts[i], Imf::OutputPart(out, int(i)));
+      for (std::size_t i = 0; i < parts.size(); ++i) write_part(parts[i], image(i), Imf::OutputPart(out, int(i)));
     } catch (const std::exception& error) {
       throw FileError(path.string(), std::string("cannot be written: ") + error.what());
     }
@@ -208,15 +217,24 @@ void write_exr(const std::filesystem::path& path, const ImageF& image) {
 }
 
 ExrFile read_exr(const std::filesystem::path& path) {
+  ExrFile file;
+  file.attributes = read_exr(
+      path, [](const std::string&) { return true; }, [&](ExrPart&& part) { file.parts.push_back(std::move(part)); });
+  return file;
+}
+
+ExrAttributes read_exr(const std::filesystem::path& path, const std::function<bool(const std::string& part)>& wanted,
+                       const std::function<void(ExrPart&&)>& visit) {
   std::error_code missing;
   const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
   if (missing) throw FileError(path.string(), "cannot be read: " + missing.message());
   try {
     Imf::MultiPartInputFile in(path.c_str(), Imf::globalThreadCount(), /*reconstructChunkOffsetTable=*/false);
-    ExrFile file;
-    file.attributes = read_attributes(in.header(0));
-    for (int i = 0; i < in.parts(); ++i) file.parts.push_back(read_part(in, i, bytes));
-    return file;
+    for (int i = 0; i < in.parts(); ++i)
+      if (wanted(in.header(i).hasName() ? in.header(i).name() : "")) visit(read_part(in, i, bytes));
+    return read_attributes(in.header(0));
+  } catch (const FileError&) {
+    throw;  // from `visit`, which knows more
   } catch (const std::exception& error) {
     throw FileError(path.string(), std::string("is no readable EXR: ") + error.what());
   }

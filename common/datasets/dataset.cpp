@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/datasets/dataset.h"
 
-#include <sodium.h>
-
-#include <array>
 #include <cmath>
 #include <set>
 
+#include "common/content_hash.h"
 #include "common/datasets/colmap.h"
 #include "common/datasets/transforms_json.h"
 #include "common/errors.h"
@@ -19,15 +17,6 @@ namespace sheen {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// BLAKE2b of 16 bytes, in hexadecimal.
-std::string hash_of(std::string_view bytes) {
-  std::array<unsigned char, 16> digest;
-  crypto_generichash(digest.data(), digest.size(), reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
-                     nullptr, 0);
-  std::array<char, 33> text;
-  return sodium_bin2hex(text.data(), text.size(), digest.data(), digest.size());
-}
 
 bool is_file(const fs::path& path) {
   std::error_code ignored;
@@ -47,7 +36,7 @@ Dataset load_transforms(const fs::path& file) {
   Dataset dataset;
   dataset.root = file.parent_path();
   const std::string text = read_file(file);
-  dataset.hash = hash_of(text);
+  dataset.hash = content_hash(text);
   dataset.views = parse_transforms(
       file.string(), text, {[&](const std::string& name) { return find_image(dataset.root, name); }, read_image_size});
   return dataset;
@@ -85,7 +74,7 @@ Dataset load_colmap(const fs::path& root, const fs::path& model) {
   if (images.empty()) throw FileError(images_file.string(), "holds no image");
   Dataset dataset;
   dataset.root = root;
-  dataset.hash = hash_of(cameras_bytes + images_bytes);
+  dataset.hash = content_hash(cameras_bytes + images_bytes);
   std::set<std::string> names;
   for (const ColmapImage& image : images) {
     if (!names.insert(image.name).second)
@@ -176,7 +165,7 @@ Capture read_capture(const Dataset& dataset, std::size_t index) {
   capture.pose.camera_from_object = view.camera_from_object;
   capture.verdict = FrameVerdict::kKeyframe;
   capture.purpose = view.purpose;
-  capture.calibration_hash = hash_of(description(view.camera));
+  capture.calibration_hash = content_hash(description(view.camera));
   return capture;
 }
 

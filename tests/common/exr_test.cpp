@@ -46,6 +46,20 @@ TEST(Exr, FloatPartsOfSeveralSizesComeBackBitForBit) {
   EXPECT_EQ(again.find("none"), nullptr);
 }
 
+TEST(Exr, OnlyWantedPartsAreRead) {
+  const TempFolder folder;
+  ExrFile file;
+  for (const char* name : {"a", "b", "c"}) file.parts.push_back({name, {"Y"}, noise(6, 5, 1, 1)});
+  file.attributes["note"] = "n";
+  write_exr(folder.path() / "a.exr", file);
+  std::vector<std::string> read;
+  const ExrAttributes attributes = read_exr(
+      folder.path() / "a.exr", [](const std::string& name) { return name != "b"; },
+      [&](ExrPart&& part) { read.push_back(part.name); });
+  EXPECT_EQ(read, (std::vector<std::string>{"a", "c"}));
+  EXPECT_EQ(attributes.at("note"), "n");
+}
+
 TEST(Exr, HalfRoundsAndClampsToItsRange) {
   const TempFolder folder;
   ExrFile file;
@@ -87,7 +101,7 @@ TEST(Exr, RefusesToWriteWhatNobodyCouldRead) {
   refused({}, {"a.exr", "part"});
   refused({{"a", {"Y"}, one}, {"a", {"Y"}, one}}, {"\"a\"", "name of its own"});
   refused({{"a", {"Y"}, {}}}, {"\"a\"", "no pixels"});
-  refused({{"a", {"Y"}, two}}, {"\"a\"", "one name a channel"});
+  refused({{"a", {"Y"}, two}}, {"\"a\"", "size that was announced"});
   refused({{"a", {"Y", "Y"}, two}}, {"\"a\"", "two channels"});
   expect_error([&] { write_exr(folder.path() / "none" / "a.exr", one); }, {"none", "cannot be written"});
   expect_error([&] { write_exr(folder.path() / "a.exr", two); }, {"a.exr", "2 channels"});

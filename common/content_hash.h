@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace sheen {
+
+/// BLAKE2b of 16 bytes, in hexadecimal: names a content, so that the same content is recognised.
+std::string content_hash(std::string_view bytes);
+
+}  // namespace sheen
