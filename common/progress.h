@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+namespace sheen {
+
+/// A progress bar on a terminal: share done, rate, time left. Where `stream` is no terminal (a pipe, a file) it writes
+/// nothing. The line is cleared at the end.
+class Progress {
+ public:
+  /// `total` 0: unknown; counts and rate only.
+  Progress(std::string label, std::uint64_t total, std::FILE* stream = stderr);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Cheap enough for every image: the terminal is written to at most ten times a second.
+  void update(std::uint64_t done);
+
+ private:
+  std::string label_;
+  std::uint64_t total_;
+  std::FILE* stream_;
+  bool terminal_;
+  std::chrono::steady_clock::time_point started_, shown_;
+};
+
+/// What `Progress` shows, in at most `width` columns (40 or more):
+///   building [#########.........] 45/90  50 %  5.2/s  9 s left
+std::string progress_line(const std::string& label, std::uint64_t done, std::uint64_t total, double elapsed_s,
+                          int width);
+
+}  // namespace sheen
