@@ -138,14 +138,16 @@ void CaptureSender::Impl::run(const std::stop_token& stop) {
       zap->answer();
       check_peer_is_allowed();
     }
-    for (const SocketEvents::Kind kind : events->drain()) {
+    // Events are taken before messages and looked at after them: what a peer said before it left still counts.
+    const std::vector<SocketEvents::Kind> happened = events->drain();
+    receive_all();
+    for (const SocketEvents::Kind kind : happened) {
       if (kind == SocketEvents::Kind::kDisconnected) check_peer_is_there();
       if (kind == SocketEvents::Kind::kHandshakeFailed) {
         ++refused_without_zap;
         stats.last_refusal = "a handshake failed: the other side has no keys, or those of another sender";
       }
     }
-    receive_all();
     later = !send_what_may_go();
     changed.notify_all();
   }

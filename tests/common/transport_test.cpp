@@ -7,13 +7,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <functional>
 #include <thread>
-#include <zmq.hpp>
 
 #include "common/errors.h"
-#include "common/wire_messages.h"
+#include "support/link.h"
 #include "support/sample_capture.h"
 
 namespace sheen {
@@ -21,59 +19,16 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::AllOf;
+using testing::eventually;
+using testing::expect_kept;
 using testing::expect_same_bits;
+using testing::free_endpoint;
 using ::testing::HasSubstr;
+using testing::keep;
+using testing::kLong;
+using testing::receiver_options;
 using testing::sample_capture;
-
-constexpr auto kLong = 10s;  // nobody waits as long as this unless something is broken
-const char* const kAnyPort = "tcp://127.0.0.1:*";
-
-SenderOptions sender_options(const std::string& endpoint = kAnyPort, const std::string& session = "s") {
-  SenderOptions options;
-  options.endpoint = endpoint;
-  options.source_session = session;
-  return options;
-}
-
-ReceiverOptions receiver_options(const std::string& endpoint) {
-  ReceiverOptions options;
-  options.endpoint = endpoint;
-  return options;
-}
-
-bool eventually(const std::function<bool()>& holds) {
-  for (const auto end = std::chrono::steady_clock::now() + kLong; std::chrono::steady_clock::now() < end;) {
-    if (holds()) return true;
-    std::this_thread::sleep_for(5ms);
-  }
-  return false;
-}
-
-/// An address that was free a moment ago.
-std::string free_endpoint() {
-  zmq::context_t context;
-  zmq::socket_t socket(context, zmq::socket_type::rep);
-  socket.bind(kAnyPort);
-  return socket.get(zmq::sockopt::last_endpoint);
-}
-
-/// Takes kept captures, acknowledges each, and expects them to be first..last in order and unharmed.
-void expect_kept(CaptureReceiver& receiver, std::uint64_t first, std::uint64_t last, bool acknowledge = true,
-                 const std::string& session = "s") {
-  for (std::uint64_t sequence = first; sequence <= last; ++sequence) {
-    const auto got = receiver.next(kLong);
-    ASSERT_TRUE(got) << "capture " << sequence << " did not come: " << receiver.stats().last_error;
-    ASSERT_FALSE(got->live);
-    ASSERT_EQ(got->capture.sequence, sequence);
-    ASSERT_EQ(got->capture.image, sample_capture(session, sequence).image);
-    if (acknowledge) receiver.acknowledge(session, sequence);
-  }
-}
-
-void keep(CaptureSender& sender, std::uint64_t first, std::uint64_t last, const std::string& session = "s") {
-  for (std::uint64_t sequence = first; sequence <= last; ++sequence)
-    ASSERT_TRUE(sender.keep(sample_capture(session, sequence), kLong));
-}
+using testing::sender_options;
 
 /// A process of its own that can be killed at any moment. What runs in it must not touch the test's state.
 class Process {
