@@ -60,6 +60,13 @@ Eigen::Vector2f on_panel(const Panel& panel, const Camera& camera, const Eigen::
           static_cast<float>(panel.y + (pixel.y() + 0.5) * panel.height / camera.height)};
 }
 
+/// Text round a place, on a dark ground.
+void label(OverlayPainter& overlay, const Eigen::Vector2f& middle, const std::string& text, Rgba color) {
+  const float width = overlay.advance() * static_cast<float>(text.size()), height = overlay.line_height();
+  overlay.fill(middle.x() - width / 2 - 2, middle.y() - height / 2, width + 4, height, kShadow);
+  overlay.text(middle.x() - width / 2, middle.y() - height / 2, text, color);
+}
+
 void draw_tags(const Capture& capture, const Panel& panel, OverlayPainter& overlay) {
   for (const TagObservation& tag : capture.tags) {
     const Rgba color = tag.used ? kUsedTag : kUnusedTag;
@@ -70,11 +77,7 @@ void draw_tags(const Capture& capture, const Panel& panel, OverlayPainter& overl
       middle += 0.25f * corners[i];
     }
     for (int i = 0; i < 4; ++i) overlay.line(corners[i], corners[(i + 1) % 4], 2, color);
-    const std::string id = std::to_string(tag.id);
-    const float width = overlay.advance() * static_cast<float>(id.size());
-    overlay.fill(middle.x() - width / 2 - 2, middle.y() - overlay.line_height() / 2, width + 4, overlay.line_height(),
-                 kShadow);
-    overlay.text(middle.x() - width / 2, middle.y() - overlay.line_height() / 2, id, color);
+    label(overlay, middle, std::to_string(tag.id), color);
   }
 }
 
@@ -92,10 +95,7 @@ void draw_axes(const Capture& capture, double length, const Panel& panel, Overla
                      kColors[axis]);
       before = pixel;
     }
-    if (before) {
-      const Eigen::Vector2f end = on_panel(panel, capture.camera, *before);
-      overlay.text(end.x() + 3, end.y() - overlay.line_height() / 2, std::string(1, "xyz"[axis]), kColors[axis]);
-    }
+    if (before) label(overlay, on_panel(panel, capture.camera, *before), std::string(1, "xyz"[axis]), kColors[axis]);
   }
 }
 

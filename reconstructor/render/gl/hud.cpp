@@ -137,9 +137,10 @@ Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, 
   const Eigen::Vector3d right = image_up.cross(out).normalized();
   const Eigen::Vector3d up = out.cross(right);
   const Eigen::Vector3d next = (next_eye - centre).normalized();
-  constexpr double kDegrees = 180 / M_PI;
-  return {std::atan2(next.dot(right), next.dot(out)) * kDegrees,
-          std::asin(std::clamp(next.dot(up), -1.0, 1.0)) * kDegrees};
+  const Eigen::Vector2d across(next.dot(right), next.dot(up));
+  const double degrees = std::atan2(across.norm(), next.dot(out)) * 180 / M_PI;
+  const Eigen::Vector2d way = across.norm() > 1e-9 ? Eigen::Vector2d(across.normalized()) : Eigen::Vector2d(1, 0);
+  return {degrees * way.x(), degrees * way.y()};
 }
 
 void Hud::draw_figures(OverlayPainter& overlay) const {

@@ -18,8 +18,8 @@ struct RankFigures {
 };
 RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot);
 
-/// How to move from one eye to another, as the person who holds the camera sees it. Degrees on a sphere round the
-/// centre, positive to the right and up.
+/// How to move from one eye to another by the shortest way over a sphere round the centre, as the person who holds the
+/// camera sees it: degrees along the way's first direction, positive to the right and up. Over the top is "up".
 struct Guidance {
   double right_deg = 0, up_deg = 0;
 };

@@ -105,7 +105,7 @@ void main() {
     return;
   }
   vec2 need = texelFetch(quality, gl_PrimitiveID).xy;
-  float shape = 0.35 + 0.65 * facing();
+  float shape = 0.65 + 0.35 * facing();  // a hint of it: brightness means need
   vec3 hue = shading == 1 ? vec3(1.0, 0.06, 0.04) : reason_colors[int(need.y + 0.5)];
   color = vec4(mix(vec3(0.17), hue, need.x) * shape, 1);
 }

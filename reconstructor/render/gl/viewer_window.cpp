@@ -22,6 +22,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kNewsLasts = std::chrono::seconds(4);
+constexpr int kRest = 2;  // pause after a frame, in its own durations: drawing in software must leave cores to others
+constexpr double kBusySeconds = 0.002;
 constexpr double kIdleSeconds = 0.05;  // how long a new state may wait for a window in which nothing moves
 
 std::string glfw_message() {
@@ -160,7 +162,8 @@ struct ViewerWindow::Impl {
 
   std::vector<std::string> current_news() {
     if (!news.empty() && Clock::now() > news_until) news.clear();
-    return news.empty() ? std::vector<std::string>{} : std::vector{news};
+    if (news.empty() || screenshot_wanted) return {};  // a screenshot does not show what became of the last one
+    return {news};
   }
 
   void save_screenshot() {
@@ -210,21 +213,25 @@ void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop) {
   Impl& w = *impl_;
   std::shared_ptr<const ViewerState> shown;
   bool complete = true;
+  Clock::time_point rested;  // from when on what nobody asked for may be drawn
   while (!stop.stop_requested() && !glfwWindowShouldClose(w.window.get())) {
     const auto state = feed.latest();
     const bool news_over = !w.news.empty() && Clock::now() > w.news_until;
-    if (state != shown || !complete || w.changed || news_over) {
+    const bool stale = state != shown || !complete || news_over;
+    if (w.changed || (stale && Clock::now() >= rested)) {
+      const auto begun = Clock::now();
       w.changed = false;
       shown = state;
       if (state->snapshot) w.controls.frame(state->snapshot->shared_mesh());
       complete = w.scene.update(*state);
       w.show(*state);
       if (w.screenshot_wanted && w.target) w.save_screenshot();
+      rested = Clock::now() + kRest * (Clock::now() - begun);
     }
-    if (complete && !w.changed)
-      glfwWaitEventsTimeout(kIdleSeconds);
-    else
+    if (w.changed)
       glfwPollEvents();
+    else
+      glfwWaitEventsTimeout(complete ? kIdleSeconds : kBusySeconds);
   }
 }
 

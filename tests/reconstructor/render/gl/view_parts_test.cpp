@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <random>
 #include <set>
@@ -107,8 +108,13 @@ TEST(Guidance, SpeaksInTheDirectionsOfTheCamerasPicture) {
   const Guidance up = guide(camera, {0, 0, 0}, {std::cos(a), 0, std::sin(a)});
   EXPECT_NEAR(up.right_deg, 0, 1e-9);
   EXPECT_NEAR(up.up_deg, 30, 1e-9);
-  const Guidance behind = guide(camera, {0, 0, 0}, {-1, 0.001, 0});
-  EXPECT_NEAR(behind.right_deg, 180, 0.1);
+  const Guidance over_the_top = guide(camera, {0, 0, 0}, {-std::sin(a), 0, std::cos(a)});
+  EXPECT_NEAR(over_the_top.right_deg, 0, 1e-9);
+  EXPECT_NEAR(over_the_top.up_deg, 120, 1e-9);
+  const Guidance here = guide(camera, {0, 0, 0}, {5, 0, 0});
+  EXPECT_NEAR(std::hypot(here.right_deg, here.up_deg), 0, 1e-9);
+  const Guidance behind = guide(camera, {0, 0, 0}, {-1, 0, 0});
+  EXPECT_NEAR(std::hypot(behind.right_deg, behind.up_deg), 180, 1e-9);
 }
 
 TEST(StrokeFont, EveryGlyphIsThereAndDiffersFromAllOthers) {
