@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "common/errors.h"
-#include "support/link.h"
-#include "support/temp_folder.h"
+#include "tests/support/link.h"
+#include "tests/support/temp_folder.h"
 
 namespace sheen {
 namespace {

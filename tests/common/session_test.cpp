@@ -17,9 +17,10 @@
 #include <thread>
 
 #include "common/errors.h"
-#include "support/expect_error.h"
-#include "support/sample_capture.h"
-#include "support/temp_folder.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/expect_same_bits.h"
+#include "tests/support/sample_capture.h"
+#include "tests/support/temp_folder.h"
 
 namespace sheen {
 namespace {

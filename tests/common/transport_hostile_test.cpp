@@ -7,7 +7,7 @@
 
 #include "common/errors.h"
 #include "common/transport.h"
-#include "support/link.h"
+#include "tests/support/link.h"
 
 namespace sheen {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "common/errors.h"
 #include "common/transport.h"
-#include "support/expect_error.h"
-#include "support/link.h"
-#include "support/temp_folder.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/link.h"
+#include "tests/support/temp_folder.h"
 
 namespace sheen {
 namespace {

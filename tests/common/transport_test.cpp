@@ -11,8 +11,9 @@
 #include <thread>
 
 #include "common/errors.h"
-#include "support/link.h"
-#include "support/sample_capture.h"
+#include "tests/support/expect_same_bits.h"
+#include "tests/support/link.h"
+#include "tests/support/sample_capture.h"
 
 namespace sheen {
 namespace {

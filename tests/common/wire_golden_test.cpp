@@ -5,7 +5,8 @@
 
 #include "common/wire.h"
 #include "common/wire_messages.h"
-#include "support/sample_capture.h"
+#include "tests/support/expect_same_bits.h"
+#include "tests/support/sample_capture.h"
 
 namespace sheen {
 namespace {

@@ -13,7 +13,8 @@
 #include "common/crc32c.h"
 #include "common/errors.h"
 #include "common/wire_messages.h"
-#include "support/sample_capture.h"
+#include "tests/support/expect_same_bits.h"
+#include "tests/support/sample_capture.h"
 
 namespace sheen {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "common/transport.h"
 #include "common/wire_messages.h"
-#include "support/sample_capture.h"
+#include "tests/support/sample_capture.h"
 
 namespace sheen::testing {
 

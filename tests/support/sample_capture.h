@@ -14,7 +14,4 @@ Capture sample_capture(PixelFormat format, int width, int height, std::size_t pa
 /// The capture of this source and number, 24x16 Bayer without a mask.
 Capture sample_capture(const std::string& source_session, std::uint64_t sequence);
 
-/// Fails the running test for every field that is not the same to the last bit.
-void expect_same_bits(const Capture& a, const Capture& b);
-
 }  // namespace sheen::testing

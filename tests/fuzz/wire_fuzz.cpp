@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whatever bytes a peer or a journal holds: a value that passes validation, or a ProtocolError.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <iterator>
+#include <span>
+#include <vector>
+
+#include "common/capture_validation.h"
+#include "common/errors.h"
+#include "common/image_codec.h"
+#include "common/wire.h"
+#include "common/wire_messages.h"
+#include "tests/support/sample_capture.h"
+
+namespace {
+
+using namespace sheen;
+using Span = std::span<const std::uint8_t>;
+
+/// Cuts pieces off the front of the input.
+struct Input {
+  Span rest;
+  std::uint8_t byte() {
+    if (rest.empty()) return 0;
+    const std::uint8_t value = rest[0];
+    rest = rest.subspan(1);
+    return value;
+  }
+  std::size_t size16() {
+    const std::size_t low = byte();
+    return low | std::size_t(byte()) << 8;
+  }
+  Span take(std::size_t size) {
+    const Span piece = rest.first(std::min(size, rest.size()));
+    rest = rest.subspan(piece.size());
+    return piece;
+  }
+};
+
+void decode(Span envelope, Span header, Span blob) {
+  const Capture capture = decode_capture(envelope, header, blob);
+  if (!validation_error(capture).empty()) std::abort();
+}
+
+void arbitrary_capture(Input in) {
+  const auto envelope = encode_envelope(in.byte() % 2 ? MessageType::kKeep : MessageType::kLive);
+  const Span header = in.take(in.size16());
+  decode(envelope, header, in.rest);
+}
+
+/// A valid message with bytes overwritten, removed and inserted where the input says.
+void damaged_capture(Input in) {
+  static const EncodedCapture kValid[] = {
+      encode_capture(testing::sample_capture(PixelFormat::kBayerRG8, 6, 4, 1, true, 1), MessageType::kKeep,
+                     Codec::kRaw),
+      encode_capture(testing::sample_capture(PixelFormat::kRGB8, 6, 4, 0, false, 2), MessageType::kKeep,
+                     Codec::kDeltaZstd)};
+  EncodedCapture m = kValid[in.byte() % 2];
+  while (in.rest.size() >= 4) {
+    std::vector<std::uint8_t>& part = in.byte() % 8 ? m.header : m.blob;
+    const std::size_t at = in.size16() % (part.size() + 1);
+    const std::uint8_t what = in.byte(), value = in.byte();
+    const auto position = part.begin() + static_cast<std::ptrdiff_t>(at);
+    if (at == part.size() || what % 4 == 0)
+      part.insert(position, value);
+    else if (what % 4 == 1)
+      part.erase(position);
+    else
+      *position = value;
+  }
+  decode(m.envelope, m.header, m.blob);
+}
+
+/// Behind the checksum, which a fuzzer would not get past.
+void arbitrary_pixels(Input in) {
+  RawImage image{
+      .format = static_cast<PixelFormat>(1 + in.byte() % 7), .width = 1 + in.byte() % 32, .height = 1 + in.byte() % 32};
+  image.stride = image.width * bytes_per_pixel(image.format) + in.byte() % 8;
+  ImageU8 mask = in.byte() % 2 ? ImageU8(image.width, image.height, 1) : ImageU8();
+  const Codec codec = in.byte() % 2 ? Codec::kRaw : Codec::kDeltaZstd;
+  unpack_pixels(in.rest, codec, image, mask);
+  if (image.bytes.size() != image.stride * image.height) std::abort();
+}
+
+void arbitrary_message(Input in) {
+  switch (in.byte() % 8) {
+    case 0:
+      decode_envelope(in.rest);
+      break;
+    case 1:
+      decode_hello(in.rest);
+      break;
+    case 2:
+      decode_welcome(in.rest);
+      break;
+    case 3:
+      decode_credit(in.rest);
+      break;
+    case 4:
+      decode_ack(in.rest);
+      break;
+    case 5:
+      decode_refuse(in.rest);
+      break;
+    case 6:
+      decode_end(in.rest);
+      break;
+    default:
+      decode_status(in.rest);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Input in{{data, size}};
+  constexpr void (*kTargets[])(Input) = {arbitrary_capture, damaged_capture, arbitrary_pixels, arbitrary_message};
+  const std::size_t target = in.byte() % std::size(kTargets);
+  try {
+    kTargets[target](in);
+  } catch (const ProtocolError&) {
+  }
+  return 0;
+}
