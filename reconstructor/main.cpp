@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", SHEEN_VERSION);
 
+  sheen::add_view_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <optional>
+#include <string>
+
+#include "common/errors.h"
+#include "common/image_io.h"
+#include "reconstructor/commands/commands.h"
+#include "reconstructor/exchange/model_files.h"
+#include "reconstructor/render/gl/viewer_window.h"
+
+namespace sheen {
+namespace {
+
+struct ViewArguments {
+  std::string model, screenshot, mode = "light-field", size = "1280x800";
+  std::vector<double> eye;
+  bool reasons = false;
+};
+
+/// "1280x800"; throws ConfigError.
+std::array<int, 2> parse_size(const std::string& text) {
+  int width = 0, height = 0, used = 0;
+  if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &used) != 2 || used != static_cast<int>(text.size()) ||
+      width < 64 || height < 64 || width > 16384 || height > 16384)
+    throw ConfigError("--size: '" + text + "' is not WIDTHxHEIGHT with sides of 64..16384 pixels, such as 1280x800");
+  return {width, height};
+}
+
+void view(const ViewArguments& arguments) {
+  const auto [width, height] = parse_size(arguments.size);
+  const std::optional<ViewMode> mode = view_mode_from(arguments.mode);
+  if (!mode) throw ConfigError("--mode: '" + arguments.mode + "' is none of light-field, heuristic, split, camera");
+  const bool picture_only = !arguments.screenshot.empty();
+
+  ViewerState state;
+  state.snapshot = load_model(arguments.model);
+  ViewerWindow window({.width = width, .height = height, .visible = !picture_only});
+  ViewControls& controls = window.controls();
+  controls.mode = *mode;
+  controls.reasons = arguments.reasons;
+  controls.frame(state.snapshot->shared_mesh());
+  if (!arguments.eye.empty()) controls.orbit.place({arguments.eye[0], arguments.eye[1], arguments.eye[2]});
+
+  if (picture_only) {
+    write_png(arguments.screenshot, window.draw_once(state));
+    return;
+  }
+  ViewerFeed feed;
+  feed.publish(std::move(state));
+  window.run(feed, {});
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app) {
+  auto arguments = std::make_shared<ViewArguments>();
+  CLI::App* command = app.add_subcommand("view", "Shows a saved model in a window; H lists the keys.");
+  command->add_option("model", arguments->model, "folder of a saved model")->required();
+  command->add_option("--screenshot", arguments->screenshot, "PNG to write instead of opening a window");
+  command->add_option("--mode", arguments->mode, "light-field, heuristic, split or camera")->capture_default_str();
+  command->add_flag("--reasons", arguments->reasons, "colour the heuristic by why images are needed");
+  command->add_option("--size", arguments->size, "of the window or the screenshot, pixels")->capture_default_str();
+  command->add_option("--eye", arguments->eye, "where to look from: x,y,z in the model's frame, metres")
+      ->delimiter(',')
+      ->expected(3);
+  command->callback([arguments] { view(*arguments); });
+}
+
+}  // namespace sheen
