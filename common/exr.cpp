@@ -11,11 +11,13 @@
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <set>
+#include <thread>
 
 #include "common/errors.h"
 #include "common/files.h"
@@ -26,6 +28,16 @@ namespace {
 
 constexpr std::string_view kNumbers[] = {"expTime", "isoSpeed", "aperture"};
 constexpr int kMaxSide = 1 << 20;
+
+/// Threads that compress and decompress, one pool for the process.
+int pool_threads() {
+  static const int threads = [] {
+    const int count = static_cast<int>(std::thread::hardware_concurrency());
+    Imf::setGlobalThreadCount(count);
+    return count;
+  }();
+  return threads;
+}
 
 bool is_number_attribute(const std::string& name) {
   return std::find(std::begin(kNumbers), std::end(kNumbers), name) != std::end(kNumbers);
@@ -197,7 +209,8 @@ void write_exr(const std::filesystem::path& path, const std::vector<ExrPartInfo>
   add_attributes(attributes, headers[0]);
   write_file(path, [&](const std::filesystem::path& unfinished) {
     try {
-      Imf::MultiPartOutputFile out(unfinished.c_str(), headers.data(), int(headers.size()));
+      Imf::MultiPartOutputFile out(unfinished.c_str(), headers.data(), int(headers.size()),
+                                   /*overrideSharedAttributes=*/false, pool_threads());
       for (std::size_t i = 0; i < parts.size(); ++i) write_part(parts[i], image(i), Imf::OutputPart(out, int(i)));
     } catch (const std::exception& error) {
       throw FileError(path.string(), std::string("cannot be written: ") + error.what());
@@ -229,7 +242,7 @@ ExrAttributes read_exr(const std::filesystem::path& path, const std::function<bo
   const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
   if (missing) throw FileError(path.string(), "cannot be read: " + missing.message());
   try {
-    Imf::MultiPartInputFile in(path.c_str(), Imf::globalThreadCount(), /*reconstructChunkOffsetTable=*/false);
+    Imf::MultiPartInputFile in(path.c_str(), pool_threads(), /*reconstructChunkOffsetTable=*/false);
     for (int i = 0; i < in.parts(); ++i)
       if (wanted(in.header(i).hasName() ? in.header(i).name() : "")) visit(read_part(in, i, bytes));
     return read_attributes(in.header(0));
