@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/monitor/metrics.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace sheen {
+namespace {
+
+using Labels = std::vector<std::pair<std::string, std::string>>;
+
+std::string escaped_label(const std::string& value) {
+  std::string out;
+  for (const char c : value) {
+    if (c == '\\' || c == '"') out += '\\';
+    if (c == '\n')
+      out += "\\n";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string number(double value) {
+  if (std::isnan(value)) return "NaN";
+  if (std::isinf(value)) return value > 0 ? "+Inf" : "-Inf";
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.15g", value);
+  return text.data();
+}
+
+class Exposition {
+ public:
+  void family(const std::string& name, const char* type, const char* help) {
+    name_ = "sheen_" + name;
+    text_ += "# HELP " + name_ + " " + help + "\n# TYPE " + name_ + " " + type + "\n";
+  }
+  void sample(double value, const Labels& labels = {}, const char* suffix = "") {
+    text_ += name_ + suffix;
+    for (std::size_t i = 0; i < labels.size(); ++i)
+      text_ += (i == 0 ? "{" : ",") + labels[i].first + "=\"" + escaped_label(labels[i].second) + "\"";
+    text_ += (labels.empty() ? " " : "} ") + number(value) + "\n";
+  }
+  void single(const std::string& name, const char* type, const char* help, double value) {
+    family(name, type, help);
+    sample(value);
+  }
+  void summary(const std::string& name, const char* help, const DurationSummary& durations) {
+    family(name, "summary", help);
+    if (durations.count > 0) {
+      sample(durations.p50_s, {{"quantile", "0.5"}});
+      sample(durations.p95_s, {{"quantile", "0.95"}});
+      sample(durations.p99_s, {{"quantile", "0.99"}});
+    }
+    sample(durations.sum_s, {}, "_sum");
+    sample(static_cast<double>(durations.count), {}, "_count");
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string name_, text_;
+};
+
+void frames(const MonitorState& state, Exposition& out) {
+  out.single("frames_received_total", "counter", "Captures that arrived to be kept.",
+             static_cast<double>(state.received));
+  out.single("frames_journaled_total", "counter", "Captures that are durable in the session.",
+             static_cast<double>(state.journaled));
+  out.single("frames_accepted_total", "counter", "Captures folded into the model.",
+             static_cast<double>(state.accepted));
+  out.single("frames_held_out_total", "counter", "Captures kept aside to judge the model.",
+             static_cast<double>(state.held_out));
+  out.family("frames_rejected_total", "counter", "Captures that were not used, by reason.");
+  for (const auto& [reason, n] : state.refused) out.sample(static_cast<double>(n), {{"reason", reason}});
+  out.single("sequence_gaps_total", "counter", "Captures that the tracker numbered and nobody received.",
+             static_cast<double>(state.sequence_gaps));
+}
+
+void speed(const MonitorState& state, Exposition& out) {
+  out.single("ingest_images_per_second", "gauge", "Images that the model takes in a second.", state.images_per_s);
+  out.summary("update_duration_seconds", "Time to fold one image into the model.", state.update);
+  out.summary("capture_latency_seconds", "Time from a frame's grabbing until it is durable.", state.latency);
+  out.family("stage_duration_median_seconds", "gauge", "Median time of a stage of an update.");
+  for (const auto& [stage, seconds] : state.stage_s) out.sample(seconds, {{"stage", stage}});
+  out.family("queue_depth", "gauge", "Captures that wait.");
+  for (const auto& [name, queue] : state.queues) out.sample(static_cast<double>(queue.depth), {{"queue", name}});
+  out.family("queue_capacity", "gauge", "Captures that may wait, where a queue has a bound.");
+  for (const auto& [name, queue] : state.queues)
+    if (queue.capacity > 0) out.sample(static_cast<double>(queue.capacity), {{"queue", name}});
+}
+
+void quality(const MonitorState& state, Exposition& out) {
+  if (!state.held_out_curve.empty()) {
+    const MonitorState::HeldOutPoint& last = state.held_out_curve.back();
+    out.single("heldout_psnr_db", "gauge", "PSNR on object pixels of views that the model never saw.", last.psnr_db);
+    out.single("heldout_ssim", "gauge", "SSIM on object pixels of views that the model never saw.", last.ssim);
+    out.single("heldout_constant_psnr_db", "gauge", "The same PSNR for the mean colour of each surface sample.",
+               last.constant_psnr_db);
+  }
+  out.family("rings", "gauge", "Vertex rings by the rank of their factorization.");
+  for (std::size_t rank = 0; rank < state.rank_histogram.size(); ++rank)
+    out.sample(static_cast<double>(state.rank_histogram[rank]), {{"rank", std::to_string(rank)}});
+  out.single("model_bytes", "gauge", "Memory of the model.", static_cast<double>(state.model_bytes));
+}
+
+void health(const MonitorState& state, CaptureState capture, MonitorState::Clock::time_point now, Exposition& out) {
+  out.family("info", "gauge", "What runs here.");
+  out.sample(1, {{"version", state.version}, {"model", state.model}, {"session", state.session_folder}});
+  out.family("capture_state", "gauge", "1 for the state that the capture is in.");
+  for (const CaptureState each :
+       {CaptureState::kWaiting, CaptureState::kLive, CaptureState::kStale, CaptureState::kDisconnected,
+        CaptureState::kEnded, CaptureState::kFailed, CaptureState::kStalled})
+    out.sample(each == capture ? 1 : 0, {{"state", to_string(each)}});
+  out.family("link_connected", "gauge", "1 where the peer is there.");
+  for (const MonitorState::Link& link : state.links)
+    out.sample(link.connected ? 1 : 0, {{"link", link.name}, {"endpoint", link.endpoint}});
+  if (state.last_frame)
+    out.single("last_frame_age_seconds", "gauge", "Time since a capture arrived.",
+               std::chrono::duration<double>(now - *state.last_frame).count());
+}
+
+}  // namespace
+
+std::string metrics_text(const MonitorState& state, CaptureState capture, MonitorState::Clock::time_point now) {
+  Exposition out;
+  health(state, capture, now, out);
+  frames(state, out);
+  speed(state, out);
+  quality(state, out);
+  return out.take();
+}
+
+}  // namespace sheen

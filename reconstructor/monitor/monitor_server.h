@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "reconstructor/monitor/monitor_state.h"
+
+namespace sheen {
+
+struct MonitorOptions {
+  std::string host = "127.0.0.1";
+  int port = 7480;    ///< 0: any free one, see `MonitorServer::port`
+  std::string token;  ///< at least 16 characters; needed where `host` is not loopback. Empty: nobody is asked for one
+};
+
+/// Serves what was last published over HTTP:
+///   /  status page    /status.json    /metrics (Prometheus)    /preview.jpg    /camera.jpg    /healthz
+/// With a token, every request needs "Authorization: Bearer TOKEN" or "?token=TOKEN" and is answered 401 otherwise;
+/// without one, only requests to a loopback host name are answered, so that no web page of another site can read it by
+/// pointing its own name here.
+class MonitorServer {
+ public:
+  /// Throws ConfigError (a port that is none, another address than loopback without a token) and DeviceError (the port
+  /// is taken, the address is not this machine's).
+  explicit MonitorServer(const MonitorOptions& options);
+  /// Within about a second, whatever clients do.
+  ~MonitorServer();
+
+  /// Replaces what is shown. Never waits for a client.
+  void publish(MonitorState state);
+  int port() const;
+  /// For people: "http://127.0.0.1:7480/", without the token.
+  std::string url() const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace sheen

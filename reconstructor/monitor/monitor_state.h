@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/running_statistics.h"
+
+namespace sheen {
+
+/// A summary of durations, seconds.
+struct DurationSummary {
+  std::uint64_t count = 0;
+  double sum_s = 0, p50_s = 0, p95_s = 0, p99_s = 0;
+};
+DurationSummary summarize(const RunningStatistics& statistics);
+
+/// What people who watch a capture are told: plain values, whoever made them.
+struct MonitorState {
+  using Clock = std::chrono::steady_clock;
+
+  std::string version;
+  std::string model;  ///< "surface-light-field", ...
+  std::string session_folder;
+  std::string source_session;  ///< the tracker's name for what it sends
+
+  struct Link {
+    std::string name;  ///< "tracker", ...
+    std::string endpoint;
+    bool connected = false;
+    bool encrypted = false;
+    std::string last_error;
+  };
+  std::vector<Link> links;
+  bool ended = false;  ///< the source said that nothing more comes
+  std::string error;   ///< what stopped the capture, if anything did
+
+  std::optional<Clock::time_point> last_frame;  ///< when a capture last arrived
+  std::uint64_t received = 0, accepted = 0, held_out = 0, journaled = 0;
+  std::uint64_t sequence_gaps = 0;               ///< captures that the tracker numbered and nobody received
+  std::map<std::string, std::uint64_t> refused;  ///< by reason
+  double images_per_s = 0;                       ///< that the model takes in
+
+  struct Queue {
+    std::uint64_t depth = 0;
+    std::uint64_t capacity = 0;  ///< 0: on disk, without a bound
+  };
+  std::map<std::string, Queue> queues;
+  std::map<std::string, double> stage_s;    ///< median a stage of an update
+  DurationSummary update, latency;          ///< of the model by an image; from exposure to durable
+  std::vector<std::size_t> rank_histogram;  ///< rings of rank 0, 1, ...
+  std::uint64_t model_bytes = 0;
+
+  struct HeldOutPoint {
+    std::uint64_t images = 0;  ///< in the model by then
+    double psnr_db = 0, ssim = 0, constant_psnr_db = 0;
+  };
+  std::vector<HeldOutPoint> held_out_curve;
+  std::string next_view;  ///< where to hold the camera next, for a person
+
+  std::shared_ptr<const std::string> preview_jpeg;  ///< the model; null: none yet
+  std::shared_ptr<const std::string> camera_jpeg;   ///< the newest camera image
+};
+
+enum class CaptureState : std::uint8_t {
+  kWaiting,       ///< no frame has come yet
+  kLive,          ///< frames are coming
+  kStale,         ///< connected, but frames have stopped coming
+  kDisconnected,  ///< a peer is gone
+  kEnded,
+  kFailed,   ///< see `error`
+  kStalled,  ///< the reconstructor itself has not said anything for a while
+};
+const char* to_string(CaptureState state);
+
+/// Frames that are older than this are called stale, and so is a reconstructor that published this long ago.
+inline constexpr std::chrono::seconds kStaleAfter{3};
+
+CaptureState capture_state(const MonitorState& state, MonitorState::Clock::time_point published,
+                           MonitorState::Clock::time_point now);
+
+}  // namespace sheen

@@ -1,0 +1,210 @@
+"use strict";
+const $ = (id) => document.getElementById(id);
+const token = new URLSearchParams(location.search).get("token");
+const withToken = (url) => token ? url + (url.includes("?") ? "&" : "?") + "token=" + encodeURIComponent(token) : url;
+const fixed = (value, digits) => value === null || value === undefined ? "–" : value.toFixed(digits);
+const kPollMs = 1000;
+
+const details = {
+  waiting: () => "for the first frame",
+  live: () => "",
+  stale: (s) => "no frame for " + ago(s.frame_age_s),
+  disconnected: (s) => s.links.filter((l) => !l.connected).map((l) => l.name).join(", ") + " is gone",
+  ended: () => "nothing more comes",
+  failed: () => "see below",
+  stalled: (s) => "reconstructor silent for " + ago(s.published_age_s),
+};
+
+function ago(seconds) {
+  if (seconds === null) return "–";
+  if (seconds < 90) return Math.round(seconds) + " s";
+  return seconds < 5400 ? Math.round(seconds / 60) + " min" : (seconds / 3600).toFixed(1) + " h";
+}
+
+function bytes(n) {
+  const units = ["B", "KB", "MB", "GB"];
+  let u = 0;
+  while (n >= 1000 && u < units.length - 1) { n /= 1000; ++u; }
+  return n.toFixed(u === 0 ? 0 : 1) + " " + units[u];
+}
+
+function text(id, value) { $(id).textContent = value; }
+
+// rows: [name, value, shown value, tone]; bars share one scale unless a row brings its own (a queue's bound).
+function bars(id, rows, none) {
+  const box = $(id);
+  box.replaceChildren();
+  const greatest = Math.max(...rows.map((r) => r.value), 1e-12);
+  for (const row of rows) {
+    const name = document.createElement("span"), track = document.createElement("div");
+    const fill = document.createElement("div"), value = document.createElement("span");
+    name.className = "name"; name.textContent = name.title = row.name;
+    track.className = "track"; fill.className = "fill " + (row.tone || "");
+    fill.style.width = Math.min(100, 100 * row.value / (row.scale || greatest)) + "%";
+    track.append(fill);
+    value.className = "value"; value.textContent = row.shown;
+    box.append(name, track, value);
+  }
+  if (rows.length === 0) {
+    const empty = document.createElement("span");
+    empty.className = "empty"; empty.textContent = none;
+    box.append(empty);
+  }
+}
+
+// Round steps for about n grid lines.
+function ticks(low, high, n) {
+  const raw = (high - low) / n, base = Math.pow(10, Math.floor(Math.log10(raw)));
+  const step = [1, 2, 5, 10].map((f) => f * base).find((s) => s >= raw);
+  const out = [];
+  for (let v = Math.ceil(low / step) * step; v <= high + 1e-9; v += step) out.push(v);
+  return out;
+}
+
+function drawCurve(curve) {
+  const canvas = $("curve"), style = getComputedStyle(document.documentElement);
+  const colour = (name) => style.getPropertyValue(name).trim();
+  const scale = window.devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
+  canvas.width = Math.round(w * scale); canvas.height = Math.round(h * scale);
+  const g = canvas.getContext("2d");
+  g.scale(scale, scale);
+  g.font = "12px system-ui, sans-serif";
+  g.fillStyle = colour("--soft");
+  const points = curve.filter((p) => p.psnr_db !== null);
+  if (points.length === 0) {
+    g.textAlign = "center";
+    g.fillText("The curve begins with the first held-out views", w / 2, h / 2);
+    return;
+  }
+  const values = points.flatMap((p) => p.constant_psnr_db === null ? [p.psnr_db] : [p.psnr_db, p.constant_psnr_db]);
+  const low = Math.floor(Math.min(...values) - 0.5), high = Math.ceil(Math.max(...values) + 0.5);
+  const first = points[0].images, last = Math.max(points[points.length - 1].images, first + 1);
+  const left = 46, right = w - 10, top = 8, bottom = h - 24;
+  const x = (images) => left + (images - first) / (last - first) * (right - left);
+  const y = (db) => bottom - (db - low) / (high - low) * (bottom - top);
+
+  g.strokeStyle = colour("--line"); g.lineWidth = 1;
+  g.textAlign = "right"; g.textBaseline = "middle";
+  for (const db of ticks(low, high, 4)) {
+    g.beginPath(); g.moveTo(left, y(db)); g.lineTo(right, y(db)); g.stroke();
+    g.fillText(db + " dB", left - 6, y(db));
+  }
+  g.textAlign = "center"; g.textBaseline = "alphabetic";
+  for (const n of ticks(first, last, Math.min(8, w / 90)))
+    if (Number.isInteger(n)) g.fillText(n, Math.min(x(n), right - 8), h - 6);
+
+  const line = (key) => {
+    g.beginPath();
+    points.filter((p) => p[key] !== null).forEach((p, i) => g[i ? "lineTo" : "moveTo"](x(p.images), y(p[key])));
+  };
+  g.lineJoin = "round";
+  line("constant_psnr_db"); g.strokeStyle = colour("--idle"); g.lineWidth = 1.5; g.setLineDash([5, 4]); g.stroke();
+  g.setLineDash([]);
+  line("psnr_db"); g.strokeStyle = colour("--accent"); g.lineWidth = 2.5; g.stroke();
+  const end = points[points.length - 1];
+  g.beginPath(); g.arc(x(end.images), y(end.psnr_db), 4, 0, 7); g.fillStyle = colour("--accent"); g.fill();
+}
+
+const shownPictures = {preview: -1, camera: -1};
+function picture(name, version) {
+  if (shownPictures[name] === version) return;
+  shownPictures[name] = version;
+  $(name).hidden = version === 0;
+  $(name + "-none").hidden = version !== 0;
+  if (version > 0) $(name).src = withToken(name + ".jpg?v=" + version);
+}
+
+const history = [];  // of counts, for the rate at which frames arrive
+function arrivalRate(received) {
+  const now = performance.now() / 1000;
+  if (history.length > 0 && received < history[history.length - 1][1]) history.length = 0;
+  history.push([now, received]);
+  while (history.length > 2 && now - history[0][0] > 10) history.shift();
+  const span = now - history[0][0];
+  return span > 0.5 ? (received - history[0][1]) / span : null;
+}
+
+function show(s) {
+  document.body.dataset.state = s.state;
+  document.title = s.state.toUpperCase() + " · Sheen";
+  text("state-name", s.state);
+  text("state-detail", details[s.state](s));
+  text("session", s.session_folder);
+  $("error").hidden = !s.error; text("error", s.error);
+  $("next-view").hidden = !s.next_view; text("next-view", s.next_view);
+
+  const f = s.frames, curve = s.held_out_curve, last = curve[curve.length - 1];
+  const refused = Object.entries(f.refused), allRefused = refused.reduce((sum, r) => sum + r[1], 0);
+  text("accepted", f.accepted);
+  text("accepted-detail", f.received + " received, " + allRefused + " refused");
+  text("psnr", last ? fixed(last.psnr_db, 2) : "–");
+  text("psnr-detail", last && last.psnr_db !== null && last.constant_psnr_db !== null
+    ? (last.psnr_db >= last.constant_psnr_db ? "+" : "−") +
+      Math.abs(last.psnr_db - last.constant_psnr_db).toFixed(2) + " dB over constant colour" : "");
+  text("ssim", last ? fixed(last.ssim, 4) : "–");
+  text("ssim-detail", f.held_out + " views held out");
+  text("rate", s.ingest_images_per_s ? fixed(s.ingest_images_per_s, 1) : "–");
+  const arriving = arrivalRate(f.received);
+  text("rate-detail", arriving === null ? "" : arriving.toFixed(1) + " arriving");
+  text("latency", s.latency_s.count ? fixed(1000 * s.latency_s.p95, 0) : "–");
+  text("latency-detail", s.latency_s.count
+    ? "p50 " + fixed(1000 * s.latency_s.p50, 0) + ", p99 " + fixed(1000 * s.latency_s.p99, 0) : "");
+  text("curve-detail", last ? "over " + last.images + " images" : "");
+  drawCurve(curve);
+
+  bars("frames", [
+    {name: "accepted", value: f.accepted, shown: f.accepted, tone: "good"},
+    {name: "held out", value: f.held_out, shown: f.held_out},
+    ...refused.sort((a, b) => b[1] - a[1]).map(([reason, n]) => (
+      {name: reason.replaceAll("_", " "), value: n, shown: n, tone: "warn"})),
+    {name: "lost on the way", value: f.sequence_gaps, shown: f.sequence_gaps, tone: "bad"},
+  ]);
+  bars("queues", Object.entries(s.queues).map(([name, q]) => ({
+    name: name, value: q.depth, scale: q.capacity, shown: q.capacity ? q.depth + " of " + q.capacity : q.depth,
+    tone: q.capacity && q.depth >= q.capacity ? "bad" : q.capacity && q.depth > q.capacity / 2 ? "warn" : ""})),
+    "Nothing waits");
+  bars("stages", Object.entries(s.stage_s).map(([name, t]) => (
+    {name: name.replaceAll("_", " "), value: t || 0, shown: t === null ? "–" : fixed(1000 * t, 1)})),
+    "No image yet");
+  bars("ranks", s.rank_histogram.map((n, rank) => (
+    {name: "rank " + rank, value: n, shown: n, tone: rank === 0 ? "idle" : ""})), "No rings yet");
+  text("bytes", s.model_bytes ? bytes(s.model_bytes) : "");
+
+  $("links").replaceChildren(...s.links.map((l) => {
+    const item = document.createElement("li"), dot = document.createElement("span");
+    const name = document.createElement("b"), where = document.createElement("code");
+    const how = document.createElement("span");
+    item.className = l.connected ? "connected" : "";
+    dot.className = "dot"; name.textContent = l.name; where.textContent = l.endpoint;
+    how.textContent = (l.connected ? "connected" : "not connected") + (l.encrypted ? ", encrypted" : "");
+    item.append(dot, name, where, how);
+    if (l.last_error) {
+      const trouble = document.createElement("span");
+      trouble.className = "trouble"; trouble.textContent = l.last_error;
+      item.append(trouble);
+    }
+    return item;
+  }));
+  picture("preview", s.pictures.preview);
+  picture("camera", s.pictures.camera);
+  text("version", "Sheen " + s.version);
+  latest = s;
+}
+
+let latest = null;
+async function poll() {
+  try {
+    const answer = await fetch(withToken("status.json"), {cache: "no-store", signal: AbortSignal.timeout(4000)});
+    if (!answer.ok) throw new Error(answer.status === 401 ? "the token is wrong or missing" : "HTTP " + answer.status);
+    show(await answer.json());
+  } catch (error) {
+    document.body.dataset.state = "unreachable";
+    document.title = "UNREACHABLE · Sheen";
+    text("state-name", "unreachable");
+    text("state-detail", error.name === "Error" ? error.message : "the reconstructor does not answer");
+  }
+  setTimeout(poll, kPollMs);
+}
+for (const link of document.querySelectorAll("footer a")) link.href = withToken(link.getAttribute("href"));
+window.addEventListener("resize", () => { if (latest) drawCurve(latest.held_out_curve); });
+poll();

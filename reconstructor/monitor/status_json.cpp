@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/monitor/status_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace sheen {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kCurvePoints = 400;
+
+Json finite(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json to_json(const DurationSummary& durations) {
+  Json json = {{"count", durations.count}};
+  if (durations.count > 0)
+    json.update({{"p50", finite(durations.p50_s)}, {"p95", finite(durations.p95_s)}, {"p99", finite(durations.p99_s)}});
+  return json;
+}
+
+Json curve_to_json(const std::vector<MonitorState::HeldOutPoint>& curve) {
+  const std::size_t step = curve.size() / kCurvePoints + 1;
+  Json json = Json::array();
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    if ((curve.size() - 1 - i) % step != 0) continue;
+    json.push_back({{"images", curve[i].images},
+                    {"psnr_db", finite(curve[i].psnr_db)},
+                    {"ssim", finite(curve[i].ssim)},
+                    {"constant_psnr_db", finite(curve[i].constant_psnr_db)}});
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string status_json(const MonitorState& state, CaptureState capture, double published_age_s, double frame_age_s,
+                        const PictureVersions& pictures) {
+  Json json = {{"role", "reconstructor"},
+               {"version", state.version},
+               {"state", to_string(capture)},
+               {"error", state.error},
+               {"model", state.model},
+               {"session_folder", state.session_folder},
+               {"source_session", state.source_session},
+               {"published_age_s", finite(published_age_s)},
+               {"frame_age_s", finite(frame_age_s)},
+               {"next_view", state.next_view}};
+  json["links"] = Json::array();
+  for (const MonitorState::Link& link : state.links)
+    json["links"].push_back({{"name", link.name},
+                             {"endpoint", link.endpoint},
+                             {"connected", link.connected},
+                             {"encrypted", link.encrypted},
+                             {"last_error", link.last_error}});
+  json["frames"] = {{"received", state.received}, {"journaled", state.journaled},         {"accepted", state.accepted},
+                    {"held_out", state.held_out}, {"sequence_gaps", state.sequence_gaps}, {"refused", state.refused}};
+  json["ingest_images_per_s"] = finite(state.images_per_s);
+  json["update_s"] = to_json(state.update);
+  json["latency_s"] = to_json(state.latency);
+  json["stage_s"] = Json::object();
+  for (const auto& [stage, seconds] : state.stage_s) json["stage_s"][stage] = finite(seconds);
+  json["queues"] = Json::object();
+  for (const auto& [name, queue] : state.queues)
+    json["queues"][name] = {{"depth", queue.depth}, {"capacity", queue.capacity}};
+  json["rank_histogram"] = state.rank_histogram;
+  json["model_bytes"] = state.model_bytes;
+  json["held_out_curve"] = curve_to_json(state.held_out_curve);
+  json["pictures"] = {{"preview", pictures.preview}, {"camera", pictures.camera}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace sheen
