@@ -30,7 +30,7 @@ function bytes(n) {
 
 function text(id, value) { $(id).textContent = value; }
 
-// rows: [name, value, shown value, tone]; bars share one scale unless a row brings its own (a queue's bound).
+// rows: {name, value, shown, tone, scale}; bars share one scale unless a row brings its own (a queue's bound).
 function bars(id, rows, none) {
   const box = $(id);
   box.replaceChildren();

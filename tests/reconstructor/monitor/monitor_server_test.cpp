@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/monitor/monitor_server.h"
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/errors.h"
+#include "tests/reconstructor/monitor/exposition_parser.h"
+#include "tests/reconstructor/monitor/sample_state.h"
+
+namespace sheen {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kToken = "0123456789abcdef";
+
+httplib::Result get(const MonitorServer& server, const std::string& path, const httplib::Headers& headers = {}) {
+  return httplib::Client("127.0.0.1", server.port()).Get(path, headers);
+}
+
+/// A TCP connection that says no more than it is told to.
+class RawClient {
+ public:
+  explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    const int small = 4096;
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &small, sizeof(small));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    connected_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+  }
+  ~RawClient() { ::close(socket_); }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+
+  bool connected() const { return connected_; }
+  void say(const std::string& text) const { (void)!::send(socket_, text.data(), text.size(), MSG_NOSIGNAL); }
+
+ private:
+  int socket_;
+  bool connected_ = false;
+};
+
+TEST(MonitorServer, AnswersEveryEndpoint) {
+  MonitorServer server({.port = 0});
+  MonitorState state = sample_monitor_state();
+  state.preview_jpeg = std::make_shared<const std::string>("\xff\xd8 preview \0 bytes", 17);
+  server.publish(state);
+
+  auto page = get(server, "/");
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->status, 200);
+  EXPECT_THAT(page->get_header_value("Content-Type"), HasSubstr("text/html"));
+  for (const char* endpoint : {"status.json", "metrics", "preview.jpg", "camera.jpg", "healthz"})
+    EXPECT_THAT(page->body, HasSubstr(std::string("href=\"") + endpoint + "\""));
+  EXPECT_THAT(page->body, Not(HasSubstr("src=\"http")));
+  EXPECT_THAT(page->body, Not(HasSubstr("@MONITOR")));
+
+  auto status = get(server, "/status.json");
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->get_header_value("Content-Type"), "application/json");
+  EXPECT_EQ(nlohmann::json::parse(status->body)["frames"]["accepted"], 121);
+  EXPECT_EQ(nlohmann::json::parse(status->body)["state"], "live");
+
+  auto metrics = get(server, "/metrics");
+  ASSERT_TRUE(metrics);
+  EXPECT_THAT(metrics->get_header_value("Content-Type"), HasSubstr("version=0.0.4"));
+  EXPECT_EQ(parse_exposition(metrics->body).value("sheen_frames_accepted_total"), 121);
+
+  auto preview = get(server, "/preview.jpg");
+  ASSERT_TRUE(preview);
+  EXPECT_EQ(preview->get_header_value("Content-Type"), "image/jpeg");
+  EXPECT_EQ(preview->body, *state.preview_jpeg);
+  EXPECT_EQ(get(server, "/camera.jpg")->status, 404);
+
+  auto health = get(server, "/healthz");
+  EXPECT_EQ(health->status, 200);
+  EXPECT_EQ(health->body, "live\n");
+
+  auto nothing = get(server, "/secret");
+  EXPECT_EQ(nothing->status, 404);
+  EXPECT_THAT(nothing->body, HasSubstr("/status.json"));
+}
+
+TEST(MonitorServer, ShowsTheNewestStateAndNumbersItsPictures) {
+  MonitorServer server({.port = 0});
+  const auto pictures = [&] { return nlohmann::json::parse(get(server, "/status.json")->body)["pictures"]; };
+  EXPECT_EQ(nlohmann::json::parse(get(server, "/status.json")->body)["state"], "waiting");
+  EXPECT_EQ(pictures()["preview"], 0);
+  MonitorState state = sample_monitor_state();
+  state.preview_jpeg = std::make_shared<const std::string>("one");
+  server.publish(state);
+  server.publish(state);
+  EXPECT_EQ(pictures()["preview"], 1);
+  state.preview_jpeg = std::make_shared<const std::string>("two");
+  server.publish(state);
+  EXPECT_EQ(pictures()["preview"], 2);
+  EXPECT_EQ(get(server, "/preview.jpg")->body, "two");
+}
+
+TEST(MonitorServer, FailureShowsInHealth) {
+  MonitorServer server({.port = 0});
+  MonitorState state = sample_monitor_state();
+  state.error = "the disk is full";
+  server.publish(state);
+  EXPECT_EQ(get(server, "/healthz")->status, 503);
+  EXPECT_EQ(get(server, "/healthz")->body, "failed\n");
+}
+
+TEST(MonitorServer, AsksForItsToken) {
+  MonitorServer server({.port = 0, .token = kToken});
+  server.publish(sample_monitor_state());
+  for (const char* path : {"/", "/status.json", "/metrics", "/preview.jpg", "/camera.jpg", "/healthz", "/none"}) {
+    EXPECT_EQ(get(server, path)->status, 401) << path;
+    EXPECT_EQ(get(server, std::string(path) + "?token=0123456789abcdeX")->status, 401) << path;
+    EXPECT_EQ(get(server, std::string(path) + "?token=")->status, 401) << path;
+    EXPECT_EQ(get(server, path, {{"Authorization", std::string("Bearer ") + kToken + "0"}})->status, 401) << path;
+    EXPECT_EQ(get(server, path, {{"Authorization", std::string("Basic ") + kToken}})->status, 401) << path;
+  }
+  const auto refusal = get(server, "/metrics");
+  EXPECT_THAT(refusal->body, Not(HasSubstr("sheen_")));
+  EXPECT_TRUE(refusal->has_header("WWW-Authenticate"));
+  EXPECT_EQ(get(server, "/metrics", {{"Authorization", std::string("Bearer ") + kToken}})->status, 200);
+  EXPECT_EQ(get(server, std::string("/status.json?token=") + kToken)->status, 200);
+}
+
+TEST(MonitorServer, WithoutTokenAnswersToLoopbackNamesOnly) {
+  MonitorServer server({.port = 0});
+  EXPECT_EQ(get(server, "/status.json", {{"Host", "localhost:" + std::to_string(server.port())}})->status, 200);
+  for (const char* host : {"evil.example", "127.0.0.1.evil.example", "127.evil.example:7480", "localhost.evil"})
+    EXPECT_EQ(get(server, "/status.json", {{"Host", host}})->status, 403) << host;
+}
+
+TEST(MonitorServer, RefusesToBeSeenByOthersWithoutToken) {
+  for (const char* host : {"0.0.0.0", "192.0.2.1", "::", "example.org", "127.evil.example"})
+    EXPECT_THROW(MonitorServer({.host = host, .port = 0}), ConfigError) << host;
+  EXPECT_THROW(MonitorServer({.host = "0.0.0.0", .port = 0, .token = "short"}), ConfigError);
+  EXPECT_THROW(MonitorServer({.port = 70000}), ConfigError);
+  EXPECT_NO_THROW(MonitorServer({.host = "localhost", .port = 0}));
+}
+
+TEST(MonitorServer, SaysThatThePortIsTaken) {
+  const MonitorServer first({.port = 0});
+  try {
+    const MonitorServer second({.port = first.port()});
+    FAIL() << "two servers share a port";
+  } catch (const DeviceError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(std::to_string(first.port())));
+    EXPECT_THAT(error.what(), HasSubstr("choose another port"));
+  }
+}
+
+TEST(MonitorServer, APortIsFreeAgainAtOnce) {
+  int port = 0;
+  {
+    const MonitorServer server({.port = 0});
+    port = server.port();
+    EXPECT_EQ(get(server, "/healthz")->status, 200);
+  }
+  const MonitorServer again({.port = port});
+  EXPECT_EQ(get(again, "/healthz")->status, 200);
+}
+
+// More clients than there are threads and places in the queue: some say nothing, some stop in the middle of a request,
+// some never read their answer. If any could hold up publishing or the end of the server, this test would not end.
+TEST(MonitorServer, StuckClientsHoldUpNobodyWhoPublishes) {
+  std::vector<std::unique_ptr<RawClient>> clients;
+  {
+    MonitorServer server({.port = 0});
+    MonitorState state = sample_monitor_state();
+    state.preview_jpeg = std::make_shared<const std::string>(std::string(4 << 20, 'x'));
+    server.publish(state);
+    for (int i = 0; i < 24; ++i) {
+      clients.push_back(std::make_unique<RawClient>(server.port()));
+      ASSERT_TRUE(clients.back()->connected());
+      if (i % 3 == 1) clients.back()->say("GET /preview.jpg HT");
+      if (i % 3 == 2) clients.back()->say("GET /preview.jpg HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    }
+    for (int i = 0; i < 1000; ++i) server.publish(state);
+  }
+}
+
+TEST(MonitorServer, SurvivesNonsense) {
+  MonitorServer server({.port = 0});
+  for (const std::string& nonsense :
+       {std::string("\0\xff\x16\x03\x01", 5), std::string("GET\r\n\r\n"), std::string("GET / HTTP/9.9\r\n\r\n"),
+        "GET /" + std::string(20000, 'a') + " HTTP/1.1\r\n\r\n",
+        std::string("POST /status.json HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999\r\n\r\n")}) {
+    const RawClient client(server.port());
+    client.say(nonsense);
+  }
+  EXPECT_EQ(get(server, "/healthz")->status, 200);
+  EXPECT_EQ(httplib::Client("127.0.0.1", server.port()).Post("/status.json", "x", "text/plain")->status, 404);
+}
+
+}  // namespace
+}  // namespace sheen

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/reconstructor/monitor/sample_state.h"
+
+#include <cmath>
+
+namespace sheen {
+
+MonitorState sample_monitor_state() {
+  MonitorState state;
+  state.version = "0.1.0";
+  state.model = "surface-light-field";
+  state.session_folder = "/captures/teapot";
+  state.source_session = "rig-7";
+  state.links = {{"tracker", "tcp://127.0.0.1:7410", true, true, ""}};
+  state.last_frame = MonitorState::Clock::now();
+  state.received = 160;
+  state.accepted = 121;
+  state.held_out = 13;
+  state.journaled = 159;
+  state.refused = {{"object_not_in_view", 17}, {"exposure_unknown", 9}};
+  state.images_per_s = 8.25;
+  state.queues = {{"journal", {5, 0}}, {"send", {31, 64}}};
+  state.stage_s = {{"visibility", 0.031}, {"resample", 0.027}, {"factorize", 0.0445}};
+  RunningStatistics update, latency;
+  for (int i = 1; i <= 121; ++i) update.add(0.001 * (60 + i));
+  for (int i = 1; i <= 160; ++i) latency.add(0.0002 * i);
+  state.update = summarize(update);
+  state.latency = summarize(latency);
+  state.rank_histogram = {14, 820, 1940, 2210, 870, 190, 33};
+  state.model_bytes = 48'200'000;
+  for (std::uint64_t n = 12; n <= 120; n += 4) {
+    const double x = static_cast<double>(n);
+    state.held_out_curve.push_back({.images = n,
+                                    .psnr_db = 34.31 - 9.0 * std::exp(-x / 30) + 0.2 * std::sin(x),
+                                    .ssim = 0.9612,
+                                    .constant_psnr_db = 28.9 - 3.0 * std::exp(-x / 20)});
+  }
+  state.held_out_curve.back().psnr_db = 34.31;
+  state.held_out_curve.back().constant_psnr_db = 28.87;
+  state.next_view = "Move the camera to the left of the object, lower";
+  return state;
+}
+
+}  // namespace sheen

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/monitor/status_json.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "tests/reconstructor/monitor/sample_state.h"
+
+namespace sheen {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST(StatusJson, SaysWhatTheStateSays) {
+  const auto json =
+      nlohmann::json::parse(status_json(sample_monitor_state(), CaptureState::kLive, 0.25, 0.5, {.preview = 3}));
+  EXPECT_EQ(json["state"], "live");
+  EXPECT_EQ(json["frames"]["accepted"], 121);
+  EXPECT_EQ(json["frames"]["refused"]["object_not_in_view"], 17);
+  EXPECT_EQ(json["queues"]["send"]["capacity"], 64);
+  EXPECT_EQ(json["links"][0]["endpoint"], "tcp://127.0.0.1:7410");
+  EXPECT_EQ(json["held_out_curve"].back()["psnr_db"], 34.31);
+  EXPECT_EQ(json["held_out_curve"].size(), sample_monitor_state().held_out_curve.size());
+  EXPECT_EQ(json["published_age_s"], 0.25);
+  EXPECT_EQ(json["frame_age_s"], 0.5);
+  EXPECT_EQ(json["pictures"]["preview"], 3);
+  EXPECT_EQ(json["pictures"]["camera"], 0);
+}
+
+TEST(StatusJson, UnknownIsNullAndBadTextIsRepaired) {
+  MonitorState state = sample_monitor_state();
+  state.held_out_curve.back().psnr_db = kNaN;
+  state.session_folder = "caf\xe9";
+  const auto json = nlohmann::json::parse(status_json(state, CaptureState::kWaiting, 0, kNaN, {}));
+  EXPECT_TRUE(json["frame_age_s"].is_null());
+  EXPECT_TRUE(json["held_out_curve"].back()["psnr_db"].is_null());
+  EXPECT_EQ(json["session_folder"], "caf\xef\xbf\xbd");
+}
+
+TEST(StatusJson, ALongCurveIsThinnedAndKeepsItsEnd) {
+  MonitorState state;
+  for (std::uint64_t n = 1; n <= 100'000; ++n) state.held_out_curve.push_back({.images = n, .psnr_db = 30});
+  const auto curve = nlohmann::json::parse(status_json(state, CaptureState::kLive, 0, 0, {}))["held_out_curve"];
+  EXPECT_LE(curve.size(), 500U);
+  EXPECT_GE(curve.size(), 200U);
+  EXPECT_EQ(curve.back()["images"], 100'000);
+}
+
+TEST(CaptureState, SaysWhatIsTheMatter) {
+  const auto now = MonitorState::Clock::now();
+  MonitorState state = sample_monitor_state();
+  state.last_frame = now - 1s;
+  EXPECT_EQ(capture_state(state, now, now), CaptureState::kLive);
+  EXPECT_EQ(capture_state(state, now, now + 2500ms), CaptureState::kStale);
+  EXPECT_EQ(capture_state(state, now, now + 10s), CaptureState::kStalled);
+  state.last_frame.reset();
+  EXPECT_EQ(capture_state(state, now, now), CaptureState::kWaiting);
+  state.links[0].connected = false;
+  EXPECT_EQ(capture_state(state, now, now), CaptureState::kDisconnected);
+  state.ended = true;
+  EXPECT_EQ(capture_state(state, now, now), CaptureState::kEnded);
+  state.error = "the disk is full";
+  EXPECT_EQ(capture_state(state, now, now + 10s), CaptureState::kFailed);
+}
+
+}  // namespace
+}  // namespace sheen
