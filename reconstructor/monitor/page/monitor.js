@@ -85,7 +85,7 @@ function drawCurve(curve) {
 
   g.strokeStyle = colour("--line"); g.lineWidth = 1;
   g.textAlign = "right"; g.textBaseline = "middle";
-  for (const db of ticks(low, high, 4)) {
+  for (const db of ticks(low, high, 6)) {
     g.beginPath(); g.moveTo(left, y(db)); g.lineTo(right, y(db)); g.stroke();
     g.fillText(db + " dB", left - 6, y(db));
   }
@@ -131,7 +131,7 @@ function show(s) {
   text("state-detail", details[s.state](s));
   text("session", s.session_folder);
   $("error").hidden = !s.error; text("error", s.error);
-  $("next-view").hidden = !s.next_view; text("next-view", s.next_view);
+  $("next-view").hidden = !s.next_view; text("next-view", s.next_view ? "Next: " + s.next_view : "");
 
   const f = s.frames, curve = s.held_out_curve, last = curve[curve.length - 1];
   const refused = Object.entries(f.refused), allRefused = refused.reduce((sum, r) => sum + r[1], 0);
