@@ -15,7 +15,7 @@ namespace sheen {
 struct CameraPathOptions {
   int frames = 130;
   double lowest_deg = 18, highest_deg = 75;  ///< elevation
-  double nearest_m = 0.52, farthest_m = 0.66;
+  double nearest_m = 0.50, farthest_m = 0.62;
   Eigen::Vector3d target{0, 0, 0.045};  ///< metres, object frame
   double aim_jitter_m = 0.006;
   double roll_jitter_deg = 5;

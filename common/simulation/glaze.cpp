@@ -53,10 +53,10 @@ Material Glaze::operator()(const Eigen::Vector3f& point) const {
   color *= 1 + 0.35f * gradient_noise(mm / 2.2f) + 0.2f * gradient_noise(mm / 1.1f);
 
   Material glaze;
-  glaze.roughness = 0.235f + 0.11f * gradient_noise(mm / 17 + Eigen::Vector3f(5, 1, 9));
-  glaze.roughness = std::clamp(glaze.roughness, 0.17f, 0.30f);
+  glaze.roughness = 0.215f + 0.13f * gradient_noise(mm / 17 + Eigen::Vector3f(5, 1, 9));
+  glaze.roughness = std::clamp(glaze.roughness, 0.14f, 0.29f);
   const float lustre = 0.5f + 0.5f * std::clamp(1.6f * gradient_noise(mm / 21), -1.0f, 1.0f);
-  glaze.normal_reflectance = blend(Color(0.07f, 0.07f, 0.075f), Color(0.16f, 0.14f, 0.12f), lustre);
+  glaze.normal_reflectance = blend(Color(0.08f, 0.08f, 0.085f), Color(0.20f, 0.18f, 0.16f), lustre);
 
   const Spots cream = spots(mm / 6.5f, 0.10f, 0.30f, 0.035f);
   color = blend(color, Color(0.72f, 0.64f, 0.48f), 0.92f * cream.inside);

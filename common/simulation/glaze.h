@@ -11,9 +11,9 @@ namespace sheen {
 /// runs, cream spots of 1-2 mm with dark rims, fine speckle, hairline cracks, gold bands, an unglazed foot; gloss and
 /// strength of the lobe vary with it. `band_heights` are those of the gold bands.
 struct Glaze {
-  float foot_height = 0.008f;  ///< metres, unglazed below
-  float top_height = 0.1f;     ///< metres, where the gradient ends
-  Eigen::Array3f band_heights{0.018f, 0.076f, 0.101f};
+  float foot_height = 0.009f;  ///< metres, unglazed below
+  float top_height = 0.106f;     ///< metres, where the gradient ends
+  Eigen::Array3f band_heights{0.019f, 0.0806f, 0.107f};
 
   Material operator()(const Eigen::Vector3f& point) const;
 };

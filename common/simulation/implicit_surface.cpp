@@ -13,8 +13,7 @@ namespace sheen {
 namespace {
 
 using Quad = std::array<std::uint32_t, 4>;
-constexpr int kRelaxations = 25;
-constexpr int kFlipPasses = 6;
+constexpr int kRelaxations = 40;
 constexpr double kStep = 2e-5;  // metres, for differences
 
 struct Grid {
@@ -203,7 +202,7 @@ Mesh mesh_implicit_surface(const ImplicitFunction& distance, const Eigen::Vector
   std::vector<Triangle> triangles = split(connect(grid, vertex_of_cell), vertices);
   for (int i = 0; i < kRelaxations; ++i) {
     relax(distance, triangles, cell, vertices);
-    if (i >= kRelaxations - kFlipPasses) flip_edges(vertices, triangles);
+    flip_edges(vertices, triangles);
   }
   Mesh mesh;
   mesh.triangles = std::move(triangles);

@@ -15,11 +15,11 @@ namespace sheen {
 
 /// How finely the light that falls on the scene is worked out, once.
 struct BakeOptions {
-  int sky_directions = 4096;     ///< over the sphere; the same everywhere, so that what error there is, is smooth
-  int bounce_directions = 1024;  ///< over the sphere
-  int bounces = 4;
+  int sky_directions = 2048;     ///< over the sphere; the same everywhere, so that what error there is, is smooth
+  int bounce_directions = 512;  ///< over the sphere
+  int bounces = 3;
   int area_light_samples = 16;  ///< a side of the emitter
-  float stage_cell_m = 0.003f;  ///< grid on the stage
+  float stage_cell_m = 0.004f;  ///< grid on the stage
 };
 
 /// What the ray tracer needs of a scene: the object, the stage under it (may be absent), the lights.

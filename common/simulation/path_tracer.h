@@ -27,7 +27,7 @@ class LensRays {
 struct RenderOptions {
   int object_samples = 4;  ///< primary rays a pixel on the object, a square number
   int edge_samples = 16;   ///< primary rays a pixel that an edge crosses, a square number
-  int lobe_samples = 32;   ///< rays a pixel into the glossy lobe, shared among its primary rays
+  int lobe_samples = 48;   ///< rays a pixel into the glossy lobe, shared among its primary rays
 };
 
 /// Linear radiance (3 channels) as a box filter over each pixel sees it, and the object's silhouette: 255 where the ray

@@ -15,7 +15,8 @@ namespace {
 
 using Vec = Eigen::Vector3d;
 
-constexpr double kCell = 0.00325;  // metres; gives about 12K triangles
+constexpr double kScale = 1.06e-3;  // metres a unit of the shape
+constexpr double kCell = 0.00344;  // metres; gives about 12K triangles
 
 /// Union of two bodies with a fillet of about `r` between them.
 double blend_union(double a, double b, double r) {
@@ -58,7 +59,7 @@ class Tube {
   double r0_, r1_;
 };
 
-/// Millimetres in, millimetres out.
+/// In units of the shape, which are about millimetres.
 double teapot(const Vec& p) {
   static const Tube spout({36, 0, 30}, {74, 0, 26}, {66, 0, 74}, {88, 0, 90}, 16, 7.5);
   static const Tube handle({-38, 0, 72}, {-92, 0, 100}, {-112, 0, 34}, {-42, 0, 24}, 7.5, 6.5);
@@ -78,14 +79,14 @@ double teapot(const Vec& p) {
 }
 
 double teapot_m(const Vec& p) {
-  return teapot(1e3 * p) / 1e3;
+  return teapot(p / kScale) * kScale;
 }
 
 }  // namespace
 
 TestObject make_demo_object() {
   TestObject object{.name = "demo", .mesh = {}, .normals = {}, .material = Glaze{}};
-  object.mesh = mesh_implicit_surface(teapot_m, {-0.115, -0.072, -0.010}, {0.115, 0.072, 0.124}, kCell);
+  object.mesh = mesh_implicit_surface(teapot_m, {-0.122, -0.0775, -0.010}, {0.122, 0.0775, 0.131}, kCell);
   for (const Eigen::Vector3f& v : object.mesh.vertices)
     object.normals.push_back(implicit_normal(teapot_m, v.cast<double>()).cast<float>());
   return object;

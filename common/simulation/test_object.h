@@ -19,7 +19,7 @@ struct TestObject {
   std::function<Material(const Eigen::Vector3f&)> material;
 };
 
-/// The demo's object, a hard case: a ribbed teapot 190 mm across and 112 mm tall, about 12K triangles, its glaze
+/// The demo's object, a hard case: a ribbed teapot 200 mm across and 119 mm tall, about 12K triangles, its glaze
 /// textured down to a millimetre and glossy with a gloss that varies; spout, handle, knob and foot hide one another.
 TestObject make_demo_object();
 
