@@ -12,7 +12,7 @@ namespace sheen {
 /// strength of the lobe vary with it. `band_heights` are those of the gold bands.
 struct Glaze {
   float foot_height = 0.009f;  ///< metres, unglazed below
-  float top_height = 0.106f;     ///< metres, where the gradient ends
+  float top_height = 0.106f;   ///< metres, where the gradient ends
   Eigen::Array3f band_heights{0.019f, 0.0806f, 0.107f};
 
   Material operator()(const Eigen::Vector3f& point) const;

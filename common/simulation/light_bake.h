@@ -15,7 +15,7 @@ namespace sheen {
 
 /// How finely the light that falls on the scene is worked out, once.
 struct BakeOptions {
-  int sky_directions = 2048;     ///< over the sphere; the same everywhere, so that what error there is, is smooth
+  int sky_directions = 2048;    ///< over the sphere; the same everywhere, so that what error there is, is smooth
   int bounce_directions = 512;  ///< over the sphere
   int bounces = 3;
   int area_light_samples = 16;  ///< a side of the emitter

@@ -18,14 +18,12 @@ using Eigen::Vector3f;
 constexpr float kRayOffset = 3e-4f;      // metres; clears the facets next to a secondary ray's origin
 constexpr float kGrazingCosine = 0.03f;  // a smooth normal that turns away further than this is bent back
 
-/// Additive low-discrepancy sequence in the unit square (the plastic number's).
-Eigen::Vector2f spread_point(int i) {
-  const float a = 0.5f + 0.7548776662f * i, b = 0.5f + 0.5698402910f * i;
-  return {a - std::floor(a), b - std::floor(b)};
-}
-
-int square_root(int n) {
-  return static_cast<int>(std::lround(std::sqrt(double(n))));
+/// Point i of n of the Hammersley set in the unit square: either coordinate alone takes n evenly spaced values, so that
+/// an edge along a row or a column of pixels is resolved to 1/n of a pixel.
+Eigen::Vector2f spread_point(int i, int n) {
+  std::uint32_t bits = static_cast<std::uint32_t>(i), reversed = 0;
+  for (int k = 0; k < 32; ++k, bits >>= 1) reversed = reversed << 1 | (bits & 1);
+  return {(i + 0.5f) / n, static_cast<float>(reversed >> 8) * 0x1p-24f + 0.5f / n};
 }
 
 }  // namespace
@@ -87,8 +85,8 @@ PathTracer::Surface PathTracer::first_surface(const Vector3f& origin, const Vect
   return surface;
 }
 
-Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const Vector3f& direction, int first_sample,
-                                 int stride, int samples) const {
+Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const Vector3f& direction,
+                                 const LobeShare& share) const {
   if (!hit.front) return Array3f::Zero();
   const TestObject& object = scene_->object;
   const Triangle& t = object.mesh.triangles[hit.triangle];
@@ -102,7 +100,7 @@ Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const
   const Material material = object.material(position);
   Array3f radiance =
       material.albedo * (1 - lobe_albedo(material, eye_cosine)) * bake_->object_irradiance(hit) / float(M_PI);
-  if (material.normal_reflectance.maxCoeff() <= 0 || samples <= 0) return radiance;
+  if (material.normal_reflectance.maxCoeff() <= 0 || share.total <= 0) return radiance;
 
   // The frame turns with the eye, so that the sample points move smoothly over the surface.
   Vector3f across = n.cross(eye);
@@ -112,25 +110,26 @@ Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const
   const Vector3f eye_local = object_from_local.transpose() * eye;
   const Vector3f origin = position + kRayOffset * n;
   Array3f sum = Array3f::Zero();
-  for (int k = 0; k < samples; ++k) {
-    const Eigen::Vector2f u = spread_point(first_sample + k * stride);
+  int count = 0;
+  for (int i = share.first; i < share.total; i += share.stride) {
+    ++count;
+    const Eigen::Vector2f u = spread_point(i, share.total);
     const LobeSample sample = sample_ggx(material, eye_local, u.x(), u.y());
     if (sample.weight.maxCoeff() <= 0) continue;
     sum += sample.weight * bake_->incoming(origin, (object_from_local * sample.light).normalized());
   }
-  return radiance + sum / samples;
+  return radiance + sum / std::max(1, count);
 }
 
-Array3f PathTracer::shade(const Surface& surface, const Vector3f& direction, int first_sample, int stride,
-                          int samples) const {
-  if (surface.object) return shade_object(surface.object, surface.position, direction, first_sample, stride, samples);
+Array3f PathTracer::shade(const Surface& surface, const Vector3f& direction, const LobeShare& share) const {
+  if (surface.object) return shade_object(surface.object, surface.position, direction, share);
   if (surface.region == StageSurface::Region::kNothing) return scene_->lighting.environment(direction.normalized());
   const float x = surface.position.x(), y = surface.position.y();
   return scene_->stage->albedo(surface.region, x, y) * bake_->stage_irradiance(x, y) / float(M_PI);
 }
 
 Array3f PathTracer::radiance(const Vector3f& origin, const Vector3f& direction, int lobe_samples) const {
-  return shade(first_surface(origin, direction), direction, 0, 1, lobe_samples);
+  return shade(first_surface(origin, direction), direction, {0, 1, lobe_samples});
 }
 
 RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_object,
@@ -158,15 +157,15 @@ RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_
                              middle.same_kind(below[x]) && middle.same_kind(below[x + 1]);
         Eigen::Map<Array3f> pixel(view.radiance.pixel(x, y));
         if (uniform && !middle.object) {
-          pixel = shade(middle, central, 0, 1, 0);
+          pixel = shade(middle, central, {0, 1, 0});
           continue;
         }
-        const int side = square_root(uniform ? options.object_samples : options.edge_samples), count = side * side;
-        const int lobe_samples = std::max(1, options.lobe_samples / count);
+        const int count = uniform ? options.object_samples : options.edge_samples;
         Array3f sum = Array3f::Zero();
         for (int k = 0; k < count; ++k) {
-          const Vector3f ray = ray_at(x + (k % side + 0.5f) / side - 0.5f, y + (k / side + 0.5f) / side - 0.5f);
-          sum += shade(first_surface(eye, ray), ray, k, count, lobe_samples);
+          const Eigen::Vector2f at = spread_point(k, count);
+          const Vector3f ray = ray_at(x - 0.5f + at.x(), y - 0.5f + at.y());
+          sum += shade(first_surface(eye, ray), ray, {k, count, options.lobe_samples});
         }
         pixel = sum / count;
       }

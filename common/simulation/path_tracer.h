@@ -25,9 +25,9 @@ class LensRays {
 };
 
 struct RenderOptions {
-  int object_samples = 4;  ///< primary rays a pixel on the object, a square number
-  int edge_samples = 16;   ///< primary rays a pixel that an edge crosses, a square number
-  int lobe_samples = 48;   ///< rays a pixel into the glossy lobe, shared among its primary rays
+  int object_samples = 4;  ///< primary rays a pixel on the object
+  int edge_samples = 16;   ///< primary rays a pixel that an edge crosses
+  int lobe_samples = 64;   ///< rays a pixel into the glossy lobe, shared among its primary rays
 };
 
 /// Linear radiance (3 channels) as a box filter over each pixel sees it, and the object's silhouette: 255 where the ray
@@ -54,11 +54,14 @@ class PathTracer {
 
  private:
   struct Surface;
+  /// Every `stride`-th of `total` points of the lobe's sample set, from `first` on.
+  struct LobeShare {
+    int first, stride, total;
+  };
   Surface first_surface(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
-  Eigen::Array3f shade(const Surface& surface, const Eigen::Vector3f& direction, int first_sample, int stride,
-                       int samples) const;
+  Eigen::Array3f shade(const Surface& surface, const Eigen::Vector3f& direction, const LobeShare& share) const;
   Eigen::Array3f shade_object(const Hit& hit, const Eigen::Vector3f& position, const Eigen::Vector3f& direction,
-                              int first_sample, int stride, int samples) const;
+                              const LobeShare& share) const;
 
   std::unique_ptr<const SimulatedScene> scene_;  ///< stays where it is: the bake refers to it
   std::unique_ptr<const RayScene> rays_;

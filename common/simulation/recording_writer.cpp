@@ -28,7 +28,8 @@ constexpr double kExposureSeconds = 0.004;
 std::string parameters_hash(const SimulationOptions& o) {
   std::ostringstream text;
   text << kRendererVersion << ' ' << o.object << ' ' << o.frames << ' ' << o.width << 'x' << o.height << ' ' << o.seed
-       << ' ' << o.truth << ' ' << o.frame_rate_hz;
+       << ' ' << o.truth << ' ' << o.frame_rate_hz << ' ' << o.bake.sky_directions << ' ' << o.bake.bounce_directions
+       << ' ' << o.bake.bounces << ' ' << o.bake.area_light_samples << ' ' << o.bake.stage_cell_m;
   std::uint64_t hash = 0;
   for (const char c : text.str()) hash = mix_bits(hash ^ static_cast<unsigned char>(c));
   char hex[17];

@@ -9,12 +9,12 @@
 namespace sheen {
 namespace {
 
-constexpr int kBlurSteps = 13;  // poses that a moving frame averages
+constexpr int kBlurSteps = 9;  // poses that a moving frame averages
 constexpr double kMeterQuantile = 0.9975;
 constexpr double kMeterLevel = 0.97;  // of white, at that quantile of the object's pixels
 
 PathTracer make_tracer(const SimulationOptions& options, const StageLayout& stage) {
-  return PathTracer({make_test_object(options.object), StageSurface(stage), make_studio()});
+  return PathTracer({make_test_object(options.object), StageSurface(stage), make_studio()}, options.bake);
 }
 
 Camera checked_camera(const SimulationOptions& options) {
@@ -42,7 +42,8 @@ double SimulatedRig::meter() const {
   std::vector<float> brightest;
   for (int i = 0; i < kViews; ++i) {
     const CameraStation& station = path_[path_.size() * i / kViews];
-    const RenderedView view = tracer_.render(small, station.camera_from_object, {.edge_samples = 4});
+    const RenderedView view =
+        tracer_.render(small, station.camera_from_object, {.object_samples = 1, .edge_samples = 4, .lobe_samples = 32});
     for (std::size_t p = 0; p < view.mask.size(); ++p)
       if (view.mask.data()[p]) {
         const float* rgb = view.radiance.data() + 3 * p;

@@ -23,6 +23,7 @@ struct SimulationOptions {
   std::uint64_t seed = 1;          ///< of path and noise
   bool truth = false;              ///< also write each frame's linear radiance as EXR
   double frame_rate_hz = 12;       ///< at which the recording is to be served
+  BakeOptions bake;                ///< coarser ones make small rigs for tests quick
 };
 
 /// One frame of the rig with its truth. Radiance is in units of the white level, before noise and clipping.

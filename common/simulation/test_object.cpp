@@ -16,7 +16,7 @@ namespace {
 using Vec = Eigen::Vector3d;
 
 constexpr double kScale = 1.06e-3;  // metres a unit of the shape
-constexpr double kCell = 0.00344;  // metres; gives about 12K triangles
+constexpr double kCell = 0.00344;   // metres; gives about 12K triangles
 
 /// Union of two bodies with a fillet of about `r` between them.
 double blend_union(double a, double b, double r) {
@@ -32,6 +32,12 @@ double ellipsoid(const Vec& p, const Vec& radii) {
 /// Ring of radius `major` round the z axis.
 double ring(const Vec& p, double major, double minor) {
   return std::hypot(std::hypot(p.x(), p.y()) - major, p.z()) - minor;
+}
+
+/// Flat cylinder round the z axis whose edges are rounded off.
+double disc(const Vec& p, double radius, double half_height, double rounding) {
+  const Eigen::Vector2d q(std::hypot(p.x(), p.y()) - radius + rounding, std::abs(p.z()) - half_height + rounding);
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0) - rounding;
 }
 
 /// Round tube along a cubic Bezier curve, its radius going from `r0` to `r1`.
@@ -67,15 +73,14 @@ double teapot(const Vec& p) {
   const double ribs = 1.7 * std::cos(12 * turn) * std::exp(-std::pow((p.z() - 46) / 26, 2)) *
                       std::min(1.0, std::hypot(p.x(), p.y()) / 25);
   double d = ellipsoid(p - Vec(0, 0, 46), {53, 53, 39}) - ribs;
-  const double foot = std::max(std::hypot(p.x(), p.y()) - 30, std::abs(p.z() - 5) - 5) - 1;
+  const double foot = disc(p - Vec(0, 0, 6.4), 30, 6, 4);
   d = blend_union(d, foot, 7);
   d = blend_union(d, ring(p - Vec(0, 0, 79), 29, 3.6), 3);                  // the lid's seat
   d = blend_union(d, ellipsoid(p - Vec(0, 0, 83), {25, 25, 11}), 3);        // lid
   d = blend_union(d, ellipsoid(p - Vec(0, 0, 103.5), {9.5, 9.5, 8.5}), 8);  // knob
   d = blend_union(d, spout(p), 9);
   d = blend_union(d, handle(p), 8);
-  const double below = 0.4 - p.z();  // flat underside, just off the stage
-  return -blend_union(-d, -below, 2);
+  return d;
 }
 
 double teapot_m(const Vec& p) {
