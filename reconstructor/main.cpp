@@ -11,6 +11,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", SHEEN_VERSION);
 
   sheen::add_view_command(app);
+  sheen::add_monitor_command(app);
+  sheen::add_doctor_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

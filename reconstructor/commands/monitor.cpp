@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "common/errors.h"
+#include "reconstructor/commands/commands.h"
+#include "reconstructor/monitor/monitor_client.h"
+
+namespace sheen {
+namespace {
+
+struct MonitorArguments {
+  std::string url = "http://127.0.0.1:7480", token;
+  bool once = false, json = false;
+};
+
+/// A line a second until Ctrl-C; a reconstructor that is away for a while is waited for.
+void watch(const MonitorArguments& arguments) {
+  const auto look = [&arguments] {
+    const std::string status = fetch_status(arguments.url, arguments.token);
+    return arguments.json ? status : status_line(status);
+  };
+  if (arguments.once) {
+    std::cout << look() << std::endl;
+    return;
+  }
+  for (;; std::this_thread::sleep_for(std::chrono::seconds(1))) {
+    try {
+      std::cout << look() << std::endl;
+    } catch (const DeviceError& error) {
+      std::cerr << error.what() << std::endl;
+    }
+  }
+}
+
+}  // namespace
+
+void add_monitor_command(CLI::App& app) {
+  auto arguments = std::make_shared<MonitorArguments>();
+  CLI::App* command = app.add_subcommand("monitor", "Watches a running reconstructor from a terminal.");
+  command->add_option("--url", arguments->url, "its monitor page")->capture_default_str();
+  command->add_option("--token", arguments->token, "of the page, if it asks for one");
+  command->add_flag("--once", arguments->once, "one look; exit status 1 when nobody answers");
+  command->add_flag("--json", arguments->json, "the whole status as JSON, one a line");
+  command->callback([arguments] { watch(*arguments); });
+}
+
+}  // namespace sheen

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/monitor/monitor_client.h"
+
+#include <httplib.h>
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "common/errors.h"
+
+namespace sheen {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::chrono::seconds kTimeout{3};
+
+template <typename... Values>
+std::string formatted(const char* format, Values... values) {
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+std::string described(const Json& status) {
+  const Json& frames = status.at("frames");
+  std::string line = status.at("state").get<std::string>();
+  if (const auto error = status.at("error").get<std::string>(); !error.empty()) line += " (" + error + ")";
+  line += "  " + std::to_string(frames.at("accepted").get<std::uint64_t>()) + " images of " +
+          std::to_string(frames.at("received").get<std::uint64_t>());
+  if (const Json& curve = status.at("held_out_curve"); !curve.empty() && curve.back().at("psnr_db").is_number()) {
+    const Json& last = curve.back();
+    line += formatted("  %.2f dB", last.at("psnr_db").get<double>());
+    if (last.at("constant_psnr_db").is_number())
+      line += formatted(" (constant colour %.2f)", last.at("constant_psnr_db").get<double>());
+  }
+  if (const Json& rate = status.at("ingest_images_per_s"); rate.is_number() && rate.get<double>() > 0)
+    line += formatted("  %.1f images/s", rate.get<double>());
+  for (const auto& [name, queue] : status.at("queues").items()) {
+    line += "  " + name + " " + std::to_string(queue.at("depth").get<std::uint64_t>());
+    if (const auto capacity = queue.at("capacity").get<std::uint64_t>(); capacity > 0)
+      line += "/" + std::to_string(capacity);
+  }
+  return line;
+}
+
+}  // namespace
+
+std::string fetch_status(const std::string& url, const std::string& token) {
+  if (!url.starts_with("http://")) throw ConfigError("\"" + url + "\" is no address; write it as http://HOST:PORT");
+  httplib::Client client(url.ends_with("/") ? url.substr(0, url.size() - 1) : url);
+  if (!client.is_valid()) throw ConfigError("\"" + url + "\" is no address; write it as http://HOST:PORT");
+  client.set_connection_timeout(kTimeout);
+  client.set_read_timeout(kTimeout);
+  httplib::Headers headers;
+  if (!token.empty()) headers.emplace("Authorization", "Bearer " + token);
+  const httplib::Result answer = client.Get("/status.json", headers);
+  if (!answer)
+    throw DeviceError(url + ": " + httplib::to_string(answer.error()) +
+                      "; is sheen-reconstructor running, and is this its monitor page?");
+  if (answer->status == 401) throw DeviceError(url + ": the token is missing or wrong; give it with --token");
+  if (answer->status != 200) throw DeviceError(url + ": answered with status " + std::to_string(answer->status));
+  return answer->body;
+}
+
+std::string status_line(const std::string& status) {
+  try {
+    return described(Json::parse(status));
+  } catch (const Json::exception& error) {
+    throw ProtocolError(std::string("the answer is not a reconstructor's status: ") + error.what());
+  }
+}
+
+}  // namespace sheen

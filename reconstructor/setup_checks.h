@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sheen {
+
+enum class Finding : std::uint8_t { kOk, kWarn, kFail };
+const char* to_string(Finding finding);  ///< "OK", "WARN", "FAIL"
+
+/// One thing that was looked at.
+struct SetupCheck {
+  std::string name;
+  Finding finding = Finding::kOk;
+  std::string text;  ///< what was found, and what to do about it
+};
+
+// Each looks at one part of a reconstructor's setup and never throws for what it finds.
+std::vector<SetupCheck> check_mesh(const std::filesystem::path& mesh);
+SetupCheck check_secret_key(const std::filesystem::path& key_file);
+SetupCheck check_public_key(const std::filesystem::path& pub_file);
+/// Connects to "tcp://HOST:PORT" and hangs up.
+SetupCheck check_endpoint(const std::string& endpoint, bool has_keys, std::chrono::milliseconds timeout);
+/// An existing session must open; a new one must be possible. Room on the disk in both cases.
+std::vector<SetupCheck> check_session(const std::filesystem::path& folder);
+SetupCheck check_monitor_port(int port);
+SetupCheck check_display();
+SetupCheck check_processor();
+
+}  // namespace sheen
