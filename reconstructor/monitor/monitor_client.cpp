@@ -58,8 +58,8 @@ std::string fetch_status(const std::string& url, const std::string& token) {
   if (!token.empty()) headers.emplace("Authorization", "Bearer " + token);
   const httplib::Result answer = client.Get("/status.json", headers);
   if (!answer)
-    throw DeviceError(url + ": " + httplib::to_string(answer.error()) +
-                      "; is sheen-reconstructor running, and is this its monitor page?");
+    throw DeviceError(url + " does not answer (" + httplib::to_string(answer.error()) +
+                      "); is sheen-reconstructor running, and is this its monitor page?");
   if (answer->status == 401) throw DeviceError(url + ": the token is missing or wrong; give it with --token");
   if (answer->status != 200) throw DeviceError(url + ": answered with status " + std::to_string(answer->status));
   return answer->body;

@@ -18,7 +18,7 @@ MonitorState sample_monitor_state() {
   state.held_out = 13;
   state.journaled = 159;
   state.refused = {{"object_not_in_view", 17}, {"exposure_unknown", 9}};
-  state.images_per_s = 8.25;
+  state.images_per_s = 8.4;
   state.queues = {{"journal", {5, 0}}, {"send", {31, 64}}};
   state.stage_s = {{"visibility", 0.031}, {"resample", 0.027}, {"factorize", 0.0445}};
   RunningStatistics update, latency;
