@@ -11,16 +11,17 @@ namespace {
 
 constexpr std::size_t kFirstTexels = std::size_t(1) << 16;  // what OpenGL 3.3 promises at least
 
-/// Row-major texels (sample, term) -> RGBA halves out of a basis whose rows are 3 * sample + channel.
-void pack(const Eigen::MatrixXf& basis, int rank, std::vector<std::uint16_t>& texels) {
-  const Eigen::Index samples = basis.rows() / 3;
-  texels.resize(static_cast<std::size_t>(samples * rank * 4));
+/// Texels (sample, term), the terms of a sample side by side, out of a basis whose rows are 3 * sample + channel.
+void pack(const RingSnapshot& ring, int rank, std::vector<std::uint16_t>& texels) {
+  const auto bits = [](float value) { return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(value)); };
+  const std::size_t samples = static_cast<std::size_t>(ring.basis.rows() / 3);
+  texels.resize(samples * rank * 4);
   for (int r = 0; r < rank; ++r) {
-    const float* value = basis.col(r).data();
+    const float* value = ring.basis.col(r).data();
     std::uint16_t* texel = texels.data() + 4 * r;
-    for (Eigen::Index s = 0; s < samples; ++s, texel += 4 * rank, value += 3) {
-      for (int c = 0; c < 3; ++c) texel[c] = Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(value[c]));
-      texel[3] = 0;
+    for (std::size_t s = 0; s < samples; ++s, texel += 4 * rank, value += 3) {
+      for (int c = 0; c < 3; ++c) texel[c] = bits(value[c]);
+      texel[3] = bits(s < ring.measured.size() && ring.measured[s] ? 1.0f : 0.0f);
     }
   }
 }
@@ -73,7 +74,7 @@ BasisSlot BasisStore::store(const RingSnapshot& ring) {
     BasisSlot slot = place(samples * rank);
     if (slot.texels == 0) continue;
     slot.rank = static_cast<std::uint16_t>(rank);
-    pack(ring.basis, rank, staging_);
+    pack(ring, rank, staging_);
     buffers_[slot.buffer].texture.write(slot.first, slot.texels, staging_.data());
     return slot;
   }

@@ -98,9 +98,8 @@ std::vector<Line> frame_lines(const CaptureFigures& f) {
 }
 
 std::vector<Line> rank_lines(const RankFigures& ranks) {
-  const double rings = static_cast<double>(std::max<std::size_t>(1, ranks.rings));
   return {{"rank", print("median %.3g, most %d", ranks.median, ranks.most)},
-          {"surface", print("%.0f %% seen", 100 * static_cast<double>(ranks.rings_seen) / rings)}};
+          {"surface", print("%.1f %% seen", 100 * ranks.seen)}};
 }
 
 std::vector<Line> error_lines(const CaptureFigures& f) {
@@ -116,11 +115,17 @@ std::vector<Line> error_lines(const CaptureFigures& f) {
 }  // namespace
 
 RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot) {
-  RankFigures figures{.rings = snapshot.ring_data().size()};
+  RankFigures figures;
   std::vector<int> ranks;
-  for (const auto& ring : snapshot.ring_data())
-    if (ring) ranks.push_back(ring->rank());
-  figures.rings_seen = ranks.size();
+  std::size_t measured = 0, samples = 0;
+  for (std::size_t v = 0; v < snapshot.ring_data().size(); ++v) {
+    const RingSnapshot* ring = snapshot.ring_data()[v].get();
+    samples += static_cast<std::size_t>(snapshot.rings().ring_samples(v));
+    const auto here = ring ? std::count(ring->measured.begin(), ring->measured.end(), 1) : 0;
+    measured += static_cast<std::size_t>(here);
+    if (here > 0) ranks.push_back(ring->rank());
+  }
+  if (samples > 0) figures.seen = static_cast<double>(measured) / static_cast<double>(samples);
   if (ranks.empty()) return figures;
   const auto middle = ranks.begin() + static_cast<std::ptrdiff_t>(ranks.size() / 2);
   std::nth_element(ranks.begin(), middle, ranks.end());
@@ -141,6 +146,11 @@ Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, 
   const double degrees = std::atan2(across.norm(), next.dot(out)) * 180 / M_PI;
   const Eigen::Vector2d way = across.norm() > 1e-9 ? Eigen::Vector2d(across.normalized()) : Eigen::Vector2d(1, 0);
   return {degrees * way.x(), degrees * way.y()};
+}
+
+/// Boxes at the bottom stand above the line that says where to go next.
+float Hud::bottom_margin(const OverlayPainter& overlay) const {
+  return guidance ? 3.8f * overlay.line_height() : overlay.advance();
 }
 
 void Hud::draw_figures(OverlayPainter& overlay) const {
@@ -207,7 +217,7 @@ void Hud::draw_legend(OverlayPainter& overlay) const {
       }
       break;
     case ViewMode::kLightField:
-      if (ranks && ranks->rings_seen < ranks->rings) swatches = {{{52, 55, 62, 255}, "striped: no image shows it"}};
+      if (ranks && ranks->seen < 1) swatches = {{{52, 55, 62, 255}, "striped: no image shows it"}};
       break;
     case ViewMode::kCamera:
       if (state.capture)
@@ -223,7 +233,7 @@ void Hud::draw_legend(OverlayPainter& overlay) const {
   const float width = side + 3 * pad + static_cast<float>(longest) * overlay.advance();
   const float height = static_cast<float>(swatches.size()) * row + pad;
   const float x = static_cast<float>(overlay.width()) - width - pad;
-  float y = static_cast<float>(overlay.height()) - height - pad - 3.2f * row;
+  float y = static_cast<float>(overlay.height()) - height - bottom_margin(overlay);
   overlay.fill(x, y, width, height, kPanel);
   y += pad / 2;
   for (const Swatch& s : swatches) {

@@ -12,9 +12,9 @@ namespace sheen {
 
 /// How many terms the rings of a model have.
 struct RankFigures {
-  double median = 0;  ///< over rings that were seen
+  double median = 0;  ///< over rings that an image has reached
   int most = 0;
-  std::size_t rings_seen = 0, rings = 0;
+  double seen = 0;  ///< share of all samples that some image showed, 0..1
 };
 RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot);
 
@@ -36,6 +36,7 @@ struct Hud {
   void draw(OverlayPainter& overlay) const;
 
  private:
+  float bottom_margin(const OverlayPainter& overlay) const;
   void draw_figures(OverlayPainter& overlay) const;
   void draw_guidance(OverlayPainter& overlay) const;
   void draw_legend(OverlayPainter& overlay) const;

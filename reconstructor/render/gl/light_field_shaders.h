@@ -32,11 +32,11 @@ centroid in vec3 beta;
 in vec3 position_object;
 out vec4 color;
 
-vec3 fetch_basis(uint buffer, int texel) {
-  if (buffer == 0u) return texelFetch(basis0, texel).rgb;
-  if (buffer == 1u) return texelFetch(basis1, texel).rgb;
-  if (buffer == 2u) return texelFetch(basis2, texel).rgb;
-  return texelFetch(basis3, texel).rgb;
+vec4 fetch_basis(uint buffer, int texel) {
+  if (buffer == 0u) return texelFetch(basis0, texel);
+  if (buffer == 1u) return texelFetch(basis1, texel);
+  if (buffer == 2u) return texelFetch(basis2, texel);
+  return texelFetch(basis3, texel);
 }
 
 int lattice_index(int n, int i, int j) { return i * n - i * (i - 1) / 2 + j; }
@@ -64,18 +64,19 @@ float facing() {
   return abs(dot(normal, normalize(eye - position_object)));
 }
 
-vec3 unknown_color() {
-  float stripe = step(6.0, mod(gl_FragCoord.x + gl_FragCoord.y, 12.0));
-  return vec3(0.20, 0.21, 0.24) * (0.55 + 0.45 * facing()) + 0.035 * stripe;
-}
+float stripe() { return step(6.0, mod(gl_FragCoord.x + gl_FragCoord.y, 12.0)); }
 
-// Sum over the three rings and all their terms, sRGB-encoded (000 sec. 4.1).
+vec3 unknown_color() { return vec3(0.20, 0.21, 0.24) * (0.55 + 0.45 * facing()) + 0.035 * stripe(); }
+
+// Sum over the three rings and all their terms, sRGB-encoded (000 sec. 4.1). What is a guess, because no image showed
+// it, is striped.
 vec3 light_field() {
   ivec3 index;
   vec3 weight;
   lattice_stencil(int(texelFetch(resolutions, gl_PrimitiveID).x), beta.y, beta.z, index, weight);
   vec3 sum = vec3(0);
   float total = 0.0;
+  bool measured = false;
   for (int c = 0; c < 3; ++c) {
     uvec2 corner = texelFetch(corners, 3 * gl_PrimitiveID + c).xy;
     uvec2 slot = texelFetch(slots, int(corner.x)).xy;
@@ -84,15 +85,19 @@ vec3 light_field() {
     uint buffer = slot.y >> 16;
     ivec3 texel = int(slot.x) + (int(corner.y) + index) * rank;
     int h = int(corner.x) * coefficient_stride;
+    for (int k = 0; k < 3 && !measured; ++k)
+      measured = weight[k] > 0.25 && fetch_basis(buffer, texel[k]).a > 0.5;
     vec3 value = vec3(0);
     for (int r = 0; r < rank; ++r)
-      value += texelFetch(coefficients, h + r).x * (weight.x * fetch_basis(buffer, texel.x + r) +
-                                                    weight.y * fetch_basis(buffer, texel.y + r) +
-                                                    weight.z * fetch_basis(buffer, texel.z + r));
+      value += texelFetch(coefficients, h + r).x * (weight.x * fetch_basis(buffer, texel.x + r).rgb +
+                                                    weight.y * fetch_basis(buffer, texel.y + r).rgb +
+                                                    weight.z * fetch_basis(buffer, texel.z + r).rgb);
     sum += beta[c] * value;
     total += beta[c];
   }
-  return total < 1e-4 ? unknown_color() : sum / total;
+  if (total < 1e-4) return unknown_color();
+  vec3 encoded = sum / total;
+  return measured ? encoded : mix(encoded, vec3(0.20, 0.21, 0.24), 0.45 * stripe());
 }
 
 void main() {

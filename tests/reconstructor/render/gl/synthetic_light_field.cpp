@@ -58,6 +58,7 @@ std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t v
   auto ring = std::make_shared<RingSnapshot>();
   const int samples = rings_->ring_samples(vertex);
   ring->basis.resize(3 * samples, rank);
+  ring->measured.resize(samples);
   for (const RingTriangle& member : rings_->ring(vertex)) {
     const int n = rings_->resolution(member.triangle);
     for (int i = 0; i < n; ++i)
@@ -67,6 +68,7 @@ std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t v
                                   u * mesh_->corner(member.triangle, 1) + v * mesh_->corner(member.triangle, 2);
         const int row = 3 * (static_cast<int>(member.first_sample) + lattice_index(n, i, j));
         for (int r = 0; r < rank; ++r) ring->basis.block<3, 1>(row, r) = pattern(p, r);
+        ring->measured[row / 3] = !(options_.unseen > 0 && std::abs(p.y()) < 0.02f && p.x() < 0);
       }
   }
   constexpr int kViews = 10;
@@ -84,7 +86,6 @@ std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t v
   ring->weights.resize(rank, kViews);
   for (int r = 0; r < rank; ++r)
     for (int j = 0; j < kViews; ++j) ring->weights(r, j) = r == 0 ? 0.0f : 0.6f * std::cos(1.1f * (r + 1) * (j + 1));
-  ring->measured.assign(samples, 1);
   ring->residual = 0.12f + 0.12f * std::sin(40 * mesh_->vertices[vertex].x());
   ring->best_cosine = mesh_->vertices[vertex].y() > 0.05f ? 0.2f : 0.9f;
   ring->views_folded = kViews;

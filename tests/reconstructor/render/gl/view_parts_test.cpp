@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
@@ -115,6 +116,28 @@ TEST(Guidance, SpeaksInTheDirectionsOfTheCamerasPicture) {
   EXPECT_NEAR(std::hypot(here.right_deg, here.up_deg), 0, 1e-9);
   const Guidance behind = guide(camera, {0, 0, 0}, {-1, 0, 0});
   EXPECT_NEAR(std::hypot(behind.right_deg, behind.up_deg), 180, 1e-9);
+}
+
+TEST(RankFigures, CountWhatImagesShowed) {
+  auto mesh = std::make_shared<Mesh>();
+  mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  mesh->triangles = {{0, 1, 2}, {2, 1, 3}};
+  const auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 2});
+  std::vector<std::shared_ptr<const RingSnapshot>> data(4);
+  const auto ring = [&](std::size_t v, int rank, std::size_t measured) {
+    auto made = std::make_shared<RingSnapshot>();
+    made->basis.resize(3 * rings->ring_samples(v), rank);
+    made->measured.assign(rings->ring_samples(v), 0);
+    std::fill_n(made->measured.begin(), measured, 1);
+    data[v] = made;
+  };
+  ring(0, 2, 3);  // all of its 3 samples
+  ring(1, 5, 2);  // of 6
+  ring(2, 9, 0);  // a guess: counts for nothing
+  const RankFigures figures = rank_figures({mesh, rings, data, 1});
+  EXPECT_DOUBLE_EQ(figures.median, 3.5);
+  EXPECT_EQ(figures.most, 5);
+  EXPECT_DOUBLE_EQ(figures.seen, 5.0 / 18);
 }
 
 TEST(StrokeFont, EveryGlyphIsThereAndDiffersFromAllOthers) {
