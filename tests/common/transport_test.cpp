@@ -47,7 +47,8 @@ class Process {
     ::waitpid(pid_, nullptr, 0);
     pid_ = -1;
   }
-  void stop() const { ::kill(pid_, SIGSTOP); }
+  void freeze() const { ::kill(pid_, SIGSTOP); }
+  void thaw() const { ::kill(pid_, SIGCONT); }
 
  private:
   pid_t pid_;
@@ -306,9 +307,25 @@ TEST(Transport, AFrozenReceiverIsReplacedOnceItsHeartbeatsAreMissed) {
   CaptureSender sender(sender_options(endpoint));
   ASSERT_TRUE(eventually([&] { return sender.stats().peer_connected; }));
   keep(sender, 1, 4);
-  frozen.stop();
+  frozen.freeze();
   CaptureReceiver receiver(receiver_options(endpoint));
   expect_kept(receiver, 1, 4);
+}
+
+TEST(Transport, AFrozenSenderIsNoticedAndLosesNothing) {  // to its peer this is a cut cable
+  const std::string endpoint = free_endpoint();
+  Process frozen([&] {
+    CaptureSender sender(sender_options(endpoint));
+    for (int i = 1; i <= 8; ++i) sender.keep(sample_capture("s", i), kLong);
+    ::pause();
+  });
+  CaptureReceiver receiver(receiver_options(endpoint));
+  expect_kept(receiver, 1, 3);
+  frozen.freeze();
+  ASSERT_TRUE(eventually([&] { return !receiver.stats().connected; }));
+  frozen.thaw();
+  expect_kept(receiver, 4, 8);
+  EXPECT_EQ(receiver.stats().missing, 0u);
 }
 
 TEST(Transport, APortInUseIsAnErrorThatNamesIt) {
