@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracker/fiducials/corner_refiner.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "common/stage/tag_pattern.h"
+
+namespace sheen {
+namespace {
+
+using Eigen::Vector2d;
+using Quad = std::array<Vector2d, 4>;
+
+constexpr double kStep = 0.5;                      ///< px between the samples across an edge
+constexpr int kMinEdgePoints = 6;                  ///< a line rests on so many points or more
+constexpr int kLevelWindow = 4;                    ///< points to either side that share their levels of paper and ink
+constexpr int kReweightings = 5;                   ///< of the line fit
+constexpr double kTukeyMadRatio = 4.685 * 1.4826;  ///< 95 % efficient on Gaussian noise
+constexpr double kMinScalePx = 0.02;
+
+/// The picture a pinhole with the camera's focal length would have taken: pixels, not normalised coordinates.
+struct Pinhole {
+  const Camera& camera;
+
+  std::optional<Vector2d> undistort(const Vector2d& pixel) const {
+    const auto ray = camera.ray(pixel);
+    if (!ray || ray->z() < 0.05) return std::nullopt;
+    return Vector2d(camera.fx * ray->x() / ray->z() + camera.cx, camera.fy * ray->y() / ray->z() + camera.cy);
+  }
+  std::optional<Vector2d> distort(const Vector2d& p) const {
+    return camera.project({(p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy, 1});
+  }
+};
+
+struct Line {  ///< points with normal . p = offset
+  Vector2d normal;
+  double offset;
+};
+
+struct EdgePoint {
+  double along;       ///< of the edge, px from its first corner
+  double across = 0;  ///< outwards from the assumed edge, px
+  double ink = 0, paper = 0;
+  std::vector<double> profile;  ///< grey levels from inside to outside
+};
+
+double bilinear(const ImageU8& image, const Vector2d& p) {
+  const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
+  const double fx = p.x() - x, fy = p.y() - y;
+  const std::uint8_t *r0 = image.row(y) + x, *r1 = image.row(y + 1) + x;
+  return (1 - fy) * ((1 - fx) * r0[0] + fx * r0[1]) + fy * ((1 - fx) * r1[0] + fx * r1[1]);
+}
+
+bool inside(const ImageU8& image, const Vector2d& p) {
+  return p.x() >= 0 && p.y() >= 0 && p.x() < image.width() - 1 && p.y() < image.height() - 1;
+}
+
+double cross(const Vector2d& a, const Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Profiles across the edge from `a` to `b`, sampled through the lens; over a few pixels the lens is affine.
+std::vector<EdgePoint> sample_edge(const ImageU8& grey, const Pinhole& pinhole, const Vector2d& a, const Vector2d& b,
+                                   const Vector2d& outward, int half_samples, double skipped_ends) {
+  const double length = (b - a).norm();
+  const Vector2d direction = (b - a) / length;
+  const double skip = std::max(skipped_ends * length, 2.0);
+  std::vector<EdgePoint> points;
+  for (double s = skip; s <= length - skip; s += 1) {
+    const Vector2d at = a + s * direction;
+    const auto centre = pinhole.distort(at), next = pinhole.distort(at + outward);
+    if (!centre || !next) continue;
+    const Vector2d step = kStep * (*next - *centre);
+    if (!inside(grey, *centre - half_samples * step) || !inside(grey, *centre + half_samples * step)) continue;
+    EdgePoint point{.along = s};
+    for (int i = -half_samples; i <= half_samples; ++i) point.profile.push_back(bilinear(grey, *centre + i * step));
+    points.push_back(std::move(point));
+  }
+  return points;
+}
+
+/// Levels at both ends of the profiles, shared by neighbours: a shadow may lie across the edge, noise must not decide.
+void estimate_levels(std::vector<EdgePoint>& points, int end_samples) {
+  const int n = static_cast<int>(points.size());
+  for (int i = 0; i < n; ++i) {
+    double ink = 0, paper = 0;
+    int count = 0;
+    for (int k = std::max(0, i - kLevelWindow); k <= std::min(n - 1, i + kLevelWindow); ++k)
+      for (int j = 0; j < end_samples; ++j, ++count) {
+        ink += points[k].profile[j];
+        paper += points[k].profile[points[k].profile.size() - 1 - j];
+      }
+    points[i].ink = ink / count;
+    points[i].paper = paper / count;
+  }
+}
+
+/// Position of a step between two levels: the area between paper and the profile is (paper - ink) times the distance
+/// from the profile's inner end to the step, whatever symmetric blur lies over it (trapezoid rule).
+double step_position(const EdgePoint& point) {
+  const std::size_t n = point.profile.size();
+  double area = 0;
+  for (std::size_t j = 0; j < n; ++j)
+    area += (j == 0 || j + 1 == n ? 0.5 : 1.0) * (point.paper - point.profile[j]) * kStep;
+  return area / (point.paper - point.ink) - (n - 1) * kStep / 2;
+}
+
+/// across = c0 + c1 * along by iteratively reweighted least squares with Tukey's weights.
+std::optional<Vector2d> fit_line(const std::vector<EdgePoint>& points) {
+  std::vector<double> residuals(points.size()), sorted;
+  Vector2d line(0, 0);
+  for (int round = 0; round < kReweightings; ++round) {
+    double scale = 0;
+    if (round > 0) {
+      for (std::size_t i = 0; i < points.size(); ++i)
+        residuals[i] = std::abs(points[i].across - line[0] - line[1] * points[i].along);
+      sorted = residuals;
+      std::ranges::nth_element(sorted, sorted.begin() + sorted.size() / 2);
+      scale = kTukeyMadRatio * std::max(sorted[sorted.size() / 2], kMinScalePx);
+    }
+    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+    Vector2d right(0, 0);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      double weight = 1;
+      if (round > 0) {
+        const double u = residuals[i] / scale;
+        weight = u < 1 ? (1 - u * u) * (1 - u * u) : 0;
+      }
+      const Vector2d row(1, points[i].along);
+      normal += weight * row * row.transpose();
+      right += weight * row * points[i].across;
+    }
+    if (!(normal.determinant() > 1e-6)) return std::nullopt;
+    line = normal.inverse() * right;
+  }
+  return line;
+}
+
+std::optional<Line> measure_edge(const ImageU8& grey, const Pinhole& pinhole, const Quad& quad, int edge,
+                                 const RefinerOptions& options) {
+  const Vector2d &a = quad[edge], &b = quad[(edge + 1) % 4];
+  const Vector2d& far_a = quad[(edge + 3) % 4];
+  const Vector2d& far_b = quad[(edge + 2) % 4];
+  const Vector2d direction = (b - a).normalized();
+  Vector2d outward(direction.y(), -direction.x());
+  const Vector2d inward = (far_a + far_b - a - b) / 2;
+  if (outward.dot(inward) > 0) outward = -outward;
+  const double cell = -outward.dot(inward) / kTagCells;
+  const double reach = std::min(options.reach_px, options.reach_cells * cell);
+  if (reach < options.min_reach_px) return std::nullopt;
+
+  const int half_samples = static_cast<int>(reach / kStep);
+  auto points = sample_edge(grey, pinhole, a, b, outward, half_samples, options.skipped_ends);
+  if (points.size() < kMinEdgePoints) return std::nullopt;
+  estimate_levels(points, std::max(2, half_samples / 4));
+  std::erase_if(points, [&](const EdgePoint& p) { return p.paper - p.ink < options.min_contrast; });
+  if (points.size() < kMinEdgePoints) return std::nullopt;
+  for (EdgePoint& point : points) point.across = step_position(point);
+
+  const auto line = fit_line(points);
+  if (!line) return std::nullopt;
+  const Vector2d p = a + (*line)[0] * outward;  // the fitted line's foot at the first corner
+  const Vector2d along = direction + (*line)[1] * outward;
+  const Vector2d normal = Vector2d(along.y(), -along.x()).normalized();
+  return Line{normal, normal.dot(p)};
+}
+
+std::optional<Vector2d> intersect(const Line& a, const Line& b) {
+  const double sine = cross(a.normal, b.normal);
+  if (std::abs(sine) < 0.1) return std::nullopt;
+  return Vector2d(a.offset * b.normal.y() - b.offset * a.normal.y(),
+                  b.offset * a.normal.x() - a.offset * b.normal.x()) /
+         sine;
+}
+
+std::optional<Quad> refine_quad(const ImageU8& grey, const Pinhole& pinhole, const Quad& quad,
+                                const RefinerOptions& options) {
+  std::array<Line, 4> lines;
+  for (int edge = 0; edge < 4; ++edge) {
+    const auto line = measure_edge(grey, pinhole, quad, edge, options);
+    if (!line) return std::nullopt;
+    lines[edge] = *line;
+  }
+  Quad refined;
+  for (int corner = 0; corner < 4; ++corner) {
+    const auto p = intersect(lines[(corner + 3) % 4], lines[corner]);
+    if (!p || !((*p - quad[corner]).norm() <= options.max_correction_px)) return std::nullopt;
+    refined[corner] = *p;
+  }
+  return refined;
+}
+
+bool refine_tag(const ImageU8& grey, const Pinhole& pinhole, TagObservation& tag, const RefinerOptions& options) {
+  Quad quad;
+  for (int corner = 0; corner < 4; ++corner) {
+    const auto p = pinhole.undistort(tag.corners[corner]);
+    if (!p) return false;
+    quad[corner] = *p;
+  }
+  for (int round = 0; round < options.rounds; ++round) {
+    const auto refined = refine_quad(grey, pinhole, quad, options);
+    if (!refined) return false;
+    quad = *refined;
+  }
+  for (int corner = 0; corner < 4; ++corner) {
+    const auto p = pinhole.distort(quad[corner]);
+    if (!p) return false;
+    tag.corners[corner] = *p;
+  }
+  return true;
+}
+
+}  // namespace
+
+void refine_corners(const ImageU8& grey, const Camera& camera, std::vector<TagObservation>& tags,
+                    const RefinerOptions& options) {
+  const Pinhole pinhole{camera};
+  std::erase_if(tags, [&](TagObservation& tag) { return !refine_tag(grey, pinhole, tag, options); });
+}
+
+}  // namespace sheen

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "common/camera.h"
+#include "common/capture.h"
+#include "common/image.h"
+
+namespace sheen {
+
+struct RefinerOptions {
+  double reach_px = 4;           ///< edges are measured so far to either side
+  double reach_cells = 0.7;      ///< and no farther than this part of a tag cell, so that the code stays out
+  double min_reach_px = 1.5;     ///< tags too small for that are dropped
+  double skipped_ends = 0.08;    ///< of an edge's length, where the neighbouring edge takes part
+  double min_contrast = 20;      ///< grey levels between paper and ink
+  double max_correction_px = 3;  ///< a corner that moves farther followed something else than its edge
+  int rounds = 2;                ///< each starts from the corners of the one before
+};
+
+/// Puts the corners of tags where the edges of their black squares meet, and drops the tags whose edges cannot be
+/// measured. At points along each edge the position across it follows from the area between paper's level and the
+/// profile, which a symmetric blur (defocus, pixel, interpolation) does not move; the line through them is fitted
+/// robustly. Edges are straight in undistorted coordinates only, so lines live there and the image is sampled through
+/// the lens.
+void refine_corners(const ImageU8& grey, const Camera& camera, std::vector<TagObservation>& tags,
+                    const RefinerOptions& options = {});
+
+}  // namespace sheen

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "tracker/fiducials/tag_detector.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kSaturated = 250;
+constexpr int kQuadStep = 8;     ///< every 4th quad each way is enough for a median
+constexpr int kMinQuads = 100;   ///< fewer bright quads than this say nothing about colour
+constexpr double kBright = 0.5;  ///< of the 95th percentile of green
+constexpr double kMaxGain = 8;
+
+bool is_bayer(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kBayerRG8:
+    case PixelFormat::kBayerGR8:
+    case PixelFormat::kBayerGB8:
+    case PixelFormat::kBayerBG8:
+      return true;
+    default:
+      return false;
+  }
+}
+
+using Quad = std::array<std::uint8_t, 4>;  ///< sites (0,0) (1,0) (0,1) (1,1)
+
+/// Green stands at (1,0) and (0,1) of RG and BG mosaics, at (0,0) and (1,1) of GR and GB.
+std::array<int, 2> green_sites(PixelFormat format) {
+  const bool off_diagonal = format == PixelFormat::kBayerRG8 || format == PixelFormat::kBayerBG8;
+  return off_diagonal ? std::array{1, 2} : std::array{0, 3};
+}
+
+std::vector<Quad> sample_quads(const ImageU8& mosaic) {
+  std::vector<Quad> quads;
+  for (int y = 0; y + 1 < mosaic.height(); y += kQuadStep)
+    for (int x = 0; x + 1 < mosaic.width(); x += kQuadStep)
+      quads.push_back({mosaic.at(x, y), mosaic.at(x + 1, y), mosaic.at(x, y + 1), mosaic.at(x + 1, y + 1)});
+  return quads;
+}
+
+std::array<double, 4> site_gains(const ImageU8& mosaic, PixelFormat format) {
+  const auto [green_a, green_b] = green_sites(format);
+  const auto green = [a = green_a, b = green_b](const Quad& q) { return (q[a] + q[b]) / 2.0; };
+  std::vector<Quad> quads = sample_quads(mosaic);
+  std::erase_if(quads, [](const Quad& q) { return std::ranges::max(q) >= kSaturated; });
+  std::array<double, 4> gains{1, 1, 1, 1};
+  if (quads.size() < kMinQuads) return gains;
+  const auto p95 = quads.begin() + quads.size() * 95 / 100;
+  std::ranges::nth_element(quads, p95, {}, green);
+  const double bright = std::max(kBright * green(*p95), 1.0);
+  std::erase_if(quads, [&](const Quad& q) { return green(q) < bright || std::ranges::min(q) < 1; });
+  if (quads.size() < kMinQuads) return gains;
+  std::vector<double> ratios(quads.size());
+  for (int site = 0; site < 4; ++site) {
+    std::ranges::transform(quads, ratios.begin(), [&](const Quad& q) { return green(q) / q[site]; });
+    std::ranges::nth_element(ratios, ratios.begin() + ratios.size() / 2);
+    gains[site] = std::clamp(ratios[ratios.size() / 2], 1 / kMaxGain, kMaxGain);
+  }
+  return gains;
+}
+
+}  // namespace
+
+ImageU8 detection_image(const RawImage& image) {
+  ImageU8 grey = to_grey8(image);
+  if (!is_bayer(image.format)) return grey;
+  const std::array<double, 4> gains = site_gains(grey, image.format);
+  std::array<std::array<std::uint8_t, 256>, 4> table;
+  for (int site = 0; site < 4; ++site)
+    for (int value = 0; value < 256; ++value)
+      table[site][value] = static_cast<std::uint8_t>(std::min(255.0, value * gains[site] + 0.5));
+  for (int y = 0; y < grey.height(); ++y) {
+    std::uint8_t* row = grey.row(y);
+    const auto& even = table[2 * (y & 1)];
+    const auto& odd = table[2 * (y & 1) + 1];
+    int x = 0;
+    for (; x + 1 < grey.width(); x += 2) {
+      row[x] = even[row[x]];
+      row[x + 1] = odd[row[x + 1]];
+    }
+    if (x < grey.width()) row[x] = even[row[x]];
+  }
+  return grey;
+}
+
+}  // namespace sheen

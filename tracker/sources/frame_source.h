@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/capture.h"
+#include "common/status.h"
+
+namespace sheen {
+
+/// One image as a source delivers it, before anything is known about where it was taken from.
+struct Frame {
+  std::uint64_t camera_frame_id = 0;
+  FrameTimes times;  ///< device_ns and grabbed_ns
+  RawImage image;
+  Exposure exposure;
+  bool complete = true;  ///< false: packets were lost on the camera link, part of the image is missing
+  /// Set by sources whose images come with their pose: everything that is known. `image` is then empty.
+  std::optional<Capture> given;
+};
+
+struct SourceStats {
+  std::uint64_t frames = 0;           ///< handed out, incomplete ones included
+  std::uint64_t incomplete = 0;       ///< of these, with packets missing
+  std::uint64_t underruns = 0;        ///< frames the camera sent while no buffer was free: lost before they were seen
+  std::uint64_t missing_packets = 0;  ///< as the driver counts them
+  std::uint64_t reopened = 0;         ///< times the camera came back after it had vanished
+};
+
+/// Where frames come from. Constructors throw DeviceError, FileError or ConfigError; from then on what happens is told
+/// by `state`, never thrown. `next` is called from one thread, everything else from any.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  /// The next frame; nothing when none came within `timeout` or the source has ended.
+  virtual std::optional<Frame> next(std::chrono::milliseconds timeout) = 0;
+  virtual SourceState state() const = 0;
+  /// One line for a person: what the source is doing, or what went wrong with it.
+  virtual std::string message() const = 0;
+  virtual SourceStats stats() const = 0;
+  /// Whether frames come whether or not anybody takes them (a camera), or wait to be taken (files).
+  virtual bool live() const = 0;
+  /// Names the source session where running the same source again gives the same captures; else empty.
+  virtual std::string session() const { return {}; }
+
+  bool ended() const { return state() == SourceState::kEnded; }
+};
+
+/// The tracker's clock, for `FrameTimes`.
+inline std::int64_t steady_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace sheen
