@@ -22,8 +22,11 @@ int report(const std::exception& error, int status) {
 int main(int argc, char** argv) {
   CLI::App app("Grabs a camera, solves its pose against a stage of tags and streams posed images.", "sheen-tracker");
   app.require_subcommand(1);
-  sheen::add_cameras_command(app);
+  sheen::add_run_command(app);
   sheen::add_simulate_command(app);
+  sheen::add_cameras_command(app);
+  sheen::add_doctor_command(app);
+  sheen::add_keygen_command(app);
 
   sheen::install_stop_signals();
   try {

@@ -4,19 +4,24 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "common/errors.h"
 #include "common/simulation/simulated_rig.h"
+#include "tracker/camera_server/camera_server.h"
 #include "tracker/commands/commands.h"
+#include "tracker/stop_signal.h"
 
 namespace sheen {
 namespace {
 
 struct SimulateArguments {
-  std::filesystem::path out;
+  std::filesystem::path out, serve, log;
+  CameraServerOptions server;
   SimulationOptions rig;
   std::string size = "1024x768";
   bool json = false;
@@ -52,21 +57,49 @@ void render(SimulateArguments arguments) {
   }
 }
 
+/// Serves a recording as a camera until it is told to stop; the log names each frame as it is sent.
+void serve(const SimulateArguments& arguments) {
+  CameraServer server(load_rig_recording(arguments.serve), arguments.server);
+  std::ofstream log;
+  if (!arguments.log.empty()) {
+    log.open(arguments.log);
+    if (!log) throw FileError(arguments.log.string(), "cannot be written");
+  }
+  std::cerr << "sheen-tracker: aravis:" << arguments.server.address << " serves " << arguments.serve.string() << '\n';
+  while (!stop_requested()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    for (const SentFrame& frame : server.take_sent()) log << frame.camera_frame_id << ',' << frame.rig_index << '\n';
+    log.flush();
+    if (!arguments.log.empty() && !log) throw FileError(arguments.log.string(), "cannot be written");
+  }
+}
+
+void simulate(const SimulateArguments& arguments) {
+  if (arguments.out.empty() && arguments.serve.empty())
+    throw ConfigError("give --out DIR to render a recording, or --serve DIR to serve one as a camera");
+  if (!arguments.out.empty()) render(arguments);
+  if (!arguments.serve.empty()) serve(arguments);
+}
+
 }  // namespace
 
 void add_simulate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("simulate", "Render a rig that needs no camera: an object on a tagged stage");
   const auto arguments = std::make_shared<SimulateArguments>();
-  command->add_option("--out", arguments->out, "Folder of the recording; kept when it holds the same one already")
-      ->required();
+  command->add_option("--out", arguments->out, "Folder of the recording; kept when it holds the same one already");
   command->add_option("--frames", arguments->rig.frames, "Number of frames")->capture_default_str();
   command->add_option("--size", arguments->size, "Size of a frame, WIDTHxHEIGHT in pixels")->capture_default_str();
   command->add_option("--seed", arguments->rig.seed, "Seed of the camera's path and of the noise")
       ->capture_default_str();
   command->add_option("--object", arguments->rig.object, "demo or sphere")->capture_default_str();
   command->add_flag("--truth", arguments->rig.truth, "Also write each frame's linear radiance as OpenEXR");
+  command->add_option("--serve", arguments->serve, "Recording to serve as a GigE Vision camera, until Ctrl-C");
+  command->add_option("--interface", arguments->server.address, "Loopback address to serve on")->capture_default_str();
+  command->add_option("--rate", arguments->server.frame_rate_hz, "Frames/s to serve; default: the recording's");
+  command->add_flag("--loop", arguments->server.loop, "Begin again after the last frame; else it is repeated");
+  command->add_option("--log", arguments->log, "Write frame_id,rig_index for each frame sent");
   command->add_flag("--json", arguments->json, "Print JSON");
-  command->callback([arguments] { render(*arguments); });
+  command->callback([arguments] { simulate(*arguments); });
 }
 
 }  // namespace sheen

@@ -25,7 +25,8 @@ struct Frame {
 struct SourceStats {
   std::uint64_t frames = 0;           ///< handed out, incomplete ones included
   std::uint64_t incomplete = 0;       ///< of these, with packets missing
-  std::uint64_t underruns = 0;        ///< frames the camera sent while no buffer was free: lost before they were seen
+  std::uint64_t missed = 0;           ///< gaps in the camera's frame ids: taken, but never seen here
+  std::uint64_t underruns = 0;        ///< of these, because no buffer was free
   std::uint64_t missing_packets = 0;  ///< as the driver counts them
   std::uint64_t reopened = 0;         ///< times the camera came back after it had vanished
 };

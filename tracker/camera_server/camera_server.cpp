@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracker/camera_server/camera_server.h"
+
+#include <arv.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+#include <utility>
+
+#include "common/errors.h"
+#include "common/files.h"
+
+namespace sheen {
+namespace {
+
+ArvPixelFormat to_aravis(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kBayerRG8:
+      return ARV_PIXEL_FORMAT_BAYER_RG_8;
+    case PixelFormat::kMono8:
+      return ARV_PIXEL_FORMAT_MONO_8;
+    case PixelFormat::kRGB8:
+      return ARV_PIXEL_FORMAT_RGB_8_PACKED;
+    default:
+      throw ConfigError("the camera server sends BayerRG8, Mono8 or RGB8, not " + std::string(pfnc_name(format)));
+  }
+}
+
+}  // namespace
+
+struct CameraServer::Impl {
+  std::vector<std::string> frames;
+  std::size_t frame_bytes = 0;
+  bool loop = false;
+  ArvGvFakeCamera* camera = nullptr;
+
+  mutable std::mutex mutex;
+  std::size_t next = 0;
+  bool exhausted = false;
+  std::vector<SentFrame> sent;
+
+  ~Impl() {
+    if (camera) g_object_unref(camera);
+  }
+  void load(const RigRecording& recording);
+  void start(const RigRecording& recording, const CameraServerOptions& options);
+  void fill(ArvBuffer* buffer);
+};
+
+void CameraServer::Impl::load(const RigRecording& recording) {
+  if (recording.frames.empty()) throw FileError(recording.folder.string(), "holds no frame to send");
+  frame_bytes = std::size_t(recording.camera.width) * recording.camera.height * bytes_per_pixel(recording.format);
+  for (const RigFrame& frame : recording.frames) {
+    frames.push_back(read_file(frame.raw_file));
+    if (frames.back().size() != frame_bytes)
+      throw FileError(frame.raw_file.string(), "has " + std::to_string(frames.back().size()) + " bytes, a frame has " +
+                                                   std::to_string(frame_bytes));
+  }
+}
+
+void CameraServer::Impl::start(const RigRecording& recording, const CameraServerOptions& options) {
+  if (!options.address.starts_with("127."))
+    throw ConfigError("the simulated camera lives on the loopback network: 127.0.0.1, 127.0.0.2, ... and not on " +
+                      options.address);
+  const double rate = options.frame_rate_hz > 0 ? options.frame_rate_hz : recording.frame_rate_hz;
+  if (!(rate > 0)) throw ConfigError("the frame rate must be positive");
+  const ArvPixelFormat format = to_aravis(recording.format);
+  camera = arv_gv_fake_camera_new_full(options.address.c_str(), "SHEEN01", nullptr);
+  if (!camera || !arv_gv_fake_camera_is_running(camera))
+    throw DeviceError("no GigE Vision camera can be started on " + options.address +
+                      ": another one serves there; end it or use another address (127.0.0.2, ...)");
+  ArvFakeCamera* fake = arv_gv_fake_camera_get_fake_camera(camera);
+  const auto set = [fake](std::uint32_t address, double value) {
+    arv_fake_camera_write_register(fake, address, static_cast<std::uint32_t>(std::lround(value)));
+  };
+  set(ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, recording.camera.width);
+  set(ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, recording.camera.height);
+  set(ARV_FAKE_CAMERA_REGISTER_WIDTH, recording.camera.width);
+  set(ARV_FAKE_CAMERA_REGISTER_HEIGHT, recording.camera.height);
+  set(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, format);
+  set(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, 1e6 / rate);
+  if (recording.exposure.exposure_s > 0)
+    set(ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US, 1e6 * recording.exposure.exposure_s);
+  arv_fake_camera_set_fill_pattern(
+      fake,
+      [](ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) { static_cast<Impl*>(self)->fill(buffer); },
+      this);
+}
+
+/// Runs on the thread that also answers the control channel: a copy and no more.
+void CameraServer::Impl::fill(ArvBuffer* buffer) {
+  const std::lock_guard lock(mutex);
+  std::size_t unknown_size = 0;
+  auto* data = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &unknown_size)));
+  const std::size_t capacity = std::size_t(arv_buffer_get_image_width(buffer)) * arv_buffer_get_image_height(buffer) *
+                               ARV_PIXEL_FORMAT_BIT_PER_PIXEL(arv_buffer_get_image_pixel_format(buffer)) / 8;
+  if (!data) return;
+  std::memcpy(data, frames[next].data(), std::min(frame_bytes, capacity));
+  sent.push_back({arv_buffer_get_frame_id(buffer), next});
+  if (next + 1 < frames.size()) {
+    ++next;
+  } else {
+    exhausted = true;
+    if (loop) next = 0;
+  }
+}
+
+CameraServer::CameraServer(const RigRecording& recording, const CameraServerOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->loop = options.loop;
+  impl_->load(recording);
+  impl_->start(recording, options);
+}
+
+CameraServer::~CameraServer() = default;
+
+std::vector<SentFrame> CameraServer::take_sent() {
+  const std::lock_guard lock(impl_->mutex);
+  return std::exchange(impl_->sent, {});
+}
+
+bool CameraServer::exhausted() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->exhausted;
+}
+
+}  // namespace sheen

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/simulation/rig_recording.h"
+
+namespace sheen {
+
+struct CameraServerOptions {
+  std::string address =
+      "127.0.0.1";           ///< of the loopback interface; one camera an address (GigE Vision's port is fixed)
+  double frame_rate_hz = 0;  ///< 0: the recording's
+  bool loop = false;         ///< begin again after the last frame; else it is repeated
+};
+
+struct SentFrame {
+  std::uint64_t camera_frame_id = 0;
+  std::size_t rig_index = 0;
+};
+
+/// Puts a recording behind a GigE Vision endpoint, indistinguishable from a camera for who connects. All frames are
+/// held in memory. The first is sent when acquisition first starts; a client that comes back goes on where the last one
+/// stopped. Destruction is what pulling the plug is.
+class CameraServer {
+ public:
+  /// Throws FileError for a frame that is missing or of the wrong size, ConfigError for an address off the loopback
+  /// network, DeviceError when the address is in use.
+  CameraServer(const RigRecording& recording, const CameraServerOptions& options);
+  ~CameraServer();
+
+  /// Which frames have been sent since the last call, in order.
+  std::vector<SentFrame> take_sent();
+  /// Whether the recording's last frame has been sent at least once.
+  bool exhausted() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sheen

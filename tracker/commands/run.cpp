@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "common/errors.h"
+#include "common/files.h"
+#include "common/monitor_socket.h"
+#include "common/transport.h"
+#include "tracker/commands/commands.h"
+#include "tracker/rig_config.h"
+#include "tracker/stop_signal.h"
+#include "tracker/tracking_loop.h"
+
+namespace sheen {
+namespace {
+
+constexpr std::size_t kRetainedKeyframes = 256;  ///< a burst of some seconds that the reconstructor has yet to store
+constexpr std::chrono::milliseconds kFinishStep{100};
+
+struct RunArguments {
+  std::filesystem::path config, keys, allow, json;
+  std::string source, endpoint, publish;
+  std::uint64_t frames = 0;
+  double linger_s = 30;
+};
+
+class LinkSink : public CaptureSink {
+ public:
+  explicit LinkSink(CaptureSender& sender) : sender_(sender) {}
+  bool keep(Capture capture, std::chrono::milliseconds timeout) override {
+    capture.times.sent_ns = steady_ns();
+    return sender_.keep(std::move(capture), timeout);
+  }
+  void live(Capture capture) override {
+    capture.times.sent_ns = steady_ns();
+    sender_.live(std::move(capture));
+  }
+
+ private:
+  CaptureSender& sender_;
+};
+
+/// Command line over configuration file.
+RigConfig configuration(const RunArguments& arguments) {
+  RigConfig config = arguments.config.empty() ? RigConfig{} : load_rig_config(arguments.config);
+  if (!arguments.source.empty()) config.source_uri = arguments.source;
+  if (!arguments.endpoint.empty()) config.endpoint = arguments.endpoint;
+  if (!arguments.keys.empty()) config.keys = arguments.keys;
+  if (!arguments.allow.empty()) config.allow = arguments.allow;
+  if (!config.source_uri) throw ConfigError("no source; give --source URI or a --config whose [source] has a uri");
+  return config;
+}
+
+std::optional<Rig> rig_of(const RigConfig& config) {
+  if (!config.camera || !config.stage_file) return std::nullopt;
+  return Rig{*config.camera, load_stage(*config.stage_file)};
+}
+
+/// Names a run of a camera: the second it began in and the process.
+std::string new_session() {
+  const std::time_t now = std::time(nullptr);
+  char text[64];
+  std::strftime(text, sizeof text, "live:%Y%m%dT%H%M%SZ:", std::gmtime(&now));
+  return text + std::to_string(getpid());
+}
+
+/// Waits until everything is acknowledged, for so long or until a second Ctrl-C's worth of impatience.
+bool drain(CaptureSender& sender, double linger_s) {
+  const bool interrupted = stop_requested();
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(interrupted ? 0.3 : linger_s);
+  do {
+    if (sender.finish(kFinishStep)) return true;
+    if (!interrupted && stop_requested()) return false;
+  } while (std::chrono::steady_clock::now() < end);
+  return false;
+}
+
+std::map<std::string, std::uint64_t> link_counters(const SenderStats& s) {
+  return {{"kept", s.kept},
+          {"delivered", s.delivered},
+          {"acknowledged", s.acknowledged},
+          {"resent", s.resent},
+          {"live_sent", s.live_sent},
+          {"live_dropped", s.live_dropped},
+          {"rejected_messages", s.rejected_messages},
+          {"refused_keys", s.refused_keys},
+          {"unacknowledged", s.kept > s.acknowledged ? s.kept - s.acknowledged : 0}};
+}
+
+void run(const RunArguments& arguments) {
+  const RigConfig config = configuration(arguments);
+  const std::optional<Rig> rig = rig_of(config);
+  const auto source = open_source(parse_source_uri(*config.source_uri), config.source);
+
+  TrackingOptions options{.gate = config.gate, .max_frames = arguments.frames};
+  options.source_session = source->session().empty() ? new_session() : source->session();
+  std::optional<CurveKeys> keys;
+  if (!config.keys.empty()) keys = load_keys(config.keys);
+  CaptureSender sender({.endpoint = config.endpoint,
+                        .keys = keys,
+                        .allowlist = config.allow,
+                        .retained = kRetainedKeyframes,
+                        .source_session = options.source_session});
+  std::unique_ptr<MonitorPublisher> publisher;
+  if (!arguments.publish.empty())
+    publisher = std::make_unique<MonitorPublisher>(
+        PublisherOptions{.endpoint = arguments.publish, .keys = keys, .allowlist = config.allow});
+  LinkSink sink(sender);
+  TrackingLoop loop(*source, sink, rig, options);
+  std::cerr << "sheen-tracker: " << *config.source_uri << " to " << sender.endpoint() << '\n';
+
+  TrackingLoop::Hooks hooks{.stop = stop_requested};
+  if (publisher)
+    hooks.publish = [&](const Status& status) {
+      Status with_link = status;
+      const SenderStats link = sender.stats();
+      for (const auto& [name, count] : link_counters(link)) with_link.gauges["link_" + name] = double(count);
+      with_link.gauges["link_connected"] = link.peer_connected;
+      publisher->publish(std::move(with_link));
+    };
+  const TrackingReport report = loop.run(hooks);
+  const bool drained = drain(sender, arguments.linger_s);
+  const auto link = link_counters(sender.stats());
+  if (!arguments.json.empty()) write_file(arguments.json, to_json(report, link));
+  std::cerr << "sheen-tracker: " << summary(report) << '\n';
+  if (!drained && link.at("unacknowledged") > 0)
+    std::cerr << "sheen-tracker: " << link.at("unacknowledged")
+              << " keyframes were not acknowledged; is a reconstructor connected to " << sender.endpoint() << "?\n";
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("run", "Track a camera, video or data set and stream posed images");
+  const auto a = std::make_shared<RunArguments>();
+  command->add_option("--config", a->config, "Rig description (TOML): camera, stage, source, link, gate");
+  command->add_option("--source", a->source, "aravis:ID, video:PATH or dataset:DIR; overrides the configuration");
+  command->add_option("--endpoint", a->endpoint, "Address to bind, default tcp://127.0.0.1:7410");
+  command->add_option("--keys", a->keys, "Own .key file; without keys only loopback addresses are allowed");
+  command->add_option("--allow", a->allow, "File of the public keys that may connect");
+  command->add_option("--frames", a->frames, "End after so many frames; 0 = when the source ends");
+  command->add_option("--json", a->json, "Write the report there");
+  command->add_option("--publish", a->publish, "Address to publish status on, e.g. tcp://127.0.0.1:7411");
+  command->add_option("--linger", a->linger_s, "Seconds to wait at the end for acknowledgements")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
+  command->callback([a] { run(*a); });
+}
+
+}  // namespace sheen

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracker/rig_config.h"
+
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "common/errors.h"
+
+namespace sheen {
+namespace {
+
+/// Takes the value of a key; returns what is wrong with it, or nothing.
+using Setter = std::function<std::string(const toml::node&)>;
+using Section = std::map<std::string, Setter, std::less<>>;
+
+Setter number(double& target) {
+  return [&target](const toml::node& node) -> std::string {
+    const auto value = node.value<double>();  // an integer will do
+    if (!value || !std::isfinite(*value)) return "must be a number";
+    target = *value;
+    return {};
+  };
+}
+
+Setter integer(int& target) {
+  return [&target](const toml::node& node) -> std::string {
+    const auto value = node.value_exact<std::int64_t>();
+    if (!value || *value < 0 || *value > std::numeric_limits<int>::max()) return "must be a whole number, 0 or more";
+    target = static_cast<int>(*value);
+    return {};
+  };
+}
+
+Setter text(std::function<void(const std::string&)> take) {
+  return [take = std::move(take)](const toml::node& node) -> std::string {
+    const auto value = node.value_exact<std::string>();
+    if (!value || value->empty()) return "must be a text in quotes";
+    take(*value);
+    return {};
+  };
+}
+
+std::string take_lens(const toml::node& node, Camera& camera) {
+  const auto value = node.value_exact<std::string>();
+  if (value == "opencv")
+    camera.lens = LensModel::kOpenCv;
+  else if (value == "fisheye")
+    camera.lens = LensModel::kFisheye;
+  else
+    return "must be \"opencv\" or \"fisheye\"";
+  return {};
+}
+
+std::string take_distortion(const toml::node& node, Camera& camera) {
+  const toml::array* values = node.as_array();
+  if (!values || values->size() > camera.distortion.size()) return "must be a list of up to 5 numbers";
+  for (std::size_t i = 0; i < values->size(); ++i) {
+    const auto value = (*values)[i].value<double>();
+    if (!value || !std::isfinite(*value)) return "must hold numbers only";
+    camera.distortion[i] = *value;
+  }
+  return {};
+}
+
+std::string place(const std::filesystem::path& file, const toml::source_region& source) {
+  return file.string() + ":" + std::to_string(source.begin.line) + ": ";
+}
+
+toml::table parse(const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file)) throw FileError(file.string(), "does not exist or is no file");
+  try {
+    return toml::parse_file(file.string());
+  } catch (const toml::parse_error& error) {
+    throw ConfigError(place(file, error.source()) + std::string(error.description()));
+  }
+}
+
+std::string key_list(const Section& section) {
+  std::string list;
+  for (const auto& [key, setter] : section) list += (list.empty() ? "" : ", ") + key;
+  return list;
+}
+
+void read_section(const std::filesystem::path& file, const std::string& name, const toml::table& table,
+                  const Section& section) {
+  for (const auto& [key, value] : table) {
+    const auto setter = section.find(key.str());
+    const std::string where = place(file, value.source()) + name + "." + std::string(key.str());
+    if (setter == section.end()) throw ConfigError(where + " is unknown; [" + name + "] has " + key_list(section));
+    const std::string wrong = setter->second(value);
+    if (!wrong.empty()) throw ConfigError(where + " " + wrong);
+  }
+}
+
+}  // namespace
+
+RigConfig load_rig_config(const std::filesystem::path& file) {
+  const toml::table document = parse(file);
+  RigConfig config;
+  Camera camera;
+  GateOptions& gate = config.gate;
+  const auto path = [&](const std::string& name) { return file.parent_path() / name; };
+  const std::map<std::string, Section, std::less<>> sections{
+      {"camera",
+       {{"width", integer(camera.width)},
+        {"height", integer(camera.height)},
+        {"fx", number(camera.fx)},
+        {"fy", number(camera.fy)},
+        {"cx", number(camera.cx)},
+        {"cy", number(camera.cy)},
+        {"lens", [&](const toml::node& node) { return take_lens(node, camera); }},
+        {"distortion", [&](const toml::node& node) { return take_distortion(node, camera); }}}},
+      {"stage", {{"file", text([&](const std::string& v) { config.stage_file = path(v); })}}},
+      {"source",
+       {{"uri", text([&](const std::string& v) { config.source_uri = v; })},
+        {"frame_rate_hz", number(config.source.frame_rate_hz)},
+        {"exposure_us", number(config.source.exposure_us)},
+        {"gain_db", number(config.source.gain_db)}}},
+      {"link",
+       {{"endpoint", text([&](const std::string& v) { config.endpoint = v; })},
+        {"keys", text([&](const std::string& v) { config.keys = path(v); })},
+        {"allow", text([&](const std::string& v) { config.allow = path(v); })}}},
+      {"gate",
+       {{"min_tags", integer(gate.min_tags)},
+        {"max_blur_px", number(gate.max_blur_px)},
+        {"max_overexposed", number(gate.max_overexposed)},
+        {"min_bright", number(gate.min_bright)},
+        {"min_angle_deg", number(gate.min_angle_deg)},
+        {"min_distance_m", number(gate.min_distance_m)},
+        {"max_uncertainty_px", number(gate.max_uncertainty_px)}}},
+  };
+  for (const auto& [name, content] : document) {
+    const auto section = sections.find(name.str());
+    if (section == sections.end() || !content.is_table())
+      throw ConfigError(place(file, content.source()) + "unknown section [" + std::string(name.str()) +
+                        "]; a rig has [camera], [stage], [source], [link], [gate]");
+    read_section(file, section->first, *content.as_table(), section->second);
+  }
+  if (const toml::table* given = document["camera"].as_table()) {
+    for (const char* key : {"width", "height", "fx", "fy", "cx", "cy"})
+      if (!given->contains(key)) throw ConfigError(place(file, given->source()) + "camera." + key + " is missing");
+    const std::string wrong = validation_error(camera);
+    if (!wrong.empty()) throw ConfigError(place(file, given->source()) + wrong);
+    config.camera = camera;
+    config.source.width = camera.width;
+    config.source.height = camera.height;
+  }
+  const std::string wrong = validation_error(gate);
+  if (!wrong.empty()) throw ConfigError(file.string() + ": gate." + wrong);
+  if (config.source.frame_rate_hz < 0) throw ConfigError(file.string() + ": source.frame_rate_hz must not be negative");
+  if (config.source.exposure_us < 0) throw ConfigError(file.string() + ": source.exposure_us must not be negative");
+  return config;
+}
+
+}  // namespace sheen

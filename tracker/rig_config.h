@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/camera.h"
+#include "common/stage/stage_layout.h"
+#include "tracker/pose/keyframe_gate.h"
+#include "tracker/sources/source_uri.h"
+
+namespace sheen {
+
+/// What a rig's TOML file says. Paths are relative to the file.
+///
+///   [camera]  width height fx fy cx cy       pixels, integer coordinates at pixel centres; all required
+///             lens = "opencv" | "fisheye"    distortion = [k1, k2, p1, p2, k3] or [k1, k2, k3, k4]
+///   [stage]   file                           the layout of the tags
+///   [source]  uri frame_rate_hz exposure_us gain_db
+///   [link]    endpoint keys allow            keys: the .key file; allow: the public keys that may connect
+///   [gate]    min_tags max_blur_px max_overexposed min_bright min_angle_deg min_distance_m max_uncertainty_px
+struct RigConfig {
+  std::optional<Camera> camera;
+  std::optional<std::filesystem::path> stage_file;
+  std::optional<std::string> source_uri;
+  SourceSettings source;
+  std::string endpoint = "tcp://127.0.0.1:7410";
+  std::filesystem::path keys, allow;  ///< empty: none
+  GateOptions gate;
+};
+
+/// Throws ConfigError naming file, line and key (unknown keys too), FileError when the file cannot be read.
+RigConfig load_rig_config(const std::filesystem::path& file);
+
+}  // namespace sheen

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracker/sources/aravis_camera.h"
+
+#include <arv.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <vector>
+
+#include "common/errors.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kBuffers = 16;  ///< half a second at 30 frames/s
+
+struct Format {
+  PixelFormat format;
+  ArvPixelFormat aravis;
+};
+/// In the order of preference: a mosaic is what the sensor saw, at a third of the bytes.
+constexpr std::array kFormats{Format{PixelFormat::kBayerRG8, ARV_PIXEL_FORMAT_BAYER_RG_8},
+                              Format{PixelFormat::kBayerGR8, ARV_PIXEL_FORMAT_BAYER_GR_8},
+                              Format{PixelFormat::kBayerGB8, ARV_PIXEL_FORMAT_BAYER_GB_8},
+                              Format{PixelFormat::kBayerBG8, ARV_PIXEL_FORMAT_BAYER_BG_8},
+                              Format{PixelFormat::kRGB8, ARV_PIXEL_FORMAT_RGB_8_PACKED},
+                              Format{PixelFormat::kMono8, ARV_PIXEL_FORMAT_MONO_8}};
+
+PixelFormat from_aravis(ArvPixelFormat format) {
+  const auto it = std::ranges::find(kFormats, format, &Format::aravis);
+  return it == kFormats.end() ? PixelFormat::kUnspecified : it->format;
+}
+
+struct Unref {
+  void operator()(void* object) const { g_object_unref(object); }
+};
+
+/// Collects the GError of a call and turns it into an exception that names the setting.
+class Call {
+ public:
+  Call(const std::string& camera, const char* what) : camera_(camera), what_(what) {}
+  ~Call() { g_clear_error(&error_); }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+  operator GError**() { return &error_; }
+  bool failed() const { return error_ != nullptr; }
+  void require() const {
+    if (error_) throw DeviceError("camera " + camera_ + ": " + what_ + ": " + error_->message);
+  }
+
+ private:
+  const std::string& camera_;
+  const char* what_;
+  GError* error_ = nullptr;
+};
+
+void on_control_lost(ArvDevice*, std::atomic<bool>* lost) {
+  *lost = true;
+}
+
+}  // namespace
+
+struct AravisCamera::Impl {
+  std::string id;
+  std::unique_ptr<ArvCamera, Unref> camera;
+  std::unique_ptr<ArvStream, Unref> stream;
+  std::atomic<bool> lost = false;
+  gulong lost_handler = 0;
+  Exposure exposure;
+  double frame_rate_hz = 0;
+
+  void open();
+  void set_up(const SourceSettings& settings);
+  void choose_pixel_format();
+  void lock_exposure(const SourceSettings& settings);
+  void start();
+};
+
+AravisCamera::AravisCamera(const std::string& id, const SourceSettings& settings) : impl_(std::make_unique<Impl>()) {
+  impl_->id = id;
+  impl_->open();
+  impl_->set_up(settings);
+  impl_->start();
+}
+
+AravisCamera::~AravisCamera() {
+  g_signal_handler_disconnect(arv_camera_get_device(impl_->camera.get()), impl_->lost_handler);
+  if (!impl_->lost) arv_camera_stop_acquisition(impl_->camera.get(), nullptr);
+}
+
+void AravisCamera::Impl::open() {
+  GError* error = nullptr;
+  camera.reset(arv_camera_new(id.c_str(), &error));
+  const std::string reason = error ? error->message : "";
+  g_clear_error(&error);
+  if (!camera)
+    throw DeviceError("camera " + id + " does not answer" + (reason.empty() ? "" : " (" + reason + ")") +
+                      "; `sheen-tracker cameras` lists those that do");
+  ArvDevice* device = arv_camera_get_device(camera.get());
+  if (ARV_IS_GV_DEVICE(device) && !arv_gv_device_is_controller(ARV_GV_DEVICE(device)))
+    throw DeviceError("camera " + id + " is controlled by another program; end it, or wait some seconds if it crashed");
+  lost_handler = g_signal_connect(device, "control-lost", G_CALLBACK(on_control_lost), &lost);
+}
+
+void AravisCamera::Impl::set_up(const SourceSettings& settings) {
+  if (settings.width > 0) {
+    Call call(id, "region");
+    arv_camera_set_region(camera.get(), 0, 0, settings.width, settings.height, call);
+    call.require();
+    int x = 0, y = 0, width = 0, height = 0;
+    arv_camera_get_region(camera.get(), &x, &y, &width, &height, call);
+    call.require();
+    if (width != settings.width || height != settings.height)
+      throw DeviceError("camera " + id + " delivers " + std::to_string(width) + " x " + std::to_string(height) +
+                        " pixels, but the configuration's [camera] is " + std::to_string(settings.width) + " x " +
+                        std::to_string(settings.height));
+  }
+  choose_pixel_format();
+  if (settings.frame_rate_hz > 0) {
+    Call call(id, "frame rate");
+    arv_camera_set_frame_rate(camera.get(), settings.frame_rate_hz, call);
+    call.require();
+  }
+  Call rate(id, "frame rate");
+  frame_rate_hz = arv_camera_get_frame_rate(camera.get(), rate);
+  if (rate.failed()) frame_rate_hz = 0;
+  lock_exposure(settings);
+  if (arv_camera_is_gv_device(camera.get())) {
+    Call call(id, "packet size");
+    arv_camera_gv_auto_packet_size(camera.get(), call);
+    call.require();
+  }
+}
+
+void AravisCamera::Impl::choose_pixel_format() {
+  Call call(id, "pixel format");
+  guint count = 0;
+  const std::unique_ptr<gint64, void (*)(void*)> offered(
+      arv_camera_dup_available_pixel_formats(camera.get(), &count, call), g_free);
+  call.require();
+  for (const Format& format : kFormats) {
+    if (std::find(offered.get(), offered.get() + count, gint64(format.aravis)) == offered.get() + count) continue;
+    arv_camera_set_pixel_format(camera.get(), format.aravis, call);
+    call.require();
+    return;
+  }
+  throw DeviceError("camera " + id + " offers no 8-bit Bayer, RGB8 or Mono8 pixel format");
+}
+
+void AravisCamera::Impl::lock_exposure(const SourceSettings& settings) {
+  ArvCamera* c = camera.get();
+  exposure.locked = true;
+  if (arv_camera_is_exposure_auto_available(c, nullptr)) {
+    Call call(id, "fixing the exposure");
+    arv_camera_set_exposure_time_auto(c, ARV_AUTO_OFF, call);
+    exposure.locked &= !call.failed();
+  }
+  if (arv_camera_is_gain_auto_available(c, nullptr)) {
+    Call call(id, "fixing the gain");
+    arv_camera_set_gain_auto(c, ARV_AUTO_OFF, call);
+    exposure.locked &= !call.failed();
+  }
+  if (arv_camera_is_feature_available(c, "BalanceWhiteAuto", nullptr)) {
+    Call call(id, "fixing the white balance");
+    arv_camera_set_string(c, "BalanceWhiteAuto", "Off", call);
+    exposure.locked &= !call.failed();
+  }
+  if (settings.exposure_us > 0) {
+    Call call(id, "exposure time");
+    arv_camera_set_exposure_time(c, settings.exposure_us, call);
+    call.require();
+  }
+  if (settings.gain_db >= 0) {
+    Call call(id, "gain");
+    arv_camera_set_gain(c, settings.gain_db, call);
+    call.require();
+  }
+  Call read(id, "reading the exposure back");
+  if (arv_camera_is_exposure_time_available(c, nullptr))
+    exposure.exposure_s = arv_camera_get_exposure_time(c, read) * 1e-6;
+  exposure.locked &= !read.failed();
+  Call read_gain(id, "reading the gain back");
+  if (arv_camera_is_gain_available(c, nullptr)) exposure.gain_db = arv_camera_get_gain(c, read_gain);
+  exposure.locked &= !read_gain.failed();
+}
+
+void AravisCamera::Impl::start() {
+  Call call(id, "stream");
+  stream.reset(arv_camera_create_stream(camera.get(), nullptr, nullptr, call));
+  call.require();
+  const guint payload = arv_camera_get_payload(camera.get(), call);
+  call.require();
+  for (int i = 0; i < kBuffers; ++i) arv_stream_push_buffer(stream.get(), arv_buffer_new_allocate(payload));
+  arv_camera_start_acquisition(camera.get(), call);
+  call.require();
+}
+
+std::optional<Frame> AravisCamera::grab(std::chrono::milliseconds timeout) {
+  ArvBuffer* buffer = arv_stream_timeout_pop_buffer(impl_->stream.get(), std::max<guint64>(timeout.count(), 1) * 1000);
+  if (!buffer) return std::nullopt;
+  const ArvBufferStatus status = arv_buffer_get_status(buffer);
+  std::size_t size = 0;
+  const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
+  Frame frame;
+  frame.times.grabbed_ns = steady_ns();
+  frame.complete = status == ARV_BUFFER_STATUS_SUCCESS;
+  frame.camera_frame_id = arv_buffer_get_frame_id(buffer);
+  frame.exposure = impl_->exposure;
+  const bool has_image = status == ARV_BUFFER_STATUS_SUCCESS || status == ARV_BUFFER_STATUS_MISSING_PACKETS ||
+                         status == ARV_BUFFER_STATUS_TIMEOUT;
+  if (has_image && data) {
+    frame.times.device_ns = static_cast<std::int64_t>(arv_buffer_get_timestamp(buffer));
+    frame.image.format = from_aravis(arv_buffer_get_image_pixel_format(buffer));
+    frame.image.width = arv_buffer_get_image_width(buffer);
+    frame.image.height = arv_buffer_get_image_height(buffer);
+    frame.image.stride = frame.image.width * bytes_per_pixel(frame.image.format);
+    const std::size_t bytes = frame.image.stride * frame.image.height;
+    if (bytes > 0 && bytes <= size) frame.image.bytes.assign(data, data + bytes);
+  }
+  arv_stream_push_buffer(impl_->stream.get(), buffer);
+  if (status == ARV_BUFFER_STATUS_CLEARED || status == ARV_BUFFER_STATUS_ABORTED) return std::nullopt;
+  frame.complete = frame.complete && !frame.image.bytes.empty();
+  return frame;
+}
+
+bool AravisCamera::control_lost() const {
+  return impl_->lost;
+}
+const Exposure& AravisCamera::exposure() const {
+  return impl_->exposure;
+}
+double AravisCamera::frame_rate_hz() const {
+  return impl_->frame_rate_hz;
+}
+
+std::uint64_t AravisCamera::underruns() const {
+  guint64 completed = 0, failures = 0, underruns = 0;
+  arv_stream_get_statistics(impl_->stream.get(), &completed, &failures, &underruns);
+  return underruns;
+}
+
+std::uint64_t AravisCamera::missing_packets() const {
+  if (!ARV_IS_GV_STREAM(impl_->stream.get())) return 0;
+  guint64 resent = 0, missing = 0;
+  arv_gv_stream_get_statistics(ARV_GV_STREAM(impl_->stream.get()), &resent, &missing);
+  return missing;
+}
+
+}  // namespace sheen

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracker/tracking_loop.h"
+
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <thread>
+
+#include "common/bounded_queue.h"
+#include "common/errors.h"
+
+namespace sheen {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kPoll{50};
+constexpr milliseconds kKeepWait{100};
+constexpr int kLiveKeepWaits = 10;  ///< a camera's keyframe waits a second for room, a file's for ever
+constexpr std::int64_t kPublishEvery_ns = 200'000'000;
+constexpr std::size_t kTimesKept = 4096;
+
+/// Adds the time until its destruction to a stage of the report.
+class StageTimer {
+ public:
+  StageTimer(TrackingReport& report, const char* stage) : times_(report.stage_ms[stage]) {}
+  ~StageTimer() {
+    if (times_.size() == kTimesKept) times_.erase(times_.begin(), times_.begin() + kTimesKept / 2);
+    times_.push_back(static_cast<float>((steady_ns() - start_) * 1e-6));
+  }
+  StageTimer(const StageTimer&) = delete;
+  StageTimer& operator=(const StageTimer&) = delete;
+
+ private:
+  std::vector<float>& times_;
+  const std::int64_t start_ = steady_ns();
+};
+
+struct CloseOnExit {
+  BoundedQueue<Frame>& queue;
+  ~CloseOnExit() { queue.close(); }
+};
+
+/// Identifies intrinsics; not a secret, only has to change with them.
+std::string calibration_hash(const Camera& c) {
+  std::uint64_t hash = 0xcbf29ce484222325ull;
+  const auto mix = [&](double value) {
+    for (const char byte : std::to_string(value * 1e6))
+      hash = (hash ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3ull;
+  };
+  for (const double value : {double(c.width), double(c.height), c.fx, c.fy, c.cx, c.cy, double(c.lens)}) mix(value);
+  for (const double value : c.distortion) mix(value);
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+}  // namespace
+
+struct TrackingLoop::Impl {
+  FrameSource& source;
+  CaptureSink& sink;
+  const std::optional<Rig> rig;
+  const TrackingOptions options;
+  const ObjectRegion region;
+  const std::string calibration, stage_hash;
+  TagDetector detector;
+  BlurPredictor blur;
+  KeyframeGate gate;
+  BoundedQueue<Frame> grabbed;
+  std::atomic<std::uint64_t> grabbed_count = 0, overrun_count = 0;
+  std::exception_ptr grab_error;  ///< read once the queue is closed
+  TrackingReport report;
+  std::int64_t published_ns = 0;
+  std::string last_verdict;
+
+  Impl(FrameSource& s, CaptureSink& k, std::optional<Rig> r, const TrackingOptions& o)
+      : source(s),
+        sink(k),
+        rig(std::move(r)),
+        options(o),
+        region(rig ? object_region(rig->stage) : ObjectRegion{}),
+        calibration(rig ? calibration_hash(rig->camera) : ""),
+        stage_hash(rig ? rig->stage.hash() : ""),
+        detector(o.detector),
+        gate(o.gate, region),
+        grabbed(o.queue) {}
+
+  void grab(const std::stop_token& stop);
+  Capture measure(Frame frame);
+  void check_size(const Frame& frame) const;
+  void find_pose(const Frame& frame, Capture& capture);
+  void judge(Frame& frame, Capture& capture);
+  void send(Capture capture, const Hooks& hooks);
+  bool keep(const Capture& capture, const Hooks& hooks);
+  void publish(const Hooks& hooks);
+};
+
+void TrackingLoop::Impl::grab(const std::stop_token& stop) {
+  try {
+    while (!stop.stop_requested() && !source.ended() &&
+           (options.max_frames == 0 || grabbed_count < options.max_frames)) {
+      auto frame = source.next(kPoll);
+      if (!frame) continue;
+      ++grabbed_count;
+      if (source.live() ? !grabbed.try_push(std::move(*frame)) : !grabbed.push(std::move(*frame))) ++overrun_count;
+    }
+  } catch (...) {
+    grab_error = std::current_exception();
+  }
+  grabbed.close();
+}
+
+Capture TrackingLoop::Impl::measure(Frame frame) {
+  if (frame.given) {
+    Capture capture = std::move(*frame.given);
+    capture.times = frame.times;
+    return capture;
+  }
+  check_size(frame);
+  Capture capture;
+  capture.source_session = options.source_session;
+  capture.camera_frame_id = frame.camera_frame_id;
+  capture.name = "frame " + std::to_string(frame.camera_frame_id);
+  capture.times = frame.times;
+  capture.camera = rig->camera;
+  capture.exposure = frame.exposure;
+  capture.calibration_hash = calibration;
+  capture.stage_hash = stage_hash;
+  if (frame.complete) find_pose(frame, capture);
+  judge(frame, capture);
+  capture.image = std::move(frame.image);
+  return capture;
+}
+
+void TrackingLoop::Impl::check_size(const Frame& frame) const {
+  const RawImage& image = frame.image;
+  if (!frame.complete || (image.width == rig->camera.width && image.height == rig->camera.height)) return;
+  throw ConfigError("the source delivers " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                    " pixels, but the configuration's [camera] is " + std::to_string(rig->camera.width) + " x " +
+                    std::to_string(rig->camera.height));
+}
+
+void TrackingLoop::Impl::find_pose(const Frame& frame, Capture& capture) {
+  ImageU8 grey;
+  {
+    const StageTimer timer(report, "detect");
+    grey = detection_image(frame.image);
+    capture.tags = detector.detect(grey);
+  }
+  {
+    const StageTimer timer(report, "refine");
+    refine_corners(grey, rig->camera, capture.tags, options.refiner);
+  }
+  const StageTimer timer(report, "solve");
+  capture.pose = solve_pose(rig->camera, rig->stage, capture.tags, options.pose);
+  if (capture.pose.usable())
+    capture.pose.blur_px = blur.predict(rig->camera, region, capture.pose.camera_from_object, frame.times.device_ns,
+                                        frame.exposure.exposure_s);
+}
+
+void TrackingLoop::Impl::judge(Frame& frame, Capture& capture) {
+  const StageTimer timer(report, "gate");
+  capture.verdict = gate.judge(rig->camera, frame.image, frame.complete, capture.pose);
+}
+
+void TrackingLoop::Impl::send(Capture capture, const Hooks& hooks) {
+  const StageTimer timer(report, "send");
+  ++report.judged;
+  ++report.verdicts[capture.verdict];
+  ++report.poses[capture.pose.status];
+  last_verdict = to_string(capture.verdict);
+  if (capture.verdict == FrameVerdict::kIncomplete) return;  // part of the picture is missing: nothing to look at
+  if (capture.verdict != FrameVerdict::kKeyframe) {
+    ++report.live;
+    sink.live(std::move(capture));
+  } else if (keep(capture, hooks)) {
+    ++report.kept;
+    if (rig) gate.remember(capture.pose);
+  } else {
+    ++report.unsent;
+  }
+}
+
+bool TrackingLoop::Impl::keep(const Capture& capture, const Hooks& hooks) {
+  for (int waits = 0; !source.live() || waits < kLiveKeepWaits; ++waits) {
+    if (sink.keep(capture, kKeepWait)) return true;
+    if (hooks.stop()) return false;
+    publish(hooks);
+  }
+  return false;
+}
+
+void TrackingLoop::Impl::publish(const Hooks& hooks) {
+  const std::int64_t now = steady_ns();
+  if (!hooks.publish || now - published_ns < kPublishEvery_ns) return;
+  published_ns = now;
+  Status status{.role = "tracker",
+                .source_session = options.source_session,
+                .clock_ns = now,
+                .state = source.state(),
+                .message = source.message()};
+  if (!last_verdict.empty()) status.message += "; last frame: " + last_verdict;
+  status.gauges = {{"frames_grabbed", double(grabbed_count)}, {"frames_overrun", double(overrun_count)},
+                   {"frames_kept", double(report.kept)},      {"frames_live", double(report.live)},
+                   {"frames_unsent", double(report.unsent)},  {"queue_depth", double(grabbed.size())}};
+  for (const auto& [verdict, count] : report.verdicts)
+    status.gauges[std::string("verdict_") + to_string(verdict)] = double(count);
+  for (const auto& [stage, times] : report.stage_ms) status.gauges[stage + "_s"] = report.median_ms(stage) * 1e-3;
+  hooks.publish(status);
+}
+
+TrackingLoop::TrackingLoop(FrameSource& source, CaptureSink& sink, std::optional<Rig> rig,
+                           const TrackingOptions& options)
+    : impl_(std::make_unique<Impl>(source, sink, std::move(rig), options)) {
+  if (!impl_->rig && source.session().empty())
+    throw ConfigError("this source's images have no poses: --config must name [camera] and [stage]");
+}
+
+TrackingLoop::~TrackingLoop() = default;
+
+TrackingReport TrackingLoop::run(const Hooks& hooks) {
+  Impl& loop = *impl_;
+  std::jthread grabber([&loop](const std::stop_token& stop) { loop.grab(stop); });
+  const CloseOnExit close_queue{loop.grabbed};  // else an exception would leave the grabber waiting for room
+  while (!hooks.stop()) {
+    auto frame = loop.grabbed.pop_for(kPoll);
+    if (!frame && loop.grabbed.closed() && loop.grabbed.size() == 0) break;
+    if (frame) loop.send(loop.measure(std::move(*frame)), hooks);
+    loop.publish(hooks);
+  }
+  grabber.request_stop();
+  loop.grabbed.close();
+  grabber.join();
+  if (loop.grab_error) std::rethrow_exception(loop.grab_error);
+  loop.overrun_count += loop.grabbed.size();  // stopped before they were looked at
+  loop.report.grabbed = loop.grabbed_count;
+  loop.report.overrun = loop.overrun_count;
+  loop.report.source = loop.source.stats();
+  loop.published_ns = 0;
+  loop.publish(hooks);
+  return loop.report;
+}
+
+}  // namespace sheen

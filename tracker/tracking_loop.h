@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "common/camera.h"
+#include "common/stage/stage_layout.h"
+#include "common/status.h"
+#include "tracker/capture_sink.h"
+#include "tracker/fiducials/corner_refiner.h"
+#include "tracker/fiducials/tag_detector.h"
+#include "tracker/pose/keyframe_gate.h"
+#include "tracker/pose/pose_solver.h"
+#include "tracker/sources/frame_source.h"
+#include "tracker/tracking_report.h"
+
+namespace sheen {
+
+/// What a source without given poses is tracked with.
+struct Rig {
+  Camera camera;
+  StageLayout stage;
+};
+
+struct TrackingOptions {
+  DetectorOptions detector;
+  RefinerOptions refiner;
+  PoseOptions pose;
+  GateOptions gate;
+  std::uint64_t max_frames = 0;  ///< grabbed; 0 is all that come
+  std::size_t queue = 4;         ///< frames that wait between grabbing and tracking
+  std::string source_session;    ///< of the captures; empty leaves it to the sink
+};
+
+/// grab -> detect -> refine -> solve -> gate -> send. Grabbing has its own thread and a bounded queue: a camera that is
+/// faster than the tracker loses frames, which are counted; a file waits.
+class TrackingLoop {
+ public:
+  struct Hooks {
+    std::function<bool()> stop;                  ///< asked at least ten times a second
+    std::function<void(const Status&)> publish;  ///< called about five times a second; may be empty
+  };
+
+  /// `rig` may be empty for a source whose images come with poses. Throws ConfigError otherwise.
+  TrackingLoop(FrameSource& source, CaptureSink& sink, std::optional<Rig> rig, const TrackingOptions& options);
+  ~TrackingLoop();
+
+  /// Until the source ends, `max_frames` have been grabbed or `hooks.stop` says so. Throws what the source throws.
+  TrackingReport run(const Hooks& hooks);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracker/tracking_report.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace sheen {
+namespace {
+
+nlohmann::json refusals(const TrackingReport& report) {
+  nlohmann::json refused = nlohmann::json::object();
+  for (const auto& [verdict, count] : report.verdicts)
+    if (verdict != FrameVerdict::kKeyframe) refused[to_string(verdict)] = count;
+  return refused;
+}
+
+}  // namespace
+
+double TrackingReport::median_ms(const std::string& stage) const {
+  const auto it = stage_ms.find(stage);
+  if (it == stage_ms.end() || it->second.empty()) return 0;
+  std::vector<float> times = it->second;
+  std::ranges::nth_element(times, times.begin() + times.size() / 2);
+  return times[times.size() / 2];
+}
+
+std::string to_json(const TrackingReport& report, const std::map<std::string, std::uint64_t>& link) {
+  nlohmann::json stages = nlohmann::json::object(), poses = nlohmann::json::object();
+  for (const auto& [stage, times] : report.stage_ms) stages[stage] = report.median_ms(stage);
+  for (const auto& [status, count] : report.poses) poses[to_string(status)] = count;
+  const nlohmann::json document{{"frames",
+                                 {{"grabbed", report.grabbed},
+                                  {"overrun", report.overrun},
+                                  {"sent", report.kept},
+                                  {"live", report.live},
+                                  {"unsent", report.unsent},
+                                  {"refused", refusals(report)}}},
+                                {"poses", poses},
+                                {"source",
+                                 {{"frames", report.source.frames},
+                                  {"incomplete", report.source.incomplete},
+                                  {"missed", report.source.missed},
+                                  {"underruns", report.source.underruns},
+                                  {"missing_packets", report.source.missing_packets},
+                                  {"reopened", report.source.reopened}}},
+                                {"stage_ms", stages},
+                                {"link", link}};
+  return document.dump(2) + "\n";
+}
+
+std::string summary(const TrackingReport& report) {
+  std::string text = std::to_string(report.grabbed) + " frames, " + std::to_string(report.kept) + " keyframes sent";
+  for (const auto& [verdict, count] : report.verdicts)
+    if (verdict != FrameVerdict::kKeyframe) text += ", " + std::to_string(count) + " " + to_string(verdict);
+  if (report.overrun) text += ", " + std::to_string(report.overrun) + " overrun";
+  if (report.unsent) text += ", " + std::to_string(report.unsent) + " unsent";
+  return text;
+}
+
+}  // namespace sheen

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/capture.h"
+#include "tracker/sources/frame_source.h"
+
+namespace sheen {
+
+/// What became of every frame: grabbed = overrun + judged, judged = the sum over `verdicts`,
+/// verdicts[keyframe] = kept + unsent.
+struct TrackingReport {
+  std::uint64_t grabbed = 0;
+  std::uint64_t overrun = 0;  ///< not looked at: the camera was faster than the tracker, or the link was full
+  std::uint64_t judged = 0;
+  std::map<FrameVerdict, std::uint64_t> verdicts;
+  std::map<PoseStatus, std::uint64_t> poses;
+  std::uint64_t kept = 0;    ///< keyframes handed to the link
+  std::uint64_t unsent = 0;  ///< keyframes for which the link had no room
+  std::uint64_t live = 0;    ///< frames sent to look at only
+  SourceStats source;
+  std::map<std::string, std::vector<float>> stage_ms;  ///< the latest times a stage of the pipeline took
+
+  double median_ms(const std::string& stage) const;
+};
+
+/// The report as JSON: frames {grabbed, overrun, sent, live, unsent, refused {reason: n}}, poses, source, stage_ms.
+std::string to_json(const TrackingReport& report, const std::map<std::string, std::uint64_t>& link);
+
+/// One line for a person.
+std::string summary(const TrackingReport& report);
+
+}  // namespace sheen
