@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// A real GigE Vision endpoint on the loopback network. Each test has an address of its own.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "common/errors.h"
+#include "tracker/camera_server/camera_server.h"
+#include "tracker/sources/aravis_source.h"
+
+namespace sheen {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+class Gige : public ::testing::Test {
+ protected:
+  Gige() {
+    std::filesystem::create_directories(recording.folder);
+    recording.camera = {.width = 320, .height = 240, .fx = 300, .fy = 300, .cx = 160, .cy = 120};
+    recording.frame_rate_hz = 50;
+    recording.exposure.exposure_s = 0.004;
+    std::mt19937 rng(7);
+    for (int i = 0; i < 8; ++i) {
+      std::string bytes(320 * 240, '\0');
+      for (char& byte : bytes) byte = static_cast<char>(rng());
+      recording.frames.push_back({.raw_file = recording.folder / (std::to_string(i) + ".raw")});
+      std::ofstream(recording.frames.back().raw_file, std::ios::binary) << bytes;
+      contents.push_back(bytes);
+    }
+  }
+  ~Gige() override { std::filesystem::remove_all(recording.folder); }
+
+  static std::optional<Frame> next_frame(FrameSource& source, milliseconds patience) {
+    const auto end = Clock::now() + patience;
+    while (Clock::now() < end)
+      if (auto frame = source.next(milliseconds(20))) return frame;
+    return std::nullopt;
+  }
+
+  RigRecording recording{
+      .folder = std::filesystem::temp_directory_path() /
+                ("sheen_gige_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))};
+  std::vector<std::string> contents;
+};
+
+TEST_F(Gige, FramesArriveByteExactInOrderAndAreLogged) {
+  const CameraServerOptions options{.address = "127.0.0.41"};
+  CameraServer server(recording, options);
+  AravisSource source(options.address, {.width = 320, .height = 240});
+  std::map<std::uint64_t, std::string> received;
+  for (int i = 0; i < 12; ++i) {
+    const auto frame = next_frame(source, milliseconds(2000));
+    ASSERT_TRUE(frame);
+    EXPECT_TRUE(frame->complete);
+    EXPECT_EQ(frame->image.format, PixelFormat::kBayerRG8);
+    EXPECT_EQ(frame->image.width, 320);
+    EXPECT_NEAR(frame->exposure.exposure_s, 0.004, 1e-9);
+    EXPECT_EQ(frame->exposure.config_epoch, 1u);
+    const std::string bytes(frame->image.bytes.begin(), frame->image.bytes.end());
+    EXPECT_EQ(bytes, contents[std::min(i, 7)]) << "frame " << i;  // the last is repeated
+    received[frame->camera_frame_id] = bytes;
+  }
+  EXPECT_TRUE(server.exhausted());
+  int matched = 0;
+  for (const SentFrame& sent : server.take_sent())
+    if (const auto it = received.find(sent.camera_frame_id); it != received.end()) {
+      EXPECT_EQ(it->second, contents[sent.rig_index]);
+      ++matched;
+    }
+  EXPECT_EQ(matched, 12);
+  EXPECT_EQ(source.stats().frames, 12u);
+  EXPECT_EQ(source.stats().incomplete, 0u);
+  EXPECT_EQ(source.stats().missed, 0u);
+  EXPECT_EQ(source.state(), SourceState::kLive);
+}
+
+TEST_F(Gige, AnUnpluggedCameraIsNoticedAndGoesOnWhenItIsBack) {
+  const CameraServerOptions options{.address = "127.0.0.42", .loop = true};
+  auto server = std::make_unique<CameraServer>(recording, options);
+  AravisSource source(options.address, {.width = 320, .height = 240});
+  ASSERT_TRUE(next_frame(source, milliseconds(2000)));
+  server.reset();
+  const auto unplugged = Clock::now();
+  while (source.state() != SourceState::kStale && Clock::now() < unplugged + milliseconds(3000))
+    source.next(milliseconds(20));
+  EXPECT_EQ(source.state(), SourceState::kStale);
+  EXPECT_THAT(source.message(), ::testing::HasSubstr("stopped delivering"));
+  while (Clock::now() < unplugged + milliseconds(1500)) source.next(milliseconds(20));
+  server = std::make_unique<CameraServer>(recording, options);
+  ASSERT_TRUE(next_frame(source, milliseconds(15000)));
+  EXPECT_EQ(source.state(), SourceState::kLive);
+  EXPECT_EQ(source.stats().reopened, 1u);
+}
+
+TEST_F(Gige, AMissingCameraIsAClearError) {
+  try {
+    AravisSource source("127.0.0.43", {});
+    FAIL() << "there is no camera";
+  } catch (const DeviceError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("127.0.0.43 does not answer"));
+  }
+}
+
+TEST_F(Gige, WhatCannotBeServedIsAClearError) {
+  EXPECT_THROW(CameraServer(recording, {.address = "10.1.2.3"}), ConfigError);
+  std::filesystem::resize_file(recording.frames[3].raw_file, 100);
+  EXPECT_THROW(CameraServer(recording, {.address = "127.0.0.44"}), FileError);
+  recording.frames.clear();
+  EXPECT_THROW(CameraServer(recording, {.address = "127.0.0.44"}), FileError);
+}
+
+TEST_F(Gige, AnotherSizeThanTheConfigurationsIsAClearError) {
+  const CameraServerOptions options{.address = "127.0.0.45"};
+  CameraServer server(recording, options);
+  EXPECT_THROW(AravisSource(options.address, {.width = 640, .height = 480}), DeviceError);
+}
+
+}  // namespace
+}  // namespace sheen

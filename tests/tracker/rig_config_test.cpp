@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracker/rig_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "common/errors.h"
+
+namespace sheen {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kCamera = "[camera]\nwidth = 1024\nheight = 768\nfx = 1200.5\nfy = 1200\ncx = 511.5\ncy = 383\n";
+
+class RigConfigFile : public ::testing::Test {
+ protected:
+  RigConfigFile() { std::filesystem::create_directories(folder); }
+  ~RigConfigFile() override { std::filesystem::remove_all(folder); }
+  RigConfig load(const std::string& text) const {
+    std::ofstream(folder / "rig.toml") << text;
+    return load_rig_config(folder / "rig.toml");
+  }
+  std::string error(const std::string& text) const {
+    try {
+      load(text);
+    } catch (const ConfigError& e) {
+      return e.what();
+    }
+    return "no error";
+  }
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() /
+      ("sheen_rig_config_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+};
+
+TEST_F(RigConfigFile, ReadsEverySection) {
+  const RigConfig config = load(kCamera +
+                                "lens = \"fisheye\"\ndistortion = [0.1, -0.2, 0, 0.01]\n"
+                                "[stage]\nfile = \"stage.json\"\n"
+                                "[source]\nuri = \"aravis:127.0.0.1\"\nframe_rate_hz = 30\nexposure_us = 5000.0\n"
+                                "[link]\nendpoint = \"tcp://10.0.0.1:7410\"\nkeys = \"t.key\"\nallow = \"allow\"\n"
+                                "[gate]\nmin_tags = 8\nmax_blur_px = 1.5\n");
+  ASSERT_TRUE(config.camera);
+  EXPECT_EQ(config.camera->fx, 1200.5);
+  EXPECT_EQ(config.camera->lens, LensModel::kFisheye);
+  EXPECT_EQ(config.camera->distortion, (std::array<double, 5>{0.1, -0.2, 0, 0.01, 0}));
+  EXPECT_EQ(config.stage_file, folder / "stage.json");
+  EXPECT_EQ(config.source_uri, "aravis:127.0.0.1");
+  EXPECT_EQ(config.source.width, 1024);
+  EXPECT_EQ(config.source.frame_rate_hz, 30);
+  EXPECT_EQ(config.endpoint, "tcp://10.0.0.1:7410");
+  EXPECT_EQ(config.keys, folder / "t.key");
+  EXPECT_EQ(config.gate.min_tags, 8);
+  EXPECT_EQ(config.gate.max_blur_px, 1.5);
+  EXPECT_EQ(config.gate.min_angle_deg, GateOptions{}.min_angle_deg);
+}
+
+TEST_F(RigConfigFile, NamesKeyAndLineOfWhatIsWrong) {
+  EXPECT_THAT(error("[gate]\nmin_tags = 6\nmin_tag = 7\n"), HasSubstr("rig.toml:3: gate.min_tag is unknown"));
+  EXPECT_THAT(error("\n[camra]\nfx = 1\n"), HasSubstr("rig.toml:2: unknown section [camra]"));
+  EXPECT_THAT(error("[camera]\nwidth = 1024\n"), HasSubstr("camera.height is missing"));
+  EXPECT_THAT(error("[gate]\nmax_blur_px = \"two\"\n"), HasSubstr("rig.toml:2: gate.max_blur_px must be a number"));
+  EXPECT_THAT(error("[gate]\nmax_blur_px = -2\n"), HasSubstr("gate.max_blur_px must be positive"));
+  EXPECT_THAT(error("[gate]\nmin_tags = 6.5\n"), HasSubstr("whole number"));
+  EXPECT_THAT(error("[camera]\nfx = inf\n"), HasSubstr("camera.fx must be a number"));
+  EXPECT_THAT(error(kCamera + "lens = \"pinhole\"\n"), HasSubstr("camera.lens must be"));
+  EXPECT_THAT(error(kCamera + "distortion = [1, 2, 3, 4, 5, 6]\n"), HasSubstr("camera.distortion must be"));
+  EXPECT_THAT(error("gate = 3\n"), HasSubstr("unknown section"));
+  EXPECT_THAT(error("[gate\n"), HasSubstr("rig.toml:1"));
+  EXPECT_THROW(load_rig_config(folder / "absent.toml"), FileError);
+  EXPECT_THROW(load_rig_config(folder), FileError);
+}
+
+TEST(SourceUri, NamesTheThreeKinds) {
+  EXPECT_EQ(parse_source_uri("aravis:Vendor-1:2").target, "Vendor-1:2");
+  EXPECT_EQ(parse_source_uri("video:/dev/video0").kind, SourceKind::kVideo);
+  EXPECT_EQ(parse_source_uri("dataset:a/b").kind, SourceKind::kDataset);
+  for (const char* wrong : {"", "aravis", "aravis:", "usb:1", "dataset:", "/tmp/x"})
+    EXPECT_THROW(parse_source_uri(wrong), ConfigError) << wrong;
+}
+
+}  // namespace
+}  // namespace sheen

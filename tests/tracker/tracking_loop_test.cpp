@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracker/tracking_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "common/errors.h"
+#include "tests/tracker/synthetic_stage.h"
+
+namespace sheen {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Hands out what it was given; a live one does not wait for anybody.
+class ScriptedSource : public FrameSource {
+ public:
+  explicit ScriptedSource(bool live) : live_(live) {}
+  std::optional<Frame> next(milliseconds) override {
+    if (next_ == frames.size()) return std::nullopt;
+    if (throw_at == static_cast<int>(next_)) throw FileError("image 3", "is broken");
+    ++next_;
+    return frames[next_ - 1];
+  }
+  SourceState state() const override { return next_ < frames.size() ? SourceState::kLive : SourceState::kEnded; }
+  std::string message() const override { return "scripted"; }
+  SourceStats stats() const override { return {.frames = next_}; }
+  bool live() const override { return live_; }
+  std::string session() const override { return session_name; }
+
+  std::vector<Frame> frames;
+  std::string session_name;
+  int throw_at = -1;
+
+ private:
+  const bool live_;
+  std::atomic<std::size_t> next_ = 0;
+};
+
+class RecordingSink : public CaptureSink {
+ public:
+  bool keep(Capture capture, milliseconds timeout) override {
+    if (full) {
+      std::this_thread::sleep_for(timeout / 10);
+      return false;
+    }
+    if (slow) std::this_thread::sleep_for(milliseconds(20));
+    kept.push_back(std::move(capture));
+    return true;
+  }
+  void live(Capture capture) override { shown.push_back(std::move(capture)); }
+
+  bool full = false, slow = false;
+  std::vector<Capture> kept, shown;
+};
+
+const TrackingLoop::Hooks kNoHooks{.stop = [] { return false; }};
+
+/// Frames of a stage from a few places, rendered once.
+class TrackedStage : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    std::mt19937 rng(11);
+    for (int i = 0; i < 3; ++i) {
+      poses.push_back(testing::random_stage_pose(rng, 40));
+      pictures.push_back(testing::render_stage(rig().camera, rig().stage, poses.back(), 4));
+    }
+  }
+  static Rig rig() { return {testing::stage_camera(), make_stage({})}; }
+
+  static Frame frame(const ImageU8& picture, std::uint64_t id) {
+    Frame f;
+    f.camera_frame_id = id;
+    f.times.device_ns = std::int64_t(id) * 1'000'000'000;  // a second apart: no motion is known
+    f.exposure.exposure_s = 0.001;
+    f.image = {.format = PixelFormat::kMono8,
+               .width = picture.width(),
+               .height = picture.height(),
+               .stride = std::size_t(picture.width()),
+               .bytes = {picture.data(), picture.data() + picture.size()}};
+    return f;
+  }
+
+  static void expect_accounted(const TrackingReport& r) {
+    EXPECT_EQ(r.grabbed, r.overrun + r.judged);
+    std::uint64_t judged = 0;
+    for (const auto& [verdict, count] : r.verdicts) judged += count;
+    EXPECT_EQ(r.judged, judged);
+    const auto keyframes = r.verdicts.find(FrameVerdict::kKeyframe);
+    EXPECT_EQ(r.kept + r.unsent, keyframes == r.verdicts.end() ? 0 : keyframes->second);
+  }
+
+  static inline std::vector<Rigid3> poses;
+  static inline std::vector<ImageU8> pictures;
+};
+
+TEST_F(TrackedStage, EveryFrameIsAccountedForByReason) {
+  ScriptedSource source(false);
+  source.frames = {frame(pictures[0], 1), frame(pictures[0], 2), frame(pictures[1], 3),
+                   frame(ImageU8(1024, 768, 1, 128), 4), frame(pictures[2], 5)};
+  source.frames.push_back(frame(pictures[2], 6));
+  source.frames.back().complete = false;
+  source.frames.push_back(frame(ImageU8(1024, 768, 1, 0), 7));
+  RecordingSink sink;
+  const TrackingReport report = TrackingLoop(source, sink, rig(), {.source_session = "test"}).run(kNoHooks);
+  expect_accounted(report);
+  EXPECT_EQ(report.grabbed, 7u);
+  EXPECT_EQ(report.overrun, 0u);
+  EXPECT_EQ(report.kept, 3u);
+  EXPECT_EQ(report.verdicts.at(FrameVerdict::kTooNear), 1u);
+  EXPECT_EQ(report.verdicts.at(FrameVerdict::kNoPose), 2u);
+  EXPECT_EQ(report.verdicts.at(FrameVerdict::kIncomplete), 1u);
+  EXPECT_EQ(sink.shown.size(), 3u);
+  ASSERT_EQ(sink.kept.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    const Capture& capture = sink.kept[i];
+    EXPECT_EQ(capture.source_session, "test");
+    EXPECT_EQ(capture.stage_hash, rig().stage.hash());
+    EXPECT_FALSE(capture.calibration_hash.empty());
+    EXPECT_EQ(capture.camera, rig().camera);
+    EXPECT_LT((camera_centre(capture.pose.camera_from_object) - camera_centre(poses[i])).norm(), 1e-4);
+  }
+  const auto json = nlohmann::json::parse(to_json(report, {{"acknowledged", 3}}));
+  EXPECT_EQ(json["frames"]["grabbed"], 7);
+  EXPECT_EQ(json["frames"]["sent"], 3);
+  EXPECT_EQ(json["frames"]["refused"].size(), 3u);
+}
+
+TEST_F(TrackedStage, FastMotionIsRefusedAsBlur) {
+  ScriptedSource source(false);
+  source.frames = {frame(pictures[0], 1), frame(pictures[1], 2)};
+  source.frames[1].times.device_ns = source.frames[0].times.device_ns + 100'000'000;
+  source.frames[1].exposure.exposure_s = 0.01;
+  RecordingSink sink;
+  const TrackingReport report = TrackingLoop(source, sink, rig(), {}).run(kNoHooks);
+  EXPECT_EQ(report.verdicts.at(FrameVerdict::kMotionBlur), 1u);
+}
+
+TEST_F(TrackedStage, ACameraFasterThanTheTrackerLosesCountedFrames) {
+  ScriptedSource source(true);
+  for (int i = 0; i < 40; ++i) source.frames.push_back(frame(pictures[i % 3], i));
+  RecordingSink sink;
+  sink.slow = true;
+  const TrackingReport report = TrackingLoop(source, sink, rig(), {}).run(kNoHooks);
+  expect_accounted(report);
+  EXPECT_EQ(report.grabbed, 40u);
+  EXPECT_GT(report.overrun, 0u);
+}
+
+TEST_F(TrackedStage, AFullLinkIsCountedAndTheViewStaysWanted) {
+  ScriptedSource source(true);
+  source.frames = {frame(pictures[0], 1), frame(pictures[0], 2)};
+  RecordingSink sink;
+  sink.full = true;
+  const TrackingReport report = TrackingLoop(source, sink, rig(), {}).run(kNoHooks);
+  expect_accounted(report);
+  EXPECT_EQ(report.unsent, 2u);  // the second is not too near: the first was never taken
+}
+
+TEST_F(TrackedStage, StopsAfterTheAskedNumberOfFramesAndOnRequest) {
+  ScriptedSource source(false);
+  for (int i = 0; i < 10; ++i) source.frames.push_back(frame(pictures[0], i));
+  RecordingSink sink;
+  EXPECT_EQ(TrackingLoop(source, sink, rig(), {.max_frames = 3}).run(kNoHooks).grabbed, 3u);
+  sink.full = true;
+  const TrackingReport report = TrackingLoop(source, sink, rig(), {}).run({.stop = [] { return true; }});
+  expect_accounted(report);
+  EXPECT_LT(report.grabbed, 10u);
+}
+
+TEST_F(TrackedStage, GivenPosesPassUntouchedAndInOrder) {
+  ScriptedSource source(false);
+  source.session_name = "dataset:abc";
+  for (int i = 0; i < 20; ++i) {
+    Frame f;
+    f.given = Capture{.source_session = "dataset:abc", .sequence = std::uint64_t(i + 1), .name = std::to_string(i)};
+    f.given->image = frame(pictures[0], 0).image;
+    f.given->pose = {.status = PoseStatus::kGiven, .camera_from_object = poses[i % 3]};
+    f.given->verdict = FrameVerdict::kKeyframe;
+    f.given->purpose = i % 5 == 0 ? Purpose::kHeldOut : Purpose::kTraining;
+    source.frames.push_back(f);
+  }
+  RecordingSink sink;
+  const TrackingReport report = TrackingLoop(source, sink, std::nullopt, {}).run(kNoHooks);
+  expect_accounted(report);
+  ASSERT_EQ(sink.kept.size(), 20u);
+  for (int i = 0; i < 20; ++i) {
+    const Capture &got = sink.kept[i], &sent = *source.frames[i].given;
+    EXPECT_EQ(got.sequence, sent.sequence);
+    EXPECT_EQ(got.name, sent.name);
+    EXPECT_EQ(got.image, sent.image);
+    EXPECT_EQ(got.purpose, sent.purpose);
+    EXPECT_EQ(got.pose.camera_from_object.matrix(), sent.pose.camera_from_object.matrix());
+  }
+}
+
+TEST_F(TrackedStage, ErrorsReachTheCallerAndNothingHangs) {
+  ScriptedSource broken(false);
+  for (int i = 0; i < 10; ++i) broken.frames.push_back(frame(pictures[0], i));
+  broken.throw_at = 3;
+  RecordingSink sink;
+  EXPECT_THROW(TrackingLoop(broken, sink, rig(), {}).run(kNoHooks), FileError);
+
+  ScriptedSource other_size(false);
+  for (int i = 0; i < 10; ++i) other_size.frames.push_back(frame(ImageU8(640, 480, 1, 0), i));
+  EXPECT_THROW(TrackingLoop(other_size, sink, rig(), {}).run(kNoHooks), ConfigError);
+
+  EXPECT_THROW(TrackingLoop(other_size, sink, std::nullopt, {}), ConfigError);
+}
+
+}  // namespace
+}  // namespace sheen
