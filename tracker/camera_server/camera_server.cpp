@@ -32,7 +32,7 @@ ArvPixelFormat to_aravis(PixelFormat format) {
 
 struct CameraServer::Impl {
   std::vector<std::string> frames;
-  std::size_t frame_bytes = 0;
+  std::size_t frame_bytes = 0, frame_rows = 0;
   bool loop = false;
   ArvGvFakeCamera* camera = nullptr;
 
@@ -52,6 +52,7 @@ struct CameraServer::Impl {
 void CameraServer::Impl::load(const RigRecording& recording) {
   if (recording.frames.empty()) throw FileError(recording.folder.string(), "holds no frame to send");
   frame_bytes = std::size_t(recording.camera.width) * recording.camera.height * bytes_per_pixel(recording.format);
+  frame_rows = recording.camera.height;
   for (const RigFrame& frame : recording.frames) {
     frames.push_back(read_file(frame.raw_file));
     if (frames.back().size() != frame_bytes)
@@ -70,7 +71,8 @@ void CameraServer::Impl::start(const RigRecording& recording, const CameraServer
   camera = arv_gv_fake_camera_new_full(options.address.c_str(), "SHEEN01", nullptr);
   if (!camera || !arv_gv_fake_camera_is_running(camera))
     throw DeviceError("no GigE Vision camera can be started on " + options.address +
-                      ": another one serves there; end it or use another address (127.0.0.2, ...)");
+                      ": another one serves there, or no interface has this address (ip addr add " + options.address +
+                      "/8 dev lo)");
   ArvFakeCamera* fake = arv_gv_fake_camera_get_fake_camera(camera);
   const auto set = [fake](std::uint32_t address, double value) {
     arv_fake_camera_write_register(fake, address, static_cast<std::uint32_t>(std::lround(value)));
@@ -94,10 +96,13 @@ void CameraServer::Impl::fill(ArvBuffer* buffer) {
   const std::lock_guard lock(mutex);
   std::size_t unknown_size = 0;
   auto* data = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &unknown_size)));
-  const std::size_t capacity = std::size_t(arv_buffer_get_image_width(buffer)) * arv_buffer_get_image_height(buffer) *
-                               ARV_PIXEL_FORMAT_BIT_PER_PIXEL(arv_buffer_get_image_pixel_format(buffer)) / 8;
   if (!data) return;
-  std::memcpy(data, frames[next].data(), std::min(frame_bytes, capacity));
+  // A client may ask for a smaller region: what a sensor would read out of its upper left.
+  const std::size_t width = arv_buffer_get_image_width(buffer), rows = arv_buffer_get_image_height(buffer);
+  const std::size_t stride = frame_bytes / frame_rows;
+  const std::size_t out_stride = width * ARV_PIXEL_FORMAT_BIT_PER_PIXEL(arv_buffer_get_image_pixel_format(buffer)) / 8;
+  for (std::size_t y = 0; y < std::min(rows, frame_rows); ++y)
+    std::memcpy(data + y * out_stride, frames[next].data() + y * stride, std::min(stride, out_stride));
   sent.push_back({arv_buffer_get_frame_id(buffer), next});
   if (next + 1 < frames.size()) {
     ++next;

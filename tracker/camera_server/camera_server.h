@@ -12,7 +12,7 @@ namespace sheen {
 
 struct CameraServerOptions {
   std::string address =
-      "127.0.0.1";           ///< of the loopback interface; one camera an address (GigE Vision's port is fixed)
+      "127.0.0.1";  ///< of the loopback interface, which must have it; one camera an address: the port is fixed
   double frame_rate_hz = 0;  ///< 0: the recording's
   bool loop = false;         ///< begin again after the last frame; else it is repeated
 };

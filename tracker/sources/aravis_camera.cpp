@@ -73,6 +73,7 @@ struct AravisCamera::Impl {
 
   void open();
   void set_up(const SourceSettings& settings);
+  [[noreturn]] void refuse_size(int width, int height, const SourceSettings& settings) const;
   void choose_pixel_format();
   void lock_exposure(const SourceSettings& settings);
   void start();
@@ -107,15 +108,17 @@ void AravisCamera::Impl::open() {
 void AravisCamera::Impl::set_up(const SourceSettings& settings) {
   if (settings.width > 0) {
     Call call(id, "region");
+    int sensor_width = 0, sensor_height = 0;
+    arv_camera_get_sensor_size(camera.get(), &sensor_width, &sensor_height, call);
+    call.require();
+    if (settings.width > sensor_width || settings.height > sensor_height)
+      refuse_size(sensor_width, sensor_height, settings);
     arv_camera_set_region(camera.get(), 0, 0, settings.width, settings.height, call);
     call.require();
     int x = 0, y = 0, width = 0, height = 0;
     arv_camera_get_region(camera.get(), &x, &y, &width, &height, call);
     call.require();
-    if (width != settings.width || height != settings.height)
-      throw DeviceError("camera " + id + " delivers " + std::to_string(width) + " x " + std::to_string(height) +
-                        " pixels, but the configuration's [camera] is " + std::to_string(settings.width) + " x " +
-                        std::to_string(settings.height));
+    if (width != settings.width || height != settings.height) refuse_size(width, height, settings);
   }
   choose_pixel_format();
   if (settings.frame_rate_hz > 0) {
@@ -132,6 +135,12 @@ void AravisCamera::Impl::set_up(const SourceSettings& settings) {
     arv_camera_gv_auto_packet_size(camera.get(), call);
     call.require();
   }
+}
+
+void AravisCamera::Impl::refuse_size(int width, int height, const SourceSettings& settings) const {
+  throw DeviceError("camera " + id + " delivers " + std::to_string(width) + " x " + std::to_string(height) +
+                    " pixels, but the configuration's [camera] is " + std::to_string(settings.width) + " x " +
+                    std::to_string(settings.height));
 }
 
 void AravisCamera::Impl::choose_pixel_format() {
