@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   sheen::add_run_command(app);
   sheen::add_simulate_command(app);
+  sheen::add_stage_command(app);
   sheen::add_cameras_command(app);
   sheen::add_doctor_command(app);
   sheen::add_keygen_command(app);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include <thread>
 
 #include "common/errors.h"
+#include "common/progress.h"
 #include "common/simulation/simulated_rig.h"
 #include "tracker/camera_server/camera_server.h"
 #include "tracker/commands/commands.h"
@@ -35,11 +35,14 @@ void parse_size(const std::string& text, SimulationOptions& rig) {
 
 void render(SimulateArguments arguments) {
   parse_size(arguments.size, arguments.rig);
-  const bool on_terminal = isatty(STDERR_FILENO);
   const auto start = std::chrono::steady_clock::now();
-  const CachedRecording result = cached_recording(arguments.rig, arguments.out, [&](int done, int total) {
-    if (on_terminal) std::fprintf(stderr, "\rrendering %d of %d frames%s", done, total, done == total ? "\n" : "");
-  });
+  const CachedRecording result = [&] {
+    Progress progress("rendering", static_cast<std::uint64_t>(std::max(0, arguments.rig.frames)));
+    return cached_recording(arguments.rig, arguments.out, [&](int done, int) {
+      if (stop_requested()) throw Error("stopped; the recording is incomplete and will be rendered again");
+      progress.update(static_cast<std::uint64_t>(done));
+    });
+  }();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto frames = result.recording.frames.size();
   if (arguments.json) {
