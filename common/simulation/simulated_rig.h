@@ -63,7 +63,8 @@ class SimulatedRig {
   double white_level_;
 };
 
-/// Called after each frame with the numbers of frames done and wanted; any thread, one at a time.
+/// Called after each frame with the numbers of frames done and wanted; any thread, one at a time. What it throws ends
+/// the rendering.
 using RenderProgress = std::function<void(int done, int total)>;
 
 /// Renders the rig into a folder as a recording and a dataset (see `RigRecording`), with `rig.toml` for the tracker.
