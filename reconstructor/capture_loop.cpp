@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/capture_loop.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace sheen {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kPoll{50};
+constexpr std::size_t kJudgedAtOnce = 2;  // held-out views a live judgement looks at, in turn
+constexpr std::size_t kLatenciesKept = 1 << 16;
+
+std::int64_t now_ns() {
+  return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+CaptureLoop::CaptureLoop(const std::filesystem::path& session_folder, Session session, ReceiverOptions link,
+                         Reconstruction& reconstruction, const CaptureLoopOptions& options, LoopObserver observer)
+    : folder_(session_folder),
+      session_(std::move(session)),
+      reconstruction_(reconstruction),
+      options_(options),
+      observer_(std::move(observer)),
+      receiver_([&] {
+        link.held = session_.held();
+        return link;
+      }()) {
+  status_.journaled = session_.size();
+}
+
+CaptureLoop::~CaptureLoop() {
+  stop();
+}
+
+void CaptureLoop::start() {
+  receive_thread_ = std::jthread([this](std::stop_token stop) { receive(stop); });
+  ingest_thread_ = std::jthread([this](std::stop_token stop) { ingest(stop); });
+}
+
+void CaptureLoop::stop() {
+  receive_thread_.request_stop();
+  ingest_thread_.request_stop();
+  journaled_changed_.notify_all();
+  if (receive_thread_.joinable()) receive_thread_.join();
+  if (ingest_thread_.joinable()) ingest_thread_.join();
+}
+
+void CaptureLoop::receive(std::stop_token stop) {
+  while (!stop.stop_requested()) {
+    std::optional<Received> received = receiver_.next(kPoll);
+    if (received) {
+      received->capture.times.received_ns = now_ns();
+      if (observer_.on_capture) observer_.on_capture(received->capture);
+      if (!received->live) {
+        try {
+          session_.append(received->capture);
+        } catch (const std::exception& error) {
+          return fail(error.what());  // not acknowledged: the tracker keeps it for the next start
+        }
+        receiver_.acknowledge(received->capture.source_session, received->capture.sequence);
+      }
+    }
+    const std::lock_guard lock(mutex_);
+    status_.link = receiver_.stats();
+    status_.journaled = session_.size();
+    if (received && !received->live && latencies_ms_.size() < kLatenciesKept)
+      latencies_ms_.push_back(1e-6 * static_cast<double>(now_ns() - received->capture.times.grabbed_ns));
+    journaled_changed_.notify_all();
+  }
+}
+
+void CaptureLoop::ingest(std::stop_token stop) {
+  try {
+    const Session journal = Session::open_read_only(folder_);
+    auto last_snapshot = Clock::now(), last_judged = Clock::now();
+    bool changed = false;  // since the last snapshot
+    for (std::uint64_t next = 0; !stop.stop_requested();) {
+      const Waited waited = wait_for_capture(next, stop);
+      if (waited == Waited::kArrived) {
+        account(reconstruction_.ingest(journal.read(next++)));
+        changed = true;
+      }
+      const bool ended = waited == Waited::kSourceEnded;
+      if (changed && (ended || Clock::now() - last_snapshot >= options_.snapshot_interval)) {
+        if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
+        last_snapshot = Clock::now();
+        changed = false;
+      }
+      if (!ended && !reconstruction_.held_out().empty() && Clock::now() - last_judged >= options_.judge_interval) {
+        judge_live();
+        last_judged = Clock::now();
+      }
+      if (ended && options_.stop_when_source_ends) break;
+    }
+  } catch (const std::exception& error) {
+    return fail(error.what());
+  }
+  finished_ = true;
+}
+
+CaptureLoop::Waited CaptureLoop::wait_for_capture(std::uint64_t index, std::stop_token stop) {
+  std::unique_lock lock(mutex_);
+  journaled_changed_.wait_for(lock, stop, kPoll, [&] { return status_.journaled > index; });
+  if (status_.journaled > index) return Waited::kArrived;
+  return status_.link.ended ? Waited::kSourceEnded : Waited::kNothing;
+}
+
+void CaptureLoop::account(const IngestReport& report) {
+  const std::lock_guard lock(mutex_);
+  ++status_.ingested;
+  status_.counts = reconstruction_.counts();
+  status_.last = report;
+  status_.images_per_s = reconstruction_.images_per_s();
+}
+
+void CaptureLoop::judge_live() {
+  const std::vector<HeldOutView>& views = reconstruction_.held_out();
+  const std::shared_ptr<const SurfaceLightFieldSnapshot> model = reconstruction_.snapshot();
+  const std::shared_ptr<const ModelSnapshot> constant = reconstruction_.model().constant_colour();
+  LoopStatus::HeldOutPoint point{.images = reconstruction_.counts().accepted};
+  const std::size_t n = std::min(kJudgedAtOnce, views.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    const HeldOutView& view = views[next_judged_++ % views.size()];
+    const ViewScore s = score(view, *model, reconstruction_.painter());
+    point.psnr_db += s.psnr_db / static_cast<double>(n);
+    point.ssim += s.ssim / static_cast<double>(n);
+    point.constant_psnr_db += score(view, *constant, reconstruction_.painter()).psnr_db / static_cast<double>(n);
+  }
+  const std::lock_guard lock(mutex_);
+  status_.held_out_curve.push_back(point);
+  status_.rank_histogram = reconstruction_.model().rank_histogram();
+  for (const auto& [stage, ms] : reconstruction_.stage_ms()) status_.stage_ms[stage] = median(ms);
+}
+
+void CaptureLoop::fail(const std::string& what) {
+  {
+    const std::lock_guard lock(mutex_);
+    status_.error = what;
+  }
+  receive_thread_.request_stop();
+  ingest_thread_.request_stop();
+  finished_ = true;
+}
+
+LoopStatus CaptureLoop::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+std::vector<double> CaptureLoop::latencies_ms() const {
+  const std::lock_guard lock(mutex_);
+  return latencies_ms_;
+}
+
+}  // namespace sheen

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/session.h"
+#include "common/transport.h"
+#include "reconstructor/reconstruction.h"
+
+namespace sheen {
+
+/// What the loop tells whoever watches; plain values, copied.
+struct LoopStatus {
+  FrameCounts counts;
+  std::uint64_t journaled = 0;  ///< captures that are durable
+  std::uint64_t ingested = 0;   ///< of these, how many the model has seen
+  ReceiverStats link;
+  IngestReport last;
+  double images_per_s = 0;
+  std::vector<std::size_t> rank_histogram;
+  std::map<std::string, double> stage_ms;  ///< medians
+  /// Live figures on views the model never saw: images folded in, PSNR, SSIM, and the constant colour's PSNR.
+  struct HeldOutPoint {
+    std::uint64_t images = 0;
+    double psnr_db = 0, ssim = 0, constant_psnr_db = 0;
+  };
+  std::vector<HeldOutPoint> held_out_curve;
+  std::string error;  ///< what stopped the loop, if anything did (a full disk, say)
+};
+
+/// Who watches a loop. Calls come from the loop's threads, must be quick and must not throw.
+struct LoopObserver {
+  std::function<void(std::shared_ptr<const SurfaceLightFieldSnapshot>)> on_snapshot;
+  std::function<void(const Capture&)> on_capture;  ///< every capture that arrives, live or to be kept
+};
+
+struct CaptureLoopOptions {
+  std::chrono::milliseconds snapshot_interval{400};  ///< at most this often; a snapshot costs about one image's time
+  std::chrono::milliseconds judge_interval{1500};    ///< of the live held-out figures
+  bool stop_when_source_ends = false;
+};
+
+/// The live loop. Two threads and a journal between them:
+///   receive:  link -> journal (durable) -> acknowledge
+///   ingest:   journal -> model -> snapshot -> observers; now and then the held-out views are judged
+/// The model is a function of the journal alone: after a crash the same captures in the same order give the same model,
+/// and a slow model only lags behind; nothing is lost and nothing waits for it.
+class CaptureLoop {
+ public:
+  /// The session's captures so far are ingested first.
+  CaptureLoop(const std::filesystem::path& session_folder, Session session, ReceiverOptions link,
+              Reconstruction& reconstruction, const CaptureLoopOptions& options, LoopObserver observer);
+  ~CaptureLoop();
+
+  void start();
+  /// Asks the loop to end and waits for it; what is journaled but not ingested yet is left to the next start.
+  void stop();
+  /// True when the source has ended and everything has been ingested, or an error stopped the loop.
+  bool finished() const { return finished_; }
+  LoopStatus status() const;
+  /// From arrival at the tracker's host to durable here, ms; meaningful where both run on one host.
+  std::vector<double> latencies_ms() const;
+
+ private:
+  void receive(std::stop_token stop);
+  void ingest(std::stop_token stop);
+  enum class Waited { kArrived, kNothing, kSourceEnded };
+  Waited wait_for_capture(std::uint64_t index, std::stop_token stop);
+  void account(const IngestReport& report);
+  void judge_live();
+  void fail(const std::string& what);
+
+  std::filesystem::path folder_;
+  Session session_;
+  Reconstruction& reconstruction_;
+  CaptureLoopOptions options_;
+  LoopObserver observer_;
+  CaptureReceiver receiver_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any journaled_changed_;
+  LoopStatus status_;
+  std::vector<double> latencies_ms_;
+  std::size_t next_judged_ = 0;
+  std::atomic<bool> finished_{false};
+  std::jthread receive_thread_, ingest_thread_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/surface/ring_visibility.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/test_meshes.h"
+
+namespace sheen {
+namespace {
+
+Camera camera() {
+  return {.width = 400, .height = 300, .fx = 500, .fy = 500, .cx = 199.5, .cy = 149.5};
+}
+const Rigid3 kFromAbove = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0});
+
+VertexRings rings_of(const Mesh& mesh, int n) {
+  return VertexRings(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), static_cast<std::uint8_t>(n)));
+}
+
+/// Every sample with its place in the object frame.
+template <typename F>
+void for_each_sample(const Mesh& mesh, const VertexRings& rings, F&& f) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const int n = rings.resolution(t);
+    std::size_t s = rings.first_sample(t);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j, ++s) {
+        const float u = float(i) / (n - 1), v = float(j) / (n - 1);
+        f(t, s, Eigen::Vector3f((1 - u - v) * mesh.corner(t, 0) + u * mesh.corner(t, 1) + v * mesh.corner(t, 2)));
+      }
+  }
+}
+
+TEST(RingVisibility, ASquareIsSeenButForItsErodedRim) {
+  const Mesh mesh = square_mesh(0.4f, 0, 8);
+  const VertexRings rings = rings_of(mesh, 6);
+  RingVisibility visibility(mesh, rings, {});
+  const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
+  // 250 px per metre at z = 2: the rim of 2 px is 0.008 m wide, one pixel more or less for the grid.
+  for_each_sample(mesh, rings, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
+    const float inside = 0.4f - std::max(std::abs(p.x()), std::abs(p.y()));
+    if (inside > 0.017f) EXPECT_TRUE(view.visible[s]) << p.transpose();
+    if (inside < 0.003f) EXPECT_FALSE(view.visible[s]) << p.transpose();
+  });
+}
+
+TEST(RingVisibility, SamplesAreProjectedThroughTheLens) {
+  Camera lens = camera();
+  lens.distortion = {-0.2, 0.05, 0.001, -0.001, 0};
+  const Mesh mesh = square_mesh(0.4f, 0, 4);
+  const VertexRings rings = rings_of(mesh, 5);
+  RingVisibility visibility(mesh, rings, {});
+  const SurfaceView& view = visibility.look(lens, kFromAbove, {});
+  std::size_t seen = 0;
+  for_each_sample(mesh, rings, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
+    if (!view.visible[s]) return;
+    ++seen;
+    EXPECT_LT((view.pixel[s].cast<double>() - *lens.project(kFromAbove * p.cast<double>())).norm(), 1e-3);
+  });
+  EXPECT_GT(seen, 100u);
+}
+
+TEST(RingVisibility, AnOccluderHidesExactlyItsShadowSampleBySample) {
+  const Mesh floor = square_mesh(0.4f, 0, 4);
+  const Mesh mesh = joined(floor, square_mesh(0.1f, 1, 1));  // half way up: its shadow on the floor is 0.2 m
+  const VertexRings rings = rings_of(mesh, 12);
+  RingVisibility visibility(mesh, rings, {});
+  const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
+  int partly = 0;
+  for (std::size_t t = 0; t < floor.triangles.size(); ++t)
+    partly += view.visible_in_triangle[t] > 0 && view.visible_in_triangle[t] < lattice_samples(12);
+  EXPECT_GT(partly, 0) << "triangles that are half hidden are decided sample by sample";
+  for_each_sample(mesh, rings, [&](std::size_t t, std::size_t s, const Eigen::Vector3f& p) {
+    if (t >= floor.triangles.size()) return;
+    const float from_shadow = std::max(std::abs(p.x()), std::abs(p.y())) - 0.2f;
+    if (from_shadow < -0.004f) EXPECT_FALSE(view.visible[s]) << p.transpose();
+    if (from_shadow > 0.02f && from_shadow < 0.17f) EXPECT_TRUE(view.visible[s]) << p.transpose();
+    if (from_shadow > 0 && from_shadow < 0.004f) EXPECT_FALSE(view.visible[s]) << "the depth edge is eroded";
+  });
+}
+
+TEST(RingVisibility, ASphereShowsItsFrontAndNothingGrazing) {
+  const Mesh mesh = sphere_mesh(0.4f, 4);
+  const VertexRings rings = rings_of(mesh, 4);
+  RingVisibility visibility(mesh, rings, {});
+  const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
+  for_each_sample(mesh, rings, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
+    const float cosine = p.normalized().dot((Eigen::Vector3f(0, 0, 2) - p).normalized());
+    if (cosine > 0.35f) EXPECT_TRUE(view.visible[s]) << cosine;
+    if (cosine < 0.15f) EXPECT_FALSE(view.visible[s]) << cosine;
+  });
+}
+
+TEST(RingVisibility, BackFacesAndWhatLiesBehindThemDoNotCount) {
+  Mesh turned = square_mesh(0.1f, 1, 1);
+  for (Triangle& t : turned.triangles) std::swap(t[1], t[2]);
+  const Mesh floor = square_mesh(0.4f, 0, 4);
+  const Mesh mesh = joined(floor, turned);
+  const VertexRings rings = rings_of(mesh, 6);
+  RingVisibility visibility(mesh, rings, {});
+  const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
+  for_each_sample(mesh, rings, [&](std::size_t t, std::size_t s, const Eigen::Vector3f& p) {
+    if (t >= floor.triangles.size())
+      EXPECT_FALSE(view.visible[s]);
+    else if (std::max(std::abs(p.x()), std::abs(p.y())) < 0.19f)
+      EXPECT_FALSE(view.visible[s]);
+  });
+}
+
+TEST(RingVisibility, TheMaskIsHonouredAndEroded) {
+  const Mesh mesh = square_mesh(0.4f, 0, 8);
+  const VertexRings rings = rings_of(mesh, 6);
+  ImageU8 mask(400, 300, 1, 255);
+  for (int y = 0; y < 300; ++y)
+    for (int x = 0; x < 200; ++x) mask.at(x, y) = 0;
+  RingVisibility visibility(mesh, rings, {});
+  const SurfaceView& view = visibility.look(camera(), kFromAbove, mask);
+  std::size_t seen = 0;
+  for (std::size_t s = 0; s < view.visible.size(); ++s)
+    if (view.visible[s]) {
+      EXPECT_GT(view.pixel[s].x(), 200.5f);
+      ++seen;
+    }
+  EXPECT_GT(seen, 100u);
+  EXPECT_EQ(seen, view.visible_samples);
+}
+
+TEST(RingVisibility, AnObjectBehindTheCameraOrOutsideThePictureIsNotSeen) {
+  const Mesh mesh = square_mesh(0.4f, 0, 2);
+  const VertexRings rings = rings_of(mesh, 4);
+  RingVisibility visibility(mesh, rings, {});
+  EXPECT_EQ(visibility.look(camera(), look_at({0, 0, 2}, {0, 0, 4}, {0, 1, 0}), {}).visible_samples, 0u);
+  EXPECT_EQ(visibility.look(camera(), look_at({0, 0, 2}, {9, 0, 1}, {0, 1, 0}), {}).visible_samples, 0u);
+  EXPECT_GT(visibility.look(camera(), kFromAbove, {}).visible_samples, 0u) << "and the next look is unharmed";
+}
+
+}  // namespace
+}  // namespace sheen
