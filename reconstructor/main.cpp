@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   CLI::App app("sheen-reconstructor: turns posed images into a surface light field, live or from files.");
   app.require_subcommand(1);
   app.set_version_flag("--version", SHEEN_VERSION);
+  sheen::add_build_command(app);
 
   sheen::add_view_command(app);
   sheen::add_monitor_command(app);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+
 namespace sheen {
 
 Reconstruction::Reconstruction(Mesh mesh, const SurfaceLightFieldOptions& options)
@@ -36,7 +38,7 @@ double Reconstruction::images_per_s() const {
 }
 
 Reconstruction::Judgement Reconstruction::judge() {
-  return {score(held_out_, *snapshot(), painter_), score(held_out_, *model_.constant_colour(), painter_)};
+  return {score(held_out_, *fill_unseen(*snapshot()), painter_), score(held_out_, *model_.constant_colour(), painter_)};
 }
 
 double median(std::vector<double> values) {

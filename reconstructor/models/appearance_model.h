@@ -38,9 +38,8 @@ enum class QualityReason : std::uint8_t {
 const char* to_string(QualityReason reason);
 
 enum class SampleState : std::uint8_t {
-  kUnseen = 0,   ///< no image shows the sample: its colour is a guess
-  kImputed = 1,  ///< for the asked direction, hidden in the nearest image and filled in from the others
-  kMeasured = 2,
+  kUnseen = 0,  ///< no image shows the sample: its colour is a guess
+  kMeasured = 1,
 };
 
 /// One surface point as the model knows it.

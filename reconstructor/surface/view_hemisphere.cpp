@@ -71,7 +71,8 @@ ViewTriangulation triangulate_views(const Eigen::Matrix3f& frame, const Eigen::M
   for (Eigen::Index j = 0; j < directions.cols(); ++j)
     result.points.col(ViewTriangulation::kCorners + j) = hemisphere_point(frame, directions.col(j));
 
-  cv::Subdiv2D subdivision(cv::Rect(-2, -2, 4, 4));
+  // Subdiv2D closes the plane with points of its own just outside this box; far away they leave the square alone.
+  cv::Subdiv2D subdivision(cv::Rect(-1000, -1000, 2000, 2000));
   std::map<std::pair<int, int>, std::uint16_t> index_at;
   for (Eigen::Index j = 0; j < result.points.cols(); ++j) {
     // Snapped to the grid of places, so that what Subdiv2D gives back can be recognised exactly.

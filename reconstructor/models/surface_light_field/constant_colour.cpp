@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <deque>
 
 #include "common/color.h"
 
@@ -28,16 +29,14 @@ class ConstantColourShader : public ViewShader {
   SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
     const LatticeStencil stencil = lattice_stencil(model_.rings->resolution(triangle), u, v);
     Eigen::Vector3f encoded = Eigen::Vector3f::Zero();
-    float total = 0;
+    bool measured = false;
     for (int k = 0; k < 3; ++k) {
       const auto s = static_cast<Eigen::Index>(model_.rings->first_sample(triangle) + stencil.index[k]);
-      if (!model_.known[s]) continue;
       encoded += stencil.weight[k] * model_.colour.col(s);
-      total += stencil.weight[k];
+      measured |= stencil.weight[k] > 0.25f && model_.known[s];
     }
-    if (total < 1e-4f) return {};
-    encoded /= total;
-    return {{srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z())}, SampleState::kMeasured};
+    return {{srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z())},
+            measured ? SampleState::kMeasured : SampleState::kUnseen};
   }
   float heuristic(std::uint32_t) const override { return 0; }
   QualityReason reason(std::uint32_t) const override { return QualityReason::kGood; }
@@ -48,6 +47,42 @@ class ConstantColourShader : public ViewShader {
 
 std::unique_ptr<ViewShader> ConstantColourSnapshot::shader_for(const Eigen::Vector3d&) const {
   return std::make_unique<ConstantColourShader>(*this);
+}
+
+/// Where no image showed the surface: the mean of the triangle's seen samples, or of the nearest triangle's that has
+/// any.
+void fill_unseen(ConstantColourSnapshot& snapshot) {
+  const std::size_t triangles = snapshot.shape->triangles.size();
+  std::vector<Eigen::Vector3f> mean(triangles);
+  std::vector<std::uint8_t> has_mean(triangles, 0);
+  std::deque<std::uint32_t> front;
+  for (std::uint32_t t = 0; t < triangles; ++t) {
+    const std::size_t first = snapshot.rings->first_sample(t), end = snapshot.rings->first_sample(t + 1);
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    int seen = 0;
+    for (std::size_t s = first; s < end; ++s)
+      if (snapshot.known[s]) {
+        sum += snapshot.colour.col(static_cast<Eigen::Index>(s));
+        ++seen;
+      }
+    if (seen == 0) continue;
+    mean[t] = sum / static_cast<float>(seen);
+    has_mean[t] = 1;
+    front.push_back(t);
+  }
+  while (!front.empty()) {  // breadth first along the mesh
+    const std::uint32_t t = front.front();
+    front.pop_front();
+    for (std::size_t s = snapshot.rings->first_sample(t); s < snapshot.rings->first_sample(t + 1); ++s)
+      if (!snapshot.known[s]) snapshot.colour.col(static_cast<Eigen::Index>(s)) = mean[t];
+    for (const std::uint32_t v : snapshot.shape->triangles[t])
+      for (const RingTriangle& member : snapshot.rings->ring(v))
+        if (!has_mean[member.triangle]) {
+          mean[member.triangle] = mean[t];
+          has_mean[member.triangle] = 1;
+          front.push_back(member.triangle);
+        }
+  }
 }
 
 }  // namespace
@@ -78,6 +113,7 @@ std::shared_ptr<const ModelSnapshot> ConstantColour::snapshot() const {
     snapshot->known[s] = count_[s] > 0;
     snapshot->colour.col(static_cast<Eigen::Index>(s)) /= static_cast<float>(std::max(count_[s], 1u));
   }
+  fill_unseen(*snapshot);
   return snapshot;
 }
 

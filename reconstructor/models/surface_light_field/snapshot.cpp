@@ -45,7 +45,7 @@ class LightFieldShader : public ViewShader {
     if (total < 1e-4f) return {};
     encoded /= total;
     return {{srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z())},
-            measured ? SampleState::kMeasured : SampleState::kImputed};
+            measured ? SampleState::kMeasured : SampleState::kUnseen};
   }
   float heuristic(std::uint32_t triangle) const override { return heuristic_[triangle]; }
   QualityReason reason(std::uint32_t triangle) const override { return reason_[triangle]; }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <numeric>
 
 #include "tests/support/test_matrices.h"

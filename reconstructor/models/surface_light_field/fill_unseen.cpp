@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+
+#include <algorithm>
+#include <deque>
+
+namespace sheen {
+namespace {
+
+/// Mean basis row of the seen samples, a channel: 3 x rank.
+Eigen::MatrixXf mean_rows(const RingSnapshot& ring) {
+  Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, ring.rank());
+  int seen = 0;
+  for (std::size_t s = 0; s < ring.measured.size(); ++s)
+    if (ring.measured[s]) {
+      mean += ring.basis.middleRows<3>(static_cast<Eigen::Index>(3 * s));
+      ++seen;
+    }
+  return mean / static_cast<float>(std::max(seen, 1));
+}
+
+std::shared_ptr<const RingSnapshot> with_filled_samples(const std::shared_ptr<const RingSnapshot>& ring) {
+  if (std::find(ring->measured.begin(), ring->measured.end(), 0) == ring->measured.end()) return ring;
+  auto filled = std::make_shared<RingSnapshot>(*ring);
+  const Eigen::MatrixXf mean = mean_rows(*ring);
+  for (std::size_t s = 0; s < ring->measured.size(); ++s)
+    if (!ring->measured[s]) filled->basis.middleRows<3>(static_cast<Eigen::Index>(3 * s)) = mean;
+  return filled;
+}
+
+/// A ring of `samples` that has the neighbour's mean colour everywhere.
+std::shared_ptr<const RingSnapshot> flat_copy(const RingSnapshot& neighbour, int samples) {
+  auto flat = std::make_shared<RingSnapshot>(neighbour);
+  flat->basis = mean_rows(neighbour).replicate(samples, 1);
+  // All rows count as seen while the guess spreads; the caller marks them unseen at the end.
+  flat->measured.assign(static_cast<std::size_t>(samples), 1);
+  return flat;
+}
+
+}  // namespace
+
+std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightFieldSnapshot& snapshot) {
+  const Mesh& mesh = snapshot.mesh();
+  std::vector<std::shared_ptr<const RingSnapshot>> rings = snapshot.ring_data();
+  std::deque<std::uint32_t> front;  // breadth first from what is known
+  for (std::uint32_t v = 0; v < rings.size(); ++v)
+    if (rings[v] && rings[v]->rank() > 0) {
+      rings[v] = with_filled_samples(rings[v]);
+      front.push_back(v);
+    }
+  std::vector<std::uint32_t> guessed;
+  while (!front.empty()) {
+    const std::uint32_t v = front.front();
+    front.pop_front();
+    for (const RingTriangle& member : snapshot.rings().ring(v))
+      for (const std::uint32_t next : mesh.triangles[member.triangle]) {
+        if (rings[next] && rings[next]->rank() > 0) continue;
+        rings[next] = flat_copy(*rings[v], snapshot.rings().ring_samples(next));
+        guessed.push_back(next);
+        front.push_back(next);
+      }
+  }
+  for (const std::uint32_t v : guessed) {
+    auto marked = std::make_shared<RingSnapshot>(*rings[v]);
+    std::fill(marked->measured.begin(), marked->measured.end(), std::uint8_t{0});
+    rings[v] = std::move(marked);
+  }
+  return std::make_shared<SurfaceLightFieldSnapshot>(snapshot.shared_mesh(), snapshot.shared_rings(), std::move(rings),
+                                                     snapshot.version());
+}
+
+}  // namespace sheen
