@@ -22,7 +22,7 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
       break;
     case IngestStatus::kHeldOut:
       ++counts_.held_out;
-      held_out_.push_back(make_held_out_view(capture, painter_));
+      held_out_.push_back(make_held_out_view(capture, report.exposure_gain, painter_));
       break;
     case IngestStatus::kRefused:
       ++counts_.refused[report.reason];

@@ -14,10 +14,10 @@ namespace sheen {
 ///   max_rank = 24              # terms a ring
 ///   tolerance = 0.01           # relative error a ring may keep
 ///   max_views = 64             # directions kept a ring
-///   min_visible = 0.25         # share of a ring that an image must show
+///   min_visible = 0.1          # share of a ring that an image must show
 ///   hold_out_every = 8         # every Nth accepted image judges the model instead of feeding it; 0 = none
-///   exposure = "auto"          # or "off"
-///   erosion_px = 2             # kept away from silhouettes
+///   exposure = "known"         # "off", "known" (what a linear camera reports) or "estimate" (photographs)
+///   erosion_px = 1             # kept away from silhouettes
 struct SceneConfig {
   SurfaceLightFieldOptions surface_light_field;
 };

@@ -12,18 +12,19 @@ namespace {
 constexpr int kErosionWithoutMask = 3;
 
 ImageF scaled(const ImageF& linear, float gain) {
+  if (gain == 1) return linear;
   ImageF out = linear;
   for (std::size_t i = 0; i < out.size(); ++i) out.data()[i] *= gain;
   return out;
 }
 
-/// Best PSNR over one scalar gain: golden-section search on the log of the gain, within a factor of two.
+/// Best PSNR over one scalar gain: golden-section search on the log of the gain, within a factor of four.
 double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth, const ImageU8& object) {
   const auto psnr = [&](double log_gain) {
     return squared_error(to_srgb8(scaled(painted, static_cast<float>(std::exp(log_gain)))), truth, object).psnr_db();
   };
   constexpr double kGolden = 0.6180339887498949;
-  double low = -std::log(2.0), high = std::log(2.0);
+  double low = -std::log(4.0), high = std::log(4.0);
   double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
   double at_a = psnr(a), at_b = psnr(b);
   while (high - low > 0.002) {
@@ -46,7 +47,7 @@ double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth, const Imag
 
 }  // namespace
 
-HeldOutView make_held_out_view(const Capture& capture, const RayPainter& painter) {
+HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter) {
   HeldOutView view{
       .name = capture.name, .camera = capture.camera, .camera_from_object = capture.pose.camera_from_object};
   view.truth =

@@ -20,7 +20,8 @@ struct HeldOutView {
   ImageU8 truth;   ///< RGB
   ImageU8 object;  ///< pixels of the object: first hit a front face, and inside the mask, or eroded by 3 without one
 };
-HeldOutView make_held_out_view(const Capture& capture, const RayPainter& painter);
+/// `gain`: how much brighter the image is than the model's level; the truth is divided by it.
+HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter);
 
 struct ViewScore {
   std::string name;

@@ -24,7 +24,7 @@ struct IngestReport {
   std::map<std::string, double> stage_ms;  ///< time a stage of the pipeline
   std::size_t rings_updated = 0;
   double relative_residual = 0;  ///< ||p|| / ||c|| over all updated rings: how much of the image the model did not know
-  double predicted_psnr_db = 0;  ///< of the model's prediction of this image before it was added; 0 when it had none
+  float exposure_gain = 1;       ///< by which the camera says that this image is brighter than the model's level
 };
 
 /// How well a part of the surface is known, and why it is not.

@@ -45,4 +45,11 @@ ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const
   return result;
 }
 
+Eigen::VectorXf interpolate(const ViewInterpolant& interpolant, const Eigen::Matrix3Xf& directions,
+                            const ViewKernel& kernel, const Eigen::Vector3f& direction) {
+  Eigen::VectorXf k(directions.cols());
+  for (Eigen::Index j = 0; j < k.size(); ++j) k[j] = evaluate(kernel, angle_between(directions.col(j), direction));
+  return interpolant.mean + interpolant.weights * k;
+}
+
 }  // namespace sheen

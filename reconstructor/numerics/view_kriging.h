@@ -36,4 +36,8 @@ struct ViewInterpolant {
 ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
                       const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel);
 
+/// h(d) of an interpolant for a unit direction.
+Eigen::VectorXf interpolate(const ViewInterpolant& interpolant, const Eigen::Matrix3Xf& directions,
+                            const ViewKernel& kernel, const Eigen::Vector3f& direction);
+
 }  // namespace sheen

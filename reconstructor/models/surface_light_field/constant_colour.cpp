@@ -5,7 +5,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
+#include <limits>
 
 #include "common/color.h"
 
@@ -17,6 +19,7 @@ struct ConstantColourSnapshot : public ModelSnapshot {
   std::shared_ptr<const VertexRings> rings;
   Eigen::Matrix3Xf colour;  ///< encoded; a sample
   std::vector<std::uint8_t> known;
+  ExposureField exposure;
 
   const Mesh& mesh() const override { return *shape; }
   std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& eye) const override;
@@ -24,7 +27,7 @@ struct ConstantColourSnapshot : public ModelSnapshot {
 
 class ConstantColourShader : public ViewShader {
  public:
-  explicit ConstantColourShader(const ConstantColourSnapshot& model) : model_(model) {}
+  ConstantColourShader(const ConstantColourSnapshot& model, float exposure) : model_(model), exposure_(exposure) {}
 
   SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
     const LatticeStencil stencil = lattice_stencil(model_.rings->resolution(triangle), u, v);
@@ -35,18 +38,25 @@ class ConstantColourShader : public ViewShader {
       encoded += stencil.weight[k] * model_.colour.col(s);
       measured |= stencil.weight[k] > 0.25f && model_.known[s];
     }
-    return {{srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z())},
-            measured ? SampleState::kMeasured : SampleState::kUnseen};
+    const Eigen::Vector3f radiance(srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z()));
+    return {exposure_ * radiance, measured ? SampleState::kMeasured : SampleState::kUnseen};
   }
   float heuristic(std::uint32_t) const override { return 0; }
   QualityReason reason(std::uint32_t) const override { return QualityReason::kGood; }
 
  private:
   const ConstantColourSnapshot& model_;
+  float exposure_;
 };
 
-std::unique_ptr<ViewShader> ConstantColourSnapshot::shader_for(const Eigen::Vector3d&) const {
-  return std::make_unique<ConstantColourShader>(*this);
+std::unique_ptr<ViewShader> ConstantColourSnapshot::shader_for(const Eigen::Vector3d& eye) const {
+  return std::make_unique<ConstantColourShader>(*this, exposure.at(eye));
+}
+
+float log_ratio(float encoded_seen, float encoded_expected) {
+  const auto usable = [](float v) { return v > 0.03f && v < 0.97f; };  // black and clipped values tell no gain
+  if (!usable(encoded_seen) || !usable(encoded_expected)) return std::numeric_limits<float>::quiet_NaN();
+  return std::log(srgb_decode(encoded_seen) / srgb_decode(encoded_expected));
 }
 
 /// Where no image showed the surface: the mean of the triangle's seen samples, or of the nearest triangle's that has
@@ -103,10 +113,30 @@ void ConstantColour::add(const SurfaceView& view, const Eigen::Matrix3Xf& encode
   });
 }
 
-std::shared_ptr<const ModelSnapshot> ConstantColour::snapshot() const {
+std::vector<float> ConstantColour::log_ratios(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) const {
+  std::vector<float> ratios(view.cosine.size(), std::numeric_limits<float>::quiet_NaN());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ratios.size(), 256), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      if (view.visible_in_triangle[t] == 0) continue;
+      float seen = 0, expected = 0;
+      int values = 0;
+      for (std::size_t s = rings_->first_sample(t); s < rings_->first_sample(t + 1); ++s)
+        if (view.visible[s] && count_[s] > 0) {
+          seen += encoded.col(static_cast<Eigen::Index>(s)).sum();
+          expected += sum_.col(static_cast<Eigen::Index>(s)).sum() / static_cast<float>(count_[s]);
+          values += 3;
+        }
+      if (values > 0) ratios[t] = log_ratio(seen / static_cast<float>(values), expected / static_cast<float>(values));
+    }
+  });
+  return ratios;
+}
+
+std::shared_ptr<const ModelSnapshot> ConstantColour::snapshot(ExposureField exposure) const {
   auto snapshot = std::make_shared<ConstantColourSnapshot>();
   snapshot->shape = mesh_;
   snapshot->rings = rings_;
+  snapshot->exposure = std::move(exposure);
   snapshot->colour = sum_;
   snapshot->known.resize(count_.size());
   for (std::size_t s = 0; s < count_.size(); ++s) {

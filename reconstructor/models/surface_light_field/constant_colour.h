@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "reconstructor/models/appearance_model.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
 #include "reconstructor/surface/ring_visibility.h"
 #include "reconstructor/surface/vertex_ring.h"
 
@@ -17,9 +18,11 @@ class ConstantColour {
  public:
   ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings);
 
-  /// encoded: 3 x samples; only columns of visible samples are read.
+  /// encoded: 3 x samples; only columns of visible samples are read. Log of how much brighter an image is than the
+  /// mean, a triangle that both show; NaN elsewhere.
+  std::vector<float> log_ratios(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) const;
   void add(const SurfaceView& view, const Eigen::Matrix3Xf& encoded);
-  std::shared_ptr<const ModelSnapshot> snapshot() const;
+  std::shared_ptr<const ModelSnapshot> snapshot(ExposureField exposure = {}) const;
 
  private:
   std::shared_ptr<const Mesh> mesh_;

@@ -66,7 +66,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightF
     rings[v] = std::move(marked);
   }
   return std::make_shared<SurfaceLightFieldSnapshot>(snapshot.shared_mesh(), snapshot.shared_rings(), std::move(rings),
-                                                     snapshot.version());
+                                                     snapshot.version(), snapshot.exposure());
 }
 
 }  // namespace sheen

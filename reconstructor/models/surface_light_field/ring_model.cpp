@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 
 namespace sheen {
 namespace {
@@ -135,32 +133,6 @@ void RingModel::merge_nearest_views() {
   directions_.pop_back();
   reliability_.pop_back();
   images_.pop_back();
-}
-
-float RingModel::expected_level(std::span<const std::uint8_t> visible, const Eigen::Vector3f& direction) const {
-  constexpr int kNearest = 4;
-  const int n = views();
-  if (n < 2) return std::numeric_limits<float>::quiet_NaN();
-  std::vector<std::pair<float, int>> by_angle(n);
-  for (int j = 0; j < n; ++j) by_angle[j] = {angle_between(directions_[j], direction), j};
-  const int used = std::min(kNearest, n);
-  std::partial_sort(by_angle.begin(), by_angle.begin() + used, by_angle.end());
-  Eigen::VectorXf h = Eigen::VectorXf::Zero(factor_.rank());
-  float total = 0;
-  for (int k = 0; k < used; ++k) {
-    const float weight = 1 / (0.02f + by_angle[k].first);
-    h += weight * factor_.coefficients().col(by_angle[k].second);
-    total += weight;
-  }
-  h /= total;
-  Eigen::RowVectorXf row = Eigen::RowVectorXf::Zero(factor_.rank());
-  int rows = 0;
-  for (std::size_t s = 0; s < visible.size(); ++s)
-    if (visible[s] && seen_[s]) {
-      row += factor_.basis().middleRows<3>(static_cast<Eigen::Index>(3 * s)).colwise().sum();
-      rows += 3;
-    }
-  return rows > 0 ? row.dot(h) / static_cast<float>(rows) : std::numeric_limits<float>::quiet_NaN();
 }
 
 KernelErrors RingModel::kernel_errors() const {

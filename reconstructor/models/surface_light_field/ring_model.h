@@ -16,7 +16,7 @@ namespace sheen {
 struct RingModelOptions {
   RingFactorOptions factor;
   int max_views = 64;            ///< directions kept a ring; beyond it the two nearest ones become one
-  double min_visible = 0.25;     ///< share of a ring's samples that an image must show
+  double min_visible = 0.1;     ///< share of a ring's samples that an image must show
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.2)
 };
 
@@ -40,10 +40,6 @@ class RingModel {
   /// overwritten by what is imputed. `reliability` in (0, 1] weighs the image in the interpolation between views.
   Absorbed absorb(Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& direction,
                   float cosine, float reliability);
-
-  /// Mean encoded value that the model expects of the visible samples from `direction`, from its nearest views; NaN
-  /// when it knows nothing there.
-  float expected_level(std::span<const std::uint8_t> visible, const Eigen::Vector3f& direction) const;
 
   KernelErrors kernel_errors() const;
   void set_kernel(const ViewKernel& kernel);

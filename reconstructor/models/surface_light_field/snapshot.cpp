@@ -17,7 +17,8 @@ class LightFieldShader : public ViewShader {
       : mesh_(snapshot.shared_mesh()),
         rings_(snapshot.shared_rings()),
         ring_data_(snapshot.ring_data()),
-        coefficients_(snapshot.coefficients_for(eye)) {
+        coefficients_(snapshot.coefficients_for(eye)),
+        exposure_(snapshot.exposure().at(eye)) {
     snapshot.quality_for(eye, heuristic_, reason_);
   }
 
@@ -44,8 +45,8 @@ class LightFieldShader : public ViewShader {
     }
     if (total < 1e-4f) return {};
     encoded /= total;
-    return {{srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z())},
-            measured ? SampleState::kMeasured : SampleState::kUnseen};
+    const Eigen::Vector3f radiance(srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z()));
+    return {exposure_ * radiance, measured ? SampleState::kMeasured : SampleState::kUnseen};
   }
   float heuristic(std::uint32_t triangle) const override { return heuristic_[triangle]; }
   QualityReason reason(std::uint32_t triangle) const override { return reason_[triangle]; }
@@ -55,11 +56,17 @@ class LightFieldShader : public ViewShader {
   std::shared_ptr<const VertexRings> rings_;
   std::vector<std::shared_ptr<const RingSnapshot>> ring_data_;
   Eigen::MatrixXf coefficients_;
+  float exposure_;
   std::vector<float> heuristic_;
   std::vector<QualityReason> reason_;
 };
 
 }  // namespace
+
+float ExposureField::at(const Eigen::Vector3d& eye) const {
+  if (directions.cols() == 0) return 1;
+  return std::exp(interpolate(log_gain, directions, kernel, (eye.cast<float>() - centre).normalized())[0]);
+}
 
 Eigen::VectorXf RingSnapshot::coefficients(const Eigen::Vector3f& direction) const {
   Eigen::VectorXf k(directions.cols());
@@ -70,8 +77,12 @@ Eigen::VectorXf RingSnapshot::coefficients(const Eigen::Vector3f& direction) con
 SurfaceLightFieldSnapshot::SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh> mesh,
                                                      std::shared_ptr<const VertexRings> rings,
                                                      std::vector<std::shared_ptr<const RingSnapshot>> ring_data,
-                                                     std::uint64_t version)
-    : mesh_(std::move(mesh)), rings_(std::move(rings)), ring_data_(std::move(ring_data)), version_(version) {}
+                                                     std::uint64_t version, ExposureField exposure)
+    : mesh_(std::move(mesh)),
+      rings_(std::move(rings)),
+      ring_data_(std::move(ring_data)),
+      version_(version),
+      exposure_(std::move(exposure)) {}
 
 std::unique_ptr<ViewShader> SurfaceLightFieldSnapshot::shader_for(const Eigen::Vector3d& eye) const {
   return std::make_unique<LightFieldShader>(*this, eye);

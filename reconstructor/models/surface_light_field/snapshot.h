@@ -13,6 +13,19 @@
 
 namespace sheen {
 
+/// How bright an image from a place is expected to be: images of unknown exposure are brought to one level before they
+/// are factorised, and what a camera with automatic exposure would have chosen is interpolated from what it chose
+/// nearby.
+struct ExposureField {
+  Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< of the object: directions run from here to the cameras
+  Eigen::Matrix3Xf directions;
+  ViewInterpolant log_gain;  ///< 1 x views; empty when all exposures were known
+  ViewKernel kernel;
+
+  /// Factor on the decoded radiance for this eye; 1 when exposures were known.
+  float at(const Eigen::Vector3d& eye) const;
+};
+
 /// The light field of one vertex ring, factorised (000 sec. 4.1): encoded value of row i seen from direction d =
 /// sum_r basis(i, r) * h_r(d), with the view functions h_r interpolated by kriging:
 /// h(d) = mean + sum_j weights.col(j) * k(angle(d, directions.col(j))).
@@ -40,7 +53,8 @@ struct RingSnapshot {
 class SurfaceLightFieldSnapshot : public ModelSnapshot {
  public:
   SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings,
-                            std::vector<std::shared_ptr<const RingSnapshot>> ring_data, std::uint64_t version);
+                            std::vector<std::shared_ptr<const RingSnapshot>> ring_data, std::uint64_t version,
+                            ExposureField exposure = {});
 
   const Mesh& mesh() const override { return *mesh_; }
   std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& eye) const override;
@@ -50,6 +64,7 @@ class SurfaceLightFieldSnapshot : public ModelSnapshot {
   const VertexRings& rings() const { return *rings_; }
   const std::vector<std::shared_ptr<const RingSnapshot>>& ring_data() const { return ring_data_; }
   std::uint64_t version() const { return version_; }  ///< counts up with every snapshot of a model
+  const ExposureField& exposure() const { return exposure_; }
   int max_rank() const;
 
   /// View coefficients of every ring for this eye: max_rank() x vertices, zero-padded. What a GPU needs a frame.
@@ -62,6 +77,7 @@ class SurfaceLightFieldSnapshot : public ModelSnapshot {
   std::shared_ptr<const VertexRings> rings_;
   std::vector<std::shared_ptr<const RingSnapshot>> ring_data_;
   std::uint64_t version_;
+  ExposureField exposure_;
 };
 
 }  // namespace sheen

@@ -50,15 +50,10 @@ std::vector<std::uint8_t> choose_resolution(const Mesh& mesh, const SurfaceLight
   return resolution;
 }
 
-/// Exposure times gain, in arbitrary units; 0 when unknown.
-double exposure_product(const Exposure& exposure) {
-  return exposure.exposure_s > 0 ? exposure.exposure_s * std::pow(10.0, exposure.gain_db / 20) : 0;
-}
-
-float log_ratio(float encoded_seen, float encoded_expected) {
-  const auto usable = [](float v) { return v > 0.03f && v < 0.97f; };  // black and clipped values tell no gain
-  if (!usable(encoded_seen) || !usable(encoded_expected)) return std::numeric_limits<float>::quiet_NaN();
-  return std::log(srgb_decode(encoded_seen) / srgb_decode(encoded_expected));
+/// Exposure time times gain, in arbitrary units; 0 when unknown or when grey levels are not proportional to light.
+double exposure_product(const Capture& capture) {
+  const bool known = capture.exposure.exposure_s > 0 && capture.image.transfer == Transfer::kLinear;
+  return known ? capture.exposure.exposure_s * std::pow(10.0, capture.exposure.gain_db / 20) : 0;
 }
 
 }  // namespace
@@ -77,12 +72,16 @@ struct SurfaceLightField::Pipeline {
 
   Eigen::Matrix3Xf samples;  ///< radiance, then encoded values of the current image
   KernelErrors all_kernel_errors{};
+  std::vector<float> log_gains;  ///< an image folded in
+  std::vector<Eigen::Vector3d> eyes;
   std::size_t accepted = 0, folded = 0;
   std::uint64_t version = 0;
 
   void start(const Capture& first);
   IngestReport ingest(const Capture& capture);
-  float exposure_gain(const Capture& capture, const SurfaceView& view) const;
+  float known_gain(const Capture& capture) const;
+  float estimated_gain(const Capture& capture, const SurfaceView& view) const;
+  ExposureField exposure_field() const;
   void encode(const SurfaceView& view, float gain);
   void absorb(const SurfaceView& view, IngestReport& report);
   void choose_kernels(const std::vector<std::uint32_t>& undecided);
@@ -98,7 +97,7 @@ void SurfaceLightField::Pipeline::start(const Capture& first) {
   visibility = std::make_unique<RingVisibility>(*mesh, *rings, options.visibility);
   constant_colour = std::make_unique<ConstantColour>(mesh, rings);
   ring_models.resize(mesh->vertices.size());
-  reference_exposure = exposure_product(first.exposure);
+  reference_exposure = exposure_product(first);
 }
 
 IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
@@ -129,6 +128,7 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   if (view.visible_samples == 0) return refuse("object_not_in_view");
 
   ++accepted;
+  report.exposure_gain = known_gain(capture);
   const bool held_out =
       capture.purpose == Purpose::kHeldOut || (capture.purpose == Purpose::kUnspecified && options.hold_out_every > 0 &&
                                                accepted % static_cast<std::size_t>(options.hold_out_every) == 0);
@@ -138,12 +138,15 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   }
 
   resample(image, view, *rings, samples);
-  encode(view, 1);
+  encode(view, report.exposure_gain);
   clock.done("resample");
-  if (const float gain = exposure_gain(capture, view); gain != 1) {
+  const float gain = estimated_gain(capture, view);
+  if (gain != 1) {
     resample(image, view, *rings, samples);
     encode(view, gain);
   }
+  log_gains.push_back(std::log(gain));
+  eyes.push_back(view.eye);
   clock.done("exposure");
   constant_colour->add(view, samples);
   absorb(view, report);
@@ -153,30 +156,38 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   return report;
 }
 
-float SurfaceLightField::Pipeline::exposure_gain(const Capture& capture, const SurfaceView& view) const {
-  if (options.exposure == ExposureCompensation::kOff || capture.exposure.locked) return 1;
-  const double product = exposure_product(capture.exposure);
-  if (product > 0 && reference_exposure > 0) return static_cast<float>(product / reference_exposure);
+/// By what the camera reports, how much brighter the image is than the first one; 1 when that is unknown.
+float SurfaceLightField::Pipeline::known_gain(const Capture& capture) const {
+  if (options.exposure == ExposureCompensation::kOff || capture.exposure.locked || reference_exposure == 0) return 1;
+  const double product = exposure_product(capture);
+  return product > 0 ? static_cast<float>(product / reference_exposure) : 1;
+}
 
-  std::vector<float> ratios(ring_models.size(), std::numeric_limits<float>::quiet_NaN());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ring_models.size(), 64), [&](const auto& range) {
-    Eigen::VectorXf column;
-    std::vector<std::uint8_t> visible;
-    float cosine = 0;
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      if (!ring_models[v] || !gather(v, view, column, visible, cosine)) continue;
-      double level = 0;
-      std::size_t shown = 0;
-      for (std::size_t s = 0; s < visible.size(); ++s)
-        if (visible[s]) {
-          level += column.segment<3>(static_cast<Eigen::Index>(3 * s)).sum();
-          shown += 3;
-        }
-      const float expected = ring_models[v]->expected_level(visible, direction_to(view.eye, v));
-      ratios[v] = log_ratio(static_cast<float>(level / static_cast<double>(shown)), expected);
-    }
-  });
+/// How much brighter an image of unknown exposure is than the model, from what all surfaces say.
+float SurfaceLightField::Pipeline::estimated_gain(const Capture& capture, const SurfaceView& view) const {
+  const bool known = capture.exposure.locked || exposure_product(capture) > 0;
+  if (options.exposure != ExposureCompensation::kEstimate || known) return 1;
+  std::vector<float> ratios = constant_colour->log_ratios(view, samples);
   return robust_gain(ratios);
+}
+
+ExposureField SurfaceLightField::Pipeline::exposure_field() const {
+  ExposureField field;
+  if (std::all_of(log_gains.begin(), log_gains.end(), [](float g) { return g == 0; })) return field;
+  const auto n = static_cast<Eigen::Index>(log_gains.size());
+  field.centre = bounding_sphere(*mesh).centre.cast<float>();
+  field.directions.resize(3, n);
+  for (Eigen::Index j = 0; j < n; ++j) field.directions.col(j) = (eyes[j].cast<float>() - field.centre).normalized();
+  const Eigen::Map<const Eigen::RowVectorXf> gains(log_gains.data(), n);
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const ViewKernel& kernel : kViewKernels) {
+    ViewInterpolant candidate = krige(field.directions, gains, Eigen::VectorXf::Ones(n), kernel);
+    if (candidate.leave_one_out >= lowest) continue;
+    lowest = candidate.leave_one_out;
+    field.log_gain = std::move(candidate);
+    field.kernel = kernel;
+  }
+  return field;
 }
 
 void SurfaceLightField::Pipeline::encode(const SurfaceView& view, float gain) {
@@ -298,11 +309,11 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_
     for (std::size_t v = range.begin(); v < range.end(); ++v)
       if (p.ring_models[v]) data[v] = p.ring_models[v]->snapshot(p.frames[v]);
   });
-  return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.rings, std::move(data), p.version++);
+  return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.rings, std::move(data), p.version++, p.exposure_field());
 }
 
 std::shared_ptr<const ModelSnapshot> SurfaceLightField::constant_colour() const {
-  if (pipeline_->constant_colour) return pipeline_->constant_colour->snapshot();
+  if (pipeline_->constant_colour) return pipeline_->constant_colour->snapshot(pipeline_->exposure_field());
   const std::vector<std::uint8_t> coarse(pipeline_->mesh->triangles.size(), 2);
   return ConstantColour(pipeline_->mesh, std::make_shared<VertexRings>(*pipeline_->mesh, coarse)).snapshot();
 }

@@ -13,9 +13,11 @@
 
 namespace sheen {
 
+/// How images of differing exposure are brought to one level.
 enum class ExposureCompensation {
-  kOff,   ///< grey levels mean the same in all images
-  kAuto,  ///< by exposure time and gain where they are known or locked, else estimated an image
+  kOff,       ///< grey levels mean the same in all images
+  kKnown,     ///< by exposure time and gain where a linear camera reports them
+  kEstimate,  ///< as kKnown; where they are unknown, one robust gain an image (docs/decisions/0005-exposure.md)
 };
 
 struct SurfaceLightFieldOptions {
@@ -23,7 +25,7 @@ struct SurfaceLightFieldOptions {
   int surface_map = 0;
   int min_surface_map = 4, max_surface_map = 24;  ///< bounds of the choice by footprint
   int hold_out_every = 8;                         ///< every Nth accepted image is held out; 0 = none
-  ExposureCompensation exposure = ExposureCompensation::kAuto;
+  ExposureCompensation exposure = ExposureCompensation::kKnown;
   VisibilityOptions visibility;
   RingModelOptions ring;
 };

@@ -36,7 +36,7 @@ TEST(RingVisibility, ASquareIsSeenButForItsErodedRim) {
   const VertexRings rings = rings_of(mesh, 6);
   RingVisibility visibility(mesh, rings, {});
   const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
-  // 250 px per metre at z = 2: the rim of 2 px is 0.008 m wide, one pixel more or less for the grid.
+  // 250 px per metre at z = 2: the rim of 1 px is 0.004 m wide, one pixel more or less for the grid.
   for_each_sample(mesh, rings, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
     const float inside = 0.4f - std::max(std::abs(p.x()), std::abs(p.y()));
     if (inside > 0.017f) EXPECT_TRUE(view.visible[s]) << p.transpose();
