@@ -12,7 +12,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPoll{50};
 constexpr std::size_t kJudgedAtOnce = 2;  // held-out views a live judgement looks at, in turn
-constexpr std::size_t kLatenciesKept = 1 << 16;
 
 std::int64_t now_ns() {
   return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
@@ -69,8 +68,8 @@ void CaptureLoop::receive(std::stop_token stop) {
     const std::lock_guard lock(mutex_);
     status_.link = receiver_.stats();
     status_.journaled = session_.size();
-    if (received && !received->live && latencies_ms_.size() < kLatenciesKept)
-      latencies_ms_.push_back(1e-6 * static_cast<double>(now_ns() - received->capture.times.grabbed_ns));
+    if (received && !received->live)
+      status_.latency.add(1e-9 * static_cast<double>(now_ns() - received->capture.times.grabbed_ns));
     journaled_changed_.notify_all();
   }
 }
@@ -135,7 +134,8 @@ void CaptureLoop::judge_live() {
   const std::lock_guard lock(mutex_);
   status_.held_out_curve.push_back(point);
   status_.rank_histogram = reconstruction_.model().rank_histogram();
-  for (const auto& [stage, ms] : reconstruction_.stage_ms()) status_.stage_ms[stage] = median(ms);
+  for (const auto& [stage, seconds] : reconstruction_.stages()) status_.stage_s[stage] = seconds.median_s();
+  status_.update = reconstruction_.updates();
 }
 
 void CaptureLoop::fail(const std::string& what) {
@@ -151,11 +151,6 @@ void CaptureLoop::fail(const std::string& what) {
 LoopStatus CaptureLoop::status() const {
   const std::lock_guard lock(mutex_);
   return status_;
-}
-
-std::vector<double> CaptureLoop::latencies_ms() const {
-  const std::lock_guard lock(mutex_);
-  return latencies_ms_;
 }
 
 }  // namespace sheen

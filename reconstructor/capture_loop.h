@@ -28,7 +28,9 @@ struct LoopStatus {
   IngestReport last;
   double images_per_s = 0;
   std::vector<std::size_t> rank_histogram;
-  std::map<std::string, double> stage_ms;  ///< medians
+  std::map<std::string, double> stage_s;  ///< median a stage
+  RunningStatistics update;               ///< of the model by an image
+  RunningStatistics latency;  ///< from the grab to durable here; meaningful where both daemons share a clock
   /// Live figures on views the model never saw: images folded in, PSNR, SSIM, and the constant colour's PSNR.
   struct HeldOutPoint {
     std::uint64_t images = 0;
@@ -68,8 +70,6 @@ class CaptureLoop {
   /// True when the source has ended and everything has been ingested, or an error stopped the loop.
   bool finished() const { return finished_; }
   LoopStatus status() const;
-  /// From arrival at the tracker's host to durable here, ms; meaningful where both run on one host.
-  std::vector<double> latencies_ms() const;
 
  private:
   void receive(std::stop_token stop);
@@ -90,7 +90,6 @@ class CaptureLoop {
   mutable std::mutex mutex_;
   std::condition_variable_any journaled_changed_;
   LoopStatus status_;
-  std::vector<double> latencies_ms_;
   std::size_t next_judged_ = 0;
   std::atomic<bool> finished_{false};
   std::jthread receive_thread_, ingest_thread_;

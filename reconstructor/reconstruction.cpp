@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/reconstruction.h"
 
-#include <algorithm>
-#include <limits>
-#include <numeric>
-
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 namespace sheen {
@@ -18,7 +14,7 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
   switch (report.status) {
     case IngestStatus::kAccepted:
       ++counts_.accepted;
-      for (const auto& [stage, ms] : report.stage_ms) stage_ms_[stage].push_back(ms);
+      account(report);
       break;
     case IngestStatus::kHeldOut:
       ++counts_.held_out;
@@ -31,21 +27,21 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
   return report;
 }
 
+void Reconstruction::account(const IngestReport& report) {
+  double total_s = 0;
+  for (const auto& [stage, ms] : report.stage_ms) {
+    stages_[stage].add(1e-3 * ms);
+    total_s += 1e-3 * ms;
+  }
+  updates_.add(total_s);
+}
+
 double Reconstruction::images_per_s() const {
-  double total_ms = 0;
-  for (const auto& [stage, ms] : stage_ms_) total_ms += std::accumulate(ms.begin(), ms.end(), 0.0);
-  return total_ms > 0 ? 1e3 * static_cast<double>(counts_.accepted) / total_ms : 0;
+  return updates_.sum_s() > 0 ? static_cast<double>(updates_.count()) / updates_.sum_s() : 0;
 }
 
 Reconstruction::Judgement Reconstruction::judge() {
   return {score(held_out_, *fill_unseen(*snapshot()), painter_), score(held_out_, *model_.constant_colour(), painter_)};
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace sheen

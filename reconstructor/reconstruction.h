@@ -8,6 +8,7 @@
 
 #include "common/capture.h"
 #include "common/geometry/mesh.h"
+#include "common/running_statistics.h"
 #include "reconstructor/evaluation/held_out.h"
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 #include "reconstructor/render/ray_painter.h"
@@ -33,7 +34,8 @@ class Reconstruction {
   const RayPainter& painter() const { return painter_; }
   const std::vector<HeldOutView>& held_out() const { return held_out_; }
   const FrameCounts& counts() const { return counts_; }
-  const std::map<std::string, std::vector<double>>& stage_ms() const { return stage_ms_; }  ///< a stage, an image
+  const std::map<std::string, RunningStatistics>& stages() const { return stages_; }
+  const RunningStatistics& updates() const { return updates_; }  ///< all stages of an image together
   double images_per_s() const;  ///< accepted images over the time spent on ingesting them
 
   /// The held-out views, seen by the light field and by its constant-colour twin.
@@ -43,14 +45,15 @@ class Reconstruction {
   Judgement judge();
 
  private:
+  void account(const IngestReport& report);
+
   std::shared_ptr<const Mesh> mesh_;
   SurfaceLightField model_;
   RayPainter painter_;
   std::vector<HeldOutView> held_out_;
   FrameCounts counts_;
-  std::map<std::string, std::vector<double>> stage_ms_;
+  std::map<std::string, RunningStatistics> stages_;
+  RunningStatistics updates_;
 };
-
-double median(std::vector<double> values);  ///< NaN for none
 
 }  // namespace sheen

@@ -2,6 +2,7 @@
 #include "reconstructor/report.h"
 
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,9 @@ namespace sheen {
 namespace {
 
 using nlohmann::json;
+
+constexpr const char* kProtocol =
+    "object pixels: first hit a front face, inside the mask or eroded by 3 px without one; 8-bit sRGB; mean over views";
 
 /// JSON has no infinity and no NaN.
 json number(double value) {
@@ -36,7 +40,7 @@ json reconstruction_report(Reconstruction& reconstruction) {
   json refused = json::object();
   for (const auto& [reason, n] : counts.refused) refused[reason] = n;
   json stages = json::object();
-  for (const auto& [stage, ms] : reconstruction.stage_ms()) stages[stage] = median(ms);
+  for (const auto& [stage, seconds] : reconstruction.stages()) stages[stage] = 1e3 * seconds.median_s();
 
   json report;
   report["frames"] = {{"sent", counts.received},     {"received", counts.received}, {"accepted", counts.accepted},
@@ -47,9 +51,7 @@ json reconstruction_report(Reconstruction& reconstruction) {
   report["bytes_per_ring"] = reconstruction.model().bytes_per_ring();
   const Reconstruction::Judgement judged = reconstruction.judge();
   report["held_out"] = {{"views", judged.light_field.views.size()},
-                        {"protocol",
-                         "object pixels: first hit a front face, inside the mask or eroded by 3 px without one; 8-bit "
-                         "sRGB; mean over views"},
+                        {"protocol", kProtocol},
                         {"psnr_db", number(judged.light_field.psnr_db)},
                         {"ssim", number(judged.light_field.ssim)},
                         {"psnr_gain_aligned_db", number(judged.light_field.psnr_gain_aligned_db)},
@@ -61,6 +63,35 @@ json reconstruction_report(Reconstruction& reconstruction) {
                         {"per_view", views_to_json(judged.light_field)},
                         {"constant_per_view", views_to_json(judged.constant)}};
   return report;
+}
+
+json evaluation_report(const Scores& light_field, const Scores& constant) {
+  const auto object = [](const Scores& s) {
+    return json{{"psnr_db", number(s.psnr_db)},
+                {"ssim", number(s.ssim)},
+                {"psnr_pooled_db", number(s.psnr_pooled_db)},
+                {"psnr_gain_aligned_db", number(s.psnr_gain_aligned_db)}};
+  };
+  return {{"protocol", kProtocol},
+          {"object", object(light_field)},
+          {"full", {{"psnr_db", number(light_field.full_psnr_db)}, {"ssim", number(light_field.full_ssim)}}},
+          {"constant", object(constant)},
+          {"uncovered", number(light_field.uncovered)},
+          {"views", views_to_json(light_field)},
+          {"constant_views", views_to_json(constant)}};
+}
+
+void print_summary(const json& report) {
+  const bool built = report.contains("held_out");
+  const json& model = built ? report["held_out"] : report["object"];
+  const json& constant_psnr = built ? report["held_out"]["constant_psnr_db"] : report["constant"]["psnr_db"];
+  if (built)
+    std::printf("%llu images folded in at %.1f images/s, %llu held out\n",
+                report["frames"]["accepted"].get<unsigned long long>(), report["ingest_images_per_s"].get<double>(),
+                report["frames"]["held_out"].get<unsigned long long>());
+  if (model["psnr_db"].is_number() && constant_psnr.is_number())
+    std::printf("held-out views, object pixels: PSNR %.2f dB, SSIM %.3f (constant colour: %.2f dB)\n",
+                model["psnr_db"].get<double>(), model["ssim"].get<double>(), constant_psnr.get<double>());
 }
 
 void write_json(const std::filesystem::path& path, const json& document) {

@@ -12,6 +12,12 @@ namespace sheen {
 /// those of the constant-colour model.
 nlohmann::json reconstruction_report(Reconstruction& reconstruction);
 
+/// The report of `evaluate`: object, full picture, constant colour, and each view.
+nlohmann::json evaluation_report(const Scores& light_field, const Scores& constant);
+
+/// One line for a person: held-out figures beside the constant colour's.
+void print_summary(const nlohmann::json& report);
+
 /// {file, psnr_db, ssim, ...} a view.
 nlohmann::json views_to_json(const Scores& scores);
 

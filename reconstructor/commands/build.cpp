@@ -3,9 +3,12 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "common/datasets/dataset.h"
+#include "common/errors.h"
+#include "common/progress.h"
+#include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/report.h"
+#include "reconstructor/saved_model.h"
 #include "reconstructor/scene_config.h"
 
 namespace sheen {
@@ -19,18 +22,24 @@ struct BuildArguments {
 void build(const BuildArguments& arguments) {
   SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
   if (arguments.hold_out >= 0) config.surface_light_field.hold_out_every = arguments.hold_out;
-  const Dataset dataset = load_dataset(arguments.dataset);
-  LoadedMesh loaded = load_mesh(arguments.mesh);
-  for (const std::string& warning : loaded.diagnosis.warnings())
-    std::fprintf(stderr, "%s: %s\n", arguments.mesh.c_str(), warning.c_str());
-
-  Reconstruction reconstruction(std::move(loaded.mesh), config.surface_light_field);
-  for (std::size_t i = 0; i < dataset.views.size(); ++i) {
-    const IngestReport report = reconstruction.ingest(read_capture(dataset, i));
-    if (report.status == IngestStatus::kRefused)
-      std::fprintf(stderr, "%s: not used: %s\n", dataset.views[i].name.c_str(), report.reason.c_str());
+  const CaptureSet captures = open_capture_set(arguments.dataset);
+  Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh), config.surface_light_field);
+  {
+    Progress progress("building", captures.size);
+    for (std::size_t i = 0; i < captures.size; ++i) {
+      const Capture capture = captures.read(i);
+      const IngestReport report = reconstruction.ingest(capture);
+      if (report.status == IngestStatus::kRefused)
+        std::fprintf(stderr, "%s: not used: %s\n", capture.name.c_str(), report.reason.c_str());
+      progress.update(i + 1);
+    }
   }
+  if (reconstruction.counts().accepted == 0)
+    throw FileError(arguments.dataset, "none of its " + std::to_string(captures.size) +
+                                           " images shows the mesh; check that both are in the same frame and units");
+  if (!arguments.out.empty()) save_reconstruction(reconstruction, arguments.out, arguments.dataset);
   const nlohmann::json report = reconstruction_report(reconstruction);
+  print_summary(report);
   if (!arguments.json.empty()) write_json(arguments.json, report);
 }
 

@@ -28,14 +28,14 @@ ExrPart coverage_part(const PaintedView& view) {
 
 void render(const RenderArguments& arguments) {
   const std::shared_ptr<const SurfaceLightFieldSnapshot> model = load_model(arguments.model);
-  const Dataset cameras = load_cameras(arguments.cameras);
+  const std::vector<DatasetView> cameras = load_cameras(arguments.cameras);
   const std::filesystem::path out = arguments.out;
   std::error_code error;
   std::filesystem::create_directories(out, error);
   if (error) throw FileError(out.string(), "cannot be made: " + error.message());
 
   const RayPainter painter(model->mesh());
-  for (const DatasetView& view : cameras.views) {
+  for (const DatasetView& view : cameras) {
     PaintedView painted = painter.paint(*model, view.camera, view.camera_from_object);
     const std::string name = std::filesystem::path(view.name).stem().string();
     write_png(out / (name + ".png"), to_srgb8(painted.beauty));
@@ -45,7 +45,7 @@ void render(const RenderArguments& arguments) {
     file.parts.push_back(coverage_part(painted));
     write_exr(out / (name + ".exr"), file);
   }
-  std::printf("%zu views rendered to %s\n", cameras.views.size(), out.string().c_str());
+  std::printf("%zu views rendered to %s\n", cameras.size(), out.string().c_str());
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/color.h"
+
 namespace sheen {
 namespace {
 
@@ -90,15 +92,18 @@ Eigen::Vector3f RadianceImage::sample(const Eigen::Vector2f& pixel, float step_p
   return sample_linear(levels_[level], (pixel.x() + 0.5f) * scale - 0.5f, (pixel.y() + 0.5f) * scale - 0.5f).head<3>();
 }
 
-void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings,
-              Eigen::Matrix3Xf& radiance) {
-  radiance.resize(3, static_cast<Eigen::Index>(rings.total_samples()));
+void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings, float gain,
+              Eigen::Matrix3Xf& encoded) {
+  encoded.resize(3, static_cast<Eigen::Index>(rings.total_samples()));
+  const float scale = 1 / gain;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.cosine.size(), 128), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       if (view.visible_in_triangle[t] == 0) continue;
-      const std::size_t first = rings.first_sample(t), last = first + lattice_samples(rings.resolution(t));
-      for (std::size_t s = first; s < last; ++s)
-        if (view.visible[s]) radiance.col(static_cast<Eigen::Index>(s)) = image.sample(view.pixel[s], view.step_px[t]);
+      for (std::size_t s = rings.first_sample(t); s < rings.first_sample(t + 1); ++s)
+        if (view.visible[s]) {
+          const Eigen::Vector3f radiance = scale * image.sample(view.pixel[s], view.step_px[t]);
+          encoded.col(static_cast<Eigen::Index>(s)) = radiance.unaryExpr(&srgb_encode_fast);
+        }
     }
   });
 }

@@ -26,9 +26,9 @@ class RadianceImage {
   ImageU8 valid_;
 };
 
-/// The colours that an image gives to the surface samples it shows: 3 x samples, linear radiance. Columns of samples
-/// that are not visible are left as they were.
-void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings,
-              Eigen::Matrix3Xf& radiance);
+/// The colours that an image gives to the surface samples it shows, interpolated as linear radiance, divided by `gain`
+/// and encoded (`srgb_encode`): 3 x samples. Columns of samples that are not visible are left as they were.
+void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings, float gain,
+              Eigen::Matrix3Xf& encoded);
 
 }  // namespace sheen

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 
-#include "common/color.h"
 #include "common/errors.h"
 #include "reconstructor/models/surface_light_field/exposure_gain.h"
 #include "reconstructor/models/surface_light_field/ring_resampler.h"
@@ -70,7 +69,7 @@ struct SurfaceLightField::Pipeline {
   std::vector<std::unique_ptr<RingModel>> ring_models;  ///< null until an image shows enough of the ring
   double reference_exposure = 0;
 
-  Eigen::Matrix3Xf samples;  ///< radiance, then encoded values of the current image
+  Eigen::Matrix3Xf samples;  ///< encoded values of the current image
   KernelErrors all_kernel_errors{};
   std::vector<float> log_gains;  ///< an image folded in
   std::vector<Eigen::Vector3d> eyes;
@@ -82,7 +81,6 @@ struct SurfaceLightField::Pipeline {
   float known_gain(const Capture& capture) const;
   float estimated_gain(const Capture& capture, const SurfaceView& view) const;
   ExposureField exposure_field() const;
-  void encode(const SurfaceView& view, float gain);
   void absorb(const SurfaceView& view, IngestReport& report);
   void choose_kernels(const std::vector<std::uint32_t>& undecided);
   bool gather(std::size_t vertex, const SurfaceView& view, Eigen::VectorXf& column, std::vector<std::uint8_t>& visible,
@@ -137,14 +135,10 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
     return report;
   }
 
-  resample(image, view, *rings, samples);
-  encode(view, report.exposure_gain);
+  resample(image, view, *rings, report.exposure_gain, samples);
   clock.done("resample");
   const float gain = estimated_gain(capture, view);
-  if (gain != 1) {
-    resample(image, view, *rings, samples);
-    encode(view, gain);
-  }
+  if (gain != 1) resample(image, view, *rings, gain, samples);
   log_gains.push_back(std::log(gain));
   eyes.push_back(view.eye);
   clock.done("exposure");
@@ -188,18 +182,6 @@ ExposureField SurfaceLightField::Pipeline::exposure_field() const {
     field.kernel = kernel;
   }
   return field;
-}
-
-void SurfaceLightField::Pipeline::encode(const SurfaceView& view, float gain) {
-  const float scale = 1 / gain;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.visible.size(), 4096), [&](const auto& range) {
-    for (std::size_t s = range.begin(); s < range.end(); ++s)
-      if (view.visible[s])
-        for (int c = 0; c < 3; ++c) {
-          float& value = samples(c, static_cast<Eigen::Index>(s));
-          value = srgb_encode_fast(value * scale);
-        }
-  });
 }
 
 /// The column of a ring: false when no sample of it is visible. `cosine` is the largest of its visible triangles.

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "common/capture.h"
+
+namespace sheen {
+
+/// Captures in their order, wherever they lie: posed photographs (transforms.json, COLMAP) or the journal of a session.
+struct CaptureSet {
+  std::size_t size = 0;
+  std::function<Capture(std::size_t)> read;
+};
+
+/// Throws FileError when the folder is neither, naming what was looked for.
+CaptureSet open_capture_set(const std::filesystem::path& folder);
+
+}  // namespace sheen

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/errors.h"
+#include "common/progress.h"
+#include "reconstructor/capture_set.h"
+#include "reconstructor/commands/commands.h"
+#include "reconstructor/evaluation/held_out.h"
+#include "reconstructor/exchange/model_files.h"
+#include "reconstructor/models/surface_light_field/constant_colour.h"
+#include "reconstructor/models/surface_light_field/ring_resampler.h"
+#include "reconstructor/report.h"
+#include "reconstructor/saved_model.h"
+
+namespace sheen {
+namespace {
+
+struct EvaluateArguments {
+  std::string model, dataset, json;
+};
+
+void evaluate(const EvaluateArguments& arguments) {
+  const std::shared_ptr<const SurfaceLightFieldSnapshot> model = load_model(arguments.model);
+  const std::set<std::string> unseen = held_out_names(arguments.model);
+  const CaptureSet captures = open_capture_set(arguments.dataset);
+  const RayPainter painter(model->mesh());
+
+  // The constant colour is the mean of each sample over the images that the model was built from.
+  RingVisibility visibility(model->mesh(), model->rings(), {});
+  ConstantColour mean(model->shared_mesh(), model->shared_rings());
+  Eigen::Matrix3Xf encoded;
+  std::vector<HeldOutView> views;
+  {
+    Progress progress("evaluating", captures.size);
+    for (std::size_t i = 0; i < captures.size; ++i) {
+      const Capture capture = captures.read(i);
+      const bool held_out = unseen.empty() ? capture.purpose == Purpose::kHeldOut : unseen.contains(capture.name);
+      if (held_out) {
+        views.push_back(make_held_out_view(capture, 1, painter));
+      } else if (capture.pose.usable()) {
+        const RadianceImage image(
+            to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data()));
+        const SurfaceView& view = visibility.look(capture.camera, capture.pose.camera_from_object, capture.mask);
+        resample(image, view, model->rings(), 1, encoded);
+        mean.add(view, encoded);
+      }
+      progress.update(i + 1);
+    }
+  }
+  if (views.empty())
+    throw FileError(arguments.dataset,
+                    "has no view that the model never saw; name some in test_filenames, or build with --hold-out");
+  const nlohmann::json report = evaluation_report(score(views, *model, painter), score(views, *mean.snapshot(), painter));
+  print_summary(report);
+  if (!arguments.json.empty()) write_json(arguments.json, report);
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app) {
+  auto arguments = std::make_shared<EvaluateArguments>();
+  CLI::App* command = app.add_subcommand("evaluate", "PSNR and SSIM of a saved model on views that it never saw.");
+  command->add_option("model", arguments->model, "folder of a saved model")->required();
+  command->add_option("dataset", arguments->dataset, "the images it was built from, and the held-out ones")->required();
+  command->add_option("--json", arguments->json, "report to write; - for standard output");
+  command->callback([arguments] { evaluate(*arguments); });
+}
+
+}  // namespace sheen
