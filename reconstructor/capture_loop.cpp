@@ -134,6 +134,7 @@ void CaptureLoop::judge_live() {
   const std::lock_guard lock(mutex_);
   status_.held_out_curve.push_back(point);
   status_.rank_histogram = reconstruction_.model().rank_histogram();
+  status_.model_bytes = reconstruction_.model().bytes();
   for (const auto& [stage, seconds] : reconstruction_.stages()) status_.stage_s[stage] = seconds.median_s();
   status_.update = reconstruction_.updates();
 }

@@ -28,6 +28,7 @@ struct LoopStatus {
   IngestReport last;
   double images_per_s = 0;
   std::vector<std::size_t> rank_histogram;
+  std::uint64_t model_bytes = 0;
   std::map<std::string, double> stage_s;  ///< median a stage
   RunningStatistics update;               ///< of the model by an image
   RunningStatistics latency;  ///< from the grab to durable here; meaningful where both daemons share a clock

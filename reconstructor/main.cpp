@@ -3,27 +3,41 @@
 #include <cstdio>
 
 #include "common/errors.h"
+#include "common/log.h"
+#include "common/stop_signal.h"
 #include "reconstructor/commands/commands.h"
 
 int main(int argc, char** argv) {
   CLI::App app("sheen-reconstructor: turns posed images into a surface light field, live or from files.");
   app.require_subcommand(1);
   app.set_version_flag("--version", SHEEN_VERSION);
+  sheen::add_serve_command(app);
   sheen::add_build_command(app);
-
+  sheen::add_render_command(app);
+  sheen::add_evaluate_command(app);
   sheen::add_view_command(app);
+<<<<<<< HEAD
   sheen::add_monitor_command(app);
   sheen::add_doctor_command(app);
+=======
+
+  sheen::install_stop_signals();
+  sheen::start_logging({});
+  const auto status = [](int s) {
+    sheen::stop_logging();
+    return s;
+  };
+>>>>>>> f2075d7 (Live loop: journal, model, window and status page; serve, render and evaluate)
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return status(app.exit(error) == 0 ? 0 : 2);
   } catch (const sheen::ConfigError& error) {
     std::fprintf(stderr, "sheen-reconstructor: %s\n", error.what());
-    return 2;
+    return status(2);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "sheen-reconstructor: %s\n", error.what());
-    return 1;
+    return status(1);
   }
-  return 0;
+  return status(0);
 }

@@ -26,10 +26,12 @@ Setter into(T& target) {
 Setter into(ExposureCompensation& target) {
   return [&target](const toml::node& node) {
     const auto word = node.value_exact<std::string>();
-    if (word == "auto")
-      target = ExposureCompensation::kAuto;
-    else if (word == "off")
+    if (word == "off")
       target = ExposureCompensation::kOff;
+    else if (word == "known")
+      target = ExposureCompensation::kKnown;
+    else if (word == "estimate")
+      target = ExposureCompensation::kEstimate;
     else
       return false;
     return true;

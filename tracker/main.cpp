@@ -4,8 +4,8 @@
 #include <iostream>
 
 #include "common/errors.h"
+#include "common/stop_signal.h"
 #include "tracker/commands/commands.h"
-#include "tracker/stop_signal.h"
 
 namespace {
 

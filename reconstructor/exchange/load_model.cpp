@@ -108,6 +108,30 @@ std::shared_ptr<const VertexRings> read_rings(const Description& description, co
       mesh, description.list<std::uint8_t>(description.json(), "lattice_resolution", mesh.triangles.size(), 2, 255));
 }
 
+ExposureField read_exposure(const Description& description) {
+  const auto found = description.json().find("exposure");
+  if (found == description.json().end() || !found->is_object()) description.fail("exposure", "must be an object");
+  const auto directions = found->find("directions");
+  if (directions == found->end() || !directions->is_array() || directions->size() % 3 != 0)
+    description.fail("exposure.directions", "must be a list of three numbers a view");
+  const std::size_t views = directions->size() / 3;
+  const auto list = [&](const char* field, std::size_t size) {
+    return description.list<float>(*found, field, size, -1e6, 1e6);
+  };
+  ExposureField exposure;
+  exposure.centre = Eigen::Map<const Eigen::Vector3f>(list("centre", 3).data());
+  if (views == 0) return exposure;
+  exposure.directions =
+      Eigen::Map<const Eigen::Matrix3Xf>(list("directions", 3 * views).data(), 3, static_cast<Eigen::Index>(views));
+  exposure.log_gain.mean = Eigen::Map<const Eigen::VectorXf>(list("mean", 1).data(), 1);
+  exposure.log_gain.weights =
+      Eigen::Map<const Eigen::RowVectorXf>(list("weights", views).data(), static_cast<Eigen::Index>(views));
+  const std::vector<float> kernel = list("kernel", 2);
+  if (kernel[0] <= 0 || kernel[1] < 0) description.fail("exposure.kernel", "must be a positive scale and a nugget");
+  exposure.kernel = {kernel[0], kernel[1]};
+  return exposure;
+}
+
 /// Rings with all but what maps.exr holds, and where that stands.
 struct Rings {
   ModelLayout layout;
@@ -264,7 +288,8 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& fold
     ring.views = triangulate_views(ring.frame, ring.directions);
     ring_data[rings.layout.rings[i].vertex] = rings.data[i];
   });
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, vertex_rings, std::move(ring_data), description.snapshot());
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, vertex_rings, std::move(ring_data), description.snapshot(),
+                                                     read_exposure(description));
 }
 
 ModelMetadata load_model_metadata(const fs::path& folder) {

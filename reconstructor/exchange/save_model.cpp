@@ -44,6 +44,16 @@ Json conventions() {
            "frame * direction, moved to the rim where outside the unit disc"}};
 }
 
+/// Directions run x y z a view; weights and the mean are of the log of the gain.
+Json exposure_of(const ExposureField& exposure) {
+  const auto numbers = [](const auto& m) { return std::vector<float>(m.data(), m.data() + m.size()); };
+  return {{"centre", numbers(exposure.centre)},
+          {"directions", numbers(exposure.directions)},
+          {"mean", numbers(exposure.log_gain.mean)},
+          {"weights", numbers(exposure.log_gain.weights)},
+          {"kernel", {exposure.kernel.scale_rad, exposure.kernel.nugget}}};
+}
+
 Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout, const ModelMetadata& metadata,
                     const std::string& mesh_hash) {
   Json json;
@@ -53,6 +63,7 @@ Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& l
   json["snapshot"] = model.version();
   json["metadata"] = metadata;
   json["conventions"] = conventions();
+  json["exposure"] = exposure_of(model.exposure());
   Json resolution = Json::array();
   for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) resolution.push_back(model.rings().resolution(t));
   json["lattice_resolution"] = std::move(resolution);

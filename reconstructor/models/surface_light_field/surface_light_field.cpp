@@ -315,14 +315,17 @@ std::vector<std::size_t> SurfaceLightField::rank_histogram() const {
   return histogram;
 }
 
-double SurfaceLightField::bytes_per_ring() const {
-  std::size_t bytes = 0, rings = 0;
+std::size_t SurfaceLightField::bytes() const {
+  std::size_t bytes = 0;
   for (const auto& ring : pipeline_->ring_models)
-    if (ring && ring->views() > 0) {
-      bytes += ring->bytes();
-      ++rings;
-    }
-  return rings > 0 ? double(bytes) / double(rings) : 0;
+    if (ring) bytes += ring->bytes();
+  return bytes;
+}
+
+double SurfaceLightField::bytes_per_ring() const {
+  const auto reached = std::count_if(pipeline_->ring_models.begin(), pipeline_->ring_models.end(),
+                                     [](const auto& ring) { return ring && ring->views() > 0; });
+  return reached > 0 ? static_cast<double>(bytes()) / static_cast<double>(reached) : 0;
 }
 
 }  // namespace sheen

@@ -45,6 +45,7 @@ class SurfaceLightField : public AppearanceModel {
 
   std::size_t images() const;                       ///< folded in
   std::vector<std::size_t> rank_histogram() const;  ///< [rings of rank 0, 1, ...], rings that no image reached left out
+  std::size_t bytes() const;                        ///< of all rings
   double bytes_per_ring() const;                    ///< mean over rings that an image reached
 
  private:

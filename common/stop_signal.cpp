@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tracker/stop_signal.h"
+#include "common/stop_signal.h"
 
 #include <signal.h>
 

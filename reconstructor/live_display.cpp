@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/live_display.h"
+
+#include "common/color.h"
+#include "common/image_io.h"
+#include "reconstructor/models/surface_light_field/next_view.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kPreviewWidth = 480;
+constexpr int kJpegQuality = 80;
+
+std::shared_ptr<const std::string> jpeg_text(const ImageU8& image) {
+  const std::vector<std::uint8_t> bytes = encode_jpeg(image, kJpegQuality);
+  return std::make_shared<const std::string>(bytes.begin(), bytes.end());
+}
+
+Camera preview_camera(const Camera& camera) {
+  return camera.scaled(kPreviewWidth, std::max(1, camera.height * kPreviewWidth / camera.width));
+}
+
+/// Every nth pixel: quick, and good enough for a thumbnail.
+ImageU8 thumbnail(const ImageU8& image, int width) {
+  const int height = std::max(1, image.height() * width / image.width());
+  ImageU8 small(width, height, image.channels());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < image.channels(); ++c)
+        small.at(x, y, c) = image.at(x * image.width() / width, y * image.height() / height, c);
+  return small;
+}
+
+TrackerLink link_of(const LoopStatus& status, const std::optional<MonitorState::Clock::time_point>& last) {
+  if (!last) return TrackerLink::kWaiting;
+  const bool fresh = MonitorState::Clock::now() - *last < kStaleAfter;
+  return status.link.connected && fresh ? TrackerLink::kConnected : TrackerLink::kStale;
+}
+
+}  // namespace
+
+LoopObserver LiveDisplay::observer() {
+  return {.on_snapshot =
+              [this](std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot) {
+                const std::lock_guard lock(mutex_);
+                latest_.snapshot = std::move(snapshot);
+              },
+          .on_capture =
+              [this](const Capture& capture) {
+                auto copy = std::make_shared<const Capture>(capture);
+                const std::lock_guard lock(mutex_);
+                latest_.capture = std::move(copy);
+                latest_.capture_at = MonitorState::Clock::now();
+              }};
+}
+
+LiveDisplay::Latest LiveDisplay::latest() const {
+  const std::lock_guard lock(mutex_);
+  return latest_;
+}
+
+void LiveDisplay::publish_to_window(const LoopStatus& status) {
+  const Latest now = latest();
+  update_next_view(now);
+  CaptureFigures figures{.frames_received = status.counts.received,
+                         .frames_accepted = status.counts.accepted + status.counts.held_out,
+                         .frames_held_out = status.counts.held_out,
+                         .frames_refused = status.counts.refused,
+                         .images_per_s = status.images_per_s,
+                         .residual = status.last.relative_residual};
+  if (!status.held_out_curve.empty()) {
+    figures.held_out_psnr_db = status.held_out_curve.back().psnr_db;
+    figures.held_out_ssim = status.held_out_curve.back().ssim;
+  }
+  feed_.publish({.snapshot = now.snapshot,
+                 .capture = now.capture,
+                 .figures = figures,
+                 .link = link_of(status, now.capture_at),
+                 .next_view = next_view_,
+                 .message = status.error.empty() ? status.link.last_error : status.error});
+}
+
+MonitorState LiveDisplay::monitor_state(const LoopStatus& status) {
+  const Latest now = latest();
+  update_previews(now);
+  update_next_view(now);
+  MonitorState state;
+  state.version = SHEEN_VERSION;
+  state.model = "surface-light-field";
+  state.session_folder = names_.session_folder;
+  if (now.capture) state.source_session = now.capture->source_session;
+  state.links.push_back({"tracker", names_.endpoint, status.link.connected, names_.encrypted, status.link.last_error});
+  state.ended = status.link.ended;
+  state.error = status.error;
+  state.last_frame = now.capture_at;
+  state.received = status.counts.received;
+  state.accepted = status.counts.accepted;
+  state.held_out = status.counts.held_out;
+  state.journaled = status.journaled;
+  state.refused = status.counts.refused;
+  state.images_per_s = status.images_per_s;
+  state.queues["ingest"] = {status.journaled - std::min(status.journaled, status.ingested), 0};
+  state.stage_s = status.stage_s;
+  state.update = summarize(status.update);
+  state.latency = summarize(status.latency);
+  state.rank_histogram = status.rank_histogram;
+  state.model_bytes = status.model_bytes;
+  for (const LoopStatus::HeldOutPoint& p : status.held_out_curve)
+    state.held_out_curve.push_back({p.images, p.psnr_db, p.ssim, p.constant_psnr_db});
+  if (next_view_) state.next_view = next_view_->reason;
+  state.preview_jpeg = preview_jpeg_;
+  state.camera_jpeg = camera_jpeg_;
+  return state;
+}
+
+void LiveDisplay::update_previews(const Latest& now) {
+  if (now.capture && now.capture != drawn_capture_) {
+    drawn_capture_ = now.capture;
+    camera_jpeg_ = jpeg_text(thumbnail(to_srgb8(to_linear_rgb(now.capture->image)), kPreviewWidth));
+  }
+  if (now.snapshot && now.capture && now.capture->pose.usable() && now.snapshot->version() != drawn_version_) {
+    drawn_version_ = now.snapshot->version();
+    const PaintedView view =
+        painter_.paint(*now.snapshot, preview_camera(now.capture->camera), now.capture->pose.camera_from_object);
+    preview_jpeg_ = jpeg_text(to_srgb8(view.beauty));
+  }
+}
+
+void LiveDisplay::update_next_view(const Latest& now) {
+  if (!now.snapshot || !now.capture || !now.capture->pose.usable() || now.snapshot->version() == advised_version_)
+    return;
+  advised_version_ = now.snapshot->version();
+  const ViewAdvice advice = advise_next_view(*now.snapshot, camera_centre(now.capture->pose.camera_from_object));
+  next_view_ = NextView{advice.eye, advice.text};
+}
+
+}  // namespace sheen

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "reconstructor/models/surface_light_field/snapshot.h"
+
+namespace sheen {
+
+struct ViewAdvice {
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< object frame
+  double heuristic = 0;                           ///< mean over the surface seen from there, 0 = nothing to gain .. 1
+  std::string text;                               ///< for a person: how far to go, and what is missing there
+};
+
+/// Where an image would be worth most: the place on the sphere through the present eye, above the stage's plane, from
+/// which the quality heuristic of the surface in sight is highest (000 sec. 5.1 chooses among recorded images in this
+/// way). Looks at a part of the rings, so that it can be asked for several times a second.
+ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eigen::Vector3d& eye);
+
+}  // namespace sheen
