@@ -16,10 +16,8 @@ int main(int argc, char** argv) {
   sheen::add_render_command(app);
   sheen::add_evaluate_command(app);
   sheen::add_view_command(app);
-<<<<<<< HEAD
   sheen::add_monitor_command(app);
   sheen::add_doctor_command(app);
-=======
 
   sheen::install_stop_signals();
   sheen::start_logging({});
@@ -27,7 +25,7 @@ int main(int argc, char** argv) {
     sheen::stop_logging();
     return s;
   };
->>>>>>> f2075d7 (Live loop: journal, model, window and status page; serve, render and evaluate)
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -12,10 +12,10 @@
 #include "common/errors.h"
 #include "common/files.h"
 #include "common/monitor_socket.h"
+#include "common/stop_signal.h"
 #include "common/transport.h"
 #include "tracker/commands/commands.h"
 #include "tracker/rig_config.h"
-#include "tracker/stop_signal.h"
 #include "tracker/tracking_loop.h"
 
 namespace sheen {

@@ -12,9 +12,9 @@
 #include "common/errors.h"
 #include "common/progress.h"
 #include "common/simulation/simulated_rig.h"
+#include "common/stop_signal.h"
 #include "tracker/camera_server/camera_server.h"
 #include "tracker/commands/commands.h"
-#include "tracker/stop_signal.h"
 
 namespace sheen {
 namespace {
