@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracker/tracking_loop.h"
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <functional>
@@ -154,9 +155,10 @@ void TrackingLoop::Impl::find_pose(const Frame& frame, Capture& capture) {
   }
   const StageTimer timer(report, "solve");
   capture.pose = solve_pose(rig->camera, rig->stage, capture.tags, options.pose);
-  if (capture.pose.usable())
-    capture.pose.blur_px = blur.predict(rig->camera, region, capture.pose.camera_from_object, frame.times.device_ns,
-                                        frame.exposure.exposure_s);
+  if (!capture.pose.usable()) return;
+  const double foretold = blur.predict(rig->camera, region, capture.pose.camera_from_object, frame.times.device_ns,
+                                       frame.exposure.exposure_s);
+  capture.pose.blur_px = std::max(foretold, measured_streak_px(grey, rig->camera, capture.tags, options.refiner));
 }
 
 void TrackingLoop::Impl::judge(Frame& frame, Capture& capture) {

@@ -124,6 +124,20 @@ TEST(CornerRefiner, DropsTagsWithoutMeasurableEdges) {
   EXPECT_TRUE(hostile.empty());
 }
 
+TEST(MeasuredStreak, ReadsAJerkFromTheWidthOfTheEdges) {
+  const Rendered r = rendered_stage(2, false);
+  EXPECT_EQ(measured_streak_px(r.image, r.camera, r.tags), 0);
+  ImageU8 streaked = r.image;  // a box of 7 px along x
+  for (int y = 0; y < streaked.height(); ++y)
+    for (int x = 3; x < streaked.width() - 3; ++x) {
+      int sum = 0;
+      for (int k = -3; k <= 3; ++k) sum += r.image.at(x + k, y);
+      streaked.at(x, y) = static_cast<std::uint8_t>(sum / 7);
+    }
+  EXPECT_GT(measured_streak_px(streaked, r.camera, r.tags), 3);
+  EXPECT_EQ(measured_streak_px(streaked, r.camera, {}), 0);
+}
+
 TEST(DetectionImage, BalancesTheSitesOfABayerMosaic) {
   const Rendered r = rendered_stage(1, true);
   const ImageU8 balanced = detection_image(as_bayer(r.image, 0.5, 1, 0.7));

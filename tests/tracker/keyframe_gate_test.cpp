@@ -59,9 +59,9 @@ TEST_F(Gate, ExposureCountsOnTheObjectOnly) {
 /// A camera 0.6 m away: sideways uncertainty s moves the picture of the object (nearest point 0.45 m) by f s / z.
 TEST_F(Gate, JudgesUncertaintyByItsEffectOnTheObject) {
   pose.covariance.setZero();
-  pose.covariance(3, 3) = 5e-5 * 5e-5;  // 0.13 px at 0.45 m
+  pose.covariance(3, 3) = 1e-5 * 1e-5;  // 0.027 px at 0.45 m
   EXPECT_EQ(judge(), FrameVerdict::kKeyframe);
-  pose.covariance(3, 3) = 1.2e-4 * 1.2e-4;  // 0.32 px
+  pose.covariance(3, 3) = 3e-5 * 3e-5;  // 0.08 px
   EXPECT_EQ(judge(), FrameVerdict::kUncertainPose);
 }
 

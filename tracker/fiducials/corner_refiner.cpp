@@ -22,6 +22,7 @@ constexpr int kLevelWindow = 4;                    ///< points to either side th
 constexpr int kReweightings = 5;                   ///< of the line fit
 constexpr double kTukeyMadRatio = 4.685 * 1.4826;  ///< 95 % efficient on Gaussian noise
 constexpr double kMinScalePx = 0.02;
+constexpr double kSharpVariance = 1.0;  ///< px^2; pixel, interpolation, a lens's blur and the noise of the tails
 
 /// The picture a pinhole with the camera's focal length would have taken: pixels, not normalised coordinates.
 struct Pinhole {
@@ -141,25 +142,36 @@ std::optional<Vector2d> fit_line(const std::vector<EdgePoint>& points) {
   return line;
 }
 
+Vector2d outward_normal(const Quad& quad, int edge) {
+  const Vector2d &a = quad[edge], &b = quad[(edge + 1) % 4];
+  const Vector2d direction = (b - a).normalized(), normal(direction.y(), -direction.x());
+  return normal.dot(quad[(edge + 2) % 4] - a) > 0 ? Vector2d(-normal) : normal;
+}
+
+/// Profiles across one edge, with their levels; empty where the edge cannot be measured.
+std::vector<EdgePoint> edge_points(const ImageU8& grey, const Pinhole& pinhole, const Quad& quad, int edge,
+                                   const RefinerOptions& options) {
+  const Vector2d &a = quad[edge], &b = quad[(edge + 1) % 4];
+  const Vector2d inward = (quad[(edge + 3) % 4] + quad[(edge + 2) % 4] - a - b) / 2;
+  const Vector2d outward = outward_normal(quad, edge);
+  const double cell = -outward.dot(inward) / kTagCells;
+  const double reach = std::min(options.reach_px, options.reach_cells * cell);
+  if (!(reach >= options.min_reach_px)) return {};
+  const int half_samples = static_cast<int>(reach / kStep);
+  auto points = sample_edge(grey, pinhole, a, b, outward, half_samples, options.skipped_ends);
+  if (points.size() < kMinEdgePoints) return {};
+  estimate_levels(points, std::max(2, half_samples / 4));
+  std::erase_if(points, [&](const EdgePoint& p) { return p.paper - p.ink < options.min_contrast; });
+  if (points.size() < kMinEdgePoints) return {};
+  return points;
+}
+
 std::optional<Line> measure_edge(const ImageU8& grey, const Pinhole& pinhole, const Quad& quad, int edge,
                                  const RefinerOptions& options) {
   const Vector2d &a = quad[edge], &b = quad[(edge + 1) % 4];
-  const Vector2d& far_a = quad[(edge + 3) % 4];
-  const Vector2d& far_b = quad[(edge + 2) % 4];
-  const Vector2d direction = (b - a).normalized();
-  Vector2d outward(direction.y(), -direction.x());
-  const Vector2d inward = (far_a + far_b - a - b) / 2;
-  if (outward.dot(inward) > 0) outward = -outward;
-  const double cell = -outward.dot(inward) / kTagCells;
-  const double reach = std::min(options.reach_px, options.reach_cells * cell);
-  if (reach < options.min_reach_px) return std::nullopt;
-
-  const int half_samples = static_cast<int>(reach / kStep);
-  auto points = sample_edge(grey, pinhole, a, b, outward, half_samples, options.skipped_ends);
-  if (points.size() < kMinEdgePoints) return std::nullopt;
-  estimate_levels(points, std::max(2, half_samples / 4));
-  std::erase_if(points, [&](const EdgePoint& p) { return p.paper - p.ink < options.min_contrast; });
-  if (points.size() < kMinEdgePoints) return std::nullopt;
+  const Vector2d direction = (b - a).normalized(), outward = outward_normal(quad, edge);
+  auto points = edge_points(grey, pinhole, quad, edge, options);
+  if (points.empty()) return std::nullopt;
   for (EdgePoint& point : points) point.across = step_position(point);
 
   const auto line = fit_line(points);
@@ -215,7 +227,45 @@ bool refine_tag(const ImageU8& grey, const Pinhole& pinhole, TagObservation& tag
   return true;
 }
 
+/// Variance (px^2) of the slope of an edge's mean profile: its width.
+double slope_variance(const std::vector<EdgePoint>& points) {
+  std::vector<double> mean(points.front().profile.size(), 0.0);
+  for (const EdgePoint& p : points)
+    for (std::size_t j = 0; j < mean.size(); ++j) mean[j] += (p.profile[j] - p.ink) / (p.paper - p.ink);
+  double weight = 0, first = 0, second = 0;
+  for (std::size_t j = 1; j < mean.size(); ++j) {
+    const double slope = std::max(mean[j] - mean[j - 1], 0.0), t = j * kStep;
+    weight += slope;
+    first += slope * t;
+    second += slope * t * t;
+  }
+  return weight > 0 ? second / weight - (first / weight) * (first / weight) : 0;
+}
+
 }  // namespace
+
+double measured_streak_px(const ImageU8& grey, const Camera& camera, const std::vector<TagObservation>& tags,
+                          const RefinerOptions& options) {
+  const Pinhole pinhole{camera};
+  std::vector<double> streaks;
+  for (const TagObservation& tag : tags) {
+    Quad quad;
+    bool seen = true;
+    for (int corner = 0; corner < 4; ++corner) {
+      const auto p = pinhole.undistort(tag.corners[corner]);
+      seen = seen && p;
+      if (p) quad[corner] = *p;
+    }
+    double widest = 0;
+    for (int edge = 0; seen && edge < 4; ++edge)
+      if (const auto points = edge_points(grey, pinhole, quad, edge, options); !points.empty())
+        widest = std::max(widest, slope_variance(points));
+    if (widest > 0) streaks.push_back(std::sqrt(12 * std::max(widest - kSharpVariance, 0.0)));
+  }
+  if (streaks.empty()) return 0;
+  std::ranges::nth_element(streaks, streaks.begin() + streaks.size() / 2);
+  return streaks[streaks.size() / 2];
+}
 
 void refine_corners(const ImageU8& grey, const Camera& camera, std::vector<TagObservation>& tags,
                     const RefinerOptions& options) {
