@@ -31,7 +31,7 @@ TEST(IncludeRules, EachForbidsWhatItIsThereFor) {
       {"common/camera.h", "tracker/pose/pose_solver.h"},
       {"common/simulation/rig.cpp", "reconstructor/report.h"},
       {"tracker/tracking_loop.cpp", "reconstructor/surface/vertex_ring.h"},
-      {"reconstructor/capture_loop.cpp", "common/stop_signal.h"},
+      {"reconstructor/capture_loop.cpp", "tracker/tracking_loop.h"},
       {"reconstructor/report.cpp", "tests/support/matchers.h"},
       {"reconstructor/numerics/ring_factor.cpp", "common/camera.h"},
       {"reconstructor/numerics/ring_factor.cpp", "tbb/parallel_for.h"},
