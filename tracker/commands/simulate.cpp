@@ -11,6 +11,8 @@
 
 #include "common/errors.h"
 #include "common/progress.h"
+#include "common/session.h"
+#include "common/simulation/pose_truth.h"
 #include "common/simulation/simulated_rig.h"
 #include "common/stop_signal.h"
 #include "tracker/camera_server/camera_server.h"
@@ -20,7 +22,7 @@ namespace sheen {
 namespace {
 
 struct SimulateArguments {
-  std::filesystem::path out, serve, log;
+  std::filesystem::path out, serve, log, judge, recording;
   CameraServerOptions server;
   SimulationOptions rig;
   std::string size = "1024x768";
@@ -77,9 +79,27 @@ void serve(const SimulateArguments& arguments) {
   }
 }
 
+/// How far the poses of a session are from the truth of the recording that was served.
+void judge(const SimulateArguments& arguments) {
+  if (arguments.recording.empty() || arguments.log.empty())
+    throw ConfigError("--judge SESSION needs --recording DIR and the --log FILE that --serve wrote");
+  const RigRecording recording = load_rig_recording(arguments.recording);
+  const SentFrames sent = read_sent_frames(arguments.log);
+  const Session session = Session::open_read_only(arguments.judge);
+  PoseErrors errors;
+  for (std::uint64_t i = 0; i < session.size(); ++i) add_pose_error(session.read(i), recording, sent, errors);
+  const nlohmann::json report{{"captures", errors.centre_mm.size()},
+                              {"unmatched", errors.unmatched},
+                              {"centre_mm_p50", quantile(errors.centre_mm, 0.50)},
+                              {"centre_mm_p95", quantile(errors.centre_mm, 0.95)},
+                              {"rotation_deg_p95", quantile(errors.rotation_deg, 0.95)}};
+  std::cout << report.dump(2) << '\n';
+}
+
 void simulate(const SimulateArguments& arguments) {
-  if (arguments.out.empty() && arguments.serve.empty())
-    throw ConfigError("give --out DIR to render a recording, or --serve DIR to serve one as a camera");
+  if (arguments.out.empty() && arguments.serve.empty() && arguments.judge.empty())
+    throw ConfigError("give --out DIR to render a recording, --serve DIR to serve one as a camera, or --judge SESSION");
+  if (!arguments.judge.empty()) return judge(arguments);
   if (!arguments.out.empty()) render(arguments);
   if (!arguments.serve.empty()) serve(arguments);
 }
@@ -100,7 +120,9 @@ void add_simulate_command(CLI::App& app) {
   command->add_option("--interface", arguments->server.address, "Loopback address to serve on")->capture_default_str();
   command->add_option("--rate", arguments->server.frame_rate_hz, "Frames/s to serve; default: the recording's");
   command->add_flag("--loop", arguments->server.loop, "Begin again after the last frame; else it is repeated");
-  command->add_option("--log", arguments->log, "Write frame_id,rig_index for each frame sent");
+  command->add_option("--log", arguments->log, "Write frame_id,rig_index for each frame sent; read by --judge");
+  command->add_option("--judge", arguments->judge, "Session whose poses are compared with the truth (JSON)");
+  command->add_option("--recording", arguments->recording, "With --judge: the recording that was served");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->callback([arguments] { simulate(*arguments); });
 }
