@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/simulation/sensor.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 #include "common/simulation/procedural_noise.h"
 
@@ -22,6 +26,29 @@ double normal_deviate(std::uint64_t counter) {
 
 double SensorNoise::sigma(double level) const {
   return std::sqrt(read_sigma * read_sigma + shot * std::max(0.0, level));
+}
+
+ImageF through_lens(const ImageF& radiance, double sigma_px) {
+  const int reach = std::max(1, static_cast<int>(std::ceil(4 * sigma_px)));
+  std::vector<float> spot(2 * reach + 1);
+  for (int k = -reach; k <= reach; ++k)
+    spot[k + reach] = static_cast<float>(std::exp(-0.5 * k * k / (sigma_px * sigma_px)));
+  const float total = std::accumulate(spot.begin(), spot.end(), 0.0f);
+  for (float& weight : spot) weight /= total;
+
+  const int w = radiance.width(), h = radiance.height(), channels = radiance.channels();
+  const auto blur = [&](const ImageF& in, int dx, int dy) {
+    ImageF out(w, h, channels);
+    tbb::parallel_for(0, h, [&](int y) {
+      for (int x = 0; x < w; ++x)
+        for (int k = -reach; k <= reach; ++k) {
+          const float* from = in.pixel(std::clamp(x + k * dx, 0, w - 1), std::clamp(y + k * dy, 0, h - 1));
+          for (int c = 0; c < channels; ++c) out.at(x, y, c) += spot[k + reach] * from[c];
+        }
+    });
+    return out;
+  };
+  return blur(blur(radiance, 1, 0), 0, 1);
 }
 
 ImageF mosaic_rggb(const ImageF& radiance) {

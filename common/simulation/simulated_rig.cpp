@@ -75,6 +75,7 @@ SimulatedFrame SimulatedRig::frame(std::size_t index) const {
   }
   for (std::size_t k = 0; k < frame.radiance.size(); ++k)
     frame.radiance.data()[k] = static_cast<float>(frame.radiance.data()[k] / white_level_);
+  frame.radiance = through_lens(frame.radiance, kLensSpotPx);
   ImageF mosaic = mosaic_rggb(frame.radiance);
   add_sensor_noise(mosaic, {}, mix_bits(options_.seed) + index);
   frame.raw = quantize_rggb(mosaic);

@@ -26,7 +26,8 @@ struct SimulationOptions {
   BakeOptions bake;                ///< coarser ones make small rigs for tests quick
 };
 
-/// One frame of the rig with its truth. Radiance is in units of the white level, before noise and clipping.
+/// One frame of the rig with its truth. Radiance is as the lens lays it on the sensor, in units of the white level,
+/// before noise and clipping.
 struct SimulatedFrame {
   Rigid3 camera_from_object;  ///< at the middle of the exposure
   double blur_px = 0;         ///< streak of the object's centre
