@@ -328,7 +328,9 @@ void CaptureReceiver::acknowledge(const std::string& source_session, std::uint64
 
 ReceiverStats CaptureReceiver::stats() const {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->stats;
+  ReceiverStats stats = impl_->stats;
+  stats.ended = stats.ended && impl_->queue.empty();
+  return stats;
 }
 
 }  // namespace sheen

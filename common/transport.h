@@ -89,7 +89,7 @@ struct ReceiverStats {
   std::int64_t clock_offset_ns = 0;  ///< sender's steady clock minus this one, to half of round_trip_ns
   std::int64_t round_trip_ns = 0;    ///< of the latest hello
   bool connected = false;
-  bool ended = false;  ///< the sender said that its source has ended, and everything it kept was received
+  bool ended = false;  ///< the sender said that its source has ended, and `next` has returned everything it kept
   std::string last_error;
 };
 

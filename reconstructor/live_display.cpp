@@ -97,6 +97,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status) {
   state.accepted = status.counts.accepted;
   state.held_out = status.counts.held_out;
   state.journaled = status.journaled;
+  state.sequence_gaps = status.link.missing;
   state.refused = status.counts.refused;
   state.images_per_s = status.images_per_s;
   state.queues["ingest"] = {status.journaled - std::min(status.journaled, status.ingested), 0};

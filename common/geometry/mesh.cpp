@@ -77,8 +77,10 @@ std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh) {
     for (const std::uint32_t v : mesh.triangles[t]) normals[v] += area_normal;
   }
   for (Eigen::Vector3f& normal : normals) {
-    const float length = normal.stableNorm();
-    normal = length > 0 ? Eigen::Vector3f(normal / length) : Eigen::Vector3f(0, 0, 1);
+    // In double, tiny and huge meshes keep their normals; Eigen's stableNorm rounds by where in memory its argument is.
+    const Eigen::Vector3d exact = normal.cast<double>();
+    const double length = exact.norm();
+    normal = length > 0 ? Eigen::Vector3f((exact / length).cast<float>()) : Eigen::Vector3f(0, 0, 1);
   }
   return normals;
 }

@@ -17,6 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+constexpr std::uint64_t kOnlySnapshot = 1;  ///< number of a model that does not change
+
 /// model.json, read field by field.
 class Description {
  public:
@@ -44,7 +46,6 @@ class Description {
     if (found == json_.end() || !found->is_string()) fail(field, "must be a text");
     return found->get<std::string>();
   }
-  std::uint64_t snapshot() const { return number<std::uint64_t>(json_, "snapshot"); }
   /// A list of so many numbers within low..high.
   template <typename T>
   std::vector<T> list(const Json& object, const char* field, std::size_t size, double low, double high) const {
@@ -288,7 +289,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& fold
     ring.views = triangulate_views(ring.frame, ring.directions);
     ring_data[rings.layout.rings[i].vertex] = rings.data[i];
   });
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, vertex_rings, std::move(ring_data), description.snapshot(),
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, vertex_rings, std::move(ring_data), kOnlySnapshot,
                                                      read_exposure(description));
 }
 

@@ -54,14 +54,11 @@ Json exposure_of(const ExposureField& exposure) {
           {"kernel", {exposure.kernel.scale_rad, exposure.kernel.nugget}}};
 }
 
-Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout, const ModelMetadata& metadata,
-                    const std::string& mesh_hash) {
+Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout, const std::string& mesh_hash) {
   Json json;
   json["format"] = kModelFormat;
   json["version"] = kModelVersion;
   json["mesh_hash"] = mesh_hash;
-  json["snapshot"] = model.version();
-  json["metadata"] = metadata;
   json["conventions"] = conventions();
   json["exposure"] = exposure_of(model.exposure());
   Json resolution = Json::array();
@@ -83,6 +80,26 @@ Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& l
     rings["best_cosine"].push_back(ring.best_cosine);
   }
   return json;
+}
+
+/// Ties the files together: made of all that is in them but the metadata, so that the same model has the same one
+/// wherever it came from.
+std::string id_of(const Json& description, const SurfaceLightFieldSnapshot& model) {
+  std::string contents = description.dump();
+  const auto add = [&contents](const auto& values) {
+    const auto* bytes = reinterpret_cast<const char*>(values.data());
+    contents += content_hash({bytes, static_cast<std::size_t>(values.size()) * sizeof(values.data()[0])});
+  };
+  for (const auto& ring : model.ring_data()) {
+    if (!ring) continue;
+    add(ring->basis);
+    add(ring->directions);
+    add(ring->weights);
+    add(ring->mean);
+    add(ring->frame);
+    add(ring->measured);
+  }
+  return content_hash(contents);
 }
 
 ImageF blank_atlas(std::size_t pixels, int channels) {
@@ -223,11 +240,12 @@ void save_model(const SurfaceLightFieldSnapshot& model, const fs::path& folder, 
     throw FileError(folder.string(), "cannot be written: rank " + std::to_string(layout.max_rank) + " is above " +
                                          std::to_string(kMaxRank) + "; lower the model's max_rank");
   save_ply(model.mesh(), folder / kMeshFile);
-  Json json = description_of(model, layout, metadata, content_hash(read_file(folder / kMeshFile)));
+  Json json = description_of(model, layout, content_hash(read_file(folder / kMeshFile)));
   std::string text;
   try {
-    const std::string id = content_hash(json.dump());
+    const std::string id = id_of(json, model);
     json["id"] = id;
+    json["metadata"] = metadata;
     text = json.dump();
     save_maps(model, layout, options, id, folder / kMapsFile);
   } catch (const Json::exception& failure) {

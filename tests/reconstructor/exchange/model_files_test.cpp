@@ -72,7 +72,6 @@ TEST(ModelFiles, AReopenedModelIsTheSameBitForBit) {
   const auto model = random_model(1);
   save_model(*model, folder.path() / "new" / "model", {{"source", "a rig"}, {"löcher", "keine"}});
   const auto again = load_model(folder.path() / "new" / "model");
-  EXPECT_EQ(again->version(), 4711u);
   EXPECT_EQ(again->mesh().vertices, model->mesh().vertices);
   EXPECT_EQ(again->mesh().triangles, model->mesh().triangles);
   ASSERT_EQ(again->ring_data().size(), 6u);
