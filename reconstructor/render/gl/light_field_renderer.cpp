@@ -78,6 +78,7 @@ bool LightFieldRenderer::update(const std::shared_ptr<const SurfaceLightFieldSna
   if (!snapshot) return true;
   if (snapshot->shared_mesh() != mesh_ || snapshot->shared_rings() != rings_) upload_mesh(*snapshot);
   const bool complete = upload_rings(*snapshot);
+  exposure_ = snapshot->exposure();
   check_gl("uploading surface maps");
   return complete;
 }
@@ -184,6 +185,7 @@ void LightFieldRenderer::draw(const Viewpoint& viewpoint, const Panel& panel, in
   const Eigen::Vector3f eye_f = eye.cast<float>();
   glUniformMatrix4fv(program_.uniform("clip_from_object"), 1, GL_FALSE, clip.data());
   glUniform3fv(program_.uniform("eye"), 1, eye_f.data());
+  glUniform1f(program_.uniform("exposure"), exposure_.at(eye));
   glUniform1i(program_.uniform("coefficient_stride"), stride_);
   glUniform1i(program_.uniform("shading"), static_cast<int>(shading));
   positions_.bind(kPositions);

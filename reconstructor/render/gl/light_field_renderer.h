@@ -84,6 +84,7 @@ class LightFieldRenderer {
 
   /// The rings as the GPU has them: coefficients belong to the basis that is there, not to the newest one.
   std::optional<SurfaceLightFieldSnapshot> shown_;
+  ExposureField exposure_;
   int stride_ = 0;
   std::optional<Eigen::Vector3d> coefficients_eye_, quality_eye_;  ///< empty: to be computed anew
 };

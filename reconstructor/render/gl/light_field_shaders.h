@@ -27,6 +27,7 @@ uniform samplerBuffer basis0, basis1, basis2, basis3;
 uniform int coefficient_stride;
 uniform int shading;               // SurfaceShading
 uniform vec3 eye;
+uniform float exposure;            // of this eye: ExposureField
 uniform vec3 reason_colors[5];     // by QualityReason
 centroid in vec3 beta;
 in vec3 position_object;
@@ -68,6 +69,15 @@ float stripe() { return step(6.0, mod(gl_FragCoord.x + gl_FragCoord.y, 12.0)); }
 
 vec3 unknown_color() { return vec3(0.20, 0.21, 0.24) * (0.55 + 0.45 * facing()) + 0.035 * stripe(); }
 
+// The exposure scales light, not encoded values (srgb_decode, srgb_encode).
+vec3 exposed(vec3 encoded) {
+  if (exposure == 1.0) return encoded;
+  vec3 low = encoded / 12.92, high = pow(max(encoded + 0.055, 0.0) / 1.055, vec3(2.4));
+  vec3 light = exposure * mix(low, high, vec3(greaterThan(encoded, vec3(0.04045))));
+  return mix(12.92 * light, 1.055 * pow(max(light, 0.0), vec3(1.0 / 2.4)) - 0.055,
+             vec3(greaterThan(light, vec3(0.0031308))));
+}
+
 // Sum over the three rings and all their terms, sRGB-encoded (000 sec. 4.1). What is a guess, because no image showed
 // it, is striped.
 vec3 light_field() {
@@ -96,7 +106,7 @@ vec3 light_field() {
     total += beta[c];
   }
   if (total < 1e-4) return unknown_color();
-  vec3 encoded = sum / total;
+  vec3 encoded = exposed(sum / total);
   return measured ? encoded : mix(encoded, vec3(0.20, 0.21, 0.24), 0.45 * stripe());
 }
 

@@ -117,6 +117,14 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_other
   return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, std::move(data), snapshot_->version() + 1);
 }
 
+std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_exposure(float factor) const {
+  ExposureField exposure;
+  exposure.directions = Eigen::Vector3f(0, 0, 1);
+  exposure.log_gain = {.mean = Eigen::VectorXf::Constant(1, std::log(factor)), .weights = Eigen::MatrixXf::Zero(1, 1)};
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, snapshot_->ring_data(), snapshot_->version() + 1,
+                                                     exposure);
+}
+
 std::shared_ptr<const Capture> synthetic_capture(const Eigen::Vector3d& eye) {
   auto capture = std::make_shared<Capture>();
   capture->camera = {.width = 640, .height = 480, .fx = 800, .fy = 800, .cx = 319.5, .cy = 239.5};

@@ -26,6 +26,8 @@ class SyntheticLightField {
   std::shared_ptr<const SurfaceLightFieldSnapshot> with_changed_rings(int stride, int max_rank) const;
   /// The same light field in other bases: the terms of every ring in reverse order, every other one negated.
   std::shared_ptr<const SurfaceLightFieldSnapshot> with_other_bases() const;
+  /// The same light field, as much brighter from everywhere.
+  std::shared_ptr<const SurfaceLightFieldSnapshot> with_exposure(float factor) const;
 
  private:
   std::shared_ptr<const RingSnapshot> make_ring(std::size_t vertex, int rank) const;

@@ -127,6 +127,27 @@ TEST_F(Window, AgreesWithTheRayPainter) {
   }
 }
 
+TEST_F(Window, TheExposureScalesLightAsThePaintersDoes) {
+  const SyntheticLightField light_field({});
+  const auto snapshot = light_field.with_exposure(0.6f);
+  const RayPainter painter(snapshot->mesh());
+  window_->controls().frame(snapshot->shared_mesh());
+  window_->controls().orbit.place({0.25, 0, 0.12});
+  const Viewpoint view = window_->controls().orbit.viewpoint(kWidth, kHeight);
+  const PaintedView truth = painter.paint(*snapshot, view.camera, view.camera_from_object);
+  const ImageU8 mask = interior(painter.cast(view.camera, view.camera_from_object), 0.02);
+  const ImageU8 expected = to_srgb8(truth.beauty), actual = draw(snapshot);
+  int largest = 0, count = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      if (!mask.at(x, y) || truth.coverage.at(x, y) != 255) continue;
+      ++count;
+      for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(actual.at(x, y, c) - expected.at(x, y, c)));
+    }
+  ASSERT_GT(count, 10000);
+  EXPECT_LE(largest, 2) << "grey levels of 255";
+}
+
 TEST_F(Window, TheHeuristicIsThePaintersInRed) {
   const auto snapshot = SyntheticLightField({}).snapshot();
   const RayPainter painter(snapshot->mesh());
