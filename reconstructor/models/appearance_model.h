@@ -54,7 +54,7 @@ class ViewShader {
   virtual ~ViewShader() = default;
   /// Radiance towards the eye at barycentric (u, v) of a triangle.
   virtual SurfaceSample shade(std::uint32_t triangle, float u, float v) const = 0;
-  /// The quality heuristic of a triangle for this eye, 0 = well known .. 1 = not at all (000 sec. 3.2).
+  /// The quality heuristic of a triangle for this eye, 0 = well known .. 1 = not at all (000 sec. 3.3).
   virtual float heuristic(std::uint32_t triangle) const = 0;
   virtual QualityReason reason(std::uint32_t triangle) const = 0;
 };

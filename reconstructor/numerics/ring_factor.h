@@ -25,7 +25,7 @@ struct ColumnReport {
 
 /// Online SVD of the columns of one vertex ring (000 sec. 3.1), as a deferred Brand update: between compressions a
 /// column costs two passes over the basis and no SVD; every `block` new directions one small eigenproblem restores the
-/// singular order and drops what the tolerance allows. See docs/decisions/0002-online-svd.md.
+/// singular order and drops what the tolerance allows. See docs/decisions/online_svd.md.
 ///
 ///   B  rows x rank   orthonormal basis (float)          C ~ B Y
 ///   Y  rank x views  coefficients of the kept views     (float)

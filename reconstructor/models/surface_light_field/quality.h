@@ -9,7 +9,7 @@ namespace sheen {
 
 struct RingSnapshot;
 
-/// Quality of a ring, or of a triangle, for one direction (000 sec. 3.2). All in 0 (well known) .. 1 (not known).
+/// Quality of a ring, or of a triangle, for one direction (000 sec. 3.3). All in 0 (well known) .. 1 (not known).
 struct RingQuality {
   bool seen = false;
   float projection = 1;   ///< psi_p: smoothed projection error of the online SVD, relative

@@ -17,7 +17,7 @@ struct RingModelOptions {
   RingFactorOptions factor;
   int max_views = 64;            ///< directions kept a ring; beyond it the two nearest ones become one
   double min_visible = 0.1;     ///< share of a ring's samples that an image must show
-  double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.2)
+  double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
 };
 
 /// Errors of predicting each view from the others, a kernel of kViewKernels.

@@ -69,7 +69,7 @@ class SurfaceLightFieldSnapshot : public ModelSnapshot {
 
   /// View coefficients of every ring for this eye: max_rank() x vertices, zero-padded. What a GPU needs a frame.
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const;
-  /// The quality heuristic a triangle for this eye, and its reason (000 sec. 3.2).
+  /// The quality heuristic a triangle for this eye, and its reason (000 sec. 3.3).
   void quality_for(const Eigen::Vector3d& eye, std::vector<float>& heuristic, std::vector<QualityReason>& reason) const;
 
  private:

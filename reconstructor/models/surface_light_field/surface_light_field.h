@@ -17,7 +17,7 @@ namespace sheen {
 enum class ExposureCompensation {
   kOff,       ///< grey levels mean the same in all images
   kKnown,     ///< by exposure time and gain where a linear camera reports them
-  kEstimate,  ///< as kKnown; where they are unknown, one robust gain an image (docs/decisions/0005-exposure.md)
+  kEstimate,  ///< as kKnown; where they are unknown, one robust gain an image (docs/decisions/exposure.md)
 };
 
 struct SurfaceLightFieldOptions {
