@@ -172,32 +172,10 @@ Camera parse_camera(const Fields& fields, const std::filesystem::path& image, co
   return camera;
 }
 
-/// What was done to all poses after they were found, to be undone.
-struct AppliedTransform {
-  Eigen::Matrix4d inverse = Eigen::Matrix4d::Identity();
-  double scale = 1;
-};
-
-AppliedTransform parse_applied(const Fields& top) {
-  AppliedTransform applied;
-  if (const auto transform = top.rigid("applied_transform"))
-    applied.inverse = Rigid3::from_matrix(*transform).inverse().matrix();
-  applied.scale = top.number("applied_scale").value_or(1);
-  if (!(std::isfinite(applied.scale) && applied.scale > 0)) top.fail("applied_scale", "must be positive");
-  const auto orientation = top.text("orientation_override");
-  if (orientation && *orientation != "none")
-    top.fail("orientation_override",
-             "\"" + shown(*orientation) +
-                 "\" would turn the poses away from the mesh; the only value that can be used is \"none\"");
-  return applied;
-}
-
-Rigid3 parse_pose(const Fields& fields, const AppliedTransform& applied) {
-  auto object_from_gl = fields.rigid("transform_matrix");
+Rigid3 parse_pose(const Fields& fields) {
+  const auto object_from_gl = fields.rigid("transform_matrix");
   if (!object_from_gl) fields.fail("transform_matrix", "is missing");
-  object_from_gl->topRightCorner<3, 1>() /= applied.scale;
-  const Eigen::Matrix4d object_from_camera =
-      applied.inverse * *object_from_gl * Eigen::Vector4d(1, -1, -1, 1).asDiagonal();
+  const Eigen::Matrix4d object_from_camera = *object_from_gl * Eigen::Vector4d(1, -1, -1, 1).asDiagonal();
   return Rigid3::from_matrix(object_from_camera).inverse();
 }
 
@@ -233,7 +211,7 @@ void apply_lists(const Fields& top, std::vector<DatasetView>& views) {
   }
 }
 
-DatasetView parse_frame(const Fields& fields, const AppliedTransform& applied, const ImageFiles& images) {
+DatasetView parse_frame(const Fields& fields, const ImageFiles& images) {
   DatasetView view;
   const auto name = fields.text("file_path");
   if (!name || name->empty()) fields.fail("file_path", "is missing");
@@ -246,7 +224,7 @@ DatasetView parse_frame(const Fields& fields, const AppliedTransform& applied, c
     if (!view.mask_path || view.mask_path->empty())
       fields.fail("mask_path", "there is no such file: \"" + shown(*mask) + "\"");
   }
-  view.camera_from_object = parse_pose(fields, applied);
+  view.camera_from_object = parse_pose(fields);
   view.camera = parse_camera(fields, view.image_path, images);
   return view;
 }
@@ -268,7 +246,6 @@ std::vector<DatasetView> parse_transforms(const std::string& file, const std::st
   const Json* frames = top.find("frames");
   if (!frames || !frames->is_array() || frames->empty()) top.fail("frames", "must be a list of at least one frame");
 
-  const AppliedTransform applied = parse_applied(top);
   std::vector<DatasetView> views;
   std::map<std::string, std::size_t> first_of_name;
   std::size_t masks = 0;
@@ -280,7 +257,7 @@ std::vector<DatasetView> parse_transforms(const std::string& file, const std::st
     const std::string where = "frame " + std::to_string(i) + name;
     if (!frame.is_object()) throw FileError(file, where + ": must be a JSON object");
     const Fields fields(file, where, frame, &json);
-    views.push_back(parse_frame(fields, applied, images));
+    views.push_back(parse_frame(fields, images));
     const auto [first, is_new] = first_of_name.emplace(normal_name(views.back().name), i);
     if (!is_new) fields.fail("file_path", "is that of frame " + std::to_string(first->second) + " again");
     if (views.back().mask_path) ++masks;
