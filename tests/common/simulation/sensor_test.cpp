@@ -73,5 +73,22 @@ TEST(Sensor, ClipsAndRounds) {
   EXPECT_EQ(raw.bytes, (std::vector<std::uint8_t>{0, 255, 100, 101}));
 }
 
+TEST(Lens, ThrowsAGaussianSpotThatKeepsTheLight) {
+  ImageF point(31, 31, 1);
+  point.at(15, 15) = 1;
+  const ImageF spot = through_lens(point, 0.7);
+  double sum = 0, second = 0;
+  for (int y = 0; y < 31; ++y)
+    for (int x = 0; x < 31; ++x) {
+      sum += spot.at(x, y);
+      second += spot.at(x, y) * (x - 15) * (x - 15);
+    }
+  EXPECT_NEAR(sum, 1, 1e-5);
+  EXPECT_NEAR(second, 0.7 * 0.7, 0.01);
+  const ImageF flat(9, 7, 3, 0.25f);
+  const ImageF same = through_lens(flat, 0.7);
+  for (std::size_t i = 0; i < same.size(); ++i) EXPECT_NEAR(same.data()[i], 0.25f, 1e-6) << "borders included";
+}
+
 }  // namespace
 }  // namespace sheen
