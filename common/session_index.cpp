@@ -28,8 +28,16 @@ const char* const kSchema = R"(
   CREATE TABLE metadata (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 )";
 
+std::string what_failed(sqlite3* db) {
+  const int code = db ? sqlite3_errcode(db) : SQLITE_NOMEM;
+  const bool disk = code == SQLITE_FULL || code == SQLITE_IOERR;
+  return std::string("the session's index: ") + (db ? sqlite3_errmsg(db) : "out of memory") +
+         (disk ? "; check that the disk has room and is healthy, then go on: nothing that was acknowledged is lost"
+               : "");
+}
+
 [[noreturn]] void fail(const std::filesystem::path& file, sqlite3* db) {
-  throw FileError(file.string(), std::string("the session's index: ") + (db ? sqlite3_errmsg(db) : "out of memory"));
+  throw FileError(file.string(), what_failed(db));
 }
 
 struct Closer {
@@ -90,9 +98,9 @@ class Statement {
 
 void execute(const std::filesystem::path& file, sqlite3* db, const std::string& sql) {
   if (sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK) return;
-  const std::string message = sqlite3_errmsg(db);
+  const std::string message = what_failed(db);
   if (!sqlite3_get_autocommit(db)) sqlite3_exec(db, "ROLLBACK", nullptr, nullptr, nullptr);
-  throw FileError(file.string(), "the session's index: " + message);
+  throw FileError(file.string(), message);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include "common/errors.h"
 #include "common/log.h"
-#include "common/stop_signal.h"
 #include "reconstructor/commands/commands.h"
 
 int main(int argc, char** argv) {
@@ -19,7 +18,6 @@ int main(int argc, char** argv) {
   sheen::add_monitor_command(app);
   sheen::add_doctor_command(app);
 
-  sheen::install_stop_signals();
   sheen::start_logging({});
   const auto status = [](int s) {
     sheen::stop_logging();

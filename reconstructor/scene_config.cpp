@@ -42,6 +42,12 @@ std::string place(const std::filesystem::path& file, const toml::source_region& 
   return file.string() + ":" + std::to_string(source.begin.line) + ": ";
 }
 
+std::string key_list(const std::map<std::string, Setter, std::less<>>& setters) {
+  std::string list;
+  for (const auto& [key, setter] : setters) list += (list.empty() ? "" : ", ") + key;
+  return list;
+}
+
 }  // namespace
 
 SceneConfig load_scene_config(const std::filesystem::path& file) {
@@ -71,7 +77,8 @@ SceneConfig load_scene_config(const std::filesystem::path& file) {
     for (const auto& [key, value] : *content.as_table()) {
       const auto setter = setters.find(key.str());
       if (setter == setters.end())
-        throw ConfigError(place(file, value.source()) + "unknown key " + std::string(key.str()));
+        throw ConfigError(place(file, value.source()) + "unknown key " + std::string(key.str()) + "; [" +
+                          std::string(section.str()) + "] has " + key_list(setters));
       if (!setter->second(value))
         throw ConfigError(place(file, value.source()) + std::string(key.str()) + " has a value of the wrong type");
     }

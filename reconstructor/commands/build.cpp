@@ -5,6 +5,7 @@
 
 #include "common/errors.h"
 #include "common/progress.h"
+#include "common/stop_signal.h"
 #include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/report.h"
@@ -20,6 +21,7 @@ struct BuildArguments {
 };
 
 void build(const BuildArguments& arguments) {
+  install_stop_signals();
   SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
   if (arguments.hold_out >= 0) config.surface_light_field.hold_out_every = arguments.hold_out;
   const CaptureSet captures = open_capture_set(arguments.dataset);
@@ -27,6 +29,7 @@ void build(const BuildArguments& arguments) {
   {
     Progress progress("building", captures.size);
     for (std::size_t i = 0; i < captures.size; ++i) {
+      if (stop_requested()) throw Error("stopped after " + std::to_string(i) + " images; no model was written");
       const Capture capture = captures.read(i);
       const IngestReport report = reconstruction.ingest(capture);
       if (report.status == IngestStatus::kRefused)

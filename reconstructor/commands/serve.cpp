@@ -64,13 +64,39 @@ ReceiverOptions link_options(const ServeArguments& arguments) {
   return link;
 }
 
+/// Without a display there is no window; without asking, there is no capture that nobody sees either.
+void open_window(std::optional<ViewerWindow>& window, const std::filesystem::path& screenshot_folder) {
+  try {
+    window.emplace(ViewerOptions{.screenshot_folder = screenshot_folder});
+  } catch (const DeviceError& error) {
+    throw DeviceError(std::string(error.what()) + "; with --headless the capture goes without a window");
+  }
+}
+
+/// Tells the log when the tracker comes and goes, and why it refuses.
+class LinkLog {
+ public:
+  void look(const ReceiverStats& link) {
+    if (link.connected != connected_) log_info("link", link.connected ? "connected to the tracker" : "tracker gone");
+    if (!link.last_error.empty() && link.last_error != error_) log_warning("link", link.last_error);
+    connected_ = link.connected;
+    error_ = link.last_error;
+  }
+
+ private:
+  bool connected_ = false;
+  std::string error_;
+};
+
 /// Feeds the watchers until the loop has finished, the person closes the window or a signal asks to stop.
 void watch(CaptureLoop& loop, LiveDisplay& display, MonitorServer* monitor, ViewerWindow* window) {
   std::stop_source done;
   std::jthread publisher([&](std::stop_token stop) {
+    LinkLog link_log;
     auto last_monitor = std::chrono::steady_clock::now() - kMonitorInterval;
     while (!stop.stop_requested() && !loop.finished() && !stop_requested()) {
       const LoopStatus status = loop.status();
+      link_log.look(status.link);
       if (window) display.publish_to_window(status);
       if (monitor && std::chrono::steady_clock::now() - last_monitor >= kMonitorInterval) {
         last_monitor = std::chrono::steady_clock::now();
@@ -80,10 +106,14 @@ void watch(CaptureLoop& loop, LiveDisplay& display, MonitorServer* monitor, View
     }
     done.request_stop();
   });
-  if (window)
-    window->run(display.feed(), done.get_token());
-  else
-    publisher.join();
+  if (window) {
+    try {
+      return window->run(display.feed(), done.get_token());
+    } catch (const Error& error) {
+      log_warning("window", "the capture goes on without it: " + std::string(error.what()));
+    }
+  }
+  publisher.join();
 }
 
 nlohmann::json live_report(Reconstruction& reconstruction, const LoopStatus& status) {
@@ -97,6 +127,7 @@ nlohmann::json live_report(Reconstruction& reconstruction, const LoopStatus& sta
 }
 
 void serve(const ServeArguments& arguments) {
+  install_stop_signals();
   const SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
   const ReceiverOptions link = link_options(arguments);
   Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh), config.surface_light_field);
@@ -110,22 +141,27 @@ void serve(const ServeArguments& arguments) {
     log_info("monitor", "watch at " + monitor->url());
   }
   std::optional<ViewerWindow> window;
-  if (!arguments.headless) window.emplace(ViewerOptions{.screenshot_folder = arguments.session});
+  if (!arguments.headless) open_window(window, arguments.session);
 
   CaptureLoop loop(arguments.session, std::move(session), link, reconstruction,
                    {.stop_when_source_ends = arguments.once}, display.observer());
   loop.start();
+  log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}});
   watch(loop, display, monitor ? &*monitor : nullptr, window ? &*window : nullptr);
   loop.stop();
 
   const LoopStatus status = loop.status();
   if (monitor) monitor->publish(display.monitor_state(status));
+  if (!status.error.empty()) throw Error(status.error);
   if (reconstruction.counts().accepted > 0)
     save_reconstruction(reconstruction, std::filesystem::path(arguments.session) / "model", arguments.session);
   const nlohmann::json report = live_report(reconstruction, status);
   print_summary(report);
   if (!arguments.json.empty()) write_json(arguments.json, report);
-  if (!status.error.empty()) throw Error(status.error);
+  if (status.ingested > 0 && reconstruction.counts().accepted + reconstruction.counts().held_out == 0)
+    throw FileError(arguments.mesh, "none of the session's " + std::to_string(status.ingested) +
+                                        " captures shows this mesh; they are kept; check that mesh and stage are in "
+                                        "the same frame and units");
 }
 
 }  // namespace

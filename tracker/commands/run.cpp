@@ -127,12 +127,16 @@ void run(const RunArguments& arguments) {
     };
   const TrackingReport report = loop.run(hooks);
   const bool drained = drain(sender, arguments.linger_s);
-  const auto link = link_counters(sender.stats());
+  const SenderStats sent = sender.stats();
+  const auto link = link_counters(sent);
   if (!arguments.json.empty()) write_file(arguments.json, to_json(report, link));
   std::cerr << "sheen-tracker: " << summary(report) << '\n';
-  if (!drained && link.at("unacknowledged") > 0)
-    std::cerr << "sheen-tracker: " << link.at("unacknowledged")
-              << " keyframes were not acknowledged; is a reconstructor connected to " << sender.endpoint() << "?\n";
+  if (drained || link.at("unacknowledged") == 0) return;
+  const std::string unsafe = std::to_string(link.at("unacknowledged")) +
+                             " keyframes were not acknowledged; is a reconstructor connected to " + sender.endpoint() +
+                             "?" + (sent.last_refusal.empty() ? "" : " Last refusal: " + sent.last_refusal);
+  if (!stop_requested()) throw Error(unsafe);
+  std::cerr << "sheen-tracker: " << unsafe << '\n';
 }
 
 }  // namespace

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// What two daemons do when the other one is away, refuses them, or when the disk is full or the person has enough.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "common/session.h"
+#include "common/transport.h"
+#include "tests/loopback/ball_dataset.h"
+#include "tests/loopback/daemons.h"
+#include "tests/support/temp_folder.h"
+
+namespace sheen::testing {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kStopPatience{5};  ///< a second is asked for; machines that run tests are slow
+
+class DaemonsMeet : public ::testing::Test {
+ protected:
+  explicit DaemonsMeet(int views = 6, int width = 160)
+      : data_{.folder = temp_.path() / "data", .views = views, .width = width, .height = width * 3 / 4} {
+    data_.write();
+  }
+
+  Words track(const Words& more) { return tracker({"run", "--source", "dataset:" + data_.folder.string()}) + more; }
+  Words desk(const Words& more) { return serve(data_.mesh(), session_, more); }
+  void expect_all_captures() {
+    std::vector<std::uint64_t> sequences, all;
+    for (const auto& [source, sequence] : captures_of(session_)) sequences.push_back(sequence);
+    for (int i = 1; i <= data_.views; ++i) all.push_back(static_cast<std::uint64_t>(i));
+    EXPECT_EQ(sequences, all);
+  }
+  /// SIGINT, and the end that follows.
+  static void expect_stops(Process& process, const Words& words) {
+    process.signal(SIGINT);
+    const auto end = process.wait(kStopPatience);
+    ASSERT_TRUE(end) << "still runs after Ctrl-C:\n" << process.output();
+    expect_outcome({*end, process.output()}, 0, words);
+  }
+
+  const TempFolder temp_;
+  const BallDataset data_;
+  const std::filesystem::path session_ = temp_.path() / "session";
+};
+
+TEST_F(DaemonsMeet, CtrlCEndsAReconstructorThatSawNoTracker) {
+  Process waiting(desk({"--endpoint", free_address()}));
+  ASSERT_TRUE(waiting.prints("waiting for a tracker", kPatience)) << waiting.output();
+  expect_stops(waiting, {"0 images folded in"});
+  EXPECT_EQ(captures_of(session_).size(), 0u);
+}
+
+TEST_F(DaemonsMeet, ATrackerWithoutAReconstructorSaysThatNothingIsSafe) {
+  const std::string address = free_address();
+  expect_outcome(run_to_end(track({"--endpoint", address, "--linger", "0.2"})), 1,
+                 {"6 keyframes were not acknowledged", "reconstructor", address});
+  Process waiting(track({"--endpoint", address}));
+  ASSERT_TRUE(waiting.prints(address, kPatience));
+  std::this_thread::sleep_for(milliseconds(300));
+  expect_stops(waiting, {"keyframes were not acknowledged"});
+}
+
+TEST_F(DaemonsMeet, TheReconstructorMayComeLastAndCtrlCKeepsTheModel) {
+  const std::string address = free_address();
+  Process rig(track({"--endpoint", address}));
+  ASSERT_TRUE(rig.prints(address, kPatience));
+  Process keeping(desk({"--endpoint", address}));
+  expect_outcome(wait_to_end(rig), 0, {"6 keyframes sent"});
+  expect_stops(keeping, {"images folded in"});
+  expect_all_captures();
+  EXPECT_TRUE(std::filesystem::exists(session_ / "model" / "model.json"));
+}
+
+TEST_F(DaemonsMeet, AKeyThatIsNotAllowedGetsNothingAndIsTold) {
+  const SecureLink link(temp_.path());
+  std::ofstream(temp_.path() / "allowed", std::ios::trunc)
+      << generate_keys(temp_.path(), "stranger").public_key << " reconstructor stranger\n";
+  Process rig(track(link.tracker_options()));
+  Process refused(desk(link.reconstructor_options() + Words{"--once"}));
+  EXPECT_TRUE(refused.prints("refused this key", kPatience)) << refused.output();
+  EXPECT_THAT(refused.output(), ::testing::HasSubstr("allowlist"));
+  EXPECT_EQ(captures_so_far(session_), 0u);
+  expect_stops(refused, {});
+  expect_stops(rig, {"6 keyframes were not acknowledged", "Last refusal", "key"});
+}
+
+TEST_F(DaemonsMeet, ASecondReconstructorIsToldWhyItGetsNothing) {
+  const std::string address = free_address();
+  CaptureReceiver first({.endpoint = address});
+  Process rig(track({"--endpoint", address}));
+  ASSERT_TRUE(first.next(kPatience)) << rig.output();  // not acknowledged: the tracker stays
+  Process second(desk({"--endpoint", address}));
+  EXPECT_TRUE(second.prints("busy: another receiver", kPatience)) << second.output();
+  EXPECT_EQ(captures_so_far(session_), 0u);
+}
+
+TEST_F(DaemonsMeet, AFileSystemWithoutRoomNamesTheRemedy) {
+  const auto small = temp_.path() / "small";
+  std::filesystem::create_directories(small);
+  const std::string mount = "mount -t tmpfs -o size=120k tmpfs '" + small.string() + "' && ";
+  if (run_to_end({"unshare", "-rm", "sh", "-c", mount + "true"}).end.status != 0)
+    GTEST_SKIP() << "this machine lets nobody mount a small file system";
+  const std::string address = free_address();
+  Process rig(track({"--endpoint", address}));
+  const Words command = serve(data_.mesh(), small / "session", {"--endpoint", address});
+  std::string quoted;
+  for (const std::string& word : command) quoted += "'" + word + "' ";
+  expect_outcome(run_to_end({"unshare", "-rm", "sh", "-c", mount + "exec " + quoted}), 1,
+                 {"cannot be written", "No space left", "make room"});
+}
+
+TEST_F(DaemonsMeet, AModelThatDoesNotFitOnTheDisk) {
+  const Words build = reconstructor({"build", data_.folder, "--mesh", data_.mesh()});
+  expect_outcome(run_to_end(build + Words{"--out", temp_.path() / "model"}, {.file_bytes = 30000}), 1,
+                 {"maps.exr", "cannot be written"});
+  EXPECT_FALSE(std::filesystem::exists(temp_.path() / "model" / "model.json"));
+  expect_outcome(run_to_end(build + Words{"--json", "/dev/full"}), 1, {"/dev/full: cannot be written"});
+}
+
+class LargeImages : public DaemonsMeet {
+ protected:
+  LargeImages() : DaemonsMeet(6, 400) {}
+};
+
+TEST_F(LargeImages, AFullDiskEndsTheCaptureClearlyAndItGoesOnWithRoom) {
+  const std::string address = free_address();
+  Process rig(track({"--endpoint", address}));
+  expect_outcome(run_to_end(desk({"--endpoint", address}), {.file_bytes = 65536}), 1, {".capture: cannot be written"});
+  EXPECT_LT(captures_of(session_).size(), 6u);
+  EXPECT_TRUE(rig.running()) << "it has nobody to give its captures to, but they are not lost";
+  Process again(desk({"--endpoint", address, "--once"}));
+  expect_outcome(wait_to_end(again), 0, {"images folded in"});
+  expect_outcome(wait_to_end(rig), 0, {"6 keyframes sent"});
+  expect_all_captures();
+}
+
+class ManyViews : public DaemonsMeet {
+ protected:
+  ManyViews() : DaemonsMeet(150) {}
+};
+
+TEST_F(ManyViews, CtrlCInTheMiddleLeavesASessionThatGoesOn) {
+  const std::string address = free_address();
+  Process rig(track({"--endpoint", address}));
+  Process first(desk({"--endpoint", address}));
+  while (first.running() && captures_so_far(session_) == 0) std::this_thread::sleep_for(milliseconds(1));
+  expect_stops(first, {});
+  EXPECT_TRUE(rig.running()) << "too early for a test of the middle:\n" << rig.output();
+  Process second(desk({"--endpoint", address, "--once"}));
+  expect_outcome(wait_to_end(second), 0, {"images folded in"});
+  expect_outcome(wait_to_end(rig), 0, {"150 keyframes sent"});
+  expect_all_captures();
+}
+
+TEST_F(ManyViews, CtrlCInTheMiddleEndsATrackerWhichThenGoesOn) {
+  const std::string address = free_address();
+  Process keeping(desk({"--endpoint", address}));
+  Process rig(track({"--endpoint", address}));
+  while (rig.running() && captures_so_far(session_) == 0) std::this_thread::sleep_for(milliseconds(1));
+  expect_stops(rig, {"keyframes sent"});
+  expect_outcome(run_to_end(track({"--endpoint", address})), 0, {"150 keyframes sent"});
+  expect_stops(keeping, {"images folded in"});
+  expect_all_captures();
+}
+
+TEST_F(ManyViews, CtrlCEndsABuildWithoutAModel) {
+  const auto out = temp_.path() / "model";
+  Process build(reconstructor({"build", data_.folder, "--mesh", data_.mesh(), "--out", out}));
+  std::this_thread::sleep_for(milliseconds(150));
+  build.signal(SIGINT);
+  const auto end = build.wait(kStopPatience);
+  ASSERT_TRUE(end) << build.output();
+  expect_outcome({*end, build.output()}, 1, {"stopped after", "no model was written"});
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+}  // namespace
+}  // namespace sheen::testing
