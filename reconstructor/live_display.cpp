@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/live_display.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "common/color.h"
 #include "common/image_io.h"
 #include "reconstructor/models/surface_light_field/next_view.h"
@@ -108,7 +111,8 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status) {
   state.model_bytes = status.model_bytes;
   for (const LoopStatus::HeldOutPoint& p : status.held_out_curve)
     state.held_out_curve.push_back({p.images, p.psnr_db, p.ssim, p.constant_psnr_db});
-  if (next_view_) state.next_view = next_view_->reason;
+  if (next_view_)
+    state.next_view = "turn " + std::to_string(std::lround(next_turn_deg_)) + " degrees: " + next_view_->reason;
   state.preview_jpeg = preview_jpeg_;
   state.camera_jpeg = camera_jpeg_;
   return state;
@@ -132,7 +136,8 @@ void LiveDisplay::update_next_view(const Latest& now) {
     return;
   advised_version_ = now.snapshot->version();
   const ViewAdvice advice = advise_next_view(*now.snapshot, camera_centre(now.capture->pose.camera_from_object));
-  next_view_ = NextView{advice.eye, advice.text};
+  next_view_ = NextView{advice.eye, advice.reason};
+  next_turn_deg_ = advice.turn_deg;
 }
 
 }  // namespace sheen

@@ -53,6 +53,7 @@ class LiveDisplay {
   std::shared_ptr<const std::string> preview_jpeg_, camera_jpeg_;
   std::uint64_t advised_version_ = ~std::uint64_t{0};
   std::optional<NextView> next_view_;
+  double next_turn_deg_ = 0;
 };
 
 }  // namespace sheen

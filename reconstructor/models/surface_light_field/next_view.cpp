@@ -22,17 +22,16 @@ Eigen::Vector3d candidate(int i) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-std::string describe(QualityReason reason, double degrees) {
-  const std::string way = "turn " + std::to_string(static_cast<int>(std::lround(degrees))) + " degrees: ";
+const char* describe(QualityReason reason) {
   switch (reason) {
     case QualityReason::kUnseen:
-      return way + "surface not seen yet";
+      return "surface not seen yet";
     case QualityReason::kOblique:
-      return way + "surface seen only at grazing angles";
+      return "surface seen only at grazing angles";
     case QualityReason::kSparseDirections:
-      return way + "few images from there";
+      return "few images from there";
     case QualityReason::kHighResidual:
-      return way + "images there still bring news";
+      return "images there still bring news";
     case QualityReason::kGood:
       break;
   }
@@ -71,7 +70,8 @@ ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eig
         std::distance(by_reason.begin(), std::max_element(by_reason.begin(), by_reason.end())));
   }
   const Eigen::Vector3d from = (eye - bounds.centre).normalized(), to = (best.eye - bounds.centre).normalized();
-  best.text = describe(best_reason, std::acos(std::clamp(from.dot(to), -1.0, 1.0)) * 180 / M_PI);
+  best.turn_deg = std::acos(std::clamp(from.dot(to), -1.0, 1.0)) * 180 / M_PI;
+  best.reason = describe(best_reason);
   return best;
 }
 
