@@ -11,7 +11,8 @@ namespace sheen {
 struct ViewAdvice {
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< object frame
   double heuristic = 0;                           ///< mean over the surface seen from there, 0 = nothing to gain .. 1
-  std::string text;                               ///< for a person: how far to go, and what is missing there
+  double turn_deg = 0;                            ///< from the present eye, seen from the object
+  std::string reason;                             ///< for a person: what is missing there
 };
 
 /// Where an image would be worth most: the place on the sphere through the present eye, above the stage's plane, from
