@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera on the wire: the simulated rig behind a real GigE Vision endpoint, the tracker and the reconstructor, all
+// processes of their own.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
+
+#include "common/files.h"
+#include "common/monitor_socket.h"
+#include "common/session.h"
+#include "common/simulation/simulated_rig.h"
+#include "tests/loopback/daemons.h"
+#include "tests/support/temp_folder.h"
+
+namespace sheen::testing {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr int kFrames = 36;                       ///< three seconds
+constexpr std::chrono::seconds kCameraFreed{12};  ///< a camera lets a dead tracker go after about 3 s
+
+SimulationOptions small_rig() {
+  SimulationOptions options;
+  options.object = "sphere";
+  options.frames = kFrames;
+  options.width = 480;
+  options.height = 360;
+  options.frame_rate_hz = 12;
+  options.bake = {
+      .sky_directions = 64, .bounce_directions = 32, .bounces = 1, .area_light_samples = 2, .stage_cell_m = 0.02f};
+  return options;
+}
+
+class CameraOnTheWire : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TempFolder>();
+    recording_ = std::make_unique<RigRecording>(cached_recording(small_rig(), folder_->path() / "rig").recording);
+    // So few views round the object are far apart: what would be a fast motion for a hand.
+    std::ofstream(config(), std::ios::app) << "\n[gate]\nmax_blur_px = 1000.0\nmax_uncertainty_px = 0.5\n";
+  }
+  static void TearDownTestSuite() {
+    recording_.reset();
+    folder_.reset();
+  }
+
+  static std::filesystem::path config() { return recording_->folder / "rig.toml"; }
+  Words serve_camera() const {
+    return tracker({"simulate", "--serve", recording_->folder, "--log", temp_.path() / "sent.csv"});
+  }
+  Words track(const Words& more) const {
+    return tracker({"run", "--config", config(), "--json", temp_.path() / "tracker.json"}) + link_.tracker_options() +
+           more;
+  }
+  Words desk(const Words& more = {}) const {
+    return serve(recording_->mesh_file(), session_,
+                 link_.reconstructor_options() + Words{"--json", temp_.path() / "desk.json"} + more);
+  }
+  /// Which frame of the recording each frame of the camera was.
+  std::map<std::uint64_t, std::size_t> sent_frames() const {
+    std::map<std::uint64_t, std::size_t> sent;
+    std::ifstream log(temp_.path() / "sent.csv");
+    char comma = 0;
+    std::size_t index = 0;
+    for (std::uint64_t id = 0; log >> id >> comma >> index;) sent[id] = index;
+    return sent;
+  }
+  /// Every capture is what the camera sent under its number, to the byte, and its pose is about the true one.
+  void expect_true_captures(std::size_t first, std::size_t end) const {
+    const auto sent = sent_frames();
+    const Session session = Session::open_read_only(session_);
+    for (std::size_t i = first; i < end; ++i) {
+      const Capture capture = session.read(i);
+      ASSERT_TRUE(sent.contains(capture.camera_frame_id)) << "capture " << i;
+      const RigFrame& truth = recording_->frames[sent.at(capture.camera_frame_id)];
+      const std::string bytes(capture.image.bytes.begin(), capture.image.bytes.end());
+      EXPECT_TRUE(bytes == read_file(truth.raw_file)) << "capture " << i;
+      const auto centre = [](const Rigid3& pose) { return camera_centre(pose); };
+      EXPECT_LT((centre(capture.pose.camera_from_object) - centre(truth.camera_from_object)).norm(), 0.01)
+          << "capture " << i;
+    }
+  }
+
+  static std::unique_ptr<TempFolder> folder_;
+  static std::unique_ptr<RigRecording> recording_;
+  const TempFolder temp_;
+  const SecureLink link_{temp_.path()};
+  const std::filesystem::path session_ = temp_.path() / "session";
+};
+
+std::unique_ptr<TempFolder> CameraOnTheWire::folder_;
+std::unique_ptr<RigRecording> CameraOnTheWire::recording_;
+
+TEST_F(CameraOnTheWire, EveryFrameIsAccountedForAndNoKeyframeIsLost) {
+  Process camera(serve_camera());
+  ASSERT_TRUE(camera.prints("serves", kPatience)) << camera.output();
+  Process keeping(desk({"--once"}));
+  expect_outcome(run_to_end(track({"--frames", std::to_string(kFrames)})), 0, {"36 frames"});
+  expect_outcome(wait_to_end(keeping), 0, {"images folded in"});
+  camera.signal(SIGINT);
+  expect_outcome(wait_to_end(camera), 0, {});
+
+  const auto rig = nlohmann::json::parse(read_file(temp_.path() / "tracker.json"));
+  const auto& frames = rig["frames"];
+  std::uint64_t refused = 0;
+  for (const auto& [reason, n] : frames["refused"].items()) refused += n.get<std::uint64_t>();
+  const auto kept = frames["sent"].get<std::uint64_t>();
+  EXPECT_EQ(frames["grabbed"], kFrames);
+  EXPECT_EQ(kept + frames["unsent"].get<std::uint64_t>() + frames["overrun"].get<std::uint64_t>() + refused, kFrames);
+  EXPECT_GE(kept, 24u) << "most frames are sharp and show the tags: " << frames;
+  EXPECT_EQ(frames["unsent"], 0);
+  EXPECT_EQ(rig["source"]["incomplete"], 0);
+  EXPECT_EQ(rig["link"]["acknowledged"], kept);
+
+  const auto got = nlohmann::json::parse(read_file(temp_.path() / "desk.json"))["frames"];
+  EXPECT_EQ(got["received"], kept);
+  EXPECT_EQ(got["lost"], 0);
+  const auto captures = captures_of(session_);
+  ASSERT_EQ(captures.size(), kept);
+  for (std::size_t i = 0; i < captures.size(); ++i) {
+    EXPECT_EQ(captures[i].first, captures[0].first);
+    EXPECT_EQ(captures[i].second, i + 1);
+  }
+  expect_true_captures(0, captures.size());
+}
+
+TEST_F(CameraOnTheWire, ATrackerThatWasKilledComesBackToTheCamera) {
+  Process camera(serve_camera());
+  ASSERT_TRUE(camera.prints("serves", kPatience)) << camera.output();
+  Process keeping(desk());
+  const std::string status_address = free_address();
+  auto rig = std::make_unique<Process>(track({"--publish", status_address}));
+  const CurveKeys desk_keys = load_keys(temp_.path() / "desk.key");
+  MonitorSubscriber status({.endpoint = status_address,
+                            .keys = desk_keys,
+                            .server_public_key = load_public_key(temp_.path() / "tracker.pub")});
+  double acknowledged = 0;
+  for (const auto end = std::chrono::steady_clock::now() + kPatience;
+       acknowledged < 8 && std::chrono::steady_clock::now() < end;)
+    if (const auto said = status.next(milliseconds(50))) acknowledged = said->gauges.at("link_acknowledged");
+  ASSERT_GE(acknowledged, 8) << rig->output();
+  rig->kill();
+  const std::uint64_t before = captures_so_far(session_);
+  EXPECT_GE(before, static_cast<std::uint64_t>(acknowledged)) << "acknowledged and not there";
+
+  // As a supervisor would: again and again until the camera lets it in.
+  for (const auto end = std::chrono::steady_clock::now() + kCameraFreed; std::chrono::steady_clock::now() < end;) {
+    rig = std::make_unique<Process>(track({"--frames", "10"}));
+    if (rig->prints(" to " + link_.endpoint, kPatience)) break;
+    EXPECT_THAT(rig->output(), ::testing::HasSubstr("wait some seconds if it crashed"));
+  }
+  expect_outcome(wait_to_end(*rig), 0, {"10 frames"});
+  keeping.signal(SIGINT);
+  expect_outcome(wait_to_end(keeping), 0, {"images folded in"});
+  camera.signal(SIGINT);
+  expect_outcome(wait_to_end(camera), 0, {});
+
+  // Two runs of the camera, each without a gap and in order.
+  const auto captures = captures_of(session_);
+  std::map<std::string, std::uint64_t> last;
+  for (const auto& [source, sequence] : captures) EXPECT_EQ(sequence, ++last[source]);
+  EXPECT_EQ(last.size(), 2u);
+  const auto sent = nlohmann::json::parse(read_file(temp_.path() / "tracker.json"));
+  EXPECT_EQ(last[captures.back().first], sent["frames"]["sent"]);
+  EXPECT_GE(captures.size(), before + 1);
+}
+
+}  // namespace
+}  // namespace sheen::testing
