@@ -87,10 +87,15 @@ void RingVisibility::mark_solid(const Camera& camera, const ImageU8& mask) {
   tbb::parallel_for(inner.y0, inner.y1, [&](int y) {
     for (int x = inner.x0; x < inner.x1; ++x) {
       const float z = depth_.at(x, y);
-      if (z <= 0 || (!mask.empty() && mask.at(x, y) == 0)) continue;
+      const auto ignored = [&](int px, int py) { return !mask.empty() && mask.at(px, py) == 0; };
+      if (z <= 0 || ignored(x, y)) continue;
       const float limit = footprint * z;
-      const auto step = [&](int dx, int dy) { return std::abs(depth_.at(x + dx, y + dy) - z) > limit; };
-      smooth.at(x, y) = !(step(-1, 0) || step(1, 0) || step(0, -1) || step(0, 1));
+      const auto step = [&](int dx, int dy) {
+        return std::abs(depth_.at(x + dx, y + dy) - z) > limit || ignored(x + dx, y + dy);
+      };
+      // Diagonals too: the cubic kernel reads two pixels away in both directions at once.
+      smooth.at(x, y) = !(step(-1, 0) || step(1, 0) || step(0, -1) || step(0, 1) || step(-1, -1) || step(1, -1) ||
+                          step(-1, 1) || step(1, 1));
     }
   });
   // Minimum over a square window, one direction after the other.
