@@ -3,7 +3,9 @@
 
 #include <toml++/toml.h>
 #include <functional>
+#include <limits>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "common/errors.h"
@@ -11,20 +13,30 @@
 namespace sheen {
 namespace {
 
-using Setter = std::function<bool(const toml::node&)>;  // false: the value has the wrong type
+/// Takes a value over; else says what it must be.
+using Setter = std::function<std::string(const toml::node&)>;
 
-template <typename T>
-Setter into(T& target) {
-  return [&target](const toml::node& node) {
-    const auto value = node.value_exact<std::conditional_t<std::is_integral_v<T>, std::int64_t, double>>();
-    if (!value) return false;
-    target = static_cast<T>(*value);
-    return true;
+Setter into(int& target) {
+  return [&target](const toml::node& node) -> std::string {
+    const auto value = node.value_exact<std::int64_t>();
+    if (!value || *value < std::numeric_limits<int>::min() || *value > std::numeric_limits<int>::max())
+      return "must be a whole number";
+    target = static_cast<int>(*value);
+    return {};
+  };
+}
+
+Setter into(double& target) {
+  return [&target](const toml::node& node) -> std::string {
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!value) return "must be a number";
+    target = *value;
+    return {};
   };
 }
 
 Setter into(ExposureCompensation& target) {
-  return [&target](const toml::node& node) {
+  return [&target](const toml::node& node) -> std::string {
     const auto word = node.value_exact<std::string>();
     if (word == "off")
       target = ExposureCompensation::kOff;
@@ -33,8 +45,8 @@ Setter into(ExposureCompensation& target) {
     else if (word == "estimate")
       target = ExposureCompensation::kEstimate;
     else
-      return false;
-    return true;
+      return "must be \"off\", \"known\" or \"estimate\"";
+    return {};
   };
 }
 
@@ -79,8 +91,8 @@ SceneConfig load_scene_config(const std::filesystem::path& file) {
       if (setter == setters.end())
         throw ConfigError(place(file, value.source()) + "unknown key " + std::string(key.str()) + "; [" +
                           std::string(section.str()) + "] has " + key_list(setters));
-      if (!setter->second(value))
-        throw ConfigError(place(file, value.source()) + std::string(key.str()) + " has a value of the wrong type");
+      if (const std::string demand = setter->second(value); !demand.empty())
+        throw ConfigError(place(file, value.source()) + std::string(key.str()) + " " + demand);
     }
   }
   return config;
