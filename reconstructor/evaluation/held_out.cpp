@@ -50,8 +50,9 @@ double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth, const Imag
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter) {
   HeldOutView view{
       .name = capture.name, .camera = capture.camera, .camera_from_object = capture.pose.camera_from_object};
-  view.truth = to_srgb8(scaled(
-      to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data()), 1 / gain));
+  const ImageF linear =
+      to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+  view.truth = to_srgb8(scaled(linear, 1 / gain));
   const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
   ImageU8 silhouette(view.camera.width, view.camera.height, 1);
   for (std::size_t i = 0; i < hits.size(); ++i) silhouette.data()[i] = hits[i] && hits[i].front ? 255 : 0;
@@ -62,6 +63,8 @@ HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPain
     for (std::size_t i = 0; i < view.object.size(); ++i)
       if (capture.mask.data()[i] == 0) view.object.data()[i] = 0;
   }
+  for (std::size_t i = 0; i < view.object.size(); ++i)
+    if (!Eigen::Map<const Eigen::Array3f>(linear.data() + 3 * i).allFinite()) view.object.data()[i] = 0;
   return view;
 }
 

@@ -18,7 +18,8 @@ struct HeldOutView {
   Camera camera;
   Rigid3 camera_from_object;
   ImageU8 truth;   ///< RGB
-  ImageU8 object;  ///< pixels of the object: first hit a front face, and inside the mask, or eroded by 3 without one
+  ImageU8 object;  ///< pixels of the object: first hit a front face, and inside the mask, or eroded by 3 without one;
+                   ///< pixels that are NaN or infinite do not count
 };
 /// `gain`: how much brighter the image is than the model's level; the truth is divided by it.
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter);
