@@ -7,6 +7,8 @@
 namespace sheen {
 namespace {
 
+constexpr int kLatticeNeighbours[6][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, -1}, {-1, 1}};
+
 /// Mean basis row of the seen samples, a channel: 3 x rank.
 Eigen::MatrixXf mean_rows(const RingSnapshot& ring) {
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, ring.rank());
@@ -19,35 +21,51 @@ Eigen::MatrixXf mean_rows(const RingSnapshot& ring) {
   return mean / static_cast<float>(std::max(seen, 1));
 }
 
-std::shared_ptr<const RingSnapshot> with_filled_samples(const std::shared_ptr<const RingSnapshot>& ring) {
-  if (std::find(ring->measured.begin(), ring->measured.end(), 0) == ring->measured.end()) return ring;
-  auto filled = std::make_shared<RingSnapshot>(*ring);
-  const Eigen::MatrixXf mean = mean_rows(*ring);
-  for (std::size_t s = 0; s < ring->measured.size(); ++s)
-    if (!ring->measured[s]) filled->basis.middleRows<3>(static_cast<Eigen::Index>(3 * s)) = mean;
-  return filled;
-}
-
 /// A ring of `samples` that has the neighbour's mean colour everywhere.
 std::shared_ptr<const RingSnapshot> flat_copy(const RingSnapshot& neighbour, int samples) {
   auto flat = std::make_shared<RingSnapshot>(neighbour);
   flat->basis = mean_rows(neighbour).replicate(samples, 1);
-  // All rows count as seen while the guess spreads; the caller marks them unseen at the end.
+  // All samples count as seen while the guess spreads; the caller marks them unseen at the end.
   flat->measured.assign(static_cast<std::size_t>(samples), 1);
   return flat;
 }
 
 }  // namespace
 
+void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution) {
+  if (ring.rank() == 0 || std::find(ring.measured.begin(), ring.measured.end(), 0) == ring.measured.end()) return;
+  const Eigen::MatrixXf mean = mean_rows(ring);
+  int first = 0;
+  for (const int n : resolution) {
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j) {
+        const int sample = first + lattice_index(n, i, j);
+        if (ring.measured[sample]) continue;
+        Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(3, ring.rank());
+        int seen = 0;
+        for (const auto& [di, dj] : kLatticeNeighbours) {
+          const int a = i + di, b = j + dj;
+          if (a < 0 || b < 0 || a + b >= n) continue;
+          const int neighbour = first + lattice_index(n, a, b);
+          if (!ring.measured[neighbour]) continue;
+          sum += ring.basis.middleRows<3>(3 * neighbour);
+          ++seen;
+        }
+        if (seen > 0)
+          ring.basis.middleRows<3>(3 * sample) = sum / static_cast<float>(seen);
+        else
+          ring.basis.middleRows<3>(3 * sample) = mean;
+      }
+    first += lattice_samples(n);
+  }
+}
+
 std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightFieldSnapshot& snapshot) {
   const Mesh& mesh = snapshot.mesh();
   std::vector<std::shared_ptr<const RingSnapshot>> rings = snapshot.ring_data();
   std::deque<std::uint32_t> front;  // breadth first from what is known
   for (std::uint32_t v = 0; v < rings.size(); ++v)
-    if (rings[v] && rings[v]->rank() > 0) {
-      rings[v] = with_filled_samples(rings[v]);
-      front.push_back(v);
-    }
+    if (rings[v] && rings[v]->rank() > 0) front.push_back(v);
   std::vector<std::uint32_t> guessed;
   while (!front.empty()) {
     const std::uint32_t v = front.front();

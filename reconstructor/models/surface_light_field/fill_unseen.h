@@ -2,14 +2,20 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "reconstructor/models/surface_light_field/snapshot.h"
 
 namespace sheen {
 
-/// The snapshot with a guess where no image showed the surface, for pictures that must have no holes: a sample takes
-/// the mean colour of its ring's seen samples, with the ring's view dependence; a ring that no image reached takes
-/// those of the nearest ring along the mesh. What was not seen stays marked as such (`RingSnapshot::measured`).
+/// Gives basis rows to the samples of a ring that no image showed, so that nothing that is interpolated between seen
+/// and unseen samples goes dark: beside seen samples the mean of these, farther off the ring's mean, a channel.
+/// `resolution`: of the ring's triangles, in its order. `measured` stays.
+void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution);
+
+/// The snapshot with a guess for the rings that no image reached, for pictures that must have no holes: each takes the
+/// mean colour, with its view dependence, of the nearest ring along the mesh. What was not seen stays marked as such
+/// (`RingSnapshot::measured`).
 std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightFieldSnapshot& snapshot);
 
 }  // namespace sheen

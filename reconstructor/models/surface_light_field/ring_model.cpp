@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+
 namespace sheen {
 namespace {
 
@@ -156,7 +158,7 @@ std::size_t RingModel::bytes() const {
          directions_.size() * (sizeof(Eigen::Vector3f) + sizeof(float) + sizeof(int));
 }
 
-std::shared_ptr<const RingSnapshot> RingModel::snapshot(const Eigen::Matrix3f& frame) {
+std::shared_ptr<const RingSnapshot> RingModel::snapshot(const Eigen::Matrix3f& frame, std::span<const int> resolution) {
   if (snapshot_ || images_folded_ == 0) return snapshot_;
   auto snapshot = std::make_shared<RingSnapshot>();
   snapshot->basis = factor_.basis();
@@ -172,6 +174,7 @@ std::shared_ptr<const RingSnapshot> RingModel::snapshot(const Eigen::Matrix3f& f
   snapshot->residual = residual_;
   snapshot->best_cosine = best_cosine_;
   snapshot->views_folded = images_folded_;
+  fill_unseen_samples(*snapshot, resolution);
   snapshot_ = std::move(snapshot);
   return snapshot_;
 }

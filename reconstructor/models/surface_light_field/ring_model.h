@@ -16,7 +16,7 @@ namespace sheen {
 struct RingModelOptions {
   RingFactorOptions factor;
   int max_views = 64;            ///< directions kept a ring; beyond it the two nearest ones become one
-  double min_visible = 0.1;     ///< share of a ring's samples that an image must show
+  double min_visible = 0.1;      ///< share of a ring's samples that an image must show
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
 };
 
@@ -50,8 +50,9 @@ class RingModel {
   const RingFactor& factor() const { return factor_; }
   std::size_t bytes() const;
 
-  /// The ring as it now stands; the same object until something changes.
-  std::shared_ptr<const RingSnapshot> snapshot(const Eigen::Matrix3f& frame);
+  /// The ring as it now stands, with a guess where no image showed it (`fill_unseen_samples`); the same object until
+  /// something changes. `resolution`: of the ring's triangles, in its order.
+  std::shared_ptr<const RingSnapshot> snapshot(const Eigen::Matrix3f& frame, std::span<const int> resolution);
 
  private:
   void fill_hidden(Eigen::VectorXf& column, std::span<const std::uint8_t> visible);

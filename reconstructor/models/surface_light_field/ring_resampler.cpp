@@ -87,7 +87,7 @@ RadianceImage::RadianceImage(const ImageF& linear) {
 Eigen::Vector3f RadianceImage::sample(const Eigen::Vector2f& pixel, float step_px) const {
   if (step_px <= kFullResolutionStep) return sample_cubic(levels_[0], pixel.x(), pixel.y()).head<3>();
   const float wanted = std::log2(step_px / kFullResolutionStep);
-  const int level = std::clamp(static_cast<int>(std::ceil(wanted)), 1, static_cast<int>(levels_.size()) - 1);
+  const int level = std::min(static_cast<int>(std::ceil(wanted)), static_cast<int>(levels_.size()) - 1);
   const float scale = 1.0f / (1 << level);
   return sample_linear(levels_[level], (pixel.x() + 0.5f) * scale - 0.5f, (pixel.y() + 0.5f) * scale - 0.5f).head<3>();
 }

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "common/errors.h"
 #include "reconstructor/models/surface_light_field/exposure_gain.h"
@@ -47,6 +48,18 @@ std::vector<std::uint8_t> choose_resolution(const Mesh& mesh, const SurfaceLight
                                                          options.min_surface_map, options.max_surface_map));
   }
   return resolution;
+}
+
+bool has_pose(const PoseEstimate& pose) {
+  return pose.usable() && pose.camera_from_object.rotation.coeffs().allFinite() &&
+         pose.camera_from_object.translation.allFinite();
+}
+
+/// Whether image, camera and mask can be read side by side.
+bool sizes_agree(const Capture& capture) {
+  const auto& [image, camera, mask] = std::tie(capture.image, capture.camera, capture.mask);
+  return validation_error(image).empty() && image.width == camera.width && image.height == camera.height &&
+         (mask.empty() || (mask.width() == image.width && mask.height() == image.height && mask.channels() == 1));
 }
 
 /// Exposure time times gain, in arbitrary units; 0 when unknown or when grey levels are not proportional to light.
@@ -104,10 +117,9 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
     report.reason = reason;
     return report;
   };
-  if (!capture.pose.usable()) return refuse("no_pose");
-  if (capture.image.width != capture.camera.width || capture.image.height != capture.camera.height)
-    return refuse("image_size");
-  if (!rings) start(capture);
+  if (!has_pose(capture.pose)) return refuse("no_pose");
+  if (!sizes_agree(capture)) return refuse("image_size");
+  if (accepted == 0) start(capture);  // a first image that shows nothing decides nothing
 
   StageClock clock(report);
   RadianceImage image(
@@ -152,7 +164,7 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
 
 /// By what the camera reports, how much brighter the image is than the first one; 1 when that is unknown.
 float SurfaceLightField::Pipeline::known_gain(const Capture& capture) const {
-  if (options.exposure == ExposureCompensation::kOff || capture.exposure.locked || reference_exposure == 0) return 1;
+  if (options.exposure == ExposureCompensation::kOff || reference_exposure == 0) return 1;
   const double product = exposure_product(capture);
   return product > 0 ? static_cast<float>(product / reference_exposure) : 1;
 }
@@ -263,6 +275,7 @@ SurfaceLightField::SurfaceLightField(std::shared_ptr<const Mesh> mesh, const Sur
           "hold_out_every must be 0 (none) or at least 2: with 1 nothing would be left to learn from");
   require(options.ring.factor.max_rank >= 1 && options.ring.factor.max_rank <= 64, "max_rank must be 1..64");
   require(options.ring.factor.tolerance >= 0 && options.ring.factor.tolerance < 1, "tolerance must be in [0, 1)");
+  require(options.ring.min_visible >= 0 && options.ring.min_visible <= 1, "min_visible must be in [0, 1]");
   require(options.ring.max_views >= 8 && options.ring.max_views <= 1000, "max_views must be 8..1000");
   require(options.visibility.erosion_px >= 0 && options.visibility.erosion_px <= 32, "erosion_px must be 0..32");
   pipeline_->mesh = std::move(mesh);
@@ -288,8 +301,13 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_
   }
   std::vector<std::shared_ptr<const RingSnapshot>> data(p.ring_models.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, data.size(), 32), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (p.ring_models[v]) data[v] = p.ring_models[v]->snapshot(p.frames[v]);
+    std::vector<int> resolution;
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      if (!p.ring_models[v]) continue;
+      resolution.clear();
+      for (const RingTriangle& member : p.rings->ring(v)) resolution.push_back(p.rings->resolution(member.triangle));
+      data[v] = p.ring_models[v]->snapshot(p.frames[v], resolution);
+    }
   });
   return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.rings, std::move(data), p.version++, p.exposure_field());
 }
