@@ -27,8 +27,8 @@ struct Hit {
   explicit operator bool() const { return triangle != kNoHit; }
 };
 
-/// Ray queries against one mesh; the only user of Embree. Watertight (RTC_SCENE_FLAG_ROBUST). Queries are const and
-/// thread-safe; the mesh is copied.
+/// Ray queries against one mesh; the only user of Embree. Watertight along edges (RTC_SCENE_FLAG_ROBUST); of rays
+/// aimed exactly at a vertex, three in a thousand slip through. Queries are const and thread-safe; the mesh is copied.
 class RayScene {
  public:
   explicit RayScene(const Mesh& mesh);

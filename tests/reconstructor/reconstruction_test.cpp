@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/reconstruction.h"
+
+#include <gtest/gtest.h>
+
+#include "common/errors.h"
+#include "common/session.h"
+#include "reconstructor/capture_set.h"
+#include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/expect_same_bits.h"
+#include "tests/support/temp_folder.h"
+
+namespace sheen {
+namespace {
+
+using analytic::eyes;
+using analytic::Scene;
+
+std::vector<Capture> numbered(std::vector<Capture> images) {
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    images[i].sequence = i + 1;
+    images[i].name = "image " + std::to_string(i);
+  }
+  return images;
+}
+
+TEST(Reconstruction, AccountsForEveryCapture) {
+  const Object object = square_object();
+  const Scene scene{object.surface, analytic::diffuse(0.06)};
+  std::vector<Capture> images = numbered(captures(scene, eyes(10, 0.5, 0.55)));
+  images[2].pose.status = PoseStatus::kNoTags;
+  images[4].pose.camera_from_object = look_at({0, 0, 0.5}, {0, 0, 1}, {0, 1, 0});
+  images[7].pose.status = PoseStatus::kInconsistent;
+  SurfaceLightFieldOptions options;
+  options.hold_out_every = 3;
+  Reconstruction reconstruction(*object.mesh, options);
+  for (const Capture& image : images) reconstruction.ingest(image);
+  const FrameCounts& counts = reconstruction.counts();
+  EXPECT_EQ(counts.received, 10u);
+  EXPECT_EQ(counts.accepted, 5u);
+  EXPECT_EQ(counts.held_out, 2u);
+  EXPECT_EQ(counts.refused, (std::map<std::string, std::uint64_t>{{"no_pose", 2}, {"object_not_in_view", 1}}));
+  ASSERT_EQ(reconstruction.held_out().size(), 2u);
+  EXPECT_EQ(reconstruction.held_out()[0].name, "image 3") << "the third that was accepted";
+  EXPECT_EQ(reconstruction.held_out()[1].name, "image 8");
+  EXPECT_EQ(reconstruction.updates().count(), 5u);
+  EXPECT_GT(reconstruction.images_per_s(), 0);
+  for (const char* stage : {"decode", "visibility", "resample", "exposure", "factorize"})
+    EXPECT_EQ(reconstruction.stages().at(stage).count(), 5u) << stage;
+}
+
+TEST(Reconstruction, TheHeldOutViewsOfADiffuseSceneAreReproducedByBothModels) {
+  const Object object = square_object();
+  // Black, as pictures are where there is no surface: SSIM's windows look beyond the object's rim.
+  const Scene scene{object.surface, analytic::diffuse(0.06), Eigen::Vector3d::Zero()};
+  Reconstruction reconstruction(*object.mesh, {});
+  for (const Capture& image : captures(scene, eyes(32, 0.5, 0.55))) reconstruction.ingest(image);
+  const auto [light_field, constant] = reconstruction.judge();
+  ASSERT_EQ(light_field.views.size(), 4u);
+  EXPECT_GT(light_field.psnr_db, 40);
+  EXPECT_GT(light_field.ssim, 0.99);
+  EXPECT_GT(constant.psnr_db, 40);
+  EXPECT_LT(light_field.uncovered, 1e-3);
+}
+
+TEST(Reconstruction, ViewDependenceBeatsTheConstantColourByFar) {
+  const Object object = square_object();
+  const Scene scene{object.surface, analytic::two_terms(0.1)};
+  Reconstruction reconstruction(*object.mesh, {});
+  for (const Capture& image : captures(scene, eyes(48, 0.5, 0.55))) reconstruction.ingest(image);
+  const auto [light_field, constant] = reconstruction.judge();
+  EXPECT_GT(light_field.psnr_db, 32);
+  EXPECT_GT(light_field.psnr_db, constant.psnr_db + 10);
+  EXPECT_GT(light_field.ssim, constant.ssim);
+}
+
+TEST(Reconstruction, NothingHeldOutGivesEmptyScores) {
+  Reconstruction reconstruction(*square_object().mesh, {});
+  const auto [light_field, constant] = reconstruction.judge();
+  EXPECT_TRUE(light_field.views.empty() && constant.views.empty());
+  EXPECT_EQ(reconstruction.images_per_s(), 0);
+}
+
+TEST(CaptureSet, ASessionGivesItsCapturesInOrderAndTheSameModelToTheBit) {
+  const Object object = square_object();
+  const Scene scene{object.surface, analytic::two_terms(0.1)};
+  const std::vector<Capture> images = numbered(captures(scene, eyes(6, 0.5, 0.55)));
+  const TempFolder folder;
+  {
+    Session session = Session::create(folder.path() / "session");
+    for (const Capture& image : images) session.append(image);
+  }
+  const CaptureSet set = open_capture_set(folder.path() / "session");
+  ASSERT_EQ(set.size, images.size());
+  Reconstruction live(*object.mesh, {}), replayed(*object.mesh, {});
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const Capture read = set.read(i);
+    testing::expect_same_bits(read, images[i]);
+    live.ingest(images[i]);
+    replayed.ingest(read);
+  }
+  expect_same_rings(*live.snapshot(), *replayed.snapshot());
+}
+
+TEST(CaptureSet, WhatIsNoCaptureSetIsNamed) {
+  const TempFolder folder;
+  expect_error([&] { open_capture_set(folder.path()); }, {folder.path().string()});
+  expect_error([&] { open_capture_set(folder.path() / "absent"); }, {"absent"});
+  folder.write("transforms.json", "{\"frames\": [");
+  expect_error([&] { open_capture_set(folder.path()); }, {"transforms.json"});
+}
+
+}  // namespace
+}  // namespace sheen
