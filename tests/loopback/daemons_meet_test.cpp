@@ -121,6 +121,23 @@ TEST_F(DaemonsMeet, AModelThatDoesNotFitOnTheDisk) {
   expect_outcome(run_to_end(build + Words{"--json", "/dev/full"}), 1, {"/dev/full: cannot be written"});
 }
 
+TEST_F(DaemonsMeet, ACaptureOutlivesItsDisplay) {
+  Process display({"Xvfb", "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"});
+  if (!display.prints("\n", kPatience)) GTEST_SKIP() << "no Xvfb here: " << display.output();
+  const std::string number = display.output().substr(0, display.output().find('\n'));
+  const std::string address = free_address();
+  Process watched(reconstructor({"serve", "--mesh", data_.mesh(), "--session", session_, "--no-monitor", "--once",
+                                 "--endpoint", address}),
+                  {.environment = {{"DISPLAY", ":" + number}, {"LIBGL_ALWAYS_SOFTWARE", "1"}}});
+  ASSERT_TRUE(watched.prints("waiting for a tracker", kPatience)) << watched.output();
+  display.kill();
+  EXPECT_TRUE(watched.prints("the capture goes on without it: the display has gone away", kPatience))
+      << watched.output();
+  expect_outcome(run_to_end(track({"--endpoint", address})), 0, {"6 keyframes sent"});
+  expect_outcome(wait_to_end(watched), 0, {"images folded in"});
+  expect_all_captures();
+}
+
 class LargeImages : public DaemonsMeet {
  protected:
   LargeImages() : DaemonsMeet(6, 400) {}

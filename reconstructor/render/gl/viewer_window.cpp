@@ -14,6 +14,7 @@
 #include "common/errors.h"
 #include "common/image_io.h"
 #include "reconstructor/render/gl/gl_objects.h"
+#include "reconstructor/render/gl/lost_display.h"
 #include "reconstructor/render/gl/viewer_scene.h"
 
 namespace sheen {
@@ -39,8 +40,11 @@ struct GlfwLibrary {
       throw DeviceError("no display for the window (" + glfw_message() +
                         "): start it in a desktop session, under `xvfb-run -a`, or use `sheen-reconstructor render`, "
                         "which needs no display");
+    survive_lost_display(display_lost);
   }
   ~GlfwLibrary() { glfwTerminate(); }
+
+  bool display_lost = false;
 };
 
 struct WindowDeleter {
@@ -232,6 +236,7 @@ void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop) {
       glfwPollEvents();
     else
       glfwWaitEventsTimeout(complete ? kIdleSeconds : kBusySeconds);
+    if (w.library.display_lost) throw DeviceError("the display has gone away");
   }
 }
 

@@ -32,6 +32,7 @@ class ViewerWindow {
   ViewControls& controls();
 
   /// Shows what is published until the person quits or a stop is asked for. Draws only when something has changed.
+  /// Throws DeviceError when OpenGL fails or the display goes away.
   void run(const ViewerFeed& feed, const std::stop_token& stop);
 
   /// One picture of `options.width` x `options.height` with all of the state on the GPU.
