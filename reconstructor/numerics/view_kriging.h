@@ -19,8 +19,8 @@ float evaluate(const ViewKernel& kernel, float angle_rad);
 float angle_between(const Eigen::Vector3f& a, const Eigen::Vector3f& b);
 
 /// The kernels that a ring chooses from.
-inline constexpr std::array<ViewKernel, 5> kViewKernels{
-    {{0.15f, 0.02f}, {0.3f, 0.02f}, {0.3f, 0.1f}, {0.6f, 0.05f}, {0.6f, 0.2f}}};
+inline constexpr std::array<ViewKernel, 6> kViewKernels{
+    {{0.15f, 0.02f}, {0.3f, 0.02f}, {0.3f, 0.1f}, {0.6f, 0.05f}, {0.6f, 0.2f}, {0.6f, 1.0f}}};
 
 /// Ordinary kriging of coefficients over view directions, in its dual form: h(d) = mean + weights * k(d), with
 /// k(d)_j = k(angle(d, d_j)).

@@ -93,9 +93,7 @@ void RingVisibility::mark_solid(const Camera& camera, const ImageU8& mask) {
       const auto step = [&](int dx, int dy) {
         return std::abs(depth_.at(x + dx, y + dy) - z) > limit || ignored(x + dx, y + dy);
       };
-      // Diagonals too: the cubic kernel reads two pixels away in both directions at once.
-      smooth.at(x, y) = !(step(-1, 0) || step(1, 0) || step(0, -1) || step(0, 1) || step(-1, -1) || step(1, -1) ||
-                          step(-1, 1) || step(1, 1));
+      smooth.at(x, y) = !(step(-1, 0) || step(1, 0) || step(0, -1) || step(0, 1));
     }
   });
   // Minimum over a square window, one direction after the other.
