@@ -153,6 +153,11 @@ void serve(const ServeArguments& arguments) {
   const LoopStatus status = loop.status();
   if (monitor) monitor->publish(display.monitor_state(status));
   if (!status.error.empty()) throw Error(status.error);
+  if (stop_requested()) {  // whoever presses Ctrl-C waits for nothing: the journal has it all
+    log_info("session", "kept; the same command goes on with it, `build` makes its model",
+             {{"folder", arguments.session}, {"captures", status.journaled}});
+    return;
+  }
   if (reconstruction.counts().accepted > 0)
     save_reconstruction(reconstruction, std::filesystem::path(arguments.session) / "model", arguments.session);
   const nlohmann::json report = live_report(reconstruction, status);

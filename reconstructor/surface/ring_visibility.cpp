@@ -93,7 +93,9 @@ void RingVisibility::mark_solid(const Camera& camera, const ImageU8& mask) {
       const auto step = [&](int dx, int dy) {
         return std::abs(depth_.at(x + dx, y + dy) - z) > limit || ignored(x + dx, y + dy);
       };
-      smooth.at(x, y) = !(step(-1, 0) || step(1, 0) || step(0, -1) || step(0, 1));
+      // Diagonals too: the cubic kernel reads two pixels away in both directions at once.
+      smooth.at(x, y) = !(step(-1, 0) || step(1, 0) || step(0, -1) || step(0, 1) || step(-1, -1) || step(1, -1) ||
+                          step(-1, 1) || step(1, 1));
     }
   });
   // Minimum over a square window, one direction after the other.
