@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+
 namespace sheen {
 namespace {
 
@@ -114,13 +116,13 @@ void CaptureLoop::account(const IngestReport& report) {
   const std::lock_guard lock(mutex_);
   ++status_.ingested;
   status_.counts = reconstruction_.counts();
-  status_.last = report;
+  if (report.status == IngestStatus::kAccepted) status_.last = report;
   status_.images_per_s = reconstruction_.images_per_s();
 }
 
 void CaptureLoop::judge_live() {
   const std::vector<HeldOutView>& views = reconstruction_.held_out();
-  const std::shared_ptr<const SurfaceLightFieldSnapshot> model = reconstruction_.snapshot();
+  const std::shared_ptr<const SurfaceLightFieldSnapshot> model = fill_unseen(*reconstruction_.snapshot());
   const std::shared_ptr<const ModelSnapshot> constant = reconstruction_.model().constant_colour();
   LoopStatus::HeldOutPoint point{.images = reconstruction_.counts().accepted};
   const std::size_t n = std::min(kJudgedAtOnce, views.size());

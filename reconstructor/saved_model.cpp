@@ -26,9 +26,7 @@ void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::
   std::string names;
   for (const HeldOutView& view : reconstruction.held_out()) names += view.name + "\n";
   save_model(*fill_unseen(*reconstruction.snapshot()), folder,
-             {{"source", source},
-              {"images", std::to_string(reconstruction.counts().accepted)},
-              {kHeldOutKey, names}});
+             {{"source", source}, {"images", std::to_string(reconstruction.counts().accepted)}, {kHeldOutKey, names}});
 }
 
 std::set<std::string> held_out_names(const std::filesystem::path& model_folder) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/color.h"
 
@@ -89,6 +90,12 @@ ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPa
 
 Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter) {
   Scores scores;
+  if (views.empty()) {  // nothing was judged, which is not the same as a score of 0
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    scores.psnr_db = scores.ssim = scores.psnr_gain_aligned_db = scores.psnr_pooled_db = none;
+    scores.full_psnr_db = scores.full_ssim = scores.uncovered = none;
+    return scores;
+  }
   SquaredError pooled;
   for (const HeldOutView& view : views) {
     const ViewScore& s = scores.views.emplace_back(score(view, model, painter));

@@ -50,7 +50,7 @@ class DaemonsMeet : public ::testing::Test {
 TEST_F(DaemonsMeet, CtrlCEndsAReconstructorThatSawNoTracker) {
   Process waiting(desk({"--endpoint", free_address()}));
   ASSERT_TRUE(waiting.prints("waiting for a tracker", kPatience)) << waiting.output();
-  expect_stops(waiting, {"0 images folded in"});
+  expect_stops(waiting, {"captures=0"});
   EXPECT_EQ(captures_of(session_).size(), 0u);
 }
 
@@ -179,7 +179,7 @@ TEST_F(ManyViews, CtrlCInTheMiddleEndsATrackerWhichThenGoesOn) {
   while (rig.running() && captures_so_far(session_) == 0) std::this_thread::sleep_for(milliseconds(1));
   expect_stops(rig, {"keyframes sent"});
   expect_outcome(run_to_end(track({"--endpoint", address})), 0, {"150 keyframes sent"});
-  expect_stops(keeping, {"images folded in"});
+  expect_stops(keeping, {"captures=150"});
   expect_all_captures();
 }
 
