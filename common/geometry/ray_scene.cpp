@@ -26,7 +26,7 @@ struct RayScene::Impl {
   RTCScene scene = nullptr;
 
   explicit Impl(const Mesh& mesh) {
-    device = rtcNewDevice("threads=1");
+    device = rtcNewDevice(nullptr);  // asked for one thread, Embree would hold all of TBB in the process to one
     if (!device) throw Error("Embree could not be started (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
     scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
