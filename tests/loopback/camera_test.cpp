@@ -159,7 +159,7 @@ TEST_F(CameraOnTheWire, ATrackerThatWasKilledComesBackToTheCamera) {
   }
   expect_outcome(wait_to_end(*rig), 0, {"10 frames"});
   keeping.signal(SIGINT);
-  expect_outcome(wait_to_end(keeping), 0, {"images folded in"});
+  expect_outcome(wait_to_end(keeping), 0, {"captures="});
   camera.signal(SIGINT);
   expect_outcome(wait_to_end(camera), 0, {});
 
