@@ -52,7 +52,8 @@ void evaluate(const EvaluateArguments& arguments) {
   if (views.empty())
     throw FileError(arguments.dataset,
                     "has no view that the model never saw; name some in test_filenames, or build with --hold-out");
-  const nlohmann::json report = evaluation_report(score(views, *model, painter), score(views, *mean.snapshot(), painter));
+  const nlohmann::json report =
+      evaluation_report(score(views, *model, painter), score(views, *mean.snapshot(), painter));
   print_summary(report);
   if (!arguments.json.empty()) write_json(arguments.json, report);
 }
