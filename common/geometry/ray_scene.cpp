@@ -13,6 +13,21 @@ namespace {
 
 constexpr std::size_t kPacket = 8;
 
+RTCRay embree_ray(const Ray& ray) {
+  return {ray.origin.x(),
+          ray.origin.y(),
+          ray.origin.z(),
+          ray.near,
+          ray.direction.x(),
+          ray.direction.y(),
+          ray.direction.z(),
+          0,
+          ray.far,
+          0xffffffffu,
+          0,
+          0};
+}
+
 Hit to_hit(std::uint32_t geometry, std::uint32_t triangle, float distance, float u, float v, const Eigen::Vector3f& n,
            const Eigen::Vector3f& direction) {
   if (geometry == RTC_INVALID_GEOMETRY_ID) return {};
@@ -67,18 +82,7 @@ Hit RayScene::intersect(const Ray& ray) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query{};
-  query.ray = {ray.origin.x(),
-               ray.origin.y(),
-               ray.origin.z(),
-               ray.near,
-               ray.direction.x(),
-               ray.direction.y(),
-               ray.direction.z(),
-               0,
-               ray.far,
-               0xffffffffu,
-               0,
-               0};
+  query.ray = embree_ray(ray);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(impl_->scene, &context, &query);
   return to_hit(query.hit.geomID, query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v,
@@ -88,18 +92,7 @@ Hit RayScene::intersect(const Ray& ray) const {
 bool RayScene::occluded(const Ray& ray) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRay query{ray.origin.x(),
-               ray.origin.y(),
-               ray.origin.z(),
-               ray.near,
-               ray.direction.x(),
-               ray.direction.y(),
-               ray.direction.z(),
-               0,
-               ray.far,
-               0xffffffffu,
-               0,
-               0};
+  RTCRay query = embree_ray(ray);
   rtcOccluded1(impl_->scene, &context, &query);
   return query.tfar < 0;
 }
