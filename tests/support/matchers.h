@@ -6,8 +6,9 @@
 namespace sheen {
 
 /// Largest entry of |B^T B - I|: 0 for a perfectly orthonormal basis.
-inline double orthogonality_loss(const Eigen::MatrixXf& basis) {
-  const Eigen::MatrixXd b = basis.cast<double>();
+template <typename Derived>
+double orthogonality_loss(const Eigen::MatrixBase<Derived>& basis) {
+  const Eigen::MatrixXd b = basis.template cast<double>();
   return (b.transpose() * b - Eigen::MatrixXd::Identity(b.cols(), b.cols())).cwiseAbs().maxCoeff();
 }
 

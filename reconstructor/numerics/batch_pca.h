@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+namespace sheen {
+
+/// Rank-k factorization C ~ B Y of columns that are all at hand: what the online factorization is measured against. As
+/// there, columns are not centred.
+struct BatchPca {
+  Eigen::MatrixXd basis;            ///< B, rows x k, orthonormal
+  Eigen::MatrixXd coefficients;     ///< Y, k x columns
+  Eigen::VectorXd singular_values;  ///< descending; of all of C, or of B Y where values are missing
+  double relative_error = 0;        ///< ||C - B Y|| / ||C||, Frobenius, over known values, columns weighted
+
+  int rank() const { return static_cast<int>(basis.cols()); }
+};
+
+/// Best factorization of `columns` (rows x n) of at most `rank` terms in the Frobenius norm (Eckart and Young), from
+/// the eigenvectors of the smaller Gram matrix in double precision: singular values below 1e-7 of the largest drown in
+/// rounding and are no terms. `weights`: how often a column counts, > 0, n values or none.
+/// Throws std::invalid_argument where a value is not finite or a size does not fit.
+BatchPca batch_pca(const Eigen::MatrixXf& columns, int rank, std::span<const double> weights = {});
+
+/// A value a row and column: 0 where it is missing.
+using KnownValues = Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>;
+
+struct MissingPcaOptions {
+  int max_iterations = 300;
+  double convergence = 1e-5;  ///< relative change of the noise variance at which the iteration ends
+};
+
+/// Most probable factorization where values are missing: probabilistic PCA (c = W x + noise, x standard normal, the
+/// noise the same everywhere; Tipping and Bishop 1999) by expectation maximisation over the known values, started from
+/// rows filled with their means. Missing values are never read. Rows and columns of which nothing is known are zero.
+/// With nothing missing it agrees with `batch_pca` as far as the noise allows (coefficients shrink by noise /
+/// variance). Throws as `batch_pca`.
+BatchPca batch_pca_missing(const Eigen::MatrixXf& columns, const KnownValues& known, int rank,
+                           std::span<const double> weights = {}, const MissingPcaOptions& options = {});
+
+}  // namespace sheen
