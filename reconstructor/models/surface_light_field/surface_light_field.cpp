@@ -12,7 +12,9 @@
 
 #include "common/errors.h"
 #include "reconstructor/models/surface_light_field/exposure_gain.h"
+#include "reconstructor/models/surface_light_field/ring_column.h"
 #include "reconstructor/models/surface_light_field/ring_resampler.h"
+#include "reconstructor/surface/map_resolution.h"
 
 namespace sheen {
 namespace {
@@ -31,24 +33,6 @@ class StageClock {
   IngestReport& report_;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
-
-/// As many samples along a triangle's longest edge as it has pixels in an image from the first camera's distance.
-std::vector<std::uint8_t> choose_resolution(const Mesh& mesh, const SurfaceLightFieldOptions& options,
-                                            const Capture& first) {
-  if (options.surface_map > 0)
-    return std::vector<std::uint8_t>(mesh.triangles.size(), static_cast<std::uint8_t>(options.surface_map));
-  const BoundingSphere bounds = bounding_sphere(mesh);
-  const double distance = std::max((camera_centre(first.pose.camera_from_object) - bounds.centre).norm(), 1e-9);
-  const double pixels_per_metre = std::sqrt(first.camera.fx * first.camera.fy) / distance;
-  std::vector<std::uint8_t> resolution(mesh.triangles.size());
-  for (std::size_t t = 0; t < resolution.size(); ++t) {
-    const Eigen::Vector3f a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
-    const double edge = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    resolution[t] = static_cast<std::uint8_t>(std::clamp(static_cast<int>(std::lround(edge * pixels_per_metre)) + 1,
-                                                         options.min_surface_map, options.max_surface_map));
-  }
-  return resolution;
-}
 
 bool has_pose(const PoseEstimate& pose) {
   return pose.usable() && pose.camera_from_object.rotation.coeffs().allFinite() &&
@@ -96,15 +80,12 @@ struct SurfaceLightField::Pipeline {
   ExposureField exposure_field() const;
   void absorb(const SurfaceView& view, IngestReport& report);
   void choose_kernels(const std::vector<std::uint32_t>& undecided);
-  bool gather(std::size_t vertex, const SurfaceView& view, Eigen::VectorXf& column, std::vector<std::uint8_t>& visible,
-              float& cosine) const;
-  Eigen::Vector3f direction_to(const Eigen::Vector3d& eye, std::size_t vertex) const {
-    return (eye.cast<float>() - mesh->vertices[vertex]).normalized();
-  }
 };
 
 void SurfaceLightField::Pipeline::start(const Capture& first) {
-  rings = std::make_shared<VertexRings>(*mesh, choose_resolution(*mesh, options, first));
+  rings = std::make_shared<VertexRings>(
+      *mesh, map_resolution(*mesh, first.camera, first.pose.camera_from_object,
+                            {options.surface_map, options.min_surface_map, options.max_surface_map}));
   visibility = std::make_unique<RingVisibility>(*mesh, *rings, options.visibility);
   constant_colour = std::make_unique<ConstantColour>(mesh, rings);
   ring_models.resize(mesh->vertices.size());
@@ -196,36 +177,15 @@ ExposureField SurfaceLightField::Pipeline::exposure_field() const {
   return field;
 }
 
-/// The column of a ring: false when no sample of it is visible. `cosine` is the largest of its visible triangles.
-bool SurfaceLightField::Pipeline::gather(std::size_t vertex, const SurfaceView& view, Eigen::VectorXf& column,
-                                         std::vector<std::uint8_t>& visible, float& cosine) const {
-  const auto ring = rings->ring(vertex);
-  cosine = 0;
-  bool any = false;
-  for (const RingTriangle& member : ring) any |= view.visible_in_triangle[member.triangle] > 0;
-  if (!any) return false;
-  column.resize(3 * rings->ring_samples(vertex));
-  visible.resize(static_cast<std::size_t>(rings->ring_samples(vertex)));
-  for (const RingTriangle& member : ring) {
-    const auto first = static_cast<Eigen::Index>(rings->first_sample(member.triangle));
-    const int count = lattice_samples(rings->resolution(member.triangle));
-    Eigen::Map<Eigen::Matrix3Xf>(column.data() + 3 * member.first_sample, 3, count) = samples.middleCols(first, count);
-    std::copy_n(view.visible.begin() + first, count, visible.begin() + member.first_sample);
-    if (view.visible_in_triangle[member.triangle] > 0) cosine = std::max(cosine, view.cosine[member.triangle]);
-  }
-  return true;
-}
-
 void SurfaceLightField::Pipeline::absorb(const SurfaceView& view, IngestReport& report) {
   std::vector<RingModel::Absorbed> absorbed(ring_models.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ring_models.size(), 32), [&](const auto& range) {
-    Eigen::VectorXf column;
-    std::vector<std::uint8_t> visible;
-    float cosine = 0;
+    RingColumn column;
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      if (!gather(v, view, column, visible, cosine)) continue;
+      if (!gather(*rings, v, mesh->vertices[v], view, samples, column)) continue;
       if (!ring_models[v]) ring_models[v] = std::make_unique<RingModel>(rings->ring_samples(v), options.ring);
-      absorbed[v] = ring_models[v]->absorb(column, visible, direction_to(view.eye, v), cosine, cosine);
+      absorbed[v] =
+          ring_models[v]->absorb(column.values, column.visible, column.direction, column.cosine, column.cosine);
     }
   });
   double energy = 0, residual = 0;
