@@ -17,7 +17,7 @@ namespace {
 struct ViewArguments {
   std::string model, screenshot, mode = "light-field", size = "1280x800";
   std::vector<double> eye;
-  bool reasons = false;
+  bool reasons = false, states = false;
 };
 
 /// "1280x800"; throws ConfigError.
@@ -41,6 +41,7 @@ void view(const ViewArguments& arguments) {
   ViewControls& controls = window.controls();
   controls.mode = *mode;
   controls.reasons = arguments.reasons;
+  controls.states = arguments.states;
   controls.frame(state.snapshot->shared_mesh());
   if (!arguments.eye.empty()) controls.orbit.place({arguments.eye[0], arguments.eye[1], arguments.eye[2]});
 
@@ -62,6 +63,7 @@ void add_view_command(CLI::App& app) {
   command->add_option("--screenshot", arguments->screenshot, "PNG to write instead of opening a window");
   command->add_option("--mode", arguments->mode, "light-field, heuristic, split or camera")->capture_default_str();
   command->add_flag("--reasons", arguments->reasons, "colour the heuristic by why images are needed");
+  command->add_flag("--states", arguments->states, "tint what is imputed or unseen");
   command->add_option("--size", arguments->size, "of the window or the screenshot, pixels")->capture_default_str();
   command->add_option("--eye", arguments->eye, "where to look from: x,y,z in the model's frame, metres")
       ->delimiter(',')

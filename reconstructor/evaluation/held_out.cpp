@@ -82,7 +82,7 @@ ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPa
   std::size_t object = 0, uncovered = 0;
   for (std::size_t i = 0; i < view.object.size(); ++i) {
     object += view.object.data()[i] != 0;
-    uncovered += view.object.data()[i] != 0 && painted.coverage.data()[i] != 255;
+    uncovered += view.object.data()[i] != 0 && painted.coverage.data()[i] < kCoverageImputed;
   }
   score.uncovered = object > 0 ? double(uncovered) / double(object) : 0;
   return score;

@@ -242,8 +242,12 @@ class MapsReader {
   void take_measured(const ImageF& image) {
     for (std::size_t i = 0; i < rings_.data.size(); ++i) {
       const RingEntry& entry = rings_.layout.rings[i];
-      rings_.data[i]->measured.resize(entry.samples);
-      for (int s = 0; s < entry.samples; ++s) rings_.data[i]->measured[s] = image.data()[entry.first_sample + s] != 0;
+      rings_.data[i]->shown.resize(entry.samples);
+      for (int s = 0; s < entry.samples; ++s) {
+        const float share = image.data()[entry.first_sample + s];
+        if (!(share >= 0 && share <= 1)) fail("measured", "holds a share outside 0..1");
+        rings_.data[i]->shown[s] = static_cast<std::uint8_t>(std::lround(255 * share));
+      }
     }
   }
   void take_views(const ImageF& image) {

@@ -23,7 +23,8 @@ struct SaveOptions {
 ///   mesh.ply    the mesh
 ///   model.json  version, conventions, a triangle's lattice resolution, list of rings with their kernels, metadata
 ///   maps.exr    surface.rank00 ...  atlas of all rings' basis rows, RGB
-///               measured            the same atlas: 1 where an image showed the sample
+///               measured            the same atlas: share of the ring's images that showed the sample, 0..1: 0 unseen,
+///                                   below 1/2 imputed, else measured (older models have 1 wherever any did)
 ///               views               kriging: directions and weights, a pixel a view of a ring
 ///               rings               frame and mean coefficients, a pixel a ring
 ///               view.rank00 ...     view maps, a tile a ring, for readers that do not krige

@@ -35,6 +35,7 @@ Json conventions() {
            "resolution n: points (i, j), i + j < n, j fastest, at barycentric weights i/(n-1) and j/(n-1) of "
            "corners 1 and 2"},
           {"ring", "the triangles round a vertex in the order of the mesh, each with its lattice points"},
+          {"measured", "share of the ring's images that showed the sample: 0 unseen, below 1/2 imputed, else measured"},
           {"atlas", "rings one after the other, a pixel a sample, row by row"},
           {"view",
            "h(d) = mean + sum over views of weight * k(angle(d, direction)), k(t) = (1 + sqrt(3) t / scale) "
@@ -97,7 +98,7 @@ std::string id_of(const Json& description, const SurfaceLightFieldSnapshot& mode
     add(ring->weights);
     add(ring->mean);
     add(ring->frame);
-    add(ring->measured);
+    add(ring->shown);
   }
   return content_hash(contents);
 }
@@ -119,8 +120,9 @@ ImageF surface_image(const SurfaceLightFieldSnapshot& model, const ModelLayout& 
 ImageF measured_image(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout) {
   ImageF image = blank_atlas(layout.samples, 1);
   for (const RingEntry& entry : layout.rings) {
-    const std::vector<std::uint8_t>& measured = model.ring_data()[entry.vertex]->measured;
-    std::copy(measured.begin(), measured.end(), image.data() + entry.first_sample);
+    const std::vector<std::uint8_t>& shown = model.ring_data()[entry.vertex]->shown;
+    std::transform(shown.begin(), shown.end(), image.data() + entry.first_sample,
+                   [](std::uint8_t share) { return share / 255.0f; });
   }
   return image;
 }

@@ -37,9 +37,11 @@ enum class QualityReason : std::uint8_t {
 };
 const char* to_string(QualityReason reason);
 
+/// What the colour of a surface sample rests on.
 enum class SampleState : std::uint8_t {
-  kUnseen = 0,  ///< no image shows the sample: its colour is a guess
-  kMeasured = 1,
+  kUnseen = 0,    ///< no image shows the sample: its colour is a guess
+  kImputed = 1,   ///< fewer than half of the images round it do: how it changes with the view is mostly inferred
+  kMeasured = 2,  ///< at least half of them do
 };
 
 /// One surface point as the model knows it.

@@ -4,6 +4,21 @@
 #include <tbb/parallel_for.h>
 
 namespace sheen {
+namespace {
+
+std::uint8_t coverage_of(SampleState state) {
+  switch (state) {
+    case SampleState::kUnseen:
+      return kCoverageUnseen;
+    case SampleState::kImputed:
+      return kCoverageImputed;
+    case SampleState::kMeasured:
+      break;
+  }
+  return kCoverageMeasured;
+}
+
+}  // namespace
 
 std::vector<Hit> RayPainter::cast(const Camera& camera, const Rigid3& camera_from_object) const {
   const Rigid3 object_from_camera = camera_from_object.inverse();
@@ -33,7 +48,7 @@ PaintedView RayPainter::paint(const ModelSnapshot& snapshot, const Camera& camer
       if (!hit || !hit.front) continue;
       const SurfaceSample sample = shader->shade(hit.triangle, hit.u, hit.v);
       for (int c = 0; c < 3; ++c) view.beauty.at(x, y, c) = sample.rgb[c];
-      view.coverage.at(x, y) = sample.state == SampleState::kMeasured ? 255 : 128;
+      view.coverage.at(x, y) = coverage_of(sample.state);
       view.heuristic.at(x, y) = shader->heuristic(hit.triangle);
       view.reason.at(x, y) = static_cast<std::uint8_t>(shader->reason(hit.triangle)) + 1;
     }

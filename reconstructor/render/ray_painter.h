@@ -9,10 +9,13 @@
 
 namespace sheen {
 
+// What `PaintedView::coverage` says of a pixel whose first hit is a front face; 0 elsewhere.
+inline constexpr std::uint8_t kCoverageUnseen = 128, kCoverageImputed = 192, kCoverageMeasured = 255;
+
 /// A picture of a model with what is known about each pixel.
 struct PaintedView {
   ImageF beauty;     ///< linear RGB; 0 where there is no surface
-  ImageU8 coverage;  ///< 255 where the first hit is a front face that some image showed, 128 where none did, else 0
+  ImageU8 coverage;  ///< the SampleState of what is shown, as kCoverage...; 0 where there is no surface
   ImageF heuristic;  ///< 1 channel, 0..1
   ImageU8 reason;    ///< QualityReason + 1; 0 where there is no surface
 };

@@ -13,7 +13,7 @@ class PlainModel : public ModelSnapshot {
  public:
   explicit PlainModel(const Mesh& mesh, Eigen::Vector3f radiance = {1, 1, 1}) : mesh_(mesh), radiance_(radiance) {}
 
-  std::set<std::uint32_t> unseen;  ///< triangles
+  std::set<std::uint32_t> unseen, imputed;  ///< triangles
   bool shows_place = false;
   mutable Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< that was asked for last
 
@@ -30,8 +30,9 @@ class PlainModel : public ModelSnapshot {
     SurfaceSample shade(std::uint32_t t, float u, float v) const override {
       const Mesh& mesh = model_.mesh_;
       const Eigen::Vector3f place = (1 - u - v) * mesh.corner(t, 0) + u * mesh.corner(t, 1) + v * mesh.corner(t, 2);
-      return {model_.shows_place ? place : model_.radiance_,
-              model_.unseen.contains(t) ? SampleState::kUnseen : SampleState::kMeasured};
+      return {model_.shows_place ? place : model_.radiance_, model_.unseen.contains(t)    ? SampleState::kUnseen
+                                                             : model_.imputed.contains(t) ? SampleState::kImputed
+                                                                                          : SampleState::kMeasured};
     }
     float heuristic(std::uint32_t) const override { return 0.5f; }
     QualityReason reason(std::uint32_t) const override { return QualityReason::kOblique; }

@@ -13,8 +13,8 @@ constexpr int kLatticeNeighbours[6][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 
 Eigen::MatrixXf mean_rows(const RingSnapshot& ring) {
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, ring.rank());
   int seen = 0;
-  for (std::size_t s = 0; s < ring.measured.size(); ++s)
-    if (ring.measured[s]) {
+  for (std::size_t s = 0; s < ring.shown.size(); ++s)
+    if (ring.shown[s]) {
       mean += ring.basis.middleRows<3>(static_cast<Eigen::Index>(3 * s));
       ++seen;
     }
@@ -26,28 +26,28 @@ std::shared_ptr<const RingSnapshot> flat_copy(const RingSnapshot& neighbour, int
   auto flat = std::make_shared<RingSnapshot>(neighbour);
   flat->basis = mean_rows(neighbour).replicate(samples, 1);
   // All samples count as seen while the guess spreads; the caller marks them unseen at the end.
-  flat->measured.assign(static_cast<std::size_t>(samples), 1);
+  flat->shown.assign(static_cast<std::size_t>(samples), 255);
   return flat;
 }
 
 }  // namespace
 
 void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution) {
-  if (ring.rank() == 0 || std::find(ring.measured.begin(), ring.measured.end(), 0) == ring.measured.end()) return;
+  if (ring.rank() == 0 || std::find(ring.shown.begin(), ring.shown.end(), 0) == ring.shown.end()) return;
   const Eigen::MatrixXf mean = mean_rows(ring);
   int first = 0;
   for (const int n : resolution) {
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j) {
         const int sample = first + lattice_index(n, i, j);
-        if (ring.measured[sample]) continue;
+        if (ring.shown[sample]) continue;
         Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(3, ring.rank());
         int seen = 0;
         for (const auto& [di, dj] : kLatticeNeighbours) {
           const int a = i + di, b = j + dj;
           if (a < 0 || b < 0 || a + b >= n) continue;
           const int neighbour = first + lattice_index(n, a, b);
-          if (!ring.measured[neighbour]) continue;
+          if (!ring.shown[neighbour]) continue;
           sum += ring.basis.middleRows<3>(3 * neighbour);
           ++seen;
         }
@@ -80,7 +80,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightF
   }
   for (const std::uint32_t v : guessed) {
     auto marked = std::make_shared<RingSnapshot>(*rings[v]);
-    std::fill(marked->measured.begin(), marked->measured.end(), std::uint8_t{0});
+    std::fill(marked->shown.begin(), marked->shown.end(), std::uint8_t{0});
     rings[v] = std::move(marked);
   }
   return std::make_shared<SurfaceLightFieldSnapshot>(snapshot.shared_mesh(), snapshot.shared_rings(), std::move(rings),

@@ -10,12 +10,12 @@ namespace sheen {
 
 /// Gives basis rows to the samples of a ring that no image showed, so that nothing that is interpolated between seen
 /// and unseen samples goes dark: beside seen samples the mean of these, farther off the ring's mean, a channel.
-/// `resolution`: of the ring's triangles, in its order. `measured` stays.
+/// `resolution`: of the ring's triangles, in its order. `shown` stays.
 void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution);
 
 /// The snapshot with a guess for the rings that no image reached, for pictures that must have no holes: each takes the
 /// mean colour, with its view dependence, of the nearest ring along the mesh. What was not seen stays marked as such
-/// (`RingSnapshot::measured`).
+/// (`RingSnapshot::shown`).
 std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightFieldSnapshot& snapshot);
 
 }  // namespace sheen

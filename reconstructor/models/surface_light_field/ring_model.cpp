@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
@@ -29,7 +30,9 @@ RingModel::Absorbed RingModel::absorb(Eigen::VectorXf& column, std::span<const s
   if (shown == 0 || shown < options_.min_visible * visible.size()) return result;
   result.used = true;
   if (shown < visible.size() || !all_seen_) fill_hidden(column, visible);
-  all_seen_ = all_seen_ || std::find(seen_.begin(), seen_.end(), 0) == seen_.end();
+  for (std::size_t s = 0; s < visible.size(); ++s)
+    if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
+  all_seen_ = all_seen_ || std::find(shown_.begin(), shown_.end(), std::uint16_t{0}) == shown_.end();
 
   const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
   const ColumnReport report = factor_.add(column, share);
@@ -57,14 +60,13 @@ void RingModel::fill_hidden(Eigen::VectorXf& column, std::span<const std::uint8_
   std::vector<std::uint8_t> known(3 * visible.size(), 0);
   std::vector<int> new_samples;
   for (int s = 0; s < samples; ++s) {
-    if (visible[s] && seen_[s]) std::fill_n(known.begin() + 3 * s, 3, std::uint8_t{1});
-    if (visible[s] && !seen_[s]) new_samples.push_back(s);
+    if (visible[s] && shown_[s]) std::fill_n(known.begin() + 3 * s, 3, std::uint8_t{1});
+    if (visible[s] && !shown_[s]) new_samples.push_back(s);
   }
   const int rank = factor_.rank();
   if (rank == 0) {
     for (int s = 0; s < samples; ++s)
       if (!visible[s]) column.segment<3>(3 * s).setZero();
-    for (const int s : new_samples) seen_[s] = 1;
     return;
   }
 
@@ -75,7 +77,7 @@ void RingModel::fill_hidden(Eigen::VectorXf& column, std::span<const std::uint8_
     Eigen::MatrixXf level = Eigen::MatrixXf::Zero(3, rank);  // mean basis row a channel
     int seen_samples = 0;
     for (int s = 0; s < samples; ++s)
-      if (seen_[s]) {
+      if (shown_[s]) {
         level += factor_.basis().middleRows<3>(3 * s);
         ++seen_samples;
       }
@@ -92,14 +94,13 @@ void RingModel::fill_hidden(Eigen::VectorXf& column, std::span<const std::uint8_
         rows.push_back(row);
       }
     factor_.reveal(rows, basis_rows);
-    for (const int s : new_samples) seen_[s] = 1;
     for (const int s : new_samples) std::fill_n(known.begin() + 3 * s, 3, std::uint8_t{1});
   }
   const Eigen::VectorXf full_y =
       new_samples.empty() ? y : factor_.estimate(column, known, std::max(noise_, kSensorVariance));
   for (int s = 0; s < samples; ++s) {
     if (visible[s]) continue;
-    if (seen_[s])
+    if (shown_[s])
       column.segment<3>(3 * s).noalias() = factor_.basis().middleRows<3>(3 * s) * full_y;
     else
       column.segment<3>(3 * s).setZero();
@@ -154,7 +155,7 @@ void RingModel::set_kernel(const ViewKernel& kernel) {
 }
 
 std::size_t RingModel::bytes() const {
-  return sizeof(*this) + factor_.bytes() + seen_.size() +
+  return sizeof(*this) + factor_.bytes() + shown_.size() * sizeof(shown_[0]) +
          directions_.size() * (sizeof(Eigen::Vector3f) + sizeof(float) + sizeof(int));
 }
 
@@ -170,7 +171,8 @@ std::shared_ptr<const RingSnapshot> RingModel::snapshot(const Eigen::Matrix3f& f
   snapshot->kernel = kernel_;
   snapshot->frame = frame;
   snapshot->views = triangulate_views(frame, snapshot->directions);
-  snapshot->measured = seen_;
+  snapshot->shown.resize(shown_.size());
+  for (std::size_t s = 0; s < shown_.size(); ++s) snapshot->shown[s] = shown_share(shown_[s], images_folded_);
   snapshot->residual = residual_;
   snapshot->best_cosine = best_cosine_;
   snapshot->views_folded = images_folded_;

@@ -27,7 +27,7 @@ using KernelErrors = std::array<double, kViewKernels.size()>;
 class RingModel {
  public:
   RingModel(int samples, const RingModelOptions& options)
-      : options_(options), factor_(3 * samples, options.factor), seen_(samples, 0) {}
+      : options_(options), factor_(3 * samples, options.factor), shown_(samples, 0) {}
 
   struct Absorbed {
     bool used = false;           ///< false: too little of the ring is visible
@@ -61,7 +61,7 @@ class RingModel {
 
   RingModelOptions options_;
   RingFactor factor_;
-  std::vector<std::uint8_t> seen_;  ///< a sample: some image showed it
+  std::vector<std::uint16_t> shown_;  ///< a sample: images that showed it, as far as the type counts
   bool all_seen_ = false;
   std::vector<Eigen::Vector3f> directions_;
   std::vector<float> reliability_;

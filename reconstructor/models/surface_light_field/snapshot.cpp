@@ -27,7 +27,7 @@ class LightFieldShader : public ViewShader {
     const LatticeStencil stencil = lattice_stencil(rings_->resolution(triangle), u, v);
     Eigen::Vector3f encoded = Eigen::Vector3f::Zero();
     float total = 0;
-    bool measured = false;
+    SampleState state = SampleState::kUnseen;
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t vertex = mesh_->triangles[triangle][c];
       const RingSnapshot* ring = ring_data_[vertex].get();
@@ -38,7 +38,7 @@ class LightFieldShader : public ViewShader {
       for (int k = 0; k < 3; ++k) {
         const int sample = static_cast<int>(first) + stencil.index[k];
         value.noalias() += stencil.weight[k] * (ring->basis.middleRows<3>(3 * sample) * h);
-        measured |= stencil.weight[k] > 0.25f && ring->measured[sample];
+        if (stencil.weight[k] > 0.25f) state = std::max(state, ring->state(sample));
       }
       encoded += beta[c] * value;
       total += beta[c];
@@ -46,7 +46,7 @@ class LightFieldShader : public ViewShader {
     if (total < 1e-4f) return {};
     encoded /= total;
     const Eigen::Vector3f radiance(srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z()));
-    return {exposure_ * radiance, measured ? SampleState::kMeasured : SampleState::kUnseen};
+    return {exposure_ * radiance, state};
   }
   float heuristic(std::uint32_t triangle) const override { return heuristic_[triangle]; }
   QualityReason reason(std::uint32_t triangle) const override { return reason_[triangle]; }
@@ -62,6 +62,17 @@ class LightFieldShader : public ViewShader {
 };
 
 }  // namespace
+
+std::uint8_t shown_share(int showed_it, int images) {
+  if (showed_it <= 0) return 0;
+  return static_cast<std::uint8_t>(std::clamp(std::lround(255.0 * showed_it / std::max(images, 1)), 1L, 255L));
+}
+
+SampleState sample_state(std::uint8_t shown) {
+  constexpr int kHalf = 128;
+  if (shown == 0) return SampleState::kUnseen;
+  return shown < kHalf ? SampleState::kImputed : SampleState::kMeasured;
+}
 
 float ExposureField::at(const Eigen::Vector3d& eye) const {
   if (directions.cols() == 0) return 1;

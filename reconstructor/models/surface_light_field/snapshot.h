@@ -26,6 +26,11 @@ struct ExposureField {
   float at(const Eigen::Vector3d& eye) const;
 };
 
+/// Share of a ring's images that showed a sample, in 255ths; 0 only where none did, and no more than 255.
+std::uint8_t shown_share(int showed_it, int images);
+/// What such a share says of the sample. The one place where the states are told apart.
+SampleState sample_state(std::uint8_t shown);
+
 /// The light field of one vertex ring, factorised (000 sec. 4.1): encoded value of row i seen from direction d =
 /// sum_r basis(i, r) * h_r(d), with the view functions h_r interpolated by kriging:
 /// h(d) = mean + sum_j weights.col(j) * k(angle(d, directions.col(j))).
@@ -36,14 +41,15 @@ struct RingSnapshot {
   Eigen::MatrixXf weights;      ///< rank x views: kriging in its dual form
   Eigen::VectorXf mean;         ///< rank
   ViewKernel kernel;
-  Eigen::Matrix3f frame;               ///< of the vertex's hemisphere
-  ViewTriangulation views;             ///< of `directions` on the view map
-  std::vector<std::uint8_t> measured;  ///< a sample: 1 when some image showed it
-  float residual = 0;                  ///< psi_p: smoothed relative projection error of new images, 0..1
-  float best_cosine = 0;               ///< of the most frontal view: cos of the angle to the vertex normal
-  int views_folded = 0;                ///< images folded in, thinned ones included
+  Eigen::Matrix3f frame;            ///< of the vertex's hemisphere
+  ViewTriangulation views;          ///< of `directions` on the view map
+  std::vector<std::uint8_t> shown;  ///< a sample: share of the ring's images that showed it (`shown_share`)
+  float residual = 0;               ///< psi_p: smoothed relative projection error of new images, 0..1
+  float best_cosine = 0;            ///< of the most frontal view: cos of the angle to the vertex normal
+  int views_folded = 0;             ///< images folded in, thinned ones included
 
   int rank() const { return static_cast<int>(basis.cols()); }
+  SampleState state(int sample) const { return sample_state(shown[sample]); }
   /// h(d) for a unit direction from the vertex to the eye.
   Eigen::VectorXf coefficients(const Eigen::Vector3f& direction) const;
 };

@@ -21,7 +21,7 @@ void pack(const RingSnapshot& ring, int rank, std::vector<std::uint16_t>& texels
     std::uint16_t* texel = texels.data() + 4 * r;
     for (std::size_t s = 0; s < samples; ++s, texel += 4 * rank, value += 3) {
       for (int c = 0; c < 3; ++c) texel[c] = bits(value[c]);
-      texel[3] = bits(s < ring.measured.size() && ring.measured[s] ? 1.0f : 0.0f);
+      texel[3] = bits(static_cast<float>(ring.state(static_cast<int>(s))));
     }
   }
 }

@@ -12,7 +12,7 @@
 namespace sheen {
 
 /// Where the surface maps of one ring stand on the GPU. The texel of sample s and term r is `first` + s * `rank` + r of
-/// buffer `buffer`: (R, G, B) in half floats; the fourth value is 1 where an image showed the sample.
+/// buffer `buffer`: (R, G, B) in half floats; the fourth value is its SampleState.
 struct BasisSlot {
   std::uint32_t first = 0;
   std::uint16_t rank = 0;  ///< terms stored; 0 = nothing is

@@ -99,7 +99,7 @@ std::vector<Line> frame_lines(const CaptureFigures& f) {
 
 std::vector<Line> rank_lines(const RankFigures& ranks) {
   return {{"rank", print("median %.3g, most %d", ranks.median, ranks.most)},
-          {"surface", print("%.1f %% seen", 100 * ranks.seen)}};
+          {"surface", print("%.1f %% seen, %.1f %% measured", 100 * ranks.seen, 100 * ranks.measured)}};
 }
 
 std::vector<Line> error_lines(const CaptureFigures& f) {
@@ -117,15 +117,23 @@ std::vector<Line> error_lines(const CaptureFigures& f) {
 RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot) {
   RankFigures figures;
   std::vector<int> ranks;
-  std::size_t measured = 0, samples = 0;
+  std::size_t seen = 0, measured = 0, samples = 0;
   for (std::size_t v = 0; v < snapshot.ring_data().size(); ++v) {
     const RingSnapshot* ring = snapshot.ring_data()[v].get();
     samples += static_cast<std::size_t>(snapshot.rings().ring_samples(v));
-    const auto here = ring ? std::count(ring->measured.begin(), ring->measured.end(), 1) : 0;
-    measured += static_cast<std::size_t>(here);
+    if (!ring) continue;
+    std::size_t here = 0;
+    for (const std::uint8_t shown : ring->shown) {
+      here += sample_state(shown) != SampleState::kUnseen;
+      measured += sample_state(shown) == SampleState::kMeasured;
+    }
+    seen += here;
     if (here > 0) ranks.push_back(ring->rank());
   }
-  if (samples > 0) figures.seen = static_cast<double>(measured) / static_cast<double>(samples);
+  if (samples > 0) {
+    figures.seen = static_cast<double>(seen) / static_cast<double>(samples);
+    figures.measured = static_cast<double>(measured) / static_cast<double>(samples);
+  }
   if (ranks.empty()) return figures;
   const auto middle = ranks.begin() + static_cast<std::ptrdiff_t>(ranks.size() / 2);
   std::nth_element(ranks.begin(), middle, ranks.end());
@@ -201,6 +209,8 @@ void Hud::draw_legend(OverlayPainter& overlay) const {
     std::string text;
   };
   std::vector<Swatch> swatches;
+  const std::vector<Swatch> states{{rgba(state_color(SampleState::kImputed)), "imputed: few images show it"},
+                                   {rgba(state_color(SampleState::kUnseen)), "striped: a guess, no image shows it"}};
   switch (controls.mode) {
     case ViewMode::kHeuristic:
     case ViewMode::kSplit:
@@ -215,9 +225,14 @@ void Hud::draw_legend(OverlayPainter& overlay) const {
                     {{149, 29, 27, 255}, "needs some"},
                     {{43, 43, 43, 255}, "well known"}};
       }
+      if (controls.mode == ViewMode::kSplit && controls.states)
+        swatches.insert(swatches.begin(), states.begin(), states.end());
       break;
     case ViewMode::kLightField:
-      if (ranks && ranks->seen < 1) swatches = {{{52, 55, 62, 255}, "striped: no image shows it"}};
+      if (controls.states)
+        swatches = states;
+      else if (ranks && ranks->seen < 1)
+        swatches = {{{52, 55, 62, 255}, "striped: no image shows it"}};
       break;
     case ViewMode::kCamera:
       if (state.capture)
@@ -264,6 +279,7 @@ void Hud::draw_help(OverlayPainter& overlay) const {
                                 {"3", "both, side by side"},
                                 {"4", "camera image, tags, pose"},
                                 {"W", "why images are needed: by reason"},
+                                {"M", "what is measured, imputed, guessed"},
                                 {"F", "follow the tracked camera"},
                                 {"R", "reset the view"},
                                 {"S", "save a screenshot (PNG)"},

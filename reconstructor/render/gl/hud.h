@@ -14,7 +14,8 @@ namespace sheen {
 struct RankFigures {
   double median = 0;  ///< over rings that an image has reached
   int most = 0;
-  double seen = 0;  ///< share of all samples that some image showed, 0..1
+  double seen = 0;      ///< share of all samples that some image showed, 0..1
+  double measured = 0;  ///< share of all samples that are more than imputed, 0..1
 };
 RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot);
 

@@ -48,6 +48,18 @@ Eigen::Vector3f reason_color(QualityReason reason) {
   return {1, 1, 1};
 }
 
+Eigen::Vector3f state_color(SampleState state) {
+  switch (state) {
+    case SampleState::kUnseen:
+      return reason_color(QualityReason::kUnseen);
+    case SampleState::kImputed:
+      return {0.34f, 0.71f, 0.91f};
+    case SampleState::kMeasured:
+      break;
+  }
+  return {1, 1, 1};
+}
+
 LightFieldRenderer::LightFieldRenderer(const LightFieldRendererOptions& options)
     : options_(options),
       program_("surface light field", kSurfaceVertexShader, kSurfaceFragmentShader),
@@ -71,6 +83,9 @@ LightFieldRenderer::LightFieldRenderer(const LightFieldRendererOptions& options)
   for (int reason = 0; reason < 5; ++reason)
     glUniform3fv(program_.uniform(("reason_colors[" + std::to_string(reason) + "]").c_str()), 1,
                  reason_color(static_cast<QualityReason>(reason)).data());
+  for (int state = 0; state < 2; ++state)
+    glUniform3fv(program_.uniform(("state_colors[" + std::to_string(state) + "]").c_str()), 1,
+                 state_color(static_cast<SampleState>(state)).data());
   check_gl("setting up the light field's shader");
 }
 
@@ -175,7 +190,7 @@ void LightFieldRenderer::draw(const Viewpoint& viewpoint, const Panel& panel, in
                               SurfaceShading shading) {
   if (!shown_ || triangle_count_ == 0) return;
   const Eigen::Vector3d eye = viewpoint.eye();
-  if (shading == SurfaceShading::kLightField)
+  if (shading == SurfaceShading::kLightField || shading == SurfaceShading::kStates)
     upload_coefficients(eye);
   else
     upload_quality(eye);

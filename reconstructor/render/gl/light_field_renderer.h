@@ -25,10 +25,14 @@ enum class SurfaceShading {
   kLightField,  ///< what the camera would see; striped where no image reached: dark, or a guess
   kHeuristic,   ///< the brighter the red, the more images are needed (000 sec. 3.3)
   kReasons,     ///< a colour a reason, as bright as the need: see `reason_color`
+  kStates,      ///< kLightField, tinted where samples are imputed or unseen: see `state_color`
 };
 
 /// Colour of a reason in `SurfaceShading::kReasons` and in its legend: 0..1, sRGB-encoded.
 Eigen::Vector3f reason_color(QualityReason reason);
+
+/// Tint of samples that are not measured, in `SurfaceShading::kStates` and in its legend: 0..1, sRGB-encoded.
+Eigen::Vector3f state_color(SampleState state);
 
 struct LightFieldRendererOptions {
   /// Uploaded in one call of `update` at most (8 bytes a texel), so that the window stays fluid; one ring at least.

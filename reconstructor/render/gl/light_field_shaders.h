@@ -29,6 +29,7 @@ uniform int shading;               // SurfaceShading
 uniform vec3 eye;
 uniform float exposure;            // of this eye: ExposureField
 uniform vec3 reason_colors[5];     // by QualityReason
+uniform vec3 state_colors[2];      // by SampleState: unseen, imputed
 centroid in vec3 beta;
 in vec3 position_object;
 out vec4 color;
@@ -78,15 +79,21 @@ vec3 exposed(vec3 encoded) {
              vec3(greaterThan(light, vec3(0.0031308))));
 }
 
-// Sum over the three rings and all their terms, sRGB-encoded (000 sec. 4.1). What is a guess, because no image showed
-// it, is striped.
+// What is a guess, because no image showed it, is striped; where the states are asked for, they tint the surface.
+vec3 marked(vec3 encoded, int state) {
+  if (shading == 3 && state < 2) return mix(encoded, state_colors[state], state == 1 ? 0.5 : 0.35 + 0.45 * stripe());
+  return state > 0 ? encoded : mix(encoded, vec3(0.20, 0.21, 0.24), 0.45 * stripe());
+}
+
+// Sum over the three rings and all their terms, sRGB-encoded (000 sec. 4.1). The state is the best of the samples that
+// weigh in, as the CPU's ViewShader has it.
 vec3 light_field() {
   ivec3 index;
   vec3 weight;
   lattice_stencil(int(texelFetch(resolutions, gl_PrimitiveID).x), beta.y, beta.z, index, weight);
   vec3 sum = vec3(0);
   float total = 0.0;
-  bool measured = false;
+  int state = 0;
   for (int c = 0; c < 3; ++c) {
     uvec2 corner = texelFetch(corners, 3 * gl_PrimitiveID + c).xy;
     uvec2 slot = texelFetch(slots, int(corner.x)).xy;
@@ -95,8 +102,8 @@ vec3 light_field() {
     uint buffer = slot.y >> 16;
     ivec3 texel = int(slot.x) + (int(corner.y) + index) * rank;
     int h = int(corner.x) * coefficient_stride;
-    for (int k = 0; k < 3 && !measured; ++k)
-      measured = weight[k] > 0.25 && fetch_basis(buffer, texel[k]).a > 0.5;
+    for (int k = 0; k < 3; ++k)
+      if (weight[k] > 0.25) state = max(state, int(fetch_basis(buffer, texel[k]).a + 0.5));
     vec3 value = vec3(0);
     for (int r = 0; r < rank; ++r)
       value += texelFetch(coefficients, h + r).x * (weight.x * fetch_basis(buffer, texel.x + r).rgb +
@@ -105,9 +112,8 @@ vec3 light_field() {
     sum += beta[c] * value;
     total += beta[c];
   }
-  if (total < 1e-4) return unknown_color();
-  vec3 encoded = exposed(sum / total);
-  return measured ? encoded : mix(encoded, vec3(0.20, 0.21, 0.24), 0.45 * stripe());
+  if (total < 1e-4) return shading == 3 ? marked(unknown_color(), 0) : unknown_color();
+  return marked(exposed(sum / total), state);
 }
 
 void main() {
@@ -115,7 +121,7 @@ void main() {
     color = vec4(vec3(0.42) * (0.4 + 0.6 * facing()), 1);
     return;
   }
-  if (shading == 0) {
+  if (shading == 0 || shading == 3) {
     color = vec4(light_field(), 1);
     return;
   }

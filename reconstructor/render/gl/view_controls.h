@@ -25,6 +25,7 @@ struct ViewControls {
   ViewMode mode = ViewMode::kLightField;
   bool follow = false;   ///< look through the tracked camera instead of the free one
   bool reasons = false;  ///< the heuristic by its reasons
+  bool states = false;   ///< tint what is imputed or unseen
   bool help = false;
   bool figures = true;  ///< text and guides over the picture
   OrbitCamera orbit;

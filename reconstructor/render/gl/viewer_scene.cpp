@@ -35,17 +35,18 @@ void ViewerScene::draw(const ViewerState& state, const ViewControls& controls, c
 
   const Panel all{0, 0, target.width(), target.height()};
   const SurfaceShading need = controls.reasons ? SurfaceShading::kReasons : SurfaceShading::kHeuristic;
+  const SurfaceShading seen = controls.states ? SurfaceShading::kStates : SurfaceShading::kLightField;
   std::vector<std::string> notes = news;
   switch (controls.mode) {
     case ViewMode::kLightField:
-      draw_surface(state, controls, all, SurfaceShading::kLightField);
+      draw_surface(state, controls, all, seen);
       break;
     case ViewMode::kHeuristic:
       draw_surface(state, controls, all, need);
       break;
     case ViewMode::kSplit: {
       const int half = std::max(1, all.width / 2);
-      draw_surface(state, controls, {0, 0, half, all.height}, SurfaceShading::kLightField);
+      draw_surface(state, controls, {0, 0, half, all.height}, seen);
       draw_surface(state, controls, {all.width - half, 0, half, all.height}, need);
       overlay_.fill(static_cast<float>(half) - 1, 0, 2, static_cast<float>(all.height), kDivider);
       break;

@@ -120,6 +120,9 @@ struct ViewerWindow::Impl {
       case GLFW_KEY_W:
         controls.reasons = !controls.reasons;
         break;
+      case GLFW_KEY_M:
+        controls.states = !controls.states;
+        break;
       case GLFW_KEY_F:
         controls.follow = !controls.follow;
         break;

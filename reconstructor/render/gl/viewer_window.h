@@ -22,7 +22,7 @@ struct ViewerOptions {
 };
 
 /// The window (GLFW, OpenGL 3.3). One a process; made, used and destroyed on the main thread. Keys: 1..4 modes, W
-/// reasons, F follow, R reset, S screenshot, H help, Q or Esc quit.
+/// reasons, M measured or imputed, F follow, R reset, S screenshot, H help, Q or Esc quit.
 class ViewerWindow {
  public:
   /// Throws DeviceError without a display or without OpenGL 3.3: the message says what to do.

@@ -42,7 +42,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
           (ring->frame.transpose() * Eigen::Vector3f(0.4f * draw(), 0.4f * draw(), 1)).normalized();
     ring->kernel = kViewKernels[v];
     ring->views = triangulate_views(ring->frame, ring->directions);
-    for (int s = 0; s < samples; ++s) ring->measured.push_back(random() % 2);
+    for (int s = 0; s < samples; ++s) ring->shown.push_back(static_cast<std::uint8_t>(random()));
     ring->residual = 0.1f * v;
     ring->best_cosine = 1.0f / (1 + v);
     ring->views_folded = 10 + v;
@@ -84,7 +84,7 @@ TEST(ModelFiles, AReopenedModelIsTheSameBitForBit) {
     EXPECT_EQ(a.mean, b.mean);
     EXPECT_EQ(a.frame, b.frame);
     EXPECT_EQ(a.kernel, b.kernel);
-    EXPECT_EQ(a.measured, b.measured);
+    EXPECT_EQ(a.shown, b.shown);
     EXPECT_EQ(a.residual, b.residual);
     EXPECT_EQ(a.best_cosine, b.best_cosine);
     EXPECT_EQ(a.views_folded, b.views_folded);

@@ -83,6 +83,21 @@ TEST(RayPainter, AConstantModelGivesAConstantPictureAndZeroOutside) {
     }
 }
 
+TEST(RayPainter, CoverageTellsImputedFromBoth) {
+  const Mesh mesh = square_mesh(0.1f, 0, 1);
+  PlainModel model(mesh);
+  const auto middle = [&] {
+    const PaintedView view =
+        RayPainter(mesh).paint(model, pinhole(), look_at({0.01, -0.01, 0.4}, {0.01, -0.01, 0}, {0, 1, 0}));
+    return view.coverage.at(view.coverage.width() / 2, view.coverage.height() / 2);
+  };
+  EXPECT_EQ(middle(), kCoverageMeasured);
+  model.imputed = {0};
+  EXPECT_EQ(middle(), kCoverageImputed);
+  model.unseen = {0};
+  EXPECT_EQ(middle(), kCoverageUnseen);
+}
+
 TEST(RayPainter, CoverageTellsMeasuredFromUnseen) {
   const Mesh mesh = square_mesh(0.1f, 0, 1);  // triangle 0 lies below the diagonal x = y, triangle 1 above it
   PlainModel model(mesh);

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
+#include "reconstructor/render/ray_painter.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
 namespace sheen {
@@ -73,6 +74,40 @@ TEST(HiddenSurface, HalvesThatAreHiddenInEachViewAreCompletedToTheTruth) {
   EXPECT_LT(result.rms, 0.02);
   EXPECT_GT(result.darkest_ratio, 0.8) << "nothing goes black";
   EXPECT_LT(result.rms, 0.25 * compare(*model.constant_colour(), scene, unseen_eyes()).rms);
+}
+
+TEST(HiddenSurface, WhatFewImagesShowIsImputedAndWhatNoneShowsUnseen) {
+  const Object object = square_object();
+  const Scene scene{object.surface, analytic::diffuse(0.2)};
+  SurfaceLightField model(object.mesh, plain_options());
+  std::vector<Capture> images = captures(scene, eyes(12, kDistance, kLowest));
+  // From left to right: shown by all, a stripe, narrower than a ring, that a third show, shown by none.
+  for (std::size_t i = 0; i < images.size(); ++i)
+    images[i] =
+        hide(images[i], [&](double x, double) { return x > 0.05 || (i % 3 != 0 && std::abs(x - 0.025) < 0.008); });
+  ingest_all(model, images);
+  const PaintedView view =
+      RayPainter(*object.mesh)
+          .paint(*model.snapshot(), camera_at({0, 0, kDistance}), look_at({0, 0, kDistance}, {0, 0, 0}, {0, 1, 0}));
+  const auto coverage_at = [&](double x) {
+    const auto p = camera_at({0, 0, kDistance})
+                       .project(look_at({0, 0, kDistance}, {0, 0, 0}, {0, 1, 0}) * Eigen::Vector3d(x, 0.03, 0));
+    return view.coverage.at(static_cast<int>(std::lround(p->x())), static_cast<int>(std::lround(p->y())));
+  };
+  EXPECT_EQ(coverage_at(-0.06), kCoverageMeasured);
+  EXPECT_EQ(coverage_at(0.018), kCoverageImputed);
+  EXPECT_EQ(coverage_at(0.085), kCoverageUnseen);
+}
+
+TEST(SampleStates, TheShareOfTheImagesDecides) {
+  EXPECT_EQ(shown_share(0, 7), 0);
+  EXPECT_EQ(shown_share(1, 100'000), 1) << "shown once is not unseen";
+  EXPECT_EQ(shown_share(5, 5), 255);
+  EXPECT_EQ(sample_state(shown_share(0, 4)), SampleState::kUnseen);
+  EXPECT_EQ(sample_state(shown_share(1, 4)), SampleState::kImputed);
+  EXPECT_EQ(sample_state(shown_share(49, 100)), SampleState::kImputed);
+  EXPECT_EQ(sample_state(shown_share(1, 2)), SampleState::kMeasured) << "half is enough";
+  EXPECT_EQ(sample_state(shown_share(1, 1)), SampleState::kMeasured);
 }
 
 TEST(HiddenSurface, APlaceShownForTheFirstTimeTakesOnItsColourAtOnce) {

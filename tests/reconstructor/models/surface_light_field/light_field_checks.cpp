@@ -52,7 +52,7 @@ Comparison compare(const ModelSnapshot& model, const analytic::Scene& scene, con
     silhouette = erode(silhouette, 3);
     for (std::size_t i = 0; i < silhouette.size(); ++i) {
       if (!silhouette.data()[i]) continue;
-      if (painted.coverage.data()[i] != 255) {
+      if (painted.coverage.data()[i] < kCoverageImputed) {
         ++result.unseen;
         continue;
       }
@@ -83,7 +83,7 @@ void expect_same_rings(const SurfaceLightFieldSnapshot& a, const SurfaceLightFie
     EXPECT_TRUE(same_bits(p->views.points, q->views.points)) << "ring " << v;
     EXPECT_EQ(p->views.triangles, q->views.triangles) << "ring " << v;
     EXPECT_EQ(p->kernel, q->kernel) << "ring " << v;
-    EXPECT_EQ(p->measured, q->measured) << "ring " << v;
+    EXPECT_EQ(p->shown, q->shown) << "ring " << v;
     EXPECT_EQ(p->residual, q->residual) << "ring " << v;
     EXPECT_EQ(p->best_cosine, q->best_cosine) << "ring " << v;
     EXPECT_EQ(p->views_folded, q->views_folded) << "ring " << v;

@@ -46,14 +46,14 @@ inline std::vector<Capture> captures(const analytic::Scene& scene, const std::ve
 /// Ingests all; fails the test for one that is not accepted.
 void ingest_all(SurfaceLightField& model, const std::vector<Capture>& captures);
 
-/// Painted against true picture over the pixels that the model says it measured, 3 pixels inside the silhouette;
-/// differences of encoded values, clamped to 0..1.
+/// Painted against true picture over the pixels of which the model says that an image showed them, 3 pixels inside the
+/// silhouette; differences of encoded values, clamped to 0..1.
 struct Comparison {
   double rms = 0;
   double worst = 0;          ///< absolute difference of a channel
   double darkest_ratio = 1;  ///< lowest painted / true value
-  std::size_t pixels = 0;    ///< measured
-  std::size_t unseen = 0;    ///< in the silhouette, yet not measured
+  std::size_t pixels = 0;    ///< shown by an image
+  std::size_t unseen = 0;    ///< in the silhouette, yet shown by none
   double psnr_db() const;
 };
 Comparison compare(const ModelSnapshot& model, const analytic::Scene& scene, const std::vector<Eigen::Vector3d>& eyes);

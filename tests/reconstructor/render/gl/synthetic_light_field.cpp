@@ -58,7 +58,7 @@ std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t v
   auto ring = std::make_shared<RingSnapshot>();
   const int samples = rings_->ring_samples(vertex);
   ring->basis.resize(3 * samples, rank);
-  ring->measured.resize(samples);
+  ring->shown.resize(samples);
   for (const RingTriangle& member : rings_->ring(vertex)) {
     const int n = rings_->resolution(member.triangle);
     for (int i = 0; i < n; ++i)
@@ -68,7 +68,8 @@ std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t v
                                   u * mesh_->corner(member.triangle, 1) + v * mesh_->corner(member.triangle, 2);
         const int row = 3 * (static_cast<int>(member.first_sample) + lattice_index(n, i, j));
         for (int r = 0; r < rank; ++r) ring->basis.block<3, 1>(row, r) = pattern(p, r);
-        ring->measured[row / 3] = !(options_.unseen > 0 && std::abs(p.y()) < 0.02f && p.x() < 0);
+        const bool side = options_.unseen > 0 && std::abs(p.y()) < 0.02f;
+        ring->shown[row / 3] = !side ? 255 : p.x() < 0 ? 0 : 60;
       }
   }
   constexpr int kViews = 10;

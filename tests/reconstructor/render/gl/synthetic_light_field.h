@@ -13,7 +13,8 @@ namespace sheen {
 struct SyntheticOptions {
   int around = 64, across = 24;  ///< 2 * around * across triangles
   int max_rank = 6;              ///< ranks differ from ring to ring: 1 .. max_rank
-  double unseen = 0.1;  ///< share of the way round that no image has reached; behind it lies a part that is guessed
+  double unseen = 0.1;  ///< share of the way round that no image has reached; behind it lies a part that is guessed,
+                        ///< opposite one that is imputed
   std::uint64_t version = 1;
 };
 

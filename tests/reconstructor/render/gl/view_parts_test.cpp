@@ -127,8 +127,9 @@ TEST(RankFigures, CountWhatImagesShowed) {
   const auto ring = [&](std::size_t v, int rank, std::size_t measured) {
     auto made = std::make_shared<RingSnapshot>();
     made->basis.resize(3 * rings->ring_samples(v), rank);
-    made->measured.assign(rings->ring_samples(v), 0);
-    std::fill_n(made->measured.begin(), measured, 1);
+    made->shown.assign(rings->ring_samples(v), 0);
+    std::fill_n(made->shown.begin(), measured, 255);
+    if (measured == 2) made->shown[0] = 100;
     data[v] = made;
   };
   ring(0, 2, 3);  // all of its 3 samples
@@ -138,6 +139,7 @@ TEST(RankFigures, CountWhatImagesShowed) {
   EXPECT_DOUBLE_EQ(figures.median, 3.5);
   EXPECT_EQ(figures.most, 5);
   EXPECT_DOUBLE_EQ(figures.seen, 5.0 / 18);
+  EXPECT_DOUBLE_EQ(figures.measured, 4.0 / 18) << "one is imputed";
 }
 
 TEST(StrokeFont, EveryGlyphIsThereAndDiffersFromAllOthers) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <thread>
 
 #include "common/color.h"
@@ -94,7 +95,7 @@ TEST_F(Window, AgreesWithTheRayPainter) {
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
         if (!mask.at(x, y)) continue;
-        if (truth.coverage.at(x, y) != 255) {
+        if (truth.coverage.at(x, y) == kCoverageUnseen) {
           const bool empty = truth.beauty.at(x, y, 0) == 0;  // no ring at all: the window is dark there
           int change = 0;
           for (int c = 0; c < 3; ++c) change = std::max(change, std::abs(actual.at(x, y, c) - expected.at(x, y, c)));
@@ -125,6 +126,35 @@ TEST_F(Window, AgreesWithTheRayPainter) {
       EXPECT_LT(striped, 0.7 * guessed) << "and still shown";
     }
   }
+}
+
+TEST_F(Window, TheStatesAreThePainters) {
+  const SyntheticLightField light_field({});
+  const auto snapshot = light_field.snapshot();
+  const RayPainter painter(snapshot->mesh());
+  ViewControls& controls = window_->controls();
+  controls.frame(snapshot->shared_mesh());
+  controls.orbit.place({0.02, -0.02, 0.35});
+  const Viewpoint view = controls.orbit.viewpoint(kWidth, kHeight);
+  const PaintedView truth = painter.paint(*snapshot, view.camera, view.camera_from_object);
+  const ImageU8 mask = interior(painter.cast(view.camera, view.camera_from_object), 0.02);
+  const ImageU8 plain = draw(snapshot);
+  controls.states = true;
+  const ImageU8 tinted = draw(snapshot);
+  std::map<int, int> pixels, changed;  // by coverage
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      if (!mask.at(x, y)) continue;
+      int change = 0;
+      for (int c = 0; c < 3; ++c) change = std::max(change, std::abs(tinted.at(x, y, c) - plain.at(x, y, c)));
+      ++pixels[truth.coverage.at(x, y)];
+      changed[truth.coverage.at(x, y)] += change > 10;
+    }
+  for (const int coverage : {kCoverageUnseen, kCoverageImputed, kCoverageMeasured})
+    ASSERT_GT(pixels[coverage], 500) << coverage;
+  EXPECT_EQ(changed[kCoverageMeasured], 0);
+  EXPECT_GT(changed[kCoverageImputed], 0.98 * pixels[kCoverageImputed]);
+  EXPECT_GT(changed[kCoverageUnseen], 0.98 * pixels[kCoverageUnseen]);
 }
 
 TEST_F(Window, TheExposureScalesLightAsThePaintersDoes) {
@@ -260,6 +290,7 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
   };
   EXPECT_TRUE(differs(&ViewControls::help));
   EXPECT_TRUE(differs(&ViewControls::follow));
+  EXPECT_TRUE(differs(&ViewControls::states));
   EXPECT_FALSE(differs(&ViewControls::reasons)) << "the light field has none";
 }
 
