@@ -3,13 +3,9 @@
 // Measures the goals of the ingest pipeline on this machine: `deploy/measure pipeline [--json FILE]`.
 // The demo's object (12K triangles) seen by a 1024x768 Bayer camera from 320 places, shaded by texture, one light and a
 // glossy lobe; the paper's settings: 16x16 surface maps, 32x32 view maps, rank 6 (000 sec. 4.1).
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "common/simulation/camera_path.h"
@@ -17,6 +13,7 @@
 #include "common/simulation/test_object.h"
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 #include "reconstructor/render/ray_painter.h"
+#include "tests/bench/goal_rows.h"
 
 namespace sheen {
 namespace {
@@ -66,16 +63,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-struct Row {
-  const char* name;
-  double value;
-  const char* unit;
-  double goal;
-  bool holds;
-  nlohmann::json compared_with;
-};
-
-std::vector<Row> measure() {
+void measure(GoalReport& report) {
   const TestObject object = make_test_object("demo");
   const Camera camera = simulated_camera(1024, 768);
   const RayPainter painter(object.mesh);
@@ -93,43 +81,15 @@ std::vector<Row> measure() {
   }
   const auto around = [&](int image) { return median({ms.begin() + image - 10, ms.begin() + image + 10}); };
   const double rate = 1e3 / median(ms), early = around(30), late = around(300);
-  return {{"ingest, paper's settings", rate, "images/s", 5, rate >= 5, {{"median_ms", median(ms)}}},
-          {"image 300 over image 30",
-           late / early,
-           "ratio",
-           1.2,
-           late / early <= 1.2,
-           {{"image_30_ms", early}, {"image_300_ms", late}}},
-          {"state a ring", model.bytes_per_ring() / 1e3, "kB", 400, model.bytes_per_ring() <= 400e3, {}}};
+  report.add(at_least(5, {}, "ingest, paper's settings", rate, "images/s", {{"median_ms", median(ms)}}));
+  report.add(at_most(1.2, {}, "image 300 over image 30", late / early, "ratio",
+                     {{"image_30_ms", early}, {"image_300_ms", late}}));
+  report.add(at_most(400, {}, "state a ring", model.bytes_per_ring() / 1e3, "kB"));
 }
 
 }  // namespace
 }  // namespace sheen
 
 int main(int argc, char** argv) {
-  CLI::App app("Measures the goals of the ingest pipeline on this machine.");
-  std::string json;
-  app.add_option("--json", json, "report to write");
-  CLI11_PARSE(app, argc, argv);
-  nlohmann::json report{{"rows", nlohmann::json::array()}};
-  for (const sheen::Row& row : sheen::measure()) {
-    std::printf("%-28s %8.2f %-9s goal %6.2f  %s  %s\n", row.name, row.value, row.unit, row.goal,
-                row.holds ? "holds" : "MISSED", row.compared_with.dump().c_str());
-    report["rows"].push_back({{"name", row.name},
-                              {"value", row.value},
-                              {"unit", row.unit},
-                              {"goal", row.goal},
-                              {"holds", row.holds},
-                              {"compared_with", row.compared_with}});
-  }
-  if (!json.empty()) {
-    std::ofstream out(json);
-    out << report.dump(2) << '\n';
-    out.close();
-    if (!out) {
-      std::fprintf(stderr, "%s: cannot be written\n", json.c_str());
-      return 1;
-    }
-  }
-  return 0;
+  return sheen::measure_goals(argc, argv, "Measures the goals of the ingest pipeline on this machine.", sheen::measure);
 }
