@@ -22,6 +22,13 @@ json number(double value) {
   return std::isfinite(value) ? json(value) : json(nullptr);
 }
 
+json means_to_json(const Scores& s) {
+  return {{"psnr_db", number(s.psnr_db)},
+          {"ssim", number(s.ssim)},
+          {"psnr_pooled_db", number(s.psnr_pooled_db)},
+          {"psnr_gain_aligned_db", number(s.psnr_gain_aligned_db)}};
+}
+
 }  // namespace
 
 json views_to_json(const Scores& scores) {
@@ -66,19 +73,39 @@ json reconstruction_report(Reconstruction& reconstruction) {
 }
 
 json evaluation_report(const Scores& light_field, const Scores& constant) {
-  const auto object = [](const Scores& s) {
-    return json{{"psnr_db", number(s.psnr_db)},
-                {"ssim", number(s.ssim)},
-                {"psnr_pooled_db", number(s.psnr_pooled_db)},
-                {"psnr_gain_aligned_db", number(s.psnr_gain_aligned_db)}};
-  };
   return {{"protocol", kProtocol},
-          {"object", object(light_field)},
+          {"object", means_to_json(light_field)},
           {"full", {{"psnr_db", number(light_field.full_psnr_db)}, {"ssim", number(light_field.full_ssim)}}},
-          {"constant", object(constant)},
+          {"constant", means_to_json(constant)},
           {"uncovered", number(light_field.uncovered)},
           {"views", views_to_json(light_field)},
           {"constant_views", views_to_json(constant)}};
+}
+
+json baselines_report(const BaselineScores& baselines) {
+  json report;
+  for (const auto& [name, scores] : {std::pair{"constant_colour", &baselines.constant_colour},
+                                     std::pair{"nearest_photograph", &baselines.nearest_photograph},
+                                     std::pair{"unstructured_lumigraph", &baselines.unstructured_lumigraph}}) {
+    report[name] = means_to_json(*scores);
+    report[name]["views"] = views_to_json(*scores);
+  }
+  return report;
+}
+
+void print_baselines(const Scores& light_field, const BaselineScores& baselines) {
+  std::printf("%-46s %8s %6s %14s\n", "held-out views, object pixels", "PSNR", "SSIM", "gain-aligned");
+  const auto line = [](const char* name, const Scores& s) {
+    std::printf("%-46s %5.2f dB %6.3f %11.2f dB\n", name, s.psnr_db, s.ssim, s.psnr_gain_aligned_db);
+  };
+  line("constant colour", baselines.constant_colour);
+  line("nearest photograph (all kept)", baselines.nearest_photograph);
+  line("unstructured lumigraph (4 nearest, all kept)", baselines.unstructured_lumigraph);
+  line("surface light field (no photograph kept)", light_field);
+  std::printf("%-46s %+5.2f dB %+6.3f %+11.2f dB\n", "  above the unstructured lumigraph",
+              light_field.psnr_db - baselines.unstructured_lumigraph.psnr_db,
+              light_field.ssim - baselines.unstructured_lumigraph.ssim,
+              light_field.psnr_gain_aligned_db - baselines.unstructured_lumigraph.psnr_gain_aligned_db);
 }
 
 void print_summary(const json& report) {

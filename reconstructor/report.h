@@ -15,6 +15,17 @@ nlohmann::json reconstruction_report(Reconstruction& reconstruction);
 /// The report of `evaluate`: object, full picture, constant colour, and each view.
 nlohmann::json evaluation_report(const Scores& light_field, const Scores& constant);
 
+/// What the same pixels score without a surface light field.
+struct BaselineScores {
+  Scores constant_colour;
+  Scores nearest_photograph;      ///< all photographs kept
+  Scores unstructured_lumigraph;  ///< all photographs kept
+};
+/// An object a baseline, as `evaluation_report` has them, with its views.
+nlohmann::json baselines_report(const BaselineScores& baselines);
+/// A table for a person: a line a baseline, one for the light field, and what that is above the lumigraph.
+void print_baselines(const Scores& light_field, const BaselineScores& baselines);
+
 /// One line for a person: held-out figures beside the constant colour's.
 void print_summary(const nlohmann::json& report);
 

@@ -8,6 +8,7 @@
 #include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/evaluation/held_out.h"
+#include "reconstructor/evaluation/photographs.h"
 #include "reconstructor/exchange/model_files.h"
 #include "reconstructor/models/surface_light_field/constant_colour.h"
 #include "reconstructor/models/surface_light_field/ring_resampler.h"
@@ -19,6 +20,7 @@ namespace {
 
 struct EvaluateArguments {
   std::string model, dataset, json;
+  bool baselines = false;
 };
 
 void evaluate(const EvaluateArguments& arguments) {
@@ -30,6 +32,7 @@ void evaluate(const EvaluateArguments& arguments) {
   // The constant colour is the mean of each sample over the images that the model was built from.
   RingVisibility visibility(model->mesh(), model->rings(), {});
   ConstantColour mean(model->shared_mesh(), model->shared_rings());
+  const auto photographs = std::make_shared<PhotographSet>(model->shared_mesh(), VisibilityOptions{});
   Eigen::Matrix3Xf encoded;
   std::vector<HeldOutView> views;
   {
@@ -40,11 +43,13 @@ void evaluate(const EvaluateArguments& arguments) {
       if (held_out) {
         views.push_back(make_held_out_view(capture, 1, painter));
       } else if (capture.pose.usable()) {
-        const RadianceImage image(
-            to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data()));
+        const ImageF linear =
+            to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+        const RadianceImage image(linear);
         const SurfaceView& view = visibility.look(capture.camera, capture.pose.camera_from_object, capture.mask);
         resample(image, view, model->rings(), 1, encoded);
         mean.add(view, encoded);
+        if (arguments.baselines) photographs->add(capture, linear, visibility);
       }
       progress.update(i + 1);
     }
@@ -52,9 +57,17 @@ void evaluate(const EvaluateArguments& arguments) {
   if (views.empty())
     throw FileError(arguments.dataset,
                     "has no view that the model never saw; name some in test_filenames, or build with --hold-out");
-  const nlohmann::json report =
-      evaluation_report(score(views, *model, painter), score(views, *mean.snapshot(), painter));
+  const std::shared_ptr<const ModelSnapshot> constant = mean.snapshot();
+  const Scores light_field = score(views, *model, painter), constant_scores = score(views, *constant, painter);
+  nlohmann::json report = evaluation_report(light_field, constant_scores);
   print_summary(report);
+  if (arguments.baselines) {
+    const BaselineScores baselines{
+        constant_scores, score(views, *PhotographSet::nearest_photograph(photographs, constant), painter),
+        score(views, *PhotographSet::unstructured_lumigraph(photographs, constant), painter)};
+    report["baselines"] = baselines_report(baselines);
+    print_baselines(light_field, baselines);
+  }
   if (!arguments.json.empty()) write_json(arguments.json, report);
 }
 
@@ -65,6 +78,8 @@ void add_evaluate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("evaluate", "PSNR and SSIM of a saved model on views that it never saw.");
   command->add_option("model", arguments->model, "folder of a saved model")->required();
   command->add_option("dataset", arguments->dataset, "the images it was built from, and the held-out ones")->required();
+  command->add_flag("--baselines", arguments->baselines,
+                    "score constant colour, nearest photograph and unstructured lumigraph on the same pixels");
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { evaluate(*arguments); });
 }

@@ -41,6 +41,11 @@ class RingVisibility {
   /// `mask`: empty, or the image's size with 0 where pixels are to be ignored. Not thread-safe (buffers are reused).
   const SurfaceView& look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
 
+  /// Of the last look, a pixel: z of the first hit in the camera's frame, 0 where there is none or it is a back face;
+  /// and 1 where that surface is safely inside, away from every edge.
+  const ImageF& depth() const { return depth_; }
+  const ImageU8& solid() const { return solid_; }
+
  private:
   void cast_depth(const Camera& camera, const Rigid3& camera_from_object);
   void mark_solid(const Camera& camera, const ImageU8& mask);

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/evaluation/photographs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "common/color.h"
+#include "reconstructor/numerics/view_kriging.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kLumigraphViews = 4;
+constexpr int kBorder = 2;  // that the cubic kernel reads beyond the object
+
+class PhotographShader : public ViewShader {
+ public:
+  PhotographShader(std::shared_ptr<const PhotographSet> photographs, std::unique_ptr<ViewShader> where_unseen,
+                   const Eigen::Vector3d& eye, int count)
+      : photographs_(std::move(photographs)), where_unseen_(std::move(where_unseen)), eye_(eye), count_(count) {}
+
+  SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
+    const Mesh& mesh = photographs_->mesh();
+    const Eigen::Vector3f point =
+        (1 - u - v) * mesh.corner(triangle, 0) + u * mesh.corner(triangle, 1) + v * mesh.corner(triangle, 2);
+    Eigen::Vector3f encoded;
+    if (!photographs_->blend(triangle, point.cast<double>(), eye_, count_, encoded))
+      return {where_unseen_->shade(triangle, u, v).rgb, SampleState::kUnseen};
+    return {encoded.unaryExpr(&srgb_decode), SampleState::kMeasured};
+  }
+  float heuristic(std::uint32_t) const override { return 0; }
+  QualityReason reason(std::uint32_t) const override { return QualityReason::kGood; }
+
+ private:
+  std::shared_ptr<const PhotographSet> photographs_;
+  std::unique_ptr<ViewShader> where_unseen_;
+  Eigen::Vector3d eye_;
+  int count_;
+};
+
+class PhotographModel : public ModelSnapshot {
+ public:
+  PhotographModel(std::shared_ptr<const PhotographSet> photographs, std::shared_ptr<const ModelSnapshot> where_unseen,
+                  int count)
+      : photographs_(std::move(photographs)), where_unseen_(std::move(where_unseen)), count_(count) {}
+
+  const Mesh& mesh() const override { return photographs_->mesh(); }
+  std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& eye) const override {
+    return std::make_unique<PhotographShader>(photographs_, where_unseen_->shader_for(eye), eye, count_);
+  }
+
+ private:
+  std::shared_ptr<const PhotographSet> photographs_;
+  std::shared_ptr<const ModelSnapshot> where_unseen_;
+  int count_;
+};
+
+/// Weights of cubic convolution (Catmull-Rom) for the pixels -1, 0, 1, 2 round a place t in [0, 1) beyond pixel 0.
+Eigen::Array4f cubic_weights(float t) {
+  return 0.5f *
+         Eigen::Array4f{((2 - t) * t - 1) * t, (3 * t - 5) * t * t + 2, ((4 - 3 * t) * t + 1) * t, (t - 1) * t * t};
+}
+
+/// Encoded colour, 0..1, at a place of the cut-out.
+Eigen::Vector3f sample(const ImageU8& pixels, float x, float y) {
+  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+  const Eigen::Array4f wx = cubic_weights(x - x0), wy = cubic_weights(y - y0);
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i) {
+      const std::uint8_t* pixel =
+          pixels.pixel(std::clamp(x0 - 1 + i, 0, pixels.width() - 1), std::clamp(y0 - 1 + j, 0, pixels.height() - 1));
+      sum += wx[i] * wy[j] * Eigen::Vector3f(pixel[0], pixel[1], pixel[2]);
+    }
+  return (sum / 255).cwiseMax(0).cwiseMin(1);
+}
+
+/// Encoded colour of a photograph at a point it shows safely.
+std::optional<Eigen::Vector3f> look_up(const Photograph& photograph, const Eigen::Vector3d& point, double tolerance) {
+  const Eigen::Vector3d p = photograph.camera_from_object * point;
+  const auto pixel = photograph.camera.project(p);
+  if (!pixel || !photograph.camera.contains(*pixel, 1)) return std::nullopt;
+  const int x = static_cast<int>(pixel->x() + 0.5) - photograph.left,
+            y = static_cast<int>(pixel->y() + 0.5) - photograph.top;
+  if (x < 0 || y < 0 || x >= photograph.depth.width() || y >= photograph.depth.height()) return std::nullopt;
+  const double depth = photograph.depth.at(x, y);
+  if (depth <= 0 || p.z() > depth + tolerance * p.z()) return std::nullopt;
+  return sample(photograph.pixels, static_cast<float>(pixel->x() - photograph.left),
+                static_cast<float>(pixel->y() - photograph.top));
+}
+
+}  // namespace
+
+void PhotographSet::add(const Capture& capture, const ImageF& linear, const RingVisibility& visibility) {
+  const ImageF& depth = visibility.depth();
+  const ImageU8& solid = visibility.solid();
+  const int w = depth.width(), h = depth.height();
+  int x0 = w, y0 = h, x1 = 0, y1 = 0;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      if (solid.at(x, y)) {
+        x0 = std::min(x0, std::max(x - kBorder, 0));
+        y0 = std::min(y0, std::max(y - kBorder, 0));
+        x1 = std::max(x1, std::min(x + kBorder + 1, w));
+        y1 = std::max(y1, std::min(y + kBorder + 1, h));
+      }
+  if (x0 >= x1) return;  // shows nothing safely
+  Photograph photograph{.camera = capture.camera,
+                        .camera_from_object = capture.pose.camera_from_object,
+                        .eye = camera_centre(capture.pose.camera_from_object),
+                        .left = x0,
+                        .top = y0,
+                        .pixels = ImageU8(x1 - x0, y1 - y0, 3),
+                        .depth = ImageF(x1 - x0, y1 - y0, 1)};
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      for (int c = 0; c < 3; ++c)
+        photograph.pixels.at(x - x0, y - y0, c) =
+            static_cast<std::uint8_t>(std::lround(255 * std::clamp(srgb_encode(linear.at(x, y, c)), 0.0f, 1.0f)));
+      if (solid.at(x, y)) photograph.depth.at(x - x0, y - y0) = depth.at(x, y);
+    }
+  photographs_.push_back(std::move(photograph));
+}
+
+bool PhotographSet::blend(std::uint32_t triangle, const Eigen::Vector3d& point, const Eigen::Vector3d& eye, int count,
+                          Eigen::Vector3f& encoded) const {
+  const Eigen::Vector3d normal = mesh_->area_normal(triangle).cast<double>().normalized();
+  const Eigen::Vector3f to_eye = (eye - point).normalized().cast<float>();
+  struct Candidate {
+    float cosine;
+    const Photograph* photograph;
+    bool operator<(const Candidate& other) const { return cosine > other.cosine; }
+  };
+  thread_local std::vector<Candidate> candidates;
+  candidates.clear();
+  for (const Photograph& photograph : photographs_) {
+    const Eigen::Vector3d direction = (photograph.eye - point).normalized();
+    if (normal.dot(direction) < options_.min_cosine) continue;
+    candidates.push_back({to_eye.dot(direction.cast<float>()), &photograph});
+  }
+  std::sort(candidates.begin(), candidates.end());
+
+  Eigen::Vector3f colour[kLumigraphViews];
+  float angle[kLumigraphViews + 1];
+  int found = 0;
+  for (const Candidate& candidate : candidates) {
+    const Photograph& photograph = *candidate.photograph;
+    const double tolerance = options_.depth_tolerance / std::min(photograph.camera.fx, photograph.camera.fy);
+    const auto value = look_up(photograph, point, tolerance);
+    if (!value) continue;
+    angle[found] = angle_between(to_eye, (photograph.eye - point).normalized().cast<float>());
+    if (found < count) colour[found] = *value;
+    if (++found > count || count == 1) break;
+  }
+  if (found == 0) return false;
+  const int used = std::min(found, count);
+  // With no further photograph the farthest one that is used must not get weight 0.
+  constexpr float kLastOne = 1.5f, kSameEye = 1e-4f;
+  const float limit = found > count ? angle[count] : kLastOne * angle[used - 1];
+  float total = 0;
+  encoded.setZero();
+  for (int j = 0; j < used; ++j) {
+    const float weight = (1 - angle[j] / std::max(limit, kSameEye)) / std::max(angle[j], kSameEye);
+    encoded += weight * colour[j];
+    total += weight;
+  }
+  if (total > 0)
+    encoded /= total;
+  else  // all as far as the next one
+    encoded = colour[0];
+  return true;
+}
+
+std::shared_ptr<const ModelSnapshot> PhotographSet::nearest_photograph(
+    std::shared_ptr<const PhotographSet> photographs, std::shared_ptr<const ModelSnapshot> where_unseen) {
+  return std::make_shared<PhotographModel>(std::move(photographs), std::move(where_unseen), 1);
+}
+
+std::shared_ptr<const ModelSnapshot> PhotographSet::unstructured_lumigraph(
+    std::shared_ptr<const PhotographSet> photographs, std::shared_ptr<const ModelSnapshot> where_unseen) {
+  return std::make_shared<PhotographModel>(std::move(photographs), std::move(where_unseen), kLumigraphViews);
+}
+
+}  // namespace sheen
