@@ -74,4 +74,10 @@ void write_file(const fs::path& path, const std::function<void(const fs::path&)>
   }
 }
 
+void make_folder(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) throw FileError(path.string(), "cannot be made: " + error.message());
+}
+
 }  // namespace sheen

@@ -23,4 +23,7 @@ void write_file(const std::filesystem::path& path, std::string_view bytes);
 /// The same for what must write a file by its name: `write` is given the unfinished file's.
 void write_file(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
 
+/// Makes a folder and those it stands in, where they are not there yet. Throws FileError.
+void make_folder(const std::filesystem::path& path);
+
 }  // namespace sheen

@@ -2,6 +2,7 @@
 #include "reconstructor/scene_config.h"
 
 #include <toml++/toml.h>
+#include <cstdio>
 #include <functional>
 #include <limits>
 #include <map>
@@ -13,30 +14,40 @@
 namespace sheen {
 namespace {
 
-/// Takes a value over; else says what it must be.
-using Setter = std::function<std::string(const toml::node&)>;
+/// One key of a scene file and the option behind it.
+struct Key {
+  std::function<std::string(const toml::node&)> set;  ///< takes a value over; else says what it must be
+  std::function<std::string()> text;                  ///< the present value as TOML
+};
+using Keys = std::map<std::string, Key, std::less<>>;
 
-Setter into(int& target) {
-  return [&target](const toml::node& node) -> std::string {
+Key into(int& target) {
+  const auto set = [&target](const toml::node& node) -> std::string {
     const auto value = node.value_exact<std::int64_t>();
     if (!value || *value < std::numeric_limits<int>::min() || *value > std::numeric_limits<int>::max())
       return "must be a whole number";
     target = static_cast<int>(*value);
     return {};
   };
+  return {set, [&target] { return std::to_string(target); }};
 }
 
-Setter into(double& target) {
-  return [&target](const toml::node& node) -> std::string {
+Key into(double& target) {
+  const auto set = [&target](const toml::node& node) -> std::string {
     const auto value = node.is_number() ? node.value<double>() : std::nullopt;
     if (!value) return "must be a number";
     target = *value;
     return {};
   };
+  return {set, [&target] {
+            char text[32];
+            std::snprintf(text, sizeof text, "%.9g", target);
+            return std::string(text);
+          }};
 }
 
-Setter into(ExposureCompensation& target) {
-  return [&target](const toml::node& node) -> std::string {
+Key into(ExposureCompensation& target) {
+  const auto set = [&target](const toml::node& node) -> std::string {
     const auto word = node.value_exact<std::string>();
     if (word == "off")
       target = ExposureCompensation::kOff;
@@ -48,15 +59,32 @@ Setter into(ExposureCompensation& target) {
       return "must be \"off\", \"known\" or \"estimate\"";
     return {};
   };
+  return {set, [&target]() -> std::string {
+            if (target == ExposureCompensation::kOff) return "\"off\"";
+            return target == ExposureCompensation::kKnown ? "\"known\"" : "\"estimate\"";
+          }};
+}
+
+Keys keys_of(SurfaceLightFieldOptions& o) {
+  return {
+      {"surface_map", into(o.surface_map)},
+      {"max_rank", into(o.ring.factor.max_rank)},
+      {"tolerance", into(o.ring.factor.tolerance)},
+      {"max_views", into(o.ring.max_views)},
+      {"min_visible", into(o.ring.min_visible)},
+      {"hold_out_every", into(o.hold_out_every)},
+      {"exposure", into(o.exposure)},
+      {"erosion_px", into(o.visibility.erosion_px)},
+  };
 }
 
 std::string place(const std::filesystem::path& file, const toml::source_region& source) {
   return file.string() + ":" + std::to_string(source.begin.line) + ": ";
 }
 
-std::string key_list(const std::map<std::string, Setter, std::less<>>& setters) {
+std::string key_list(const Keys& keys) {
   std::string list;
-  for (const auto& [key, setter] : setters) list += (list.empty() ? "" : ", ") + key;
+  for (const auto& [key, unused] : keys) list += (list.empty() ? "" : ", ") + key;
   return list;
 }
 
@@ -71,31 +99,28 @@ SceneConfig load_scene_config(const std::filesystem::path& file) {
     throw ConfigError(place(file, error.source()) + std::string(error.description()));
   }
   SceneConfig config;
-  SurfaceLightFieldOptions& o = config.surface_light_field;
-  const std::map<std::string, Setter, std::less<>> setters{
-      {"surface_map", into(o.surface_map)},
-      {"max_rank", into(o.ring.factor.max_rank)},
-      {"tolerance", into(o.ring.factor.tolerance)},
-      {"max_views", into(o.ring.max_views)},
-      {"min_visible", into(o.ring.min_visible)},
-      {"hold_out_every", into(o.hold_out_every)},
-      {"exposure", into(o.exposure)},
-      {"erosion_px", into(o.visibility.erosion_px)},
-  };
+  const Keys keys = keys_of(config.surface_light_field);
   for (const auto& [section, content] : document) {
     if (section != "surface_light_field" || !content.is_table())
       throw ConfigError(place(file, content.source()) + "unknown section [" + std::string(section.str()) +
                         "]; a scene has [surface_light_field]");
     for (const auto& [key, value] : *content.as_table()) {
-      const auto setter = setters.find(key.str());
-      if (setter == setters.end())
+      const auto known = keys.find(key.str());
+      if (known == keys.end())
         throw ConfigError(place(file, value.source()) + "unknown key " + std::string(key.str()) + "; [" +
-                          std::string(section.str()) + "] has " + key_list(setters));
-      if (const std::string demand = setter->second(value); !demand.empty())
+                          std::string(section.str()) + "] has " + key_list(keys));
+      if (const std::string demand = known->second.set(value); !demand.empty())
         throw ConfigError(place(file, value.source()) + std::string(key.str()) + " " + demand);
     }
   }
   return config;
+}
+
+std::string to_toml(const SurfaceLightFieldOptions& options) {
+  SurfaceLightFieldOptions copy = options;
+  std::string text = "[surface_light_field]\n";
+  for (const auto& [name, key] : keys_of(copy)) text += name + " = " + key.text() + '\n';
+  return text;
 }
 
 }  // namespace sheen

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 
@@ -24,5 +25,8 @@ struct SceneConfig {
 
 /// Throws ConfigError or FileError naming file, line and key; unknown keys are errors.
 SceneConfig load_scene_config(const std::filesystem::path& file);
+
+/// The scene file of these options, to be written and loaded again: all keys.
+std::string to_toml(const SurfaceLightFieldOptions& options);
 
 }  // namespace sheen

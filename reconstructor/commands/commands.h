@@ -16,5 +16,6 @@ void add_evaluate_command(CLI::App& app);
 void add_view_command(CLI::App& app);
 void add_monitor_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
+void add_tradeoff_command(CLI::App& app);
 
 }  // namespace sheen

@@ -7,6 +7,7 @@
 #include "common/datasets/dataset.h"
 #include "common/errors.h"
 #include "common/exr.h"
+#include "common/files.h"
 #include "common/image_io.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/exchange/model_files.h"
@@ -30,9 +31,7 @@ void render(const RenderArguments& arguments) {
   const std::shared_ptr<const SurfaceLightFieldSnapshot> model = load_model(arguments.model);
   const std::vector<DatasetView> cameras = load_cameras(arguments.cameras);
   const std::filesystem::path out = arguments.out;
-  std::error_code error;
-  std::filesystem::create_directories(out, error);
-  if (error) throw FileError(out.string(), "cannot be made: " + error.message());
+  make_folder(out);
 
   const RayPainter painter(model->mesh());
   for (const DatasetView& view : cameras) {

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "common/errors.h"
+#include "common/files.h"
+#include "common/progress.h"
+#include "common/stop_signal.h"
+#include "reconstructor/capture_set.h"
+#include "reconstructor/commands/commands.h"
+#include "reconstructor/evaluation/plot.h"
+#include "reconstructor/evaluation/tradeoff.h"
+#include "reconstructor/evaluation/tradeoff_wish.h"
+#include "reconstructor/report.h"
+#include "reconstructor/saved_model.h"
+#include "reconstructor/scene_config.h"
+
+namespace sheen {
+namespace {
+
+struct TradeoffArguments {
+  std::string dataset, mesh, out, config, json, budget, target, memory;
+  bool quick = false;
+};
+
+/// Costs and worth of all points, and which of them no other one beats.
+struct Frontiers {
+  std::vector<double> time, bytes, psnr;
+  std::vector<std::size_t> by_time, by_bytes;
+
+  explicit Frontiers(const std::vector<TradeoffPoint>& points) {
+    for (const TradeoffPoint& p : points) {
+      time.push_back(p.image_ms);
+      bytes.push_back(p.bytes);
+      psnr.push_back(p.psnr_db);
+    }
+    by_time = pareto_frontier(time, psnr);
+    by_bytes = pareto_frontier(bytes, psnr);
+  }
+};
+
+bool contains(const std::vector<std::size_t>& indices, std::size_t i) {
+  return std::find(indices.begin(), indices.end(), i) != indices.end();
+}
+
+void print_table(const std::vector<TradeoffPoint>& points, const Frontiers& frontiers) {
+  std::printf("%-34s %9s %9s %9s %6s %9s %7s  %s\n", "setting", "ms/image", "CPU ms", "MB", "rank", "PSNR dB", "SSIM",
+              "frontier");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const TradeoffPoint& p = points[i];
+    std::printf("%-34s %9.1f %9.1f %9.1f %6.1f %9.2f %7.4f  %s%s\n", p.setting.name.c_str(), p.image_ms, p.cpu_ms,
+                p.bytes / 1e6, p.mean_rank, p.psnr_db, p.ssim, contains(frontiers.by_time, i) ? "time " : "",
+                contains(frontiers.by_bytes, i) ? "bytes" : "");
+  }
+}
+
+Plot plot_against(const std::string& title, const std::string& cost_label, const std::vector<TradeoffPoint>& points,
+                  const std::vector<double>& cost, const std::vector<std::size_t>& frontier, double scale) {
+  Plot plot{.title = title, .x = {.label = cost_label, .log = true}, .y = {.label = "held-out PSNR (dB)"}};
+  PlotSeries best{.name = "frontier", .style = PlotStyle::kLine};
+  for (const std::size_t i : frontier) {
+    best.add(scale * cost[i], points[i].psnr_db);
+    best.labels.push_back(points[i].setting.name);
+  }
+  plot.series.push_back(std::move(best));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::string& part = points[i].setting.part;
+    auto series =
+        std::find_if(plot.series.begin(), plot.series.end(), [&](const PlotSeries& s) { return s.name == part; });
+    if (series == plot.series.end()) {
+      plot.series.push_back({.name = part, .style = PlotStyle::kMarkers});
+      series = plot.series.end() - 1;
+    }
+    series->add(scale * cost[i], points[i].psnr_db);
+  }
+  return plot;
+}
+
+void write_plots(const std::vector<TradeoffPoint>& points, const Frontiers& frontiers, const std::string& dataset,
+                 const std::filesystem::path& out) {
+  const std::string of = std::filesystem::path(dataset).filename().string();
+  const PlotFiles time = write_plot(plot_against("Time against worth: " + of, "wall time an image (ms)", points,
+                                                 frontiers.time, frontiers.by_time, 1),
+                                    out / "tradeoff_time");
+  write_plot(plot_against("Memory against worth: " + of, "state of all rings (MB)", points, frontiers.bytes,
+                          frontiers.by_bytes, 1e-6),
+             out / "tradeoff_bytes");
+  if (time == PlotFiles::kTableOnly) std::fprintf(stderr, "%s\n", kInstallGnuplot);
+}
+
+nlohmann::json point_to_json(const TradeoffPoint& p) {
+  return {{"setting", p.setting.name}, {"part", p.setting.part}, {"image_ms", p.image_ms},
+          {"cpu_ms", p.cpu_ms},        {"bytes", p.bytes},       {"mean_rank", p.mean_rank},
+          {"psnr_db", p.psnr_db},      {"ssim", p.ssim},         {"scene", to_toml(p.setting.options)}};
+}
+
+void tradeoff(const TradeoffArguments& arguments) {
+  const TradeoffWish wish = parse_wish(arguments.budget, arguments.target, arguments.memory);
+  install_stop_signals();
+  const SurfaceLightFieldOptions base =
+      (arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config)).surface_light_field;
+  const CaptureSet captures = open_capture_set(arguments.dataset);
+  if (!arguments.out.empty()) make_folder(arguments.out);
+  const auto mesh = std::make_shared<Mesh>(load_mesh_and_warn(arguments.mesh));
+  Experiment experiment;
+  {
+    Progress progress("reading", captures.size);
+    const auto read = [&](std::size_t i) {
+      if (stop_requested()) throw Error("stopped before anything was measured");
+      return captures.read(i);
+    };
+    experiment = load_experiment(mesh, captures.size, read, {.hold_out_every = base.hold_out_every},
+                                 [&](std::size_t done) { progress.update(done); });
+  }
+  const std::vector<Setting> settings = tradeoff_settings(base, arguments.quick);
+  std::vector<TradeoffPoint> points;
+  {
+    Progress progress("measuring", settings.size());
+    for (const Setting& setting : settings) {
+      if (stop_requested()) break;
+      points.push_back(measure_setting(experiment, setting));
+      progress.update(points.size());
+    }
+  }
+  if (points.empty()) throw Error("stopped before anything was measured");
+  if (points.size() < settings.size())
+    std::fprintf(stderr, "stopped after %zu of %zu settings\n", points.size(), settings.size());
+
+  const Frontiers frontiers(points);
+  print_table(points, frontiers);
+  if (!arguments.out.empty()) write_plots(points, frontiers, arguments.dataset, arguments.out);
+  nlohmann::json report{{"training_images", experiment.training.size()},
+                        {"held_out_views", experiment.held_out.size()},
+                        {"points", nlohmann::json::array()}};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    nlohmann::json point = point_to_json(points[i]);
+    point["frontier_time"] = contains(frontiers.by_time, i);
+    point["frontier_bytes"] = contains(frontiers.by_bytes, i);
+    report["points"].push_back(std::move(point));
+  }
+  if (!wish.empty()) {
+    const TradeoffChoice choice = choose_setting(points, wish);
+    const TradeoffPoint& chosen = points[choice.index];
+    std::printf("\n%s: %s\n%.1f ms an image, %.1f MB, %.2f dB%s\n\n%s", describe(wish).c_str(),
+                chosen.setting.name.c_str(), chosen.image_ms, chosen.bytes / 1e6, chosen.psnr_db,
+                choice.holds ? "" : ": no setting measured does it all, this one comes nearest",
+                to_toml(chosen.setting.options).c_str());
+    report["choice"] = point_to_json(chosen);
+    report["choice"]["holds"] = choice.holds;
+  }
+  if (!arguments.json.empty()) write_json(arguments.json, report);
+}
+
+}  // namespace
+
+void add_tradeoff_command(CLI::App& app) {
+  auto arguments = std::make_shared<TradeoffArguments>();
+  CLI::App* command = app.add_subcommand(
+      "tradeoff", "Measures time and memory against held-out PSNR over the model's settings, on your own scene.");
+  command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
+      ->required();
+  command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
+  command->add_option("--out", arguments->out, "folder for the plots (SVG) and their tables (CSV)");
+  command->add_option("--config", arguments->config, "scene file (TOML): what the sweep starts from");
+  command->add_option("--json", arguments->json, "report to write; - for standard output");
+  command->add_flag("--quick", arguments->quick, "about half of the settings");
+  command->add_option("--budget", arguments->budget, "name the best setting within a time an image: 33ms");
+  command->add_option("--target", arguments->target, "name the quickest setting that reaches a held-out PSNR: 35dB");
+  command->add_option("--memory", arguments->memory, "name the best setting within the light field's memory: 1GB");
+  command->callback([arguments] { tradeoff(*arguments); });
+}
+
+}  // namespace sheen
