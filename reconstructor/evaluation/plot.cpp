@@ -33,9 +33,21 @@ std::string number(double value) {
   return text;
 }
 
+/// Marks at 1, 2 and 5 of every decade: gnuplot's own leave an axis of less than a decade without any.
+void write_log_tics(std::ostream& out, char name) {
+  const char* separator = "";
+  out << "set logscale " << name << "\nset " << name << "tics (";
+  for (int decade = -9; decade <= 12; ++decade)
+    for (const int digit : {1, 2, 5}) {
+      out << separator << number(digit * std::pow(10.0, decade));
+      separator = ", ";
+    }
+  out << ")\n";
+}
+
 void write_axis(std::ostream& out, char name, const PlotAxis& axis) {
   out << "set " << name << "label " << quoted(axis.label) << '\n';
-  if (axis.log) out << "set logscale " << name << "\nset m" << name << "tics 10\n";
+  if (axis.log) write_log_tics(out, name);
   if (axis.categories.empty()) return;
   out << "set " << name << "tics (";
   for (std::size_t i = 0; i < axis.categories.size(); ++i)

@@ -34,6 +34,23 @@ erosion_px = 3
   EXPECT_EQ(o.visibility.erosion_px, 3);
 }
 
+TEST(SceneConfig, WhatIsWrittenIsReadAgain) {
+  const TempFolder folder;
+  SurfaceLightFieldOptions options{.surface_map = 12, .hold_out_every = 0};
+  options.exposure = ExposureCompensation::kEstimate;
+  options.ring.factor = {.max_rank = 5, .tolerance = 1.25e-7};
+  options.ring.max_views = 30;
+  options.ring.min_visible = 1;
+  options.visibility.erosion_px = 3;
+  const std::string text = to_toml(options);
+  const auto o = load_scene_config(folder.write("scene.toml", text)).surface_light_field;
+  EXPECT_EQ(to_toml(o), text);
+  EXPECT_EQ(o.surface_map, 12);
+  EXPECT_EQ(o.ring.factor.tolerance, 1.25e-7);
+  EXPECT_EQ(o.exposure, ExposureCompensation::kEstimate);
+  EXPECT_NE(to_toml({}), text);
+}
+
 TEST(SceneConfig, WhatIsNotSaidKeepsItsDefault) {
   const TempFolder folder;
   const SurfaceLightFieldOptions defaults;
