@@ -60,12 +60,6 @@ std::string tracker_config(const Camera& c) {
   return toml.str();
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw FileError(folder.string(), "cannot be made: " + error.message());
-}
-
 void write_frame(const SimulatedFrame& frame, const fs::path& folder, const std::string& name, bool truth) {
   write_file(folder / "frames" / (name + ".raw"),
              {reinterpret_cast<const char*>(frame.raw.bytes.data()), frame.raw.bytes.size()});
