@@ -2,166 +2,237 @@
 #include "reconstructor/numerics/ring_factor.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+
+#include "reconstructor/numerics/imputation.h"
+#include "reconstructor/numerics/row_panels.h"
 
 namespace sheen {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
-// Below this share of the column's norm the residual is rounding noise and no direction.
-constexpr double kNoise = 50 * kEpsilon;
-// "Twice is enough": when the projection cancelled this much, the residual is orthogonalised once more.
-constexpr double kSecondPass = 0.7;
+using Eigen::MatrixXd;
+using row_panels::columns;
 
-double norm_of(const Eigen::Ref<const Eigen::VectorXf>& v) {
-  return std::sqrt(v.cast<double>().squaredNorm());
+constexpr int kLargestBlock = 32;  // a row's pattern of hidden columns is a word of 32 bits
+
+void require(bool holds, const char* rule) {
+  if (!holds) throw std::invalid_argument(rule);
 }
 
 }  // namespace
 
-ColumnReport RingFactor::add(const Eigen::Ref<const Eigen::VectorXf>& column, double weight) {
-  ColumnReport report;
-  report.norm = norm_of(column);
+int RingFactorOptions::terms_kept() const {
+  if (internal_rank > 0) return std::max(internal_rank, max_rank);
+  return std::max(max_rank, std::min(32, std::max(2 * max_rank, max_rank + 8)));
+}
 
-  Eigen::VectorXf y = basis().transpose() * column;  // j = U^T c
-  Eigen::VectorXf p = column - basis() * y;          // p = c - U j
-  report.residual_norm = norm_of(p);
-  if (rank_ > 0 && report.residual_norm < kSecondPass * report.norm) {
-    const Eigen::VectorXf correction = basis().transpose() * p;
-    y += correction;
-    p.noalias() -= basis() * correction;
-    report.residual_norm = norm_of(p);
+template <typename Scalar>
+BasicRingFactor<Scalar>::BasicRingFactor(int rows, const RingFactorOptions& options, unsigned phase)
+    : options_(options), rows_(rows), phase_(phase), unseen_rows_(rows), seen_((rows + 63) / 64, 0) {
+  require(rows > 0, "ring factor: rows must be positive");
+  require(options.max_rank >= 1, "ring factor: max_rank must be at least 1");
+  require(options.internal_rank == 0 || options.internal_rank >= options.max_rank,
+          "ring factor: internal_rank must be 0 or at least max_rank");
+  require(options.block >= 1 && options.block <= kLargestBlock, "ring factor: block must be 1..32");
+  require(options.tolerance >= 0 && options.tolerance < 1, "ring factor: tolerance must be in [0, 1)");
+  require(options.channels >= 1 && options.channels <= rows, "ring factor: channels must be 1..rows");
+}
+
+/// 1, 1, 2, 4, ... columns so that early images show at once, one block of the phase's own length, then whole blocks.
+template <typename Scalar>
+int BasicRingFactor<Scalar>::block_size() const {
+  if (columns_folded_ < options_.block) return static_cast<int>(std::max<std::int64_t>(columns_folded_, 1));
+  if (!staggered_) return 1 + static_cast<int>(phase_ % static_cast<unsigned>(options_.block));
+  return options_.block;
+}
+
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(const ConstVectorRef& column,
+                                                                       std::span<const std::uint8_t> known,
+                                                                       double weight) {
+  require(column.size() == rows_, "ring factor: a column must have as many values as the factor has rows");
+  require(known.empty() || known.size() == static_cast<std::size_t>(rows_),
+          "ring factor: known must have one flag a row");
+  require(weight > 0 && std::isfinite(weight), "ring factor: a weight must be positive and finite");
+  if (pending_.empty() && buffer_.cols() != block_size()) buffer_.resize(row_panels::padded(rows_), block_size());
+
+  Pending pending{.weight = weight, .exponent = 0, .hidden = {}};
+  auto kept = buffer_.col(this->pending());
+  kept.head(rows_) = column;
+  kept.tail(kept.size() - rows_).setZero();
+  const bool finite = (column - column).sum() == 0;  // a NaN or an infinity makes this NaN
+  if (!finite || std::find(known.begin(), known.end(), 0) != known.end()) {
+    pending.hidden.assign(seen_.size(), 0);
+    for (int row = 0; row < rows_; ++row) {
+      if ((known.empty() || known[row]) && std::isfinite(kept[row])) continue;
+      kept[row] = 0;
+      pending.hidden[row / 64] |= std::uint64_t{1} << (row % 64);
+    }
   }
-
-  const double column_energy = weight * report.norm * report.norm;
-  const double residual_energy = weight * report.residual_norm * report.residual_norm;
-  energy_ += column_energy;
-  weight_sum_ += weight;
-  const double budget = options_.tolerance * options_.tolerance * energy_;
-  report.grew = report.residual_norm > kNoise * report.norm && lost_ + residual_energy > budget && rank_ < rows_;
-
-  reserve_views(views_ + 1);
-  if (report.grew) {
-    reserve_rank(rank_ + 1);
-    basis_.col(rank_) = p * static_cast<float>(1 / report.residual_norm);  // Brand appends p / ||p||
-    coefficients_.row(rank_).head(views_).setZero();
-    gram_.conservativeResize(rank_ + 1, rank_ + 1);
-    gram_.row(rank_).setZero();
-    gram_.col(rank_).setZero();
-    ++rank_;
-    ++appended_;
-    y.conservativeResize(rank_);
-    y[rank_ - 1] = static_cast<float>(report.residual_norm);
-  } else {
-    lost_ += residual_energy;
+  // By a power of two to a norm near one: squares of single precision neither overflow nor vanish.
+  if (const Scalar peak = kept.cwiseAbs().maxCoeff(); peak > 0) {
+    pending.exponent = std::ilogb(peak);
+    if (std::abs(pending.exponent) < 100)
+      kept *= static_cast<Scalar>(std::ldexp(1.0, -pending.exponent));
+    else
+      kept = kept.unaryExpr([&](Scalar x) { return std::ldexp(x, -pending.exponent); }).eval();
   }
-  coefficients_.col(views_).head(rank_) = y;
-  ++views_;
+  pending_.push_back(std::move(pending));
   ++columns_added_;
-  const Eigen::VectorXd yd = y.cast<double>();
-  gram_.noalias() += weight * yd * yd.transpose();
-
-  if (appended_ >= options_.block) compress();
-  return report;
+  return this->pending() >= buffer_.cols() ? fold() : Reports{};
 }
 
-void RingFactor::compress() {
-  appended_ = 0;
-  if (rank_ == 0) return;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram_);  // ascending
-  const double budget = options_.tolerance * options_.tolerance * energy_;
-  int dropped = 0;
-  double tail = 0;
-  while (dropped < rank_) {
-    const double next = std::max(0.0, eigen.eigenvalues()[dropped]);
-    const bool affordable = lost_ + tail + next <= budget;
-    const bool rounding = next <= kNoise * kNoise * energy_;
-    if (!affordable && !rounding && rank_ - dropped <= options_.max_rank) break;
-    tail += next;
-    ++dropped;
+template <typename Scalar>
+BasicRingFactor<Scalar> BasicRingFactor<Scalar>::settled() const {
+  BasicRingFactor copy = *this;
+  copy.fold();
+  return copy;
+}
+
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::pending_coefficients() const {
+  MatrixXd y = pending_projections(hidden_patterns());
+  for (int j = 0; j < pending(); ++j)
+    y.col(j) = y.col(j).unaryExpr([&](double value) { return std::ldexp(value, pending_[j].exponent); }).eval();
+  return y.template cast<Scalar>();
+}
+
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Vector BasicRingFactor<Scalar>::estimate(const ConstVectorRef& column,
+                                                                           std::span<const std::uint8_t> known,
+                                                                           double noise) const {
+  Matrix shown = Matrix::Zero(row_panels::padded(rows_), 1);
+  shown.col(0).head(rows_) = column;
+  std::vector<std::uint32_t> hidden(rows_, 0);
+  for (int row = 0; row < rows_; ++row) {
+    if ((known.empty() || known[row]) && std::isfinite(column[row])) continue;
+    hidden[row] = 1;
+    shown(row, 0) = 0;
   }
-  const int kept = rank_ - dropped;
-  lost_ += tail;
-
-  const Eigen::MatrixXd rotation = eigen.eigenvectors().rightCols(kept).rowwise().reverse();
-  // One Newton step towards the nearest orthonormal basis, folded into the rotation: what rounding took from B^T B = I
-  // is given back at every compression.
-  const Eigen::MatrixXf overlap = basis().transpose() * basis();
-  const Eigen::MatrixXd polish = 1.5 * Eigen::MatrixXd::Identity(rank_, rank_) - 0.5 * overlap.cast<double>();
-  const Eigen::MatrixXf turn = (polish * rotation).cast<float>();
-  const Eigen::MatrixXf turned = basis() * turn;
-  const Eigen::MatrixXf turned_coefficients = rotation.cast<float>().transpose() * coefficients();
-  rank_ = kept;
-  basis_.leftCols(kept) = turned;
-  coefficients_.topLeftCorner(kept, views_) = turned_coefficients;
-  gram_ = eigen.eigenvalues().tail(kept).reverse().cwiseMax(0).asDiagonal();
+  const MatrixXd projection = row_panels::inner_products(columns(basis_, rank_), columns(shown, 1), shown.rows());
+  return most_probable_coefficients(columns(basis_, rank_), hidden, projection, prior(), noise)
+      .col(0)
+      .template cast<Scalar>();
 }
 
-Eigen::VectorXf RingFactor::estimate(const Eigen::Ref<const Eigen::VectorXf>& column,
-                                     std::span<const std::uint8_t> known, double noise) const {
-  if (rank_ == 0) return {};
-  std::vector<int> rows;
-  rows.reserve(known.size());
-  for (std::size_t i = 0; i < known.size(); ++i)
-    if (known[i]) rows.push_back(static_cast<int>(i));
-  const Eigen::MatrixXf known_basis = basis()(rows, Eigen::all);
-  const Eigen::VectorXf known_values = column(rows);
-  Eigen::MatrixXd normal = (known_basis.transpose() * known_basis).cast<double>();
-  const Eigen::VectorXd right = (known_basis.transpose() * known_values).cast<double>();
-  // Prior covariance G / n; a floor keeps directions that have hardly been used invertible.
-  Eigen::MatrixXd prior = gram_ / std::max(weight_sum_, 1e-300);
-  const double floor = std::max(1e-6 * prior.trace() / rank_, 1e-300);
-  prior.diagonal().array() += floor;
-  const Eigen::MatrixXd precision = prior.llt().solve(Eigen::MatrixXd::Identity(rank_, rank_));
-  normal += std::max(noise, 0.0) * precision;
-  normal.diagonal().array() += 1e-9 * std::max(normal.trace() / rank_, 1e-300);
-  const Eigen::VectorXd y = normal.ldlt().solve(right);
-  return y.allFinite() ? Eigen::VectorXf(y.cast<float>()) : Eigen::VectorXf::Zero(rank_);
+template <typename Scalar>
+MatrixXd BasicRingFactor<Scalar>::prior() const {
+  double weight = 0;
+  for (const View& view : views_) weight += view.weight;
+  return gram_ / std::max(weight, 1e-300);
 }
 
-void RingFactor::reveal(std::span<const int> rows, const Eigen::MatrixXf& rows_of_basis) {
-  if (rows.empty() || rank_ == 0) return;
-  for (std::size_t i = 0; i < rows.size(); ++i) basis_.row(rows[i]).head(rank_) = rows_of_basis.row(i);
-  energy_ += (rows_of_basis.cast<double>() * gram_).cwiseProduct(rows_of_basis.cast<double>()).sum();
-  // B was orthonormal before: only the new rows' overlap R^T R has to be undone, by B <- B R^-1, Y <- R Y.
-  const Eigen::MatrixXd overlap = (basis().transpose() * basis()).cast<double>();
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(overlap);
+template <typename Scalar>
+void BasicRingFactor<Scalar>::restore_orthonormality() {
+  const auto b = columns(basis_, rank_);
+  const Eigen::LLT<MatrixXd> cholesky(row_panels::inner_products(b, b, basis_.rows(), true));
   if (cholesky.info() != Eigen::Success) return;
-  const Eigen::MatrixXd r = cholesky.matrixU();
-  const Eigen::MatrixXd inverse = cholesky.matrixU().solve(Eigen::MatrixXd::Identity(rank_, rank_));
-  const Eigen::MatrixXf turned = basis() * inverse.cast<float>();
-  const Eigen::MatrixXf turned_coefficients = r.cast<float>() * coefficients();
-  basis_.leftCols(rank_) = turned;
-  coefficients_.topLeftCorner(rank_, views_) = turned_coefficients;
+  // B <- B R^-1, Y <- R Y
+  const MatrixXd r = cholesky.matrixU();
+  const MatrixXd inverse = cholesky.matrixU().solve(MatrixXd::Identity(rank_, rank_));
+  row_panels::combine<Scalar>(b, {}, inverse.template cast<Scalar>(), basis_.rows(),
+                              {basis_.data(), basis_.rows(), rank_});
+  coefficients_ = (r.template cast<Scalar>() * coefficients_).eval();
   gram_ = (r * gram_ * r.transpose()).eval();
+  if (scatter_.size() > 0) scatter_ = (r * scatter_ * r.transpose()).eval();
 }
 
-void RingFactor::merge_views(int kept, int removed, double kept_share) {
-  const auto share = static_cast<float>(kept_share);
-  coefficients_.col(kept).head(rank_) =
-      share * coefficients_.col(kept).head(rank_) + (1 - share) * coefficients_.col(removed).head(rank_);
-  coefficients_.col(removed).head(rank_) = coefficients_.col(views_ - 1).head(rank_);
-  --views_;
+template <typename Scalar>
+void BasicRingFactor<Scalar>::merge_views(int kept, int removed) {
+  require(kept >= 0 && kept < folded_views() && removed >= 0 && removed < folded_views() && kept != removed,
+          "ring factor: only two different folded views can be merged");
+  View& a = views_[kept];
+  const View& b = views_[removed];
+  const double share = b.weight / (a.weight + b.weight);
+  const Vector apart = coefficients_.col(removed) - coefficients_.col(kept);
+  const Eigen::VectorXd d = apart.template cast<double>();
+  const double w = a.weight * share;
+  if (scatter_.size() == 0) scatter_ = MatrixXd::Zero(rank_, rank_);
+  scatter_.noalias() += w * d * d.transpose();
+  a.scatter += b.scatter + w * d.squaredNorm();
+  a.lost += share * (b.lost - a.lost);
+  a.weight += b.weight;
+  coefficients_.col(kept) += static_cast<Scalar>(share) * apart;
+  erase_view(removed);
 }
 
-std::size_t RingFactor::bytes() const {
-  return sizeof(float) * (basis_.size() + coefficients_.size()) + sizeof(double) * gram_.size();
+template <typename Scalar>
+void BasicRingFactor<Scalar>::erase_view(int view) {
+  const Eigen::Index behind = coefficients_.cols() - view - 1;
+  coefficients_.middleCols(view, behind) = coefficients_.rightCols(behind).eval();
+  coefficients_.conservativeResize(rank_, coefficients_.cols() - 1);
+  views_.erase(views_.begin() + view);
 }
 
-void RingFactor::reserve_rank(int rank) {
-  if (rank <= basis_.cols()) return;
-  const int capacity = std::min(std::max(rank, rank_ + 4), options_.max_rank + options_.block);
-  basis_.conservativeResize(rows_, std::max(capacity, rank));
-  coefficients_.conservativeResize(std::max(capacity, rank), coefficients_.cols());
+template <typename Scalar>
+void BasicRingFactor<Scalar>::remove(int view) {
+  require(view >= 0 && view < views(), "ring factor: there is no such view");
+  --columns_added_;
+  if (const int waiting = view - folded_views(); waiting >= 0) {
+    for (int j = waiting; j + 1 < pending(); ++j) buffer_.col(j) = buffer_.col(j + 1);
+    pending_.erase(pending_.begin() + waiting);
+    return;
+  }
+  const View& gone = views_[view];
+  lost_ = std::max(0.0, lost_ - gone.weight * gone.lost);
+  if (gone.scatter > 0) scatter_ *= std::max(0.0, 1 - gone.scatter / std::max(scatter_.trace(), 1e-300));
+  erase_view(view);
+  rediagonalise();
 }
 
-void RingFactor::reserve_views(int views) {
-  if (views <= coefficients_.cols()) return;
-  coefficients_.conservativeResize(std::max<Eigen::Index>(coefficients_.rows(), 1), std::max(views, 2 * views_));
+template <typename Scalar>
+void BasicRingFactor<Scalar>::take_from(int view, const ConstVectorRef& column, std::span<const std::uint8_t> known,
+                                        double weight) {
+  require(view >= 0 && view < folded_views(), "ring factor: there is no such folded view");
+  View& from = views_[view];
+  constexpr double kAlone = 1e-6;  // of the weight: what rounding leaves of weights that were added
+  if (from.weight - weight <= kAlone * from.weight) return remove(view);
+  --columns_added_;
+  const Eigen::VectorXd y = estimate(column, known, row_noise()).template cast<double>();
+  const double left = from.weight - weight;
+  const Eigen::VectorXd mean = (from.weight * coefficients_.col(view).template cast<double>() - weight * y) / left;
+  const Eigen::VectorXd apart = y - mean;
+  const double w = weight * left / from.weight;
+  if (scatter_.size() > 0) scatter_.noalias() -= w * apart * apart.transpose();
+  from.scatter = std::max(0.0, from.scatter - w * apart.squaredNorm());
+  lost_ = std::max(0.0, lost_ - weight * from.lost);
+  from.weight = left;
+  coefficients_.col(view) = mean.template cast<Scalar>();
+  rediagonalise();
 }
+
+/// G anew from what the views say, then the singular order and the rank that it asks for.
+template <typename Scalar>
+void BasicRingFactor<Scalar>::rediagonalise() {
+  const MatrixXd y = coefficients_.template cast<double>();
+  Eigen::VectorXd weight(y.cols());
+  for (Eigen::Index v = 0; v < y.cols(); ++v) weight[v] = views_[v].weight;
+  gram_ = y * weight.asDiagonal() * y.transpose();
+  if (scatter_.size() > 0) gram_ += scatter_;
+  turn_to_singular_order();
+}
+
+template <typename Scalar>
+double BasicRingFactor<Scalar>::displayed_error() const {
+  const double all = energy();
+  const int appendix = rank_ - displayed_rank();
+  return all > 0 ? std::sqrt((lost_ + gram_.diagonal().tail(appendix).sum()) / all) : 0;
+}
+
+template <typename Scalar>
+std::size_t BasicRingFactor<Scalar>::bytes() const {
+  std::size_t bytes = sizeof(Scalar) * (basis_.size() + coefficients_.size() + buffer_.size()) +
+                      sizeof(double) * (gram_.size() + scatter_.size() + spectrum_.size()) +
+                      sizeof(std::uint64_t) * seen_.capacity() + sizeof(View) * views_.capacity() +
+                      sizeof(Pending) * pending_.capacity();
+  for (const Pending& pending : pending_) bytes += sizeof(std::uint64_t) * pending.hidden.capacity();
+  return bytes;
+}
+
+template class BasicRingFactor<float>;
+template class BasicRingFactor<double>;
 
 }  // namespace sheen

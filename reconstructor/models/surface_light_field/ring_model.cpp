@@ -13,7 +13,6 @@ namespace {
 constexpr int kFirstKernelChoice = 5;  // views; fewer say nothing about how fast a ring varies
 constexpr float kKernelChoiceGrowth = 1.4f;
 constexpr float kSensorVariance = 2e-5f;  // about one grey level of 255, encoded
-constexpr float kNoiseMemory = 0.8f;
 
 Eigen::Matrix3Xf as_matrix(const std::vector<Eigen::Vector3f>& vectors) {
   Eigen::Matrix3Xf m(3, static_cast<Eigen::Index>(vectors.size()));
@@ -21,134 +20,121 @@ Eigen::Matrix3Xf as_matrix(const std::vector<Eigen::Vector3f>& vectors) {
   return m;
 }
 
+RingFactorOptions factor_options(RingFactorOptions options) {
+  options.channels = 3;
+  options.sensor_variance = kSensorVariance;
+  return options;
+}
+
 }  // namespace
 
-RingModel::Absorbed RingModel::absorb(Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+RingModel::RingModel(int samples, const RingModelOptions& options, unsigned phase)
+    : options_(options),
+      factor_(3 * samples, factor_options(options.factor), phase),
+      shown_(static_cast<std::size_t>(samples), 0) {}
+
+RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
                                       const Eigen::Vector3f& direction, float cosine, float reliability) {
   Absorbed result;
   const auto shown = static_cast<std::size_t>(std::count(visible.begin(), visible.end(), 1));
   if (shown == 0 || shown < options_.min_visible * visible.size()) return result;
   result.used = true;
-  if (shown < visible.size() || !all_seen_) fill_hidden(column, visible);
+  const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
+  RingFactor::Reports folded;
+  if (shown == visible.size()) {
+    folded = factor_.add(column, share);
+  } else {
+    std::vector<std::uint8_t> known(3 * visible.size());
+    for (std::size_t row = 0; row < known.size(); ++row) known[row] = visible[row / 3];
+    folded = factor_.add(column, known, share);
+  }
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
-  all_seen_ = all_seen_ || std::find(shown_.begin(), shown_.end(), std::uint16_t{0}) == shown_.end();
+  directions_.push_back(direction);
+  reliability_.push_back(reliability * share);
+  best_cosine_ = std::max(best_cosine_, cosine);
+  ++images_;
+  follow(folded, result);
+  snapshot_.reset();
+  result.wants_kernel = views() >= kFirstKernelChoice && images_ > kKernelChoiceGrowth * kernel_chosen_at_;
+  return result;
+}
 
-  const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
-  const ColumnReport report = factor_.add(column, share);
-  result.energy = report.norm * report.norm * share;
-  result.residual_energy = report.residual_norm * report.residual_norm;  // imputed rows lie in the basis
-
-  const auto known_rows = static_cast<float>(3 * shown);
-  if (images_folded_ > 0) {
-    const float variance = static_cast<float>(result.residual_energy) / known_rows;
-    noise_ = kNoiseMemory * noise_ + (1 - kNoiseMemory) * variance;
+void RingModel::follow(const RingFactor::Reports& reports, Absorbed& result) {
+  for (const ColumnReport& report : reports) {
+    result.energy += report.norm * report.norm;
+    result.residual_energy += report.residual_norm * report.residual_norm;
+    if (report.first) continue;
     const auto memory = static_cast<float>(options_.residual_memory);
     const auto relative = static_cast<float>(report.residual_norm / std::max(report.norm, 1e-12));
     residual_ = memory * residual_ + (1 - memory) * relative;
   }
-  best_cosine_ = std::max(best_cosine_, cosine);
-  keep_view(direction, reliability * share);
-  ++images_folded_;
-  snapshot_.reset();
-  result.wants_kernel = views() >= kFirstKernelChoice && images_folded_ > kKernelChoiceGrowth * kernel_chosen_at_;
-  return result;
+  if (!reports.empty()) thin_views();
 }
 
-void RingModel::fill_hidden(Eigen::VectorXf& column, std::span<const std::uint8_t> visible) {
-  const int samples = static_cast<int>(visible.size());
-  std::vector<std::uint8_t> known(3 * visible.size(), 0);
-  std::vector<int> new_samples;
-  for (int s = 0; s < samples; ++s) {
-    if (visible[s] && shown_[s]) std::fill_n(known.begin() + 3 * s, 3, std::uint8_t{1});
-    if (visible[s] && !shown_[s]) new_samples.push_back(s);
+/// Two views that nearly coincide say the same: of more than `max_views`, the nearest two become one.
+void RingModel::thin_views() {
+  while (static_cast<int>(nearest_.size()) < factor_.folded_views()) {
+    nearest_.emplace_back();
+    place(static_cast<int>(nearest_.size()) - 1);
   }
-  const int rank = factor_.rank();
-  if (rank == 0) {
-    for (int s = 0; s < samples; ++s)
-      if (!visible[s]) column.segment<3>(3 * s).setZero();
-    return;
-  }
-
-  const Eigen::VectorXf y = factor_.estimate(column, known, std::max(noise_, kSensorVariance));
-  if (!new_samples.empty()) {
-    // A point seen for the first time: the ring's earlier views never showed it, so it is taken to vary with the view
-    // as the ring does on average, in proportion to its own colour now.
-    Eigen::MatrixXf level = Eigen::MatrixXf::Zero(3, rank);  // mean basis row a channel
-    int seen_samples = 0;
-    for (int s = 0; s < samples; ++s)
-      if (shown_[s]) {
-        level += factor_.basis().middleRows<3>(3 * s);
-        ++seen_samples;
-      }
-    level /= static_cast<float>(std::max(seen_samples, 1));
-    const Eigen::Vector3f expected = level * y;
-    const Eigen::RowVectorXf own = y.transpose() / std::max(y.squaredNorm(), 1e-12f);
-    std::vector<int> rows;
-    Eigen::MatrixXf basis_rows(3 * new_samples.size(), rank);
-    for (const int s : new_samples)
-      for (int c = 0; c < 3; ++c) {
-        const int row = 3 * s + c;
-        basis_rows.row(static_cast<Eigen::Index>(rows.size())) =
-            expected[c] > 0.02f ? Eigen::RowVectorXf(column[row] / expected[c] * level.row(c)) : column[row] * own;
-        rows.push_back(row);
-      }
-    factor_.reveal(rows, basis_rows);
-    for (const int s : new_samples) std::fill_n(known.begin() + 3 * s, 3, std::uint8_t{1});
-  }
-  const Eigen::VectorXf full_y =
-      new_samples.empty() ? y : factor_.estimate(column, known, std::max(noise_, kSensorVariance));
-  for (int s = 0; s < samples; ++s) {
-    if (visible[s]) continue;
-    if (shown_[s])
-      column.segment<3>(3 * s).noalias() = factor_.basis().middleRows<3>(3 * s) * full_y;
-    else
-      column.segment<3>(3 * s).setZero();
+  while (factor_.folded_views() > options_.max_views) {
+    const auto closest = std::max_element(nearest_.begin(), nearest_.end(),
+                                          [](const Nearest& a, const Nearest& b) { return a.cosine < b.cosine; });
+    const auto found = static_cast<int>(closest - nearest_.begin());
+    const int kept = std::min(found, closest->view), removed = std::max(found, closest->view);
+    const double weight = factor_.weight_of(kept), other = factor_.weight_of(removed);
+    directions_[kept] =
+        (static_cast<float>(weight) * directions_[kept] + static_cast<float>(other) * directions_[removed])
+            .normalized();
+    reliability_[kept] = std::max(reliability_[kept], reliability_[removed]);
+    factor_.merge_views(kept, removed);
+    erase_view(removed);
+    for (Nearest& nearest : nearest_)
+      if (nearest.view == kept) nearest = {};
+    place(kept);
+    for (int view = 0; view < factor_.folded_views(); ++view)
+      if (nearest_[view].view < 0) place(view);
   }
 }
 
-void RingModel::keep_view(const Eigen::Vector3f& direction, float reliability) {
-  directions_.push_back(direction);
-  reliability_.push_back(reliability);
-  images_.push_back(1);
-  if (views() > options_.max_views) merge_nearest_views();
+/// Finds the view nearest to this one, and whom this one is now the nearest to.
+void RingModel::place(int view) {
+  nearest_[view] = {};
+  for (int other = 0; other < static_cast<int>(nearest_.size()); ++other) {
+    if (other == view) continue;
+    const float cosine = directions_[view].dot(directions_[other]);
+    if (cosine > nearest_[view].cosine) nearest_[view] = {other, cosine};
+    if (cosine > nearest_[other].cosine) nearest_[other] = {view, cosine};
+  }
 }
 
-void RingModel::merge_nearest_views() {
-  std::size_t a = 0, b = 1;
-  float nearest = -2;
-  for (std::size_t i = 0; i < directions_.size(); ++i)
-    for (std::size_t j = i + 1; j < directions_.size(); ++j)
-      if (const float cosine = directions_[i].dot(directions_[j]); cosine > nearest) {
-        nearest = cosine;
-        a = i;
-        b = j;
-      }
-  const double share = double(images_[a]) / (images_[a] + images_[b]);
-  factor_.merge_views(static_cast<int>(a), static_cast<int>(b), share);
-  directions_[a] =
-      (static_cast<float>(share) * directions_[a] + static_cast<float>(1 - share) * directions_[b]).normalized();
-  reliability_[a] = std::max(reliability_[a], reliability_[b]);
-  images_[a] += images_[b];
-  directions_[b] = directions_.back();
-  reliability_[b] = reliability_.back();
-  images_[b] = images_.back();
-  directions_.pop_back();
-  reliability_.pop_back();
-  images_.pop_back();
+/// Views behind it move up by one; those nearest to it are left without (-1).
+void RingModel::erase_view(int view) {
+  directions_.erase(directions_.begin() + view);
+  reliability_.erase(reliability_.begin() + view);
+  nearest_.erase(nearest_.begin() + view);
+  for (Nearest& nearest : nearest_) {
+    if (nearest.view == view)
+      nearest = {};
+    else if (nearest.view > view)
+      --nearest.view;
+  }
 }
 
 KernelErrors RingModel::kernel_errors() const {
   KernelErrors errors{};
   const Eigen::Matrix3Xf directions = as_matrix(directions_);
   const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
+  Eigen::MatrixXf coefficients(rank(), views());
+  coefficients << factor_.displayed_coefficients(), factor_.pending_coefficients().topRows(rank());
   for (std::size_t k = 0; k < kViewKernels.size(); ++k)
-    errors[k] = krige(directions, factor_.coefficients(), reliability, kViewKernels[k]).leave_one_out;
+    errors[k] = krige(directions, coefficients, reliability, kViewKernels[k]).leave_one_out;
   return errors;
 }
 
 void RingModel::set_kernel(const ViewKernel& kernel) {
-  kernel_chosen_at_ = images_folded_;
+  kernel_chosen_at_ = images_;
   if (kernel_ == kernel) return;
   kernel_ = kernel;
   snapshot_.reset();
@@ -156,29 +142,41 @@ void RingModel::set_kernel(const ViewKernel& kernel) {
 
 std::size_t RingModel::bytes() const {
   return sizeof(*this) + factor_.bytes() + shown_.size() * sizeof(shown_[0]) +
-         directions_.size() * (sizeof(Eigen::Vector3f) + sizeof(float) + sizeof(int));
+         directions_.size() * (sizeof(Eigen::Vector3f) + sizeof(float)) + nearest_.size() * sizeof(Nearest);
 }
 
 std::shared_ptr<const RingSnapshot> RingModel::snapshot(const Eigen::Matrix3f& frame, std::span<const int> resolution) {
-  if (snapshot_ || images_folded_ == 0) return snapshot_;
+  if (snapshot_ || images_ == 0) return snapshot_;
+  if (factor_.pending() == 0) {
+    snapshot_ = settled_snapshot(frame, resolution);
+  } else {  // what is seen must not depend on when it is looked at: a copy is folded
+    RingModel settled = *this;
+    Absorbed unused;
+    settled.follow(settled.factor_.fold(), unused);
+    snapshot_ = settled.settled_snapshot(frame, resolution);
+  }
+  return snapshot_;
+}
+
+std::shared_ptr<const RingSnapshot> RingModel::settled_snapshot(const Eigen::Matrix3f& frame,
+                                                                std::span<const int> resolution) const {
   auto snapshot = std::make_shared<RingSnapshot>();
-  snapshot->basis = factor_.basis();
+  snapshot->basis = factor_.displayed_basis();
   snapshot->directions = as_matrix(directions_);
   const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
-  ViewInterpolant interpolant = krige(snapshot->directions, factor_.coefficients(), reliability, kernel_);
+  ViewInterpolant interpolant = krige(snapshot->directions, factor_.displayed_coefficients(), reliability, kernel_);
   snapshot->weights = std::move(interpolant.weights);
   snapshot->mean = std::move(interpolant.mean);
   snapshot->kernel = kernel_;
   snapshot->frame = frame;
   snapshot->views = triangulate_views(frame, snapshot->directions);
   snapshot->shown.resize(shown_.size());
-  for (std::size_t s = 0; s < shown_.size(); ++s) snapshot->shown[s] = shown_share(shown_[s], images_folded_);
+  for (std::size_t s = 0; s < shown_.size(); ++s) snapshot->shown[s] = shown_share(shown_[s], images_);
   snapshot->residual = residual_;
   snapshot->best_cosine = best_cosine_;
-  snapshot->views_folded = images_folded_;
+  snapshot->views_folded = images_;
   fill_unseen_samples(*snapshot, resolution);
-  snapshot_ = std::move(snapshot);
-  return snapshot_;
+  return snapshot;
 }
 
 }  // namespace sheen

@@ -183,7 +183,8 @@ void SurfaceLightField::Pipeline::absorb(const SurfaceView& view, IngestReport& 
     RingColumn column;
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       if (!gather(*rings, v, mesh->vertices[v], view, samples, column)) continue;
-      if (!ring_models[v]) ring_models[v] = std::make_unique<RingModel>(rings->ring_samples(v), options.ring);
+      if (!ring_models[v])
+        ring_models[v] = std::make_unique<RingModel>(rings->ring_samples(v), options.ring, static_cast<unsigned>(v));
       absorbed[v] =
           ring_models[v]->absorb(column.values, column.visible, column.direction, column.cosine, column.cosine);
     }

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a block of columns joins the online SVD; the class is in ring_factor.h.
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "reconstructor/numerics/imputation.h"
+#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/numerics/row_panels.h"
+
+namespace sheen {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using row_panels::columns;
+
+// Below this share of a column's norm its residual is rounding noise and no direction.
+template <typename Scalar>
+constexpr double kNoise = 50 * std::numeric_limits<Scalar>::epsilon();
+// A residual that the others of its block explain but for this share of its energy gives no direction of its own:
+// inner products are not more exact than that.
+template <typename Scalar>
+constexpr double kSmallestPivot = 16 * std::numeric_limits<Scalar>::epsilon();
+// Rounding in the Gram matrix of the residuals reaches the basis magnified by this much at most; beyond it, they are
+// orthogonalised once more ("twice is enough").
+constexpr double kLargestGrowth = 16;
+
+/// Rows of a ring that was dim where it is now bright say little about each other: a channel's mean row is scaled only
+/// where it predicts at least this share of a typical value.
+constexpr double kDim = 0.04;
+
+/// R = P to_directions is orthonormal, and R coefficients = P but for what rounding hides.
+struct Orthonormalised {
+  MatrixXd to_directions;  ///< columns x directions
+  MatrixXd coefficients;   ///< directions x columns
+};
+
+/// Cholesky factorisation with pivoting of the Gram matrix of some columns, of which those of norm 0 are left out.
+Orthonormalised orthonormalise(MatrixXd gram, const VectorXd& norm2, double smallest_pivot) {
+  const Eigen::Index count = gram.rows();
+  // Residuals differ in size by orders of magnitude; scaled to one norm, none is lost beside another.
+  const VectorXd norm = norm2.cwiseSqrt();
+  const VectorXd scale = (norm2.array() > 0).select(norm.cwiseInverse(), 0.0);
+  gram = (scale.asDiagonal() * gram * scale.asDiagonal()).eval();
+  std::vector<int> order;
+  MatrixXd upper = MatrixXd::Zero(count, count);  // upper.topRows(n)^T upper.topRows(n) -> gram
+  VectorXd left = gram.diagonal();
+  for (Eigen::Index n = 0; n < count; ++n) {
+    Eigen::Index next;
+    const double pivot = left.maxCoeff(&next);
+    if (!(pivot > smallest_pivot)) break;
+    upper.row(n) = gram.row(next);
+    upper.row(n).noalias() -= upper.col(next).head(n).transpose() * upper.topRows(n);
+    upper.row(n) /= std::sqrt(pivot);
+    for (const int earlier : order) upper(n, earlier) = 0;
+    left -= upper.row(n).transpose().cwiseAbs2();
+    order.push_back(static_cast<int>(next));
+    for (const int done : order) left[done] = -1;
+  }
+  const auto directions = static_cast<Eigen::Index>(order.size());
+  const MatrixXd triangle = upper.topRows(directions)(Eigen::all, order);
+  const MatrixXd inverse = triangle.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(directions, directions));
+  Orthonormalised result{MatrixXd::Zero(count, directions), upper.topRows(directions) * norm.asDiagonal()};
+  for (Eigen::Index i = 0; i < directions; ++i) result.to_directions.row(order[i]) = scale[order[i]] * inverse.row(i);
+  return result;
+}
+
+/// The rotation of the first columns of `leading` that moves the old displayed frame (the first coordinates) least.
+MatrixXd aligning_rotation(const MatrixXd& leading, Eigen::Index old_displayed) {
+  const Eigen::Index size = leading.cols(), common = std::min(size, old_displayed);
+  if (common == 0) return MatrixXd::Identity(size, size);
+  const Eigen::HouseholderQR<MatrixXd> qr(leading.topRows(common).transpose());
+  MatrixXd rotation = qr.householderQ() * MatrixXd::Identity(size, size);
+  for (Eigen::Index i = 0; i < common; ++i)
+    if (qr.matrixQR()(i, i) < 0) rotation.col(i) = -rotation.col(i);
+  return rotation;
+}
+
+}  // namespace
+
+/// Core coordinates are those of Q = [B' R]: the polished basis B' = B (I - E/2) and the orthonormalised residuals
+/// R = (P - B overlap) to_directions.
+template <typename Scalar>
+struct BasicRingFactor<Scalar>::Block {
+  int count = 0;
+  VectorXd weight;            ///< a column; of the buffered column, which is scaled by a power of two
+  VectorXd norm2, residual2;  ///< ||c||^2, ||p||^2 of the buffered column
+  double lost = 0;            ///< energy that neither basis nor directions hold
+  MatrixXd inside;            ///< rank x count: coefficients in B
+  MatrixXd outside;           ///< directions x count: coefficients in R
+  MatrixXd overlap;           ///< rank x count: B^T P, what projecting once left behind
+  MatrixXd to_directions;     ///< count x directions
+  MatrixXd loss;              ///< E = B^T B - I; empty when the basis will not turn
+};
+
+/// New basis = Q from_core: the leading singular directions of all columns, in core coordinates.
+template <typename Scalar>
+struct BasicRingFactor<Scalar>::Turn {
+  int rank = 0;
+  double lost = 0;       ///< energy of the directions left out
+  VectorXd spectrum;     ///< rank
+  MatrixXd from_core;    ///< core size x rank
+  MatrixXd core;         ///< G of all columns, the block's included
+  MatrixXd coordinates;  ///< core size x count: of the block's columns
+};
+
+template <typename Scalar>
+std::vector<std::uint32_t> BasicRingFactor<Scalar>::hidden_patterns() const {
+  std::vector<std::uint32_t> patterns;
+  for (std::size_t j = 0; j < pending_.size(); ++j) {
+    const std::vector<std::uint64_t>& hidden = pending_[j].hidden;
+    if (hidden.empty()) continue;
+    if (patterns.empty()) patterns.assign(rows_, 0);
+    for (std::size_t word = 0; word < hidden.size(); ++word) {
+      for (std::uint64_t bits = hidden[word]; bits != 0; bits &= bits - 1)
+        patterns[64 * word + std::countr_zero(bits)] |= 1u << j;
+    }
+  }
+  return patterns;
+}
+
+template <typename Scalar>
+MatrixXd BasicRingFactor<Scalar>::pending_projections(std::span<const std::uint32_t> hidden) const {
+  const MatrixXd projections =
+      row_panels::inner_products(columns(basis_, rank_), columns(buffer_, pending()), basis_.rows());
+  if (hidden.empty() || rank_ == 0) return projections;
+  return most_probable_coefficients(columns(basis_, rank_), hidden, projections, prior(), row_noise());
+}
+
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
+  Reports reports;
+  if (pending_.empty()) return reports;
+  Block block;
+  block.count = pending();
+  block.weight.resize(block.count);
+  for (int j = 0; j < block.count; ++j) block.weight[j] = std::ldexp(pending_[j].weight, 2 * pending_[j].exponent);
+  const std::vector<std::uint32_t> hidden = hidden_patterns();
+  if (unseen_rows_ > 0) reveal_rows(block, hidden);
+
+  // y = B^T c, p = c - B y (000 sec. 3.1), with the hidden rows of c at their most probable values B y: p is 0 there.
+  block.norm2.resize(block.count);
+  for (int j = 0; j < block.count; ++j)
+    block.norm2[j] = row_panels::squared_norm(buffer_.col(j).data(), buffer_.rows());
+  const Matrix y = pending_projections(hidden).template cast<Scalar>();
+  block.inside = y.template cast<double>();
+  if (rank_ > 0)
+    row_panels::combine<Scalar>(columns(basis_, rank_), {}, -y, basis_.rows(),
+                                {buffer_.data(), buffer_.rows(), block.count}, true);
+  for (std::size_t row = 0; row < hidden.size(); ++row)
+    for (std::uint32_t bits = hidden[row]; bits != 0; bits &= bits - 1)
+      buffer_(static_cast<Eigen::Index>(row), std::countr_zero(bits)) = 0;
+
+  reports = split_residuals(block);
+  absorb(block);
+  staggered_ = columns_folded_ >= options_.block;
+  columns_folded_ += block.count;
+  pending_.clear();
+  return reports;
+}
+
+/// Gives rows that the basis has never seen the mean row of their channel, scaled to what the block's columns show.
+template <typename Scalar>
+void BasicRingFactor<Scalar>::reveal_rows(const Block& block, std::span<const std::uint32_t> hidden) {
+  std::vector<int> revealed;
+  const std::uint32_t all = block.count == 32 ? ~0u : (1u << block.count) - 1;
+  for (int row = 0; row < rows_; ++row)
+    if (!(seen_[row / 64] >> (row % 64) & 1) && (hidden.empty() || hidden[row] != all)) revealed.push_back(row);
+  if (revealed.empty()) return;
+  if (rank_ > 0) {
+    // Until now a column's unseen rows are hidden rows: those of the basis are 0.
+    const MatrixXd y = pending_projections(hidden);
+    MatrixXd level = MatrixXd::Zero(options_.channels, rank_);
+    std::vector<double> rows_of_channel(options_.channels, 0);
+    for (int row = 0; row < rows_; ++row) {
+      if (!(seen_[row / 64] >> (row % 64) & 1)) continue;
+      level.row(row % options_.channels) += basis_.row(row).head(rank_).template cast<double>();
+      rows_of_channel[row % options_.channels] += 1;
+    }
+    double rows_seen = 0;
+    for (int c = 0; c < options_.channels; ++c) {
+      level.row(c) /= std::max(rows_of_channel[c], 1.0);
+      rows_seen += rows_of_channel[c];
+    }
+    const MatrixXd expected = level * y;  // channels x columns
+    for (const int row : revealed) {
+      const int channel = row % options_.channels;
+      double value_expected = 0, expected2 = 0, typical2 = 0, y2 = 0;
+      VectorXd value_y = VectorXd::Zero(rank_);
+      for (int j = 0; j < block.count; ++j) {
+        if (!hidden.empty() && (hidden[row] >> j & 1)) continue;
+        const double value = buffer_(row, j), e = expected(channel, j), w = block.weight[j];
+        value_expected += w * value * e;
+        expected2 += w * e * e;
+        typical2 += w * y.col(j).squaredNorm() / std::max(rows_seen, 1.0);
+        y2 += w * y.col(j).squaredNorm();
+        value_y += w * value * y.col(j);
+      }
+      if (expected2 > kDim * kDim * typical2)
+        basis_.row(row).head(rank_) = (value_expected / expected2 * level.row(channel)).template cast<Scalar>();
+      else if (y2 > 0)
+        basis_.row(row).head(rank_) = (value_y.transpose() / y2).template cast<Scalar>();
+    }
+    restore_orthonormality();
+  }
+  for (const int row : revealed) seen_[row / 64] |= std::uint64_t{1} << (row % 64);
+  unseen_rows_ -= static_cast<int>(revealed.size());
+}
+
+/// Separates what the basis does not hold of the block, and orthonormalises it where it may not be lost.
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::split_residuals(Block& block) {
+  const int count = block.count;
+  Reports reports(count);
+  block.overlap = row_panels::inner_products(columns(basis_, rank_), columns(buffer_, count), buffer_.rows());
+  block.inside += block.overlap;
+  block.residual2.resize(count);
+  double energy_after = energy();
+  for (int j = 0; j < count; ++j) {
+    const double p2 = row_panels::squared_norm(buffer_.col(j).data(), buffer_.rows());
+    double& residual2 = block.residual2[j];
+    residual2 = std::max(0.0, p2 - block.overlap.col(j).squaredNorm());
+    if (residual2 <= kNoise<Scalar> * kNoise<Scalar> * block.norm2[j]) residual2 = 0;
+    block.lost += block.weight[j] * residual2;
+    energy_after += block.weight[j] * (residual2 + block.inside.col(j).squaredNorm());
+    reports[j] = report(pending_[j], block.norm2[j], residual2);
+  }
+  block.outside = MatrixXd::Zero(0, count);
+  block.to_directions = MatrixXd::Zero(count, 0);
+  if (lost_ + block.lost <= options_.tolerance * options_.tolerance * energy_after) return reports;
+  MatrixXd gram = row_panels::inner_products(columns(buffer_, count), columns(buffer_, count), buffer_.rows(), true);
+  gram.noalias() -= block.overlap.transpose() * block.overlap;
+  Orthonormalised residuals = orthonormalise(std::move(gram), block.residual2, kSmallestPivot<Scalar>);
+  block.to_directions = std::move(residuals.to_directions);
+  block.outside = std::move(residuals.coefficients);
+  block.lost = 0;
+  for (int j = 0; j < count; ++j)
+    block.lost += block.weight[j] * std::max(0.0, block.residual2[j] - block.outside.col(j).squaredNorm());
+  return reports;
+}
+
+/// What a column brought, which `row_noise` follows.
+template <typename Scalar>
+ColumnReport BasicRingFactor<Scalar>::report(const Pending& column, double norm2, double residual2) {
+  ColumnReport report;
+  report.norm = std::ldexp(std::sqrt(norm2), column.exponent);
+  report.residual_norm = std::ldexp(std::sqrt(residual2), column.exponent);
+  report.known_rows = rows_;
+  for (const std::uint64_t bits : column.hidden) report.known_rows -= std::popcount(bits);
+  report.first = rank_ == 0;
+  if (report.first || report.known_rows == 0) return report;
+  const double variance = report.residual_norm * report.residual_norm / report.known_rows;
+  row_noise_ = columns_predicted_ == 0 ? variance : std::lerp(variance, row_noise_, options_.residual_memory);
+  ++columns_predicted_;
+  return report;
+}
+
+template <typename Scalar>
+int BasicRingFactor<Scalar>::choose_rank(const VectorXd& ascending, double lost, double& tail) const {
+  const double energy = lost + ascending.cwiseMax(0).sum();
+  const double budget = options_.tolerance * options_.tolerance * energy;
+  auto kept = static_cast<int>(ascending.size());
+  tail = 0;
+  for (const double value : ascending) {
+    const double next = std::max(0.0, value);
+    const bool affordable = lost + tail + next <= budget;
+    const bool rounding = next <= kNoise<Scalar> * kNoise<Scalar> * energy;
+    if (!affordable && !rounding && kept <= options_.terms_kept()) break;
+    tail += next;
+    --kept;
+  }
+  return kept;
+}
+
+/// Orthonormalises the directions of the block once more, now as columns of their own.
+template <typename Scalar>
+void BasicRingFactor<Scalar>::orthonormalise_again(Block& block) {
+  const auto columns_before = static_cast<int>(block.to_directions.rows());
+  const auto directions = static_cast<int>(block.to_directions.cols());
+  Matrix m(rank_ + columns_before, directions);
+  m << (-block.overlap * block.to_directions).template cast<Scalar>(), block.to_directions.template cast<Scalar>();
+  row_panels::combine<Scalar>(columns(basis_, rank_), columns(buffer_, columns_before), m, buffer_.rows(),
+                              {buffer_.data(), buffer_.rows(), directions});
+  const auto residuals = columns(buffer_, directions);
+  block.overlap = row_panels::inner_products(columns(basis_, rank_), residuals, buffer_.rows());
+  MatrixXd gram = row_panels::inner_products(residuals, residuals, buffer_.rows(), true);
+  gram.noalias() -= block.overlap.transpose() * block.overlap;
+  const Orthonormalised once_more = orthonormalise(gram, gram.diagonal().cwiseMax(0), kSmallestPivot<Scalar>);
+  block.to_directions = once_more.to_directions;
+  block.inside += block.overlap * block.outside;
+  block.outside = once_more.coefficients * block.outside;
+}
+
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Turn BasicRingFactor<Scalar>::singular_turn(const Block& block) const {
+  const Eigen::Index directions = block.outside.rows(), size = rank_ + directions;
+  if (size == 0) return {.coordinates = MatrixXd::Zero(0, block.count)};
+  MatrixXd z(size, block.count);
+  z << block.inside, block.outside;
+  MatrixXd core = MatrixXd::Zero(size, size);
+  core.topLeftCorner(rank_, rank_) = gram_;
+  if (block.loss.size() > 0) {  // coordinates in the polished basis: (I + E/2) y
+    z.topRows(rank_) += 0.5 * block.loss * block.inside;
+    const MatrixXd change = 0.5 * block.loss * gram_;
+    core.topLeftCorner(rank_, rank_) += change + change.transpose();
+  }
+  core.noalias() += z * block.weight.asDiagonal() * z.transpose();
+
+  Turn turn;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(core);  // ascending
+  turn.rank = choose_rank(eigen.eigenvalues(), lost_ + block.lost, turn.lost);
+  turn.spectrum = eigen.eigenvalues().tail(turn.rank).reverse().cwiseMax(0);
+  turn.coordinates = std::move(z);
+  turn.core = std::move(core);
+  turn.from_core = eigen.eigenvectors().rightCols(turn.rank).rowwise().reverse();
+  return turn;
+}
+
+/// Adds the block to Y and G, and turns the basis to the new singular directions.
+template <typename Scalar>
+void BasicRingFactor<Scalar>::absorb(Block& block) {
+  const bool grows = block.outside.rows() > 0;
+  const auto polish = [&] {
+    block.loss = row_panels::inner_products(columns(basis_, rank_), columns(basis_, rank_), basis_.rows(), true);
+    block.loss.diagonal().array() -= 1;
+  };
+  const bool turns = grows || rank_ > options_.max_rank || block.count == 0;
+  if (turns) polish();
+  Turn turn = singular_turn(block);
+  if (!turns && turn.rank == rank_) {  // nothing new: the basis stays as it is
+    gram_ = turn.core;
+    spectrum_ = turn.spectrum;
+    lost_ += block.lost;
+    append_views(block, turn.coordinates);
+    return;
+  }
+  if (grows) {
+    // Rounding in the residuals' Gram matrix, of norm 1 each, reaches the new basis times this.
+    const MatrixXd reach = block.residual2.cwiseSqrt().asDiagonal() * block.to_directions *
+                           turn.from_core.bottomRows(block.outside.rows());
+    if (reach.colwise().squaredNorm().maxCoeff() > kLargestGrowth) {
+      orthonormalise_again(block);
+      turn = singular_turn(block);
+    }
+  }
+  if (!turns) {
+    polish();
+    turn = singular_turn(block);
+  }
+  apply(turn, block);
+}
+
+template <typename Scalar>
+void BasicRingFactor<Scalar>::apply(Turn& turn, const Block& block) {
+  const Eigen::Index directions = block.outside.rows();
+  const Eigen::Index displayed = std::min(turn.rank, options_.max_rank);
+  const MatrixXd rotation = aligning_rotation(turn.from_core.leftCols(displayed), displayed_rank());
+  turn.from_core.leftCols(displayed) = (turn.from_core.leftCols(displayed) * rotation).eval();
+
+  const MatrixXd from_basis = turn.from_core.topRows(rank_);
+  const MatrixXd half = 0.5 * block.loss * from_basis;
+  const MatrixXd from_residuals = block.to_directions * turn.from_core.bottomRows(directions);
+  Matrix m(rank_ + from_residuals.rows(), turn.rank);
+  m.topRows(rank_) = (from_basis - half - block.overlap * from_residuals).template cast<Scalar>();
+  m.bottomRows(from_residuals.rows()) = from_residuals.template cast<Scalar>();
+  const auto residuals = static_cast<int>(from_residuals.rows());
+  const Eigen::Index padded = row_panels::padded(rows_);
+  if (turn.rank == basis_.cols()) {
+    row_panels::combine<Scalar>(columns(basis_, rank_), columns(buffer_, residuals), m, padded,
+                                {basis_.data(), padded, turn.rank});
+  } else {
+    Matrix turned(padded, turn.rank);
+    row_panels::combine<Scalar>(columns(basis_, rank_), columns(buffer_, residuals), m, padded,
+                                {turned.data(), padded, turn.rank});
+    basis_ = std::move(turned);
+  }
+
+  const Matrix turned = (from_basis + half).transpose().template cast<Scalar>() * coefficients_;
+  for (Eigen::Index v = 0; v < turned.cols(); ++v)
+    views_[v].lost += std::max(0.0, static_cast<double>(coefficients_.col(v).squaredNorm()) -
+                                        static_cast<double>(turned.col(v).squaredNorm()));
+  coefficients_ = turned;
+  if (scatter_.size() > 0) scatter_ = ((from_basis + half).transpose() * scatter_ * (from_basis + half)).eval();
+  gram_ = turn.spectrum.asDiagonal();
+  gram_.topLeftCorner(displayed, displayed) =
+      rotation.transpose() * turn.spectrum.head(displayed).asDiagonal() * rotation;
+  spectrum_ = turn.spectrum;
+  lost_ += block.lost + turn.lost;
+  rank_ = turn.rank;
+  append_views(block, turn.from_core.transpose() * turn.coordinates);
+}
+
+/// `coordinates`: of the block's columns in the basis as it now is.
+template <typename Scalar>
+void BasicRingFactor<Scalar>::append_views(const Block& block, const MatrixXd& coordinates) {
+  const Eigen::Index before = coefficients_.cols();
+  coefficients_.conservativeResize(rank_, before + block.count);
+  for (int j = 0; j < block.count; ++j) {
+    const int exponent = pending_[j].exponent;
+    coefficients_.col(before + j) =
+        coordinates.col(j).unaryExpr([&](double y) { return std::ldexp(y, exponent); }).template cast<Scalar>();
+    const double inside = (block.inside.col(j).squaredNorm() + block.residual2[j]) - coordinates.col(j).squaredNorm();
+    views_.push_back({pending_[j].weight, std::ldexp(std::max(0.0, inside), 2 * exponent)});
+  }
+}
+
+template <typename Scalar>
+void BasicRingFactor<Scalar>::turn_to_singular_order() {
+  if (rank_ == 0) return;
+  Block nothing;
+  nothing.inside = nothing.overlap = MatrixXd::Zero(rank_, 0);
+  nothing.outside = nothing.to_directions = MatrixXd::Zero(0, 0);
+  absorb(nothing);
+}
+
+// The members that ring_factor.cpp uses; they bring the others with them.
+template BasicRingFactor<float>::Reports BasicRingFactor<float>::fold();
+template BasicRingFactor<double>::Reports BasicRingFactor<double>::fold();
+template std::vector<std::uint32_t> BasicRingFactor<float>::hidden_patterns() const;
+template std::vector<std::uint32_t> BasicRingFactor<double>::hidden_patterns() const;
+template MatrixXd BasicRingFactor<float>::pending_projections(std::span<const std::uint32_t>) const;
+template MatrixXd BasicRingFactor<double>::pending_projections(std::span<const std::uint32_t>) const;
+template void BasicRingFactor<float>::turn_to_singular_order();
+template void BasicRingFactor<double>::turn_to_singular_order();
+
+}  // namespace sheen
