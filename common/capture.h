@@ -42,7 +42,7 @@ const char* to_string(FrameVerdict verdict);
 
 /// Whether an image is folded into the model or kept aside to judge it.
 enum class Purpose : std::uint8_t {
-  kUnspecified = 0,  ///< the reconstructor decides (every Nth accepted image is held out)
+  kUnspecified = 0,  ///< the reconstructor decides (every Nth image is held out)
   kTraining = 1,
   kHeldOut = 2,
 };

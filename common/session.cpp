@@ -205,6 +205,11 @@ Session Session::open_read_only(const fs::path& folder) {
   return Session(std::make_unique<Impl>(folder, SessionIndex::Access::kReadOnly, std::nullopt));
 }
 
+Session Session::open_to_withdraw(const fs::path& folder) {
+  if (!exists(folder)) throw FileError(folder.string(), "holds no session");
+  return Session(std::make_unique<Impl>(folder, SessionIndex::Access::kWrite, std::nullopt));
+}
+
 std::uint64_t Session::append(const Capture& capture) {
   impl_->require_writable();
   const std::lock_guard guard(impl_->mutex);
@@ -235,6 +240,26 @@ Capture Session::read(std::uint64_t index) const {
 std::map<std::string, std::uint64_t> Session::held() const {
   const std::lock_guard guard(impl_->mutex);
   return impl_->index.held();
+}
+
+bool Session::set_withdrawn(std::uint64_t index, bool withdrawn) {
+  const std::lock_guard guard(impl_->mutex);
+  return impl_->index.set_withdrawn(index, withdrawn);
+}
+
+std::set<std::uint64_t> Session::withdrawn() const {
+  const std::lock_guard guard(impl_->mutex);
+  return impl_->index.withdrawn();
+}
+
+std::vector<Withdrawal> Session::withdrawals_after(std::uint64_t number) const {
+  const std::lock_guard guard(impl_->mutex);
+  return impl_->index.withdrawals_after(number);
+}
+
+std::optional<std::uint64_t> Session::last() const {
+  const std::lock_guard guard(impl_->mutex);
+  return impl_->index.last();
 }
 
 void Session::set_metadata(const std::string& key, const std::string& value) {

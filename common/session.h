@@ -6,22 +6,35 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "common/capture.h"
 
 namespace sheen {
 
-inline constexpr int kSessionVersion = 1;  ///< of the layout on disk; a newer one is refused with both versions named
+inline constexpr int kSessionVersion = 2;  ///< of the layout on disk; a newer one is refused with both versions named
+
+/// An entry of a session's list of withdrawals: a capture was taken back, or put back. The last entry of a capture
+/// counts.
+struct Withdrawal {
+  std::uint64_t number = 0;  ///< of the entry, rising
+  std::uint64_t capture = 0;
+  bool withdrawn = false;
+};
 
 /// Journal of a capture: a folder with `session.sqlite` (index, metadata) and one file a capture in `captures/` (the
 /// wire encoding, lossless). A capture is durable when `append` returns: file and index are flushed to the disk.
 /// One writer at a time (locked); after a crash an unindexed or torn file is dropped on opening.
+/// A capture can be withdrawn: it stays, marked, and models leave it out. Readers may withdraw beside the writer.
 class Session {
  public:
   static Session create(const std::filesystem::path& folder);  ///< throws FileError; the folder may exist if empty
   static Session open(const std::filesystem::path& folder);    ///< for appending; throws FileError
   static Session open_read_only(const std::filesystem::path& folder);  ///< throws FileError
+  /// For reading and for withdrawing, also while another program writes. Throws FileError.
+  static Session open_to_withdraw(const std::filesystem::path& folder);
   static bool exists(const std::filesystem::path& folder);
   Session(Session&&) noexcept;
   ~Session();
@@ -34,6 +47,15 @@ class Session {
   Capture read(std::uint64_t index) const;
   /// Highest sequence that is durable, without a gap before it, a source session.
   std::map<std::string, std::uint64_t> held() const;
+
+  /// Takes a capture back, or puts it back; durable when it returns. False when it was so already. Throws FileError
+  /// when there is no such capture.
+  bool set_withdrawn(std::uint64_t index, bool withdrawn);
+  std::set<std::uint64_t> withdrawn() const;
+  /// The entries after a number, in their order: what a reader that knows of the earlier ones has missed.
+  std::vector<Withdrawal> withdrawals_after(std::uint64_t number) const;
+  /// The last capture that is not withdrawn.
+  std::optional<std::uint64_t> last() const;
 
   /// Small text values: the mesh's path and hash, the model's configuration, tool versions.
   void set_metadata(const std::string& key, const std::string& value);

@@ -14,7 +14,7 @@ namespace {
 constexpr int kApplicationId = 0x5348454E;  // "SHEN"
 constexpr int kBusyMs = 2000;
 
-/// The schema of version 1. `idx` counts captures from 0 without a gap.
+/// What version 1 has. `idx` counts captures from 0 without a gap.
 const char* const kSchema = R"(
   CREATE TABLE captures (
     idx INTEGER PRIMARY KEY,
@@ -26,6 +26,15 @@ const char* const kSchema = R"(
     UNIQUE (source_session, sequence)
   );
   CREATE TABLE metadata (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+)";
+
+/// What version 2 adds: a log, never shortened, of which the last entry of a capture counts.
+const char* const kWithdrawals = R"(
+  CREATE TABLE IF NOT EXISTS withdrawals (
+    number INTEGER PRIMARY KEY,
+    idx INTEGER NOT NULL REFERENCES captures (idx),
+    withdrawn INTEGER NOT NULL
+  );
 )";
 
 std::string what_failed(sqlite3* db) {
@@ -110,16 +119,28 @@ struct SessionIndex::Impl {
   Database db;
 
   Statement prepare(const char* sql) const { return Statement(file, db.get(), sql); }
-  void check_version() const;
+  void check_version();
+  void migrate();
+
+  int version = 0;
 };
 
-void SessionIndex::Impl::check_version() const {
-  Statement id = prepare("PRAGMA application_id"), version = prepare("PRAGMA user_version");
+void SessionIndex::Impl::migrate() {
+  if (version == kSessionVersion) return;
+  execute(file, db.get(),
+          std::string("BEGIN IMMEDIATE;") + kWithdrawals + "PRAGMA user_version = " + std::to_string(kSessionVersion) +
+              "; COMMIT;");
+  version = kSessionVersion;
+}
+
+void SessionIndex::Impl::check_version() {
+  Statement id = prepare("PRAGMA application_id"), version_query = prepare("PRAGMA user_version");
   id.step();
-  version.step();
+  version_query.step();
   if (id.integer(0) != kApplicationId) throw FileError(file.string(), "is not the index of a Sheen session");
-  if (version.integer(0) > kSessionVersion)
-    throw FileError(file.string(), "the session has version " + std::to_string(version.integer(0)) +
+  version = static_cast<int>(version_query.integer(0));
+  if (version > kSessionVersion)
+    throw FileError(file.string(), "the session has version " + std::to_string(version) +
                                        ", this program reads up to version " + std::to_string(kSessionVersion) +
                                        "; open it with the newer release that wrote it");
 }
@@ -133,7 +154,8 @@ void SessionIndex::create(const std::filesystem::path& file) {
     const Database db = open_database(file, unfinished.string(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
     execute(file, db.get(),
             "PRAGMA synchronous = FULL; BEGIN; PRAGMA application_id = " + std::to_string(kApplicationId) +
-                "; PRAGMA user_version = " + std::to_string(kSessionVersion) + ";" + kSchema + "COMMIT;");
+                "; PRAGMA user_version = " + std::to_string(kSessionVersion) + ";" + kSchema + kWithdrawals +
+                "COMMIT;");
   }
   std::filesystem::rename(unfinished, file, error);
   if (error) throw FileError(file.string(), "cannot be written: " + error.message());
@@ -145,6 +167,7 @@ SessionIndex::SessionIndex(const std::filesystem::path& file, Access access) : i
     impl_->db = open_database(file, file.string(), SQLITE_OPEN_READWRITE);
     impl_->check_version();
     execute(file, impl_->db.get(), "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
+    impl_->migrate();
     return;
   }
   impl_->db = open_database(file, file.string(), SQLITE_OPEN_READONLY);
@@ -210,6 +233,48 @@ std::map<std::string, std::uint64_t> SessionIndex::held() const {
   std::map<std::string, std::uint64_t> held;
   while (query.step()) held[query.text(0)] = query.integer(1);
   return held;
+}
+
+bool SessionIndex::set_withdrawn(std::uint64_t index, bool withdrawn) {
+  if (!file(index))
+    throw FileError(impl_->file.string(), "has no capture " + std::to_string(index) + " to withdraw; it has " +
+                                              (size() == 0 ? "none" : "0.." + std::to_string(size() - 1)));
+  // One statement, so that two programs that ask for the same leave one entry.
+  impl_
+      ->prepare(R"(
+        INSERT INTO withdrawals (idx, withdrawn) SELECT ?1, ?2
+        WHERE COALESCE((SELECT withdrawn FROM withdrawals WHERE idx = ?1 ORDER BY number DESC LIMIT 1), 0) != ?2)")
+      .bind(index)
+      .bind(std::uint64_t{withdrawn})
+      .step();
+  return sqlite3_changes(impl_->db.get()) > 0;
+}
+
+std::set<std::uint64_t> SessionIndex::withdrawn() const {
+  std::set<std::uint64_t> captures;
+  for (const Withdrawal& entry : withdrawals_after(0)) {
+    if (entry.withdrawn)
+      captures.insert(entry.capture);
+    else
+      captures.erase(entry.capture);
+  }
+  return captures;
+}
+
+std::vector<Withdrawal> SessionIndex::withdrawals_after(std::uint64_t number) const {
+  std::vector<Withdrawal> entries;
+  if (impl_->version < 2) return entries;
+  Statement query = impl_->prepare("SELECT number, idx, withdrawn FROM withdrawals WHERE number > ? ORDER BY number");
+  query.bind(number);
+  while (query.step()) entries.push_back({query.integer(0), query.integer(1), query.integer(2) != 0});
+  return entries;
+}
+
+std::optional<std::uint64_t> SessionIndex::last() const {
+  const std::set<std::uint64_t> gone = withdrawn();
+  for (std::uint64_t index = size(); index-- > 0;)
+    if (!gone.contains(index)) return index;
+  return std::nullopt;
 }
 
 void SessionIndex::set_metadata(const std::string& key, const std::string& value) {

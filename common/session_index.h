@@ -8,8 +8,11 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace sheen {
+
+struct Withdrawal;
 
 /// What the index knows about one capture file.
 struct IndexedFile {
@@ -34,6 +37,10 @@ class SessionIndex {
   std::optional<IndexedFile> file(std::uint64_t index) const;
   std::set<std::string> file_names() const;
   std::map<std::string, std::uint64_t> held() const;
+  bool set_withdrawn(std::uint64_t index, bool withdrawn);
+  std::set<std::uint64_t> withdrawn() const;
+  std::vector<Withdrawal> withdrawals_after(std::uint64_t number) const;
+  std::optional<std::uint64_t> last() const;
   void set_metadata(const std::string& key, const std::string& value);
   std::optional<std::string> metadata(const std::string& key) const;
 

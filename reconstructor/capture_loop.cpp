@@ -82,12 +82,19 @@ void CaptureLoop::ingest(std::stop_token stop) {
     auto last_snapshot = Clock::now(), last_judged = Clock::now();
     bool changed = false;  // since the last snapshot
     for (std::uint64_t next = 0; !stop.stop_requested();) {
+      if (follow_withdrawals(journal, next)) {
+        anew_until_ = std::max(anew_until_, next);
+        next = 0;
+        changed = true;
+        reconstruction_.restart();
+      }
       const Waited waited = wait_for_capture(next, stop);
       if (waited == Waited::kArrived) {
-        account(reconstruction_.ingest(journal.read(next++)));
+        take_in(journal, next++);
         changed = true;
       }
       const bool ended = waited == Waited::kSourceEnded;
+      if (next < anew_until_) continue;  // who watches keeps the last whole model
       if (changed && (ended || Clock::now() - last_snapshot >= options_.snapshot_interval)) {
         if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
         last_snapshot = Clock::now();
@@ -112,9 +119,35 @@ CaptureLoop::Waited CaptureLoop::wait_for_capture(std::uint64_t index, std::stop
   return status_.link.ended ? Waited::kSourceEnded : Waited::kNothing;
 }
 
-void CaptureLoop::account(const IngestReport& report) {
+/// True when a capture that the model has taken in, or left out, must no longer be so.
+bool CaptureLoop::follow_withdrawals(const Session& journal, std::uint64_t ingested) {
+  const std::vector<Withdrawal> news = journal.withdrawals_after(last_withdrawal_);
+  if (news.empty()) return false;
+  last_withdrawal_ = news.back().number;
+  std::set<std::uint64_t> now = withdrawn_;
+  for (const Withdrawal& w : news) {
+    if (w.withdrawn)
+      now.insert(w.capture);
+    else
+      now.erase(w.capture);
+  }
+  const auto matters = [&](const Withdrawal& w) {
+    return w.capture < ingested && now.contains(w.capture) != withdrawn_.contains(w.capture);
+  };
+  const bool anew = std::any_of(news.begin(), news.end(), matters);
+  withdrawn_ = std::move(now);
+  return anew;
+}
+
+void CaptureLoop::take_in(const Session& journal, std::uint64_t index) {
+  IngestReport report;
+  if (withdrawn_.contains(index))
+    reconstruction_.leave_out(1);
+  else
+    report = reconstruction_.ingest(journal.read(index));
   const std::lock_guard lock(mutex_);
-  ++status_.ingested;
+  status_.ingested = index + 1;
+  status_.anew_until = status_.ingested < anew_until_ ? anew_until_ : 0;
   status_.counts = reconstruction_.counts();
   if (report.status == IngestStatus::kAccepted) status_.last = report;
   status_.images_per_s = reconstruction_.images_per_s();
@@ -149,6 +182,12 @@ void CaptureLoop::fail(const std::string& what) {
   receive_thread_.request_stop();
   ingest_thread_.request_stop();
   finished_ = true;
+}
+
+std::optional<std::uint64_t> CaptureLoop::withdraw_last() {
+  const std::optional<std::uint64_t> last = session_.last();
+  if (last) session_.set_withdrawn(*last, true);
+  return last;
 }
 
 LoopStatus CaptureLoop::status() const {

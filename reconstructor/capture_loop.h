@@ -8,6 +8,8 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -22,8 +24,9 @@ namespace sheen {
 /// What the loop tells whoever watches; plain values, copied.
 struct LoopStatus {
   FrameCounts counts;
-  std::uint64_t journaled = 0;  ///< captures that are durable
-  std::uint64_t ingested = 0;   ///< of these, how many the model has seen
+  std::uint64_t journaled = 0;   ///< captures that are durable
+  std::uint64_t ingested = 0;    ///< of these, how many the model has seen or left out
+  std::uint64_t anew_until = 0;  ///< after a withdrawal: captures of which the model is being made anew; else 0
   ReceiverStats link;
   IngestReport last;
   double images_per_s = 0;
@@ -57,7 +60,8 @@ struct CaptureLoopOptions {
 ///   receive:  link -> journal (durable) -> acknowledge
 ///   ingest:   journal -> model -> snapshot -> observers; now and then the held-out views are judged
 /// The model is a function of the journal alone: after a crash the same captures in the same order give the same model,
-/// and a slow model only lags behind; nothing is lost and nothing waits for it.
+/// and a slow model only lags behind; nothing is lost and nothing waits for it. When a capture that the model knows is
+/// withdrawn from the journal, by whichever program, the model is made anew without it while the last snapshot stays.
 class CaptureLoop {
  public:
   /// The session's captures so far are ingested first.
@@ -71,13 +75,17 @@ class CaptureLoop {
   /// True when the source has ended and everything has been ingested, or an error stopped the loop.
   bool finished() const { return finished_; }
   LoopStatus status() const;
+  /// Withdraws the last capture of the journal that is not withdrawn, and returns its index; nothing where there is
+  /// none. Throws FileError.
+  std::optional<std::uint64_t> withdraw_last();
 
  private:
   void receive(std::stop_token stop);
   void ingest(std::stop_token stop);
   enum class Waited { kArrived, kNothing, kSourceEnded };
   Waited wait_for_capture(std::uint64_t index, std::stop_token stop);
-  void account(const IngestReport& report);
+  void take_in(const Session& journal, std::uint64_t index);
+  bool follow_withdrawals(const Session& journal, std::uint64_t ingested);
   void judge_live();
   void fail(const std::string& what);
 
@@ -91,6 +99,9 @@ class CaptureLoop {
   mutable std::mutex mutex_;
   std::condition_variable_any journaled_changed_;
   LoopStatus status_;
+  std::set<std::uint64_t> withdrawn_;
+  std::uint64_t last_withdrawal_ = 0;  ///< number of the last entry that is followed
+  std::uint64_t anew_until_ = 0;       ///< captures that the model knew when it was last begun anew
   std::size_t next_judged_ = 0;
   std::atomic<bool> finished_{false};
   std::jthread receive_thread_, ingest_thread_;

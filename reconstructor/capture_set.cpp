@@ -2,6 +2,8 @@
 #include "reconstructor/capture_set.h"
 
 #include <memory>
+#include <set>
+#include <vector>
 
 #include "common/datasets/dataset.h"
 #include "common/session.h"
@@ -11,10 +13,14 @@ namespace sheen {
 CaptureSet open_capture_set(const std::filesystem::path& folder) {
   if (Session::exists(folder)) {
     auto session = std::make_shared<Session>(Session::open_read_only(folder));
-    return {session->size(), [session](std::size_t i) { return session->read(i); }};
+    const std::set<std::uint64_t> withdrawn = session->withdrawn();
+    std::vector<std::uint64_t> kept;
+    for (std::uint64_t i = 0; i < session->size(); ++i)
+      if (!withdrawn.contains(i)) kept.push_back(i);
+    return {kept.size(), withdrawn.size(), [session, kept](std::size_t i) { return session->read(kept[i]); }};
   }
   auto dataset = std::make_shared<Dataset>(load_dataset(folder));
-  return {dataset->views.size(), [dataset](std::size_t i) { return read_capture(*dataset, i); }};
+  return {dataset->views.size(), 0, [dataset](std::size_t i) { return read_capture(*dataset, i); }};
 }
 
 }  // namespace sheen

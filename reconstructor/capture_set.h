@@ -10,9 +10,11 @@
 
 namespace sheen {
 
-/// Captures in their order, wherever they lie: posed photographs (transforms.json, COLMAP) or the journal of a session.
+/// Captures in their order, wherever they lie: posed photographs (transforms.json, COLMAP) or the journal of a session,
+/// of which only those that are not withdrawn count.
 struct CaptureSet {
   std::size_t size = 0;
+  std::size_t withdrawn = 0;
   std::function<Capture(std::size_t)> read;
 };
 

@@ -41,6 +41,14 @@ TrackerLink link_of(const LoopStatus& status, const std::optional<MonitorState::
   return status.link.connected && fresh ? TrackerLink::kConnected : TrackerLink::kStale;
 }
 
+std::string message_of(const LoopStatus& status) {
+  if (!status.error.empty()) return status.error;
+  if (status.anew_until > 0)
+    return "without what was taken back: image " + std::to_string(status.ingested) + " of " +
+           std::to_string(status.anew_until);
+  return status.link.last_error;
+}
+
 }  // namespace
 
 LoopObserver LiveDisplay::observer() {
@@ -70,6 +78,7 @@ void LiveDisplay::publish_to_window(const LoopStatus& status) {
                          .frames_accepted = status.counts.accepted + status.counts.held_out,
                          .frames_held_out = status.counts.held_out,
                          .frames_refused = status.counts.refused,
+                         .frames_withdrawn = status.counts.withdrawn,
                          .images_per_s = status.images_per_s,
                          .residual = status.last.relative_residual};
   if (!status.held_out_curve.empty()) {
@@ -81,7 +90,7 @@ void LiveDisplay::publish_to_window(const LoopStatus& status) {
                  .figures = figures,
                  .link = link_of(status, now.capture_at),
                  .next_view = next_view_,
-                 .message = status.error.empty() ? status.link.last_error : status.error});
+                 .message = message_of(status)});
 }
 
 MonitorState LiveDisplay::monitor_state(const LoopStatus& status) {
@@ -100,6 +109,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status) {
   state.received = status.counts.received;
   state.accepted = status.counts.accepted;
   state.held_out = status.counts.held_out;
+  state.withdrawn = status.counts.withdrawn;
   state.journaled = status.journaled;
   state.sequence_gaps = status.link.missing;
   state.refused = status.counts.refused;

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   sheen::add_render_command(app);
   sheen::add_evaluate_command(app);
   sheen::add_view_command(app);
+  sheen::add_undo_command(app);
   sheen::add_monitor_command(app);
   sheen::add_doctor_command(app);
   sheen::add_tradeoff_command(app);

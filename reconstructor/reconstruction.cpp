@@ -27,6 +27,19 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
   return report;
 }
 
+void Reconstruction::leave_out(std::uint64_t captures) {
+  counts_.received += captures;
+  counts_.withdrawn += captures;
+}
+
+void Reconstruction::restart() {
+  model_.restart();
+  held_out_.clear();
+  counts_ = {};
+  stages_.clear();
+  updates_ = {};
+}
+
 void Reconstruction::account(const IngestReport& report) {
   double total_s = 0;
   for (const auto& [stage, ms] : report.stage_ms) {

@@ -19,6 +19,7 @@ namespace sheen {
 struct FrameCounts {
   std::uint64_t received = 0, accepted = 0, held_out = 0;
   std::map<std::string, std::uint64_t> refused;  ///< by reason
+  std::uint64_t withdrawn = 0;                   ///< taken back by a person
 };
 
 /// One object being reconstructed: the model, the views that judge it, and the account of every capture. Live capture
@@ -28,6 +29,10 @@ class Reconstruction {
   Reconstruction(Mesh mesh, const SurfaceLightFieldOptions& options);
 
   IngestReport ingest(const Capture& capture);
+  /// Counts captures that were withdrawn and so are not ingested.
+  void leave_out(std::uint64_t captures);
+  /// Forgets every capture: what is ingested from now on gives the bits that it gives a new one.
+  void restart();
 
   std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot() { return model_.light_field_snapshot(); }
   const SurfaceLightField& model() const { return model_; }

@@ -50,8 +50,13 @@ json reconstruction_report(Reconstruction& reconstruction) {
   for (const auto& [stage, seconds] : reconstruction.stages()) stages[stage] = 1e3 * seconds.median_s();
 
   json report;
-  report["frames"] = {{"sent", counts.received},     {"received", counts.received}, {"accepted", counts.accepted},
-                      {"held_out", counts.held_out}, {"refused", refused},          {"lost", 0}};
+  report["frames"] = {{"sent", counts.received},
+                      {"received", counts.received},
+                      {"accepted", counts.accepted},
+                      {"held_out", counts.held_out},
+                      {"refused", refused},
+                      {"withdrawn", counts.withdrawn},
+                      {"lost", 0}};
   report["ingest_images_per_s"] = reconstruction.images_per_s();
   report["ingest_ms"] = stages;
   report["rank_histogram"] = reconstruction.model().rank_histogram();
@@ -112,10 +117,14 @@ void print_summary(const json& report) {
   const bool built = report.contains("held_out");
   const json& model = built ? report["held_out"] : report["object"];
   const json& constant_psnr = built ? report["held_out"]["constant_psnr_db"] : report["constant"]["psnr_db"];
-  if (built)
-    std::printf("%llu images folded in at %.1f images/s, %llu held out\n",
+  if (built) {
+    const auto withdrawn = report["frames"]["withdrawn"].get<unsigned long long>();
+    std::printf("%llu images folded in at %.1f images/s, %llu held out",
                 report["frames"]["accepted"].get<unsigned long long>(), report["ingest_images_per_s"].get<double>(),
                 report["frames"]["held_out"].get<unsigned long long>());
+    if (withdrawn > 0) std::printf(", %llu withdrawn", withdrawn);
+    std::printf("\n");
+  }
   if (model["psnr_db"].is_number() && constant_psnr.is_number())
     std::printf("held-out views, object pixels: PSNR %.2f dB, SSIM %.3f (constant colour: %.2f dB)\n",
                 model["psnr_db"].get<double>(), model["ssim"].get<double>(), constant_psnr.get<double>());

@@ -16,7 +16,7 @@ namespace sheen {
 ///   tolerance = 0.01           # relative error a ring may keep
 ///   max_views = 64             # directions kept a ring
 ///   min_visible = 0.1          # share of a ring that an image must show
-///   hold_out_every = 8         # every Nth accepted image judges the model instead of feeding it; 0 = none
+///   hold_out_every = 8         # every Nth image judges the model instead of feeding it; 0 = none
 ///   exposure = "known"         # "off", "known" (what a linear camera reports) or "estimate" (photographs)
 ///   erosion_px = 1             # kept away from silhouettes
 struct SceneConfig {

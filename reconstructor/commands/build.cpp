@@ -37,6 +37,9 @@ void build(const BuildArguments& arguments) {
       progress.update(i + 1);
     }
   }
+  reconstruction.leave_out(captures.withdrawn);
+  if (captures.size == 0 && captures.withdrawn > 0)
+    throw FileError(arguments.dataset, "all of its images are withdrawn; `undo --restore` puts them back");
   if (reconstruction.counts().accepted == 0)
     throw FileError(arguments.dataset, "none of its " + std::to_string(captures.size) +
                                            " images shows the mesh; check that both are in the same frame and units");

@@ -14,6 +14,7 @@ void add_build_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_view_command(CLI::App& app);
+void add_undo_command(CLI::App& app);
 void add_monitor_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 void add_tradeoff_command(CLI::App& app);

@@ -88,6 +88,16 @@ class LinkLog {
   std::string error_;
 };
 
+/// What the person at the window is told.
+std::string take_back_last(CaptureLoop& loop) {
+  try {
+    const std::optional<std::uint64_t> taken = loop.withdraw_last();
+    return taken ? "image " + std::to_string(*taken) + " is taken back" : "there is no image to take back";
+  } catch (const Error& error) {
+    return std::string("not taken back: ") + error.what();
+  }
+}
+
 /// Feeds the watchers until the loop has finished, the person closes the window or a signal asks to stop.
 void watch(CaptureLoop& loop, LiveDisplay& display, MonitorServer* monitor, ViewerWindow* window) {
   std::stop_source done;
@@ -108,7 +118,7 @@ void watch(CaptureLoop& loop, LiveDisplay& display, MonitorServer* monitor, View
   });
   if (window) {
     try {
-      return window->run(display.feed(), done.get_token());
+      return window->run(display.feed(), done.get_token(), [&loop] { return take_back_last(loop); });
     } catch (const Error& error) {
       log_warning("window", "the capture goes on without it: " + std::string(error.what()));
     }
@@ -163,7 +173,8 @@ void serve(const ServeArguments& arguments) {
   const nlohmann::json report = live_report(reconstruction, status);
   print_summary(report);
   if (!arguments.json.empty()) write_json(arguments.json, report);
-  if (status.ingested > 0 && reconstruction.counts().accepted + reconstruction.counts().held_out == 0)
+  if (status.ingested > status.counts.withdrawn &&
+      reconstruction.counts().accepted + reconstruction.counts().held_out == 0)
     throw FileError(arguments.mesh, "none of the session's " + std::to_string(status.ingested) +
                                         " captures shows this mesh; they are kept; check that mesh and stage are in "
                                         "the same frame and units");

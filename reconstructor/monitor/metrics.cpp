@@ -72,6 +72,7 @@ void frames(const MonitorState& state, Exposition& out) {
              static_cast<double>(state.accepted));
   out.single("frames_held_out_total", "counter", "Captures kept aside to judge the model.",
              static_cast<double>(state.held_out));
+  out.single("frames_withdrawn", "gauge", "Captures that were taken back.", static_cast<double>(state.withdrawn));
   out.family("frames_rejected_total", "counter", "Captures that were not used, by reason.");
   for (const auto& [reason, n] : state.refused) out.sample(static_cast<double>(n), {{"reason", reason}});
   out.single("sequence_gaps_total", "counter", "Captures that the tracker numbered and nobody received.",

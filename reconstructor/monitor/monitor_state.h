@@ -41,7 +41,7 @@ struct MonitorState {
   std::string error;   ///< what stopped the capture, if anything did
 
   std::optional<Clock::time_point> last_frame;  ///< when a capture last arrived
-  std::uint64_t received = 0, accepted = 0, held_out = 0, journaled = 0;
+  std::uint64_t received = 0, accepted = 0, held_out = 0, withdrawn = 0, journaled = 0;
   std::uint64_t sequence_gaps = 0;               ///< captures that the tracker numbered and nobody received
   std::map<std::string, std::uint64_t> refused;  ///< by reason
   double images_per_s = 0;                       ///< that the model takes in

@@ -150,7 +150,85 @@ TEST(Session, ANewerVersionIsRefusedNamingBoth) {
   { Session::create(temp.path()); }
   execute(temp.path() / "session.sqlite", "PRAGMA user_version = 9");
   for (const auto& open : {Session::open, Session::open_read_only})
-    expect_error([&] { open(temp.path()); }, {"version 9", "version 1"});
+    expect_error([&] { open(temp.path()); }, {"version 9", "version 2"});
+}
+
+TEST(Session, WhatIsWithdrawnStaysMarkedAndCanBePutBack) {
+  const TempFolder temp;
+  {
+    Session session = Session::create(temp.path());
+    EXPECT_EQ(session.last(), std::nullopt);
+    for (std::uint64_t sequence = 1; sequence <= 4; ++sequence) session.append(sample_capture("s", sequence));
+    EXPECT_EQ(session.last(), 3u);
+    EXPECT_TRUE(session.set_withdrawn(3, true));
+    EXPECT_FALSE(session.set_withdrawn(3, true)) << "twice is once";
+    EXPECT_TRUE(session.set_withdrawn(0, true));
+    EXPECT_EQ(session.last(), 2u);
+    expect_error([&] { session.set_withdrawn(4, true); }, {"no capture 4", "0..3"});
+  }
+  Session session = Session::open(temp.path());
+  EXPECT_EQ(session.withdrawn(), (std::set<std::uint64_t>{0, 3}));
+  EXPECT_EQ(session.size(), 4u);
+  expect_same_bits(session.read(3), sample_capture("s", 4));
+  EXPECT_EQ(session.held()["s"], 4u) << "the tracker need not send it again";
+  EXPECT_EQ(session.append(sample_capture("s", 4)), 3u);
+  EXPECT_EQ(session.append(sample_capture("s", 5)), 4u);
+  EXPECT_TRUE(session.set_withdrawn(0, false));
+  EXPECT_FALSE(session.set_withdrawn(1, false));
+  EXPECT_EQ(session.withdrawn(), (std::set<std::uint64_t>{3}));
+}
+
+TEST(Session, AReaderWithdrawsBesideTheWriterAndOthersSeeIt) {
+  const TempFolder temp;
+  Session writer = Session::create(temp.path());
+  const Session reader = Session::open_read_only(temp.path());
+  for (std::uint64_t sequence = 1; sequence <= 3; ++sequence) writer.append(sample_capture("s", sequence));
+  EXPECT_TRUE(reader.withdrawals_after(0).empty());
+  Session desk = Session::open_to_withdraw(temp.path());
+  expect_error([&] { desk.append(sample_capture("s", 4)); }, {"reading only"});
+  desk.set_withdrawn(1, true);
+  const std::vector<Withdrawal> first = reader.withdrawals_after(0);
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0].capture, 1u);
+  EXPECT_TRUE(first[0].withdrawn);
+  desk.set_withdrawn(1, false);
+  desk.set_withdrawn(2, true);
+  const std::vector<Withdrawal> news = reader.withdrawals_after(first[0].number);
+  ASSERT_EQ(news.size(), 2u);
+  EXPECT_EQ(news[0].capture, 1u);
+  EXPECT_FALSE(news[0].withdrawn);
+  EXPECT_EQ(writer.withdrawn(), (std::set<std::uint64_t>{2}));
+  Session looking = Session::open_read_only(temp.path());
+  expect_error([&] { looking.set_withdrawn(0, true); }, {"readonly"});
+  expect_error([&] { Session::open_to_withdraw(temp.path() / "none"); }, {"no session"});
+}
+
+TEST(Session, SessionsOfVersion1OpenAndCanWithdraw) {
+  const TempFolder temp;
+  { Session::create(temp.path()).append(sample_capture("s", 1)); }
+  execute(temp.path() / "session.sqlite", "DROP TABLE withdrawals; PRAGMA user_version = 1");
+  EXPECT_TRUE(Session::open_read_only(temp.path()).withdrawn().empty());
+  EXPECT_EQ(Session::open_read_only(temp.path()).last(), 0u);
+  EXPECT_TRUE(Session::open_to_withdraw(temp.path()).set_withdrawn(0, true));
+  EXPECT_EQ(Session::open(temp.path()).withdrawn(), (std::set<std::uint64_t>{0}));
+}
+
+TEST(Session, AWithdrawalSurvivesAKillAndManyAtOnceAreAllKept) {
+  const TempFolder temp;
+  {
+    Session session = Session::create(temp.path());
+    for (std::uint64_t sequence = 1; sequence <= 24; ++sequence) session.append(sample_capture("s", sequence));
+  }
+  std::vector<pid_t> children;
+  for (std::uint64_t child = 0; child < 4; ++child) {
+    children.push_back(::fork());
+    if (children.back() != 0) continue;
+    Session desk = Session::open_to_withdraw(temp.path());
+    for (std::uint64_t i = 0; i < 6; ++i) desk.set_withdrawn(4 * i + child, true);
+    ::kill(::getpid(), SIGKILL);
+  }
+  for (const pid_t pid : children) ::waitpid(pid, nullptr, 0);
+  EXPECT_EQ(Session::open(temp.path()).withdrawn().size(), 24u);
 }
 
 TEST(Session, FilesWithoutAnIndexAreDroppedOnOpening) {

@@ -111,7 +111,7 @@ TEST_F(BadInput, ASessionOfANewerVersion) {
   ASSERT_EQ(sqlite3_open((session_ / "session.sqlite").c_str(), &database), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(database, "PRAGMA user_version = 7", nullptr, nullptr, nullptr), SQLITE_OK);
   sqlite3_close(database);
-  expect_outcome(serve_once(), 1, {"session.sqlite", "version 7", "up to version 1", "newer release"});
+  expect_outcome(serve_once(), 1, {"session.sqlite", "version 7", "up to version 2", "newer release"});
 }
 
 TEST_F(BadInput, ASessionThatWasBegunWithAnotherMesh) {

@@ -100,7 +100,7 @@ TEST_F(DaemonsMeet, ASecondReconstructorIsToldWhyItGetsNothing) {
 TEST_F(DaemonsMeet, AFileSystemWithoutRoomNamesTheRemedy) {
   const auto small = temp_.path() / "small";
   std::filesystem::create_directories(small);
-  const std::string mount = "mount -t tmpfs -o size=120k tmpfs '" + small.string() + "' && ";
+  const std::string mount = "mount -t tmpfs -o size=128k tmpfs '" + small.string() + "' && ";
   if (run_to_end({"unshare", "-rm", "sh", "-c", mount + "true"}).end.status != 0)
     GTEST_SKIP() << "this machine lets nobody mount a small file system";
   const std::string address = free_address();

@@ -46,6 +46,13 @@ bool sizes_agree(const Capture& capture) {
          (mask.empty() || (mask.width() == image.width && mask.height() == image.height && mask.channels() == 1));
 }
 
+/// Its own number decides, not what became of the images before it: should one of these be withdrawn, all others keep
+/// their part.
+bool is_held_out(const Capture& capture, int every) {
+  if (capture.purpose != Purpose::kUnspecified) return capture.purpose == Purpose::kHeldOut;
+  return every > 0 && capture.sequence > 0 && capture.sequence % static_cast<std::uint64_t>(every) == 0;
+}
+
 /// Exposure time times gain, in arbitrary units; 0 when unknown or when grey levels are not proportional to light.
 double exposure_product(const Capture& capture) {
   const bool known = capture.exposure.exposure_s > 0 && capture.image.transfer == Transfer::kLinear;
@@ -120,10 +127,7 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
 
   ++accepted;
   report.exposure_gain = known_gain(capture);
-  const bool held_out =
-      capture.purpose == Purpose::kHeldOut || (capture.purpose == Purpose::kUnspecified && options.hold_out_every > 0 &&
-                                               accepted % static_cast<std::size_t>(options.hold_out_every) == 0);
-  if (held_out) {
+  if (is_held_out(capture, options.hold_out_every)) {
     report.status = IngestStatus::kHeldOut;
     return report;
   }
@@ -250,6 +254,15 @@ SurfaceLightField::~SurfaceLightField() = default;
 
 IngestReport SurfaceLightField::ingest(const Capture& capture) {
   return pipeline_->ingest(capture);
+}
+
+void SurfaceLightField::restart() {
+  auto fresh = std::make_unique<Pipeline>();
+  fresh->mesh = pipeline_->mesh;
+  fresh->options = pipeline_->options;
+  fresh->frames = std::move(pipeline_->frames);
+  fresh->version = pipeline_->version;
+  pipeline_ = std::move(fresh);
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_snapshot() {

@@ -24,7 +24,7 @@ struct SurfaceLightFieldOptions {
   /// Side of a triangle's surface map; 0 = from the footprint of a pixel in the first image.
   int surface_map = 0;
   int min_surface_map = 4, max_surface_map = 24;  ///< bounds of the choice by footprint
-  int hold_out_every = 8;                         ///< every Nth accepted image is held out; 0 = none
+  int hold_out_every = 8;                         ///< every Nth image of a source is held out; 0 = none
   ExposureCompensation exposure = ExposureCompensation::kKnown;
   VisibilityOptions visibility;
   RingModelOptions ring;
@@ -38,6 +38,8 @@ class SurfaceLightField : public AppearanceModel {
   ~SurfaceLightField() override;
 
   IngestReport ingest(const Capture& capture) override;
+  /// Forgets all images, as if it were new; snapshots count on.
+  void restart();
   std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
   std::shared_ptr<const SurfaceLightFieldSnapshot> light_field_snapshot();
   /// The mean colour of each surface sample over all images: what a model without view dependence would be.

@@ -155,6 +155,7 @@ function show(s) {
   bars("frames", [
     {name: "accepted", value: f.accepted, shown: f.accepted, tone: "good"},
     {name: "held out", value: f.held_out, shown: f.held_out},
+    {name: "taken back", value: f.withdrawn, shown: f.withdrawn},
     ...refused.sort((a, b) => b[1] - a[1]).map(([reason, n]) => (
       {name: reason.replaceAll("_", " "), value: n, shown: n, tone: "warn"})),
     {name: "lost on the way", value: f.sequence_gaps, shown: f.sequence_gaps, tone: "bad"},

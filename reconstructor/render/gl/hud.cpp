@@ -93,6 +93,7 @@ std::vector<Line> frame_lines(const CaptureFigures& f) {
                                            count(f.frames_accepted), count(f.frames_held_out), count(refused))}};
   for (const auto& [reason, n] : f.frames_refused)
     lines.push_back({"", print("  %s %llu", reason.c_str(), count(n)), kDim});
+  if (f.frames_withdrawn > 0) lines.push_back({"", print("taken back %llu", count(f.frames_withdrawn))});
   lines.push_back({"rate", print("%.1f images/s", f.images_per_s)});
   return lines;
 }
@@ -274,20 +275,21 @@ void Hud::draw_notes(OverlayPainter& overlay) const {
 }
 
 void Hud::draw_help(OverlayPainter& overlay) const {
-  const std::vector<Line> lines{{"1", "light field"},
-                                {"2", "where images are needed"},
-                                {"3", "both, side by side"},
-                                {"4", "camera image, tags, pose"},
-                                {"W", "why images are needed: by reason"},
-                                {"M", "what is measured, imputed, guessed"},
-                                {"F", "follow the tracked camera"},
-                                {"R", "reset the view"},
-                                {"S", "save a screenshot (PNG)"},
-                                {"H", "hide these keys"},
-                                {"Q, Esc", "quit"},
-                                {"drag", "turn"},
-                                {"right drag", "move"},
-                                {"wheel", "nearer, farther"}};
+  std::vector<Line> lines{{"1", "light field"},
+                          {"2", "where images are needed"},
+                          {"3", "both, side by side"},
+                          {"4", "camera image, tags, pose"},
+                          {"W", "why images are needed: by reason"},
+                          {"M", "what is measured, imputed, guessed"},
+                          {"F", "follow the tracked camera"},
+                          {"R", "reset the view"},
+                          {"S", "save a screenshot (PNG)"},
+                          {"H", "hide these keys"},
+                          {"Q, Esc", "quit"},
+                          {"drag", "turn"},
+                          {"right drag", "move"},
+                          {"wheel", "nearer, farther"}};
+  if (state.figures) lines.insert(lines.end() - 5, {"U", "take back the last image"});
   const float height = static_cast<float>(lines.size()) * overlay.line_height() + overlay.advance();
   draw_box(overlay, overlay.advance(), static_cast<float>(overlay.height()) - height - 3.2f * overlay.line_height(),
            lines);

@@ -26,6 +26,7 @@ struct CaptureFigures {
   std::uint64_t frames_accepted = 0;  ///< held-out ones included
   std::uint64_t frames_held_out = 0;
   std::map<std::string, std::uint64_t> frames_refused;
+  std::uint64_t frames_withdrawn = 0;
   double images_per_s = 0;
   std::optional<double> residual;  ///< relative, of the last image: 0..1
   std::optional<double> held_out_psnr_db;

@@ -123,6 +123,9 @@ struct ViewerWindow::Impl {
       case GLFW_KEY_M:
         controls.states = !controls.states;
         break;
+      case GLFW_KEY_U:
+        if (take_back) tell(take_back());
+        break;
       case GLFW_KEY_F:
         controls.follow = !controls.follow;
         break;
@@ -173,17 +176,21 @@ struct ViewerWindow::Impl {
     return {news};
   }
 
+  void tell(std::string line) {
+    news = std::move(line);
+    news_until = Clock::now() + kNewsLasts;
+    changed = true;
+  }
+
   void save_screenshot() {
     screenshot_wanted = false;
     const auto path = free_name(options.screenshot_folder / screenshot_name(controls.mode));
     try {
       write_png(path, target->read());
-      news = "saved " + path.string();
+      tell("saved " + path.string());
     } catch (const Error& error) {  // a full disk must not end the capture
-      news = std::string("no screenshot: ") + error.what();
+      tell(std::string("no screenshot: ") + error.what());
     }
-    news_until = Clock::now() + kNewsLasts;
-    changed = true;
   }
 
   void show(const ViewerState& state) {
@@ -205,6 +212,7 @@ struct ViewerWindow::Impl {
   Eigen::Vector2d cursor = Eigen::Vector2d::Zero();
   bool changed = true;  ///< something to draw
   bool screenshot_wanted = false;
+  std::function<std::string()> take_back;
   std::string news;
   Clock::time_point news_until;
 };
@@ -216,8 +224,9 @@ ViewControls& ViewerWindow::controls() {
   return impl_->controls;
 }
 
-void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop) {
+void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, std::function<std::string()> take_back) {
   Impl& w = *impl_;
+  w.take_back = std::move(take_back);
   std::shared_ptr<const ViewerState> shown;
   bool complete = true;
   Clock::time_point rested;  // from when on what nobody asked for may be drawn

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <stop_token>
+#include <string>
 
 #include "common/image.h"
 #include "reconstructor/render/gl/light_field_renderer.h"
@@ -22,7 +24,7 @@ struct ViewerOptions {
 };
 
 /// The window (GLFW, OpenGL 3.3). One a process; made, used and destroyed on the main thread. Keys: 1..4 modes, W
-/// reasons, M measured or imputed, F follow, R reset, S screenshot, H help, Q or Esc quit.
+/// reasons, M measured or imputed, U take back, F follow, R reset, S screenshot, H help, Q or Esc quit.
 class ViewerWindow {
  public:
   /// Throws DeviceError without a display or without OpenGL 3.3: the message says what to do.
@@ -32,8 +34,9 @@ class ViewerWindow {
   ViewControls& controls();
 
   /// Shows what is published until the person quits or a stop is asked for. Draws only when something has changed.
-  /// Throws DeviceError when OpenGL fails or the display goes away.
-  void run(const ViewerFeed& feed, const std::stop_token& stop);
+  /// `take_back`: what the key U does; it returns a line for the person. Throws DeviceError when OpenGL fails or the
+  /// display goes away.
+  void run(const ViewerFeed& feed, const std::stop_token& stop, std::function<std::string()> take_back = {});
 
   /// One picture of `options.width` x `options.height` with all of the state on the GPU.
   ImageU8 draw_once(const ViewerState& state);

@@ -23,6 +23,7 @@ TEST(Metrics, SayWhatTheStateSays) {
   EXPECT_EQ(metrics.value("sheen_frames_received_total"), 160);
   EXPECT_EQ(metrics.value("sheen_frames_accepted_total"), 121);
   EXPECT_EQ(metrics.value("sheen_frames_held_out_total"), 13);
+  EXPECT_EQ(metrics.value("sheen_frames_withdrawn"), 4);
   EXPECT_EQ(metrics.value("sheen_frames_journaled_total"), 159);
   EXPECT_EQ(metrics.value("sheen_frames_rejected_total", {{"reason", "object_not_in_view"}}), 17);
   EXPECT_EQ(metrics.value("sheen_frames_rejected_total", {{"reason", "exposure_unknown"}}), 9);

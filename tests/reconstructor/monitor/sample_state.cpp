@@ -16,6 +16,7 @@ MonitorState sample_monitor_state() {
   state.received = 160;
   state.accepted = 121;
   state.held_out = 13;
+  state.withdrawn = 4;
   state.journaled = 159;
   state.refused = {{"object_not_in_view", 17}, {"exposure_unknown", 9}};
   state.images_per_s = 8.4;

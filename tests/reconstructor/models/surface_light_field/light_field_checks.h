@@ -38,8 +38,10 @@ inline SurfaceLightFieldOptions plain_options() {
 
 inline std::vector<Capture> captures(const analytic::Scene& scene, const std::vector<Eigen::Vector3d>& eyes) {
   std::vector<Capture> result;
-  for (const Eigen::Vector3d& eye : eyes)
+  for (const Eigen::Vector3d& eye : eyes) {
     result.push_back(analytic::capture(scene, camera_at(eye), analytic::towards_origin(eye)));
+    result.back().sequence = result.size();
+  }
   return result;
 }
 

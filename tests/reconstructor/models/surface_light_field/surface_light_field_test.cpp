@@ -276,22 +276,20 @@ TEST(SurfaceLightField, ViewsBeyondTheBoundAreMergedAndMemoryStaysWhereItIs) {
   EXPECT_GT(thinned, compare(*model.constant_colour(), scene, unseen_eyes()).psnr_db() + 6);
 }
 
-TEST(SurfaceLightField, EveryNthAcceptedImageIsHeldOutAndTeachesNothing) {
+TEST(SurfaceLightField, EveryNthImageIsHeldOutAndTeachesNothing) {
   const Object object = square_object();
   const Scene scene{object.surface, analytic::diffuse(0.06)};
   std::vector<Capture> images = captures(scene, training_eyes(12));
   SurfaceLightFieldOptions options = plain_options();
   options.hold_out_every = 4;
   SurfaceLightField model(object.mesh, options), reference(object.mesh, plain_options());
-  Capture lost = images[0];
-  lost.pose.status = PoseStatus::kNoTags;
   for (int i = 0; i < 12; ++i) {
-    model.ingest(lost);  // refused ones do not count
+    if (i == 1 || i == 6) continue;  // one that is missing does not change what becomes of the others
     const IngestStatus status = model.ingest(images[i]).status;
     EXPECT_EQ(status, (i + 1) % 4 == 0 ? IngestStatus::kHeldOut : IngestStatus::kAccepted) << i;
     if (status == IngestStatus::kAccepted) reference.ingest(images[i]);
   }
-  EXPECT_EQ(model.images(), 9u);
+  EXPECT_EQ(model.images(), 7u);
   expect_same_rings(*model.light_field_snapshot(), *reference.light_field_snapshot());
 }
 

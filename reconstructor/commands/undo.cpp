@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/errors.h"
+#include "common/session.h"
+#include "reconstructor/commands/commands.h"
+
+namespace sheen {
+namespace {
+
+struct UndoArguments {
+  std::string session, name;
+  std::optional<std::uint64_t> capture;
+  bool last = false, list = false, restore = false, json = false;
+};
+
+void list(const Session& session, bool as_json) {
+  const std::set<std::uint64_t> withdrawn = session.withdrawn();
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (std::uint64_t i = 0; i < session.size(); ++i) {
+    const Capture capture = session.read(i);
+    if (as_json)
+      rows.push_back({{"capture", i},
+                      {"name", capture.name},
+                      {"source_session", capture.source_session},
+                      {"sequence", capture.sequence},
+                      {"withdrawn", withdrawn.contains(i)}});
+    else
+      std::cout << i << '\t' << (withdrawn.contains(i) ? "withdrawn" : "kept") << '\t' << capture.name << '\n';
+  }
+  if (as_json) std::cout << rows.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+}
+
+std::uint64_t find_by_name(const Session& session, const UndoArguments& arguments) {
+  std::vector<std::uint64_t> found;
+  for (std::uint64_t i = 0; i < session.size(); ++i) {
+    const std::string name = session.read(i).name;
+    if (name == arguments.name || std::filesystem::path(name).filename() == arguments.name) found.push_back(i);
+  }
+  if (found.empty())
+    throw FileError(arguments.session, "has no capture named '" + arguments.name + "'; --list names all of them");
+  if (found.size() == 1) return found.front();
+  std::string numbers;
+  for (const std::uint64_t i : found) numbers += " " + std::to_string(i);
+  throw FileError(arguments.session,
+                  "has several captures named '" + arguments.name + "':" + numbers + "; say which with --capture");
+}
+
+std::uint64_t chosen(const Session& session, const UndoArguments& arguments) {
+  if (arguments.capture) return *arguments.capture;
+  if (!arguments.name.empty()) return find_by_name(session, arguments);
+  const std::optional<std::uint64_t> last = session.last();
+  if (!last) throw FileError(arguments.session, "has no capture that could be taken back");
+  return *last;
+}
+
+void undo(const UndoArguments& arguments) {
+  const int ways = arguments.last + arguments.capture.has_value() + !arguments.name.empty() + arguments.list;
+  if (ways != 1) throw ConfigError("undo: give one of --last, --capture, --name or --list");
+  if (arguments.restore && (arguments.last || arguments.list))
+    throw ConfigError("undo: --restore needs --capture or --name");
+  if (arguments.list) return list(Session::open_read_only(arguments.session), arguments.json);
+
+  Session session = Session::open_to_withdraw(arguments.session);
+  const std::uint64_t capture = chosen(session, arguments);
+  const bool changed = session.set_withdrawn(capture, !arguments.restore);
+  if (arguments.json) {
+    std::cout << nlohmann::json{{"capture", capture}, {"withdrawn", !arguments.restore}, {"changed", changed}} << '\n';
+    return;
+  }
+  std::printf("capture %llu %s %s\n", static_cast<unsigned long long>(capture), changed ? "is" : "was already",
+              arguments.restore ? "put back" : "withdrawn");
+  const std::filesystem::path model = std::filesystem::path(arguments.session) / "model";
+  if (changed && std::filesystem::exists(model / "model.json"))
+    std::printf(
+        "a running `serve` follows; else %s is as before: `sheen-reconstructor build %s --mesh %s --out %s` makes it "
+        "anew\n",
+        model.c_str(), arguments.session.c_str(), (model / "mesh.ply").c_str(), model.c_str());
+}
+
+}  // namespace
+
+void add_undo_command(CLI::App& app) {
+  auto arguments = std::make_shared<UndoArguments>();
+  CLI::App* command = app.add_subcommand(
+      "undo",
+      "Takes an image of a session back, also of one that `serve` is recording: it stays there, marked, and "
+      "models leave it out.");
+  command->add_option("session", arguments->session, "folder of the session")->required();
+  command->add_flag("--last", arguments->last, "the last image that is not withdrawn");
+  command->add_option("--capture", arguments->capture, "an image by its number, from 0");
+  command->add_option("--name", arguments->name, "an image by its name, with or without folders");
+  command->add_flag("--list", arguments->list, "list numbers, states and names");
+  command->add_flag("--restore", arguments->restore, "put the image back instead");
+  command->add_flag("--json", arguments->json, "for machines");
+  command->callback([arguments] { undo(*arguments); });
+}
+
+}  // namespace sheen

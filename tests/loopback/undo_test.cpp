@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// An image is taken back: from a stored session, from one that is being recorded, through kill -9.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "common/files.h"
+#include "common/session.h"
+#include "tests/loopback/ball_dataset.h"
+#include "tests/loopback/daemons.h"
+#include "tests/support/temp_folder.h"
+
+namespace sheen::testing {
+namespace {
+
+using Json = nlohmann::json;
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+class Undo : public ::testing::Test {
+ protected:
+  Undo() { data_.write(); }
+
+  /// Records all views; `serve` goes on waiting for more.
+  void record() {
+    const std::string address = free_address();
+    desk_ = std::make_unique<Process>(serve_command(address));
+    expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data_.folder.string(), "--endpoint", address})),
+                   0, {"16 keyframes sent"});
+  }
+  Words serve_command(const std::string& address) const {
+    return serve(data_.mesh(), session_, {"--endpoint", address, "--config", data_.scene(), "--json", live_});
+  }
+  void undo(const Words& what, const Words& says) {
+    expect_outcome(run_to_end(reconstructor({"undo", session_}) + what), 0, says);
+  }
+  void undo_fails(const Words& what, int status, const Words& says) {
+    expect_outcome(run_to_end(reconstructor({"undo", session_}) + what), status, says);
+  }
+  Json build(const std::filesystem::path& out) const {
+    const auto report = temp_.path() / "build.json";
+    expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", data_.mesh(), "--config", data_.scene(),
+                                             "--out", out, "--json", report})),
+                   0, {});
+    return Json::parse(read_file(report));
+  }
+  /// A session that never had the captures in `missing`, built.
+  void build_without(const std::set<std::uint64_t>& missing, const std::filesystem::path& out) const {
+    const auto never = temp_.path() / ("never" + std::to_string(counter_++));
+    {
+      const Session all = Session::open_read_only(session_);
+      Session session = Session::create(never);
+      for (std::uint64_t i = 0; i < all.size(); ++i)
+        if (!missing.contains(i)) session.append(all.read(i));
+    }
+    expect_outcome(
+        run_to_end(reconstructor({"build", never, "--mesh", data_.mesh(), "--config", data_.scene(), "--out", out})), 0,
+        {});
+  }
+  static void expect_sum(const Json& frames) {
+    std::uint64_t refused = 0;
+    for (const auto& [reason, n] : frames["refused"].items()) refused += n.get<std::uint64_t>();
+    EXPECT_EQ(frames["sent"].get<std::uint64_t>(),
+              frames["accepted"].get<std::uint64_t>() + frames["held_out"].get<std::uint64_t>() + refused +
+                  frames["withdrawn"].get<std::uint64_t>() + frames["lost"].get<std::uint64_t>());
+  }
+
+  const TempFolder temp_;
+  const BallDataset data_{.folder = temp_.path() / "data"};  // views 4 and 12 are held out
+  const std::filesystem::path session_ = temp_.path() / "session", live_ = temp_.path() / "live.json";
+  std::unique_ptr<Process> desk_;
+  mutable int counter_ = 0;
+};
+
+TEST_F(Undo, AStoredSessionsModelIsTheOneThatNeverSawTheImages) {
+  record();
+  desk_->signal(SIGINT);
+  wait_to_end(*desk_);
+  undo({"--list"}, {"0\tkept\t", "15\tkept\t"});
+  undo({"--capture", "0"}, {"capture 0 is withdrawn"});  // the first: it decides about maps and exposures
+  undo({"--capture", "0"}, {"capture 0 was already withdrawn"});
+  undo({"--last"}, {"capture 15 is withdrawn"});
+  undo({"--last"}, {"capture 14 is withdrawn"});
+  undo({"--name", "1012.png"}, {"capture 12 is withdrawn"});  // held out
+  undo({"--list"}, {"0\twithdrawn", "1\tkept", "15\twithdrawn"});
+  const Json report = build(temp_.path() / "undone");
+  EXPECT_EQ(report["frames"]["withdrawn"], 4);
+  EXPECT_EQ(report["frames"]["held_out"], 1);
+  EXPECT_EQ(report["frames"]["accepted"], 11);
+  expect_sum(report["frames"]);
+  build_without({0, 12, 14, 15}, temp_.path() / "never_saw");
+  expect_same_model(temp_.path() / "undone", temp_.path() / "never_saw");
+
+  undo({"--restore", "--capture", "14"}, {"capture 14 is put back"});
+  EXPECT_EQ(build(temp_.path() / "restored")["frames"]["withdrawn"], 3);
+}
+
+TEST_F(Undo, WhileASessionIsRecordedAndThroughAKill) {
+  record();
+  undo({"--capture", "3"}, {"capture 3 is withdrawn"});
+  undo({"--last"}, {"capture 15 is withdrawn"});
+  EXPECT_TRUE(desk_->running());
+  desk_->kill();
+
+  const std::string address = free_address();
+  desk_ = std::make_unique<Process>(serve_command(address) + Words{"--once"});
+  undo({"--capture", "12"}, {"capture 12 is withdrawn"});  // of a session that is being resumed
+  expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data_.folder.string(), "--endpoint", address})), 0,
+                 {"16 keyframes sent"});
+  expect_outcome(wait_to_end(*desk_), 0, {"12 images folded in", "1 held out, 3 withdrawn"});
+  const Json report = Json::parse(read_file(live_));
+  EXPECT_EQ(report["frames"]["withdrawn"], 3);
+  EXPECT_EQ(report["frames"]["journaled"], 16);
+  expect_sum(report["frames"]);
+  build_without({3, 12, 15}, temp_.path() / "never_saw");
+  expect_same_model(session_ / "model", temp_.path() / "never_saw");
+}
+
+TEST_F(Undo, WhatIsNotThereIsNamed) {
+  undo_fails({"--last"}, 1, {"holds no session"});
+  { Session::create(session_); }
+  undo_fails({"--last"}, 1, {"no capture that could be taken back"});
+  undo_fails({"--capture", "3"}, 1, {"no capture 3"});
+  undo_fails({"--name", "hand.png"}, 1, {"no capture named 'hand.png'"});
+  undo_fails({}, 2, {"--last, --capture, --name or --list"});
+  undo_fails({"--last", "--capture", "1"}, 2, {"give one of"});
+  undo_fails({"--restore", "--last"}, 2, {"--restore needs"});
+}
+
+}  // namespace
+}  // namespace sheen::testing
