@@ -16,6 +16,14 @@ class Image {
   Image(int width, int height, int channels, T value = T{})
       : width_(width), height_(height), channels_(channels), data_(std::size_t(width) * height * channels, value) {}
 
+  /// Another size; the storage is kept, what the pixels hold is unspecified.
+  void resize(int width, int height, int channels) {
+    width_ = width;
+    height_ = height;
+    channels_ = channels;
+    data_.resize(std::size_t(width) * height * channels);
+  }
+
   int width() const { return width_; }
   int height() const { return height_; }
   int channels() const { return channels_; }
@@ -43,6 +51,15 @@ class Image {
   int height_ = 0;
   int channels_ = 0;
   std::vector<T> data_;
+};
+
+/// Pixels x0 <= x < x1, y0 <= y < y1.
+struct PixelBox {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  int width() const { return x1 - x0; }
+  int height() const { return y1 - y0; }
+  bool empty() const { return x0 >= x1 || y0 >= y1; }
+  bool operator==(const PixelBox&) const = default;
 };
 
 using ImageU8 = Image<std::uint8_t>;

@@ -41,6 +41,7 @@ struct RawImage {
   bool operator==(const RawImage&) const = default;
 };
 
+bool is_bayer(PixelFormat format);
 std::size_t bytes_per_pixel(PixelFormat format);            ///< 0 for kUnspecified
 std::string_view pfnc_name(PixelFormat format);             ///< "BayerRG8", ...
 PixelFormat pixel_format_from_pfnc(std::string_view name);  ///< kUnspecified when unknown

@@ -33,6 +33,7 @@ void evaluate(const EvaluateArguments& arguments) {
   RingVisibility visibility(model->mesh(), model->rings(), {});
   ConstantColour mean(model->shared_mesh(), model->shared_rings());
   const auto photographs = std::make_shared<PhotographSet>(model->shared_mesh(), VisibilityOptions{});
+  RadianceImage image;
   Eigen::Matrix3Xf encoded;
   std::vector<HeldOutView> views;
   {
@@ -43,13 +44,16 @@ void evaluate(const EvaluateArguments& arguments) {
       if (held_out) {
         views.push_back(make_held_out_view(capture, 1, painter));
       } else if (capture.pose.usable()) {
-        const ImageF linear =
-            to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
-        const RadianceImage image(linear);
-        const SurfaceView& view = visibility.look(capture.camera, capture.pose.camera_from_object, capture.mask);
+        const SurfaceView& view =
+            visibility.look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
+        image.load(capture, view);
         resample(image, view, model->rings(), 1, encoded);
         mean.add(view, encoded);
-        if (arguments.baselines) photographs->add(capture, linear, visibility);
+        if (arguments.baselines) {
+          const ImageF linear =
+              to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+          photographs->add(capture, linear, visibility);
+        }
       }
       progress.update(i + 1);
     }

@@ -94,13 +94,12 @@ std::optional<Eigen::Vector3f> look_up(const Photograph& photograph, const Eigen
 }  // namespace
 
 void PhotographSet::add(const Capture& capture, const ImageF& linear, const RingVisibility& visibility) {
-  const ImageF& depth = visibility.depth();
-  const ImageU8& solid = visibility.solid();
+  const ImageF& depth = visibility.safe_depth();
   const int w = depth.width(), h = depth.height();
   int x0 = w, y0 = h, x1 = 0, y1 = 0;
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
-      if (solid.at(x, y)) {
+      if (depth.at(x, y) > 0) {
         x0 = std::min(x0, std::max(x - kBorder, 0));
         y0 = std::min(y0, std::max(y - kBorder, 0));
         x1 = std::max(x1, std::min(x + kBorder + 1, w));
@@ -119,7 +118,7 @@ void PhotographSet::add(const Capture& capture, const ImageF& linear, const Ring
       for (int c = 0; c < 3; ++c)
         photograph.pixels.at(x - x0, y - y0, c) =
             static_cast<std::uint8_t>(std::lround(255 * std::clamp(srgb_encode(linear.at(x, y, c)), 0.0f, 1.0f)));
-      if (solid.at(x, y)) photograph.depth.at(x - x0, y - y0) = depth.at(x, y);
+      photograph.depth.at(x - x0, y - y0) = depth.at(x, y);
     }
   photographs_.push_back(std::move(photograph));
 }

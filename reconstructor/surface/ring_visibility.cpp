@@ -8,6 +8,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
+
+#include "common/batch_projection.h"
 
 namespace sheen {
 
@@ -18,19 +21,30 @@ RingVisibility::RingVisibility(const Mesh& mesh, const VertexRings& rings, const
   view_.visible_in_triangle.resize(mesh.triangles.size());
   view_.cosine.resize(mesh.triangles.size());
   view_.step_px.resize(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const int n = rings.resolution(t);
+    Lattice& lattice = lattices_[n];
+    if (!lattice.u.empty()) continue;
+    longest_lattice_ = std::max<std::size_t>(longest_lattice_, lattice_samples(n));
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j) {
+        lattice.u.push_back(static_cast<float>(i) / static_cast<float>(n - 1));
+        lattice.v.push_back(static_cast<float>(j) / static_cast<float>(n - 1));
+      }
+  }
 }
 
 const SurfaceView& RingVisibility::look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
   view_.eye = camera_centre(camera_from_object);
-  cast_depth(camera, camera_from_object);
-  mark_solid(camera, mask);
+  cast_depth(camera, camera_from_object, mask);
+  erode_depth(camera);
   test_samples(camera, camera_from_object);
   view_.visible_samples =
       std::accumulate(view_.visible_in_triangle.begin(), view_.visible_in_triangle.end(), std::size_t{0});
   return view_;
 }
 
-void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_object) {
+void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
   const int w = camera.width, h = camera.height;
   if (!(camera == rays_of_)) {
     rays_.resize(std::size_t(w) * h);
@@ -44,58 +58,61 @@ void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_
     });
     rays_of_ = camera;
     depth_ = ImageF(w, h, 1);
-    solid_ = ImageU8(w, h, 1);
+    safe_depth_ = ImageF(w, h, 1);
   }
-  box_ = {w, h, 0, 0};
+  view_.box = {w, h, 0, 0};
   for (const Eigen::Vector3f& vertex : mesh_.vertices) {
     const auto p = camera.project(camera_from_object * vertex.cast<double>());
     if (!p) continue;
-    box_.x0 = std::min(box_.x0, static_cast<int>(std::clamp(p->x() - 2, 0.0, double(w))));
-    box_.y0 = std::min(box_.y0, static_cast<int>(std::clamp(p->y() - 2, 0.0, double(h))));
-    box_.x1 = std::max(box_.x1, static_cast<int>(std::clamp(p->x() + 3, 0.0, double(w))));
-    box_.y1 = std::max(box_.y1, static_cast<int>(std::clamp(p->y() + 3, 0.0, double(h))));
+    view_.box.x0 = std::min(view_.box.x0, static_cast<int>(std::clamp(p->x() - 2, 0.0, double(w))));
+    view_.box.y0 = std::min(view_.box.y0, static_cast<int>(std::clamp(p->y() - 2, 0.0, double(h))));
+    view_.box.x1 = std::max(view_.box.x1, static_cast<int>(std::clamp(p->x() + 3, 0.0, double(w))));
+    view_.box.y1 = std::max(view_.box.y1, static_cast<int>(std::clamp(p->y() + 3, 0.0, double(h))));
   }
   std::fill_n(depth_.data(), depth_.size(), 0.0f);
-  if (box_.x0 >= box_.x1 || box_.y0 >= box_.y1) return;
+  if (view_.box.x0 >= view_.box.x1 || view_.box.y0 >= view_.box.y1) return;
 
   const Rigid3 object_from_camera = camera_from_object.inverse();
   const Eigen::Matrix3f rotation = object_from_camera.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f eye = object_from_camera.translation.cast<float>();
-  tbb::parallel_for(tbb::blocked_range<int>(box_.y0, box_.y1, 16), [&](const tbb::blocked_range<int>& range) {
-    const int n = box_.x1 - box_.x0;
+  tbb::parallel_for(tbb::blocked_range<int>(view_.box.y0, view_.box.y1, 16), [&](const tbb::blocked_range<int>& range) {
+    const int n = view_.box.x1 - view_.box.x0;
     std::vector<Ray> rays(n);
     std::vector<Hit> hits(n);
     for (int y = range.begin(); y < range.end(); ++y) {
       for (int i = 0; i < n; ++i) {
-        const Eigen::Vector3f& ray = rays_[std::size_t(y) * w + box_.x0 + i];
+        const Eigen::Vector3f& ray = rays_[std::size_t(y) * w + view_.box.x0 + i];
         rays[i] = std::isnan(ray.x()) ? Ray{eye, {0, 0, 1}, 0, -1} : Ray{eye, rotation * ray};
       }
       scene_.intersect(rays, hits);
-      float* out = depth_.row(y) + box_.x0;
+      float* out = depth_.row(y) + view_.box.x0;
       for (int i = 0; i < n; ++i) out[i] = hits[i] && hits[i].front ? hits[i].distance : 0;  // rays have z = 1
+      if (mask.empty()) continue;
+      for (int i = 0; i < n; ++i)
+        if (mask.at(view_.box.x0 + i, y) == 0) out[i] = 0;
     }
   });
 }
 
-void RingVisibility::mark_solid(const Camera& camera, const ImageU8& mask) {
+void RingVisibility::erode_depth(const Camera& camera) {
   const int w = camera.width, h = camera.height, r = options_.erosion_px;
   const auto footprint = static_cast<float>(options_.depth_step / std::min(camera.fx, camera.fy));
-  std::fill_n(solid_.data(), solid_.size(), std::uint8_t{0});
-  const Box inner{std::max(box_.x0, 1), std::max(box_.y0, 1), std::min(box_.x1, w - 1), std::min(box_.y1, h - 1)};
-  if (inner.x0 >= inner.x1 || inner.y0 >= inner.y1) return;
+  std::fill_n(safe_depth_.data(), safe_depth_.size(), 0.0f);
+  const PixelBox inner{std::max(view_.box.x0, 1), std::max(view_.box.y0, 1), std::min(view_.box.x1, w - 1),
+                       std::min(view_.box.y1, h - 1)};
+  if (inner.empty()) return;
   ImageU8 smooth(w, h, 1);
-  tbb::parallel_for(inner.y0, inner.y1, [&](int y) {
-    for (int x = inner.x0; x < inner.x1; ++x) {
-      const float z = depth_.at(x, y);
-      const auto ignored = [&](int px, int py) { return !mask.empty() && mask.at(px, py) == 0; };
-      if (z <= 0 || ignored(x, y)) continue;
-      const float limit = footprint * z;
-      const auto step = [&](int dx, int dy) {
-        return std::abs(depth_.at(x + dx, y + dy) - z) > limit || ignored(x + dx, y + dy);
-      };
-      // Diagonals too: the cubic kernel reads two pixels away in both directions at once.
-      smooth.at(x, y) = !(step(-1, 0) || step(1, 0) || step(0, -1) || step(0, 1) || step(-1, -1) || step(1, -1) ||
-                          step(-1, 1) || step(1, 1));
+  tbb::parallel_for(tbb::blocked_range<int>(inner.y0, inner.y1, 16), [&](const tbb::blocked_range<int>& rows) {
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      const float *above = depth_.row(y - 1), *row = depth_.row(y), *below = depth_.row(y + 1);
+      std::uint8_t* out = smooth.row(y);
+      for (int x = inner.x0; x < inner.x1; ++x) {
+        const float z = row[x], limit = footprint * z;
+        const auto near = [&](float other) { return std::abs(other - z) <= limit; };
+        // Diagonals too: the cubic kernel reads two pixels away in both directions at once.
+        out[x] = (z > 0) & near(row[x - 1]) & near(row[x + 1]) & near(above[x]) & near(below[x]) & near(above[x - 1]) &
+                 near(above[x + 1]) & near(below[x - 1]) & near(below[x + 1]);
+      }
     }
   });
   // Minimum over a square window, one direction after the other.
@@ -113,18 +130,21 @@ void RingVisibility::mark_solid(const Camera& camera, const ImageU8& mask) {
       for (int x = range.begin(); x < range.end(); ++x) {
         int& length = run[x - range.begin()];
         length = narrow.at(x, y) ? length + 1 : 0;
-        if (length > 2 * r) solid_.at(x, y - r) = 1;
+        if (length > 2 * r) safe_depth_.at(x, y - r) = depth_.at(x, y - r);
       }
   });
 }
 
 void RingVisibility::test_samples(const Camera& camera, const Rigid3& camera_from_object) {
-  const auto tolerance = static_cast<float>(options_.depth_tolerance / std::min(camera.fx, camera.fy));
   const Eigen::Vector3f eye = view_.eye.cast<float>();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 256), [&](const auto& range) {
+  const auto nearer = static_cast<float>(1 - options_.depth_tolerance / std::min(camera.fx, camera.fy));
+  const auto largest_x = static_cast<float>(camera.width - 2), largest_y = static_cast<float>(camera.height - 2);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 64), [&](const auto& range) {
+    std::vector<float> buffer(5 * longest_lattice_);
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       const std::size_t first = rings_.first_sample(t);
-      const int n = rings_.resolution(t), samples = lattice_samples(n);
+      const int n = rings_.resolution(t);
+      const std::size_t samples = lattice_samples(n);
       const Eigen::Vector3f normal = mesh_.area_normal(t);
       const Eigen::Vector3f centre = (mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3;
       const Eigen::Vector3f to_eye = eye - centre;
@@ -134,29 +154,36 @@ void RingVisibility::test_samples(const Camera& camera, const Rigid3& camera_fro
       std::fill_n(view_.visible.begin() + first, samples, std::uint8_t{0});
       if (view_.cosine[t] < options_.min_cosine) continue;
 
-      const Eigen::Vector3d a = camera_from_object * mesh_.corner(t, 0).template cast<double>();
-      const Eigen::Vector3d b = camera_from_object * mesh_.corner(t, 1).template cast<double>();
-      const Eigen::Vector3d c = camera_from_object * mesh_.corner(t, 2).template cast<double>();
+      const Eigen::Vector3d corner = camera_from_object * mesh_.corner(t, 0).template cast<double>();
+      const Eigen::Vector3d along_u = camera_from_object * mesh_.corner(t, 1).template cast<double>() - corner;
+      const Eigen::Vector3d along_v = camera_from_object * mesh_.corner(t, 2).template cast<double>() - corner;
+      const Lattice& lattice = lattices_[n];
+      const std::span<float> all(buffer);
+      const std::span<float> x = all.subspan(0, samples), y = all.subspan(samples, samples),
+                             z = all.subspan(2 * samples, samples), px = all.subspan(3 * samples, samples),
+                             py = all.subspan(4 * samples, samples);
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto c = static_cast<float>(corner[axis]), du = static_cast<float>(along_u[axis]),
+                   dv = static_cast<float>(along_v[axis]);
+        float* out = buffer.data() + axis * samples;
+        for (std::size_t s = 0; s < samples; ++s) out[s] = c + lattice.u[s] * du + lattice.v[s] * dv;
+      }
+      project(camera, x, y, z, px, py);
+
       int visible = 0;
-      std::size_t s = first;
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; i + j < n; ++j, ++s) {
-          const double u = double(i) / (n - 1), v = double(j) / (n - 1);
-          const Eigen::Vector3d p = a + u * (b - a) + v * (c - a);
-          const auto pixel = camera.project(p);
-          if (!pixel || !camera.contains(*pixel, 1)) continue;
-          view_.pixel[s] = pixel->template cast<float>();
-          const int x = static_cast<int>(pixel->x() + 0.5), y = static_cast<int>(pixel->y() + 0.5);
-          if (!solid_.at(x, y)) continue;
-          const auto z = static_cast<float>(p.z());
-          if (z > depth_.at(x, y) + tolerance * z) continue;
-          view_.visible[s] = 1;
-          ++visible;
-        }
+      for (std::size_t s = 0; s < samples; ++s) {
+        view_.pixel[first + s] = {px[s], py[s]};
+        const bool inside = (px[s] >= 1) & (py[s] >= 1) & (px[s] <= largest_x) & (py[s] <= largest_y);
+        if (!inside) continue;
+        const bool shown =
+            nearer * z[s] <= safe_depth_.at(static_cast<int>(px[s] + 0.5f), static_cast<int>(py[s] + 0.5f));
+        view_.visible[first + s] = shown;
+        visible += shown;
+      }
       view_.visible_in_triangle[t] = visible;
       if (visible > 0) {
-        const double f = std::sqrt(camera.fx * camera.fy), z = (a.z() + b.z() + c.z()) / 3;
-        const double area_px = 0.5 * normal.norm() * view_.cosine[t] * f * f / (z * z);
+        const double f = std::sqrt(camera.fx * camera.fy), depth = corner.z() + (along_u.z() + along_v.z()) / 3;
+        const double area_px = 0.5 * normal.norm() * view_.cosine[t] * f * f / (depth * depth);
         view_.step_px[t] = static_cast<float>(std::sqrt(2 * area_px) / (n - 1));
       }
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct VisibilityOptions {
 /// What one image shows of the sampled surface. Arrays a sample run as VertexRings::first_sample says.
 struct SurfaceView {
   Eigen::Vector3d eye;                   ///< object frame
+  PixelBox box;                          ///< pixels that can show the mesh
   std::vector<Eigen::Vector2f> pixel;    ///< a sample: where it falls in the image, through the lens
   std::vector<std::uint8_t> visible;     ///< a sample
   std::vector<int> visible_in_triangle;  ///< a triangle: how many of its samples are visible
@@ -41,29 +43,30 @@ class RingVisibility {
   /// `mask`: empty, or the image's size with 0 where pixels are to be ignored. Not thread-safe (buffers are reused).
   const SurfaceView& look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
 
-  /// Of the last look, a pixel: z of the first hit in the camera's frame, 0 where there is none or it is a back face;
-  /// and 1 where that surface is safely inside, away from every edge.
-  const ImageF& depth() const { return depth_; }
-  const ImageU8& solid() const { return solid_; }
+  /// Of the last look, a pixel: z of the first hit in the camera's frame where it lies on a front face and safely
+  /// inside a surface, away from every edge; else 0.
+  const ImageF& safe_depth() const { return safe_depth_; }
 
  private:
-  void cast_depth(const Camera& camera, const Rigid3& camera_from_object);
-  void mark_solid(const Camera& camera, const ImageU8& mask);
+  void cast_depth(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
+  void erode_depth(const Camera& camera);
   void test_samples(const Camera& camera, const Rigid3& camera_from_object);
 
-  struct Box {
-    int x0, y0, x1, y1;  ///< half open
+  /// Barycentric weights of corners 1 and 2, a lattice point.
+  struct Lattice {
+    std::vector<float> u, v;
   };
 
   const Mesh& mesh_;
   const VertexRings& rings_;
   VisibilityOptions options_;
   RayScene scene_;
+  std::array<Lattice, 256> lattices_;  ///< of the resolutions that triangles have
+  std::size_t longest_lattice_ = 0;    ///< samples
   Camera rays_of_;                     ///< whose pixel rays are cached
   std::vector<Eigen::Vector3f> rays_;  ///< camera frame, z = 1; NaN where the lens has none
-  Box box_{};                          ///< pixels that can show the mesh
-  ImageF depth_;                       ///< z of the first hit, 0 where there is none or it is a back face
-  ImageU8 solid_;                      ///< pixels that are safely inside a surface
+  ImageF depth_;                       ///< z of the first hit; 0 where it is none, a back face or masked
+  ImageF safe_depth_;                  ///< of these, what is safely inside a surface
   SurfaceView view_;
 };
 

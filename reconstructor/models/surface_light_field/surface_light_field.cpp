@@ -73,6 +73,7 @@ struct SurfaceLightField::Pipeline {
   std::vector<std::unique_ptr<RingModel>> ring_models;  ///< null until an image shows enough of the ring
   double reference_exposure = 0;
 
+  RadianceImage image;
   Eigen::Matrix3Xf samples;  ///< encoded values of the current image
   KernelErrors all_kernel_errors{};
   std::vector<float> log_gains;  ///< an image folded in
@@ -110,18 +111,7 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   if (accepted == 0) start(capture);  // a first image that shows nothing decides nothing
 
   StageClock clock(report);
-  RadianceImage image(
-      to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data()));
-  ImageU8 mask = capture.mask;
-  if (!image.valid().empty()) {
-    if (mask.empty())
-      mask = image.valid();
-    else
-      for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] &= image.valid().data()[i];
-  }
-  clock.done("decode");
-
-  const SurfaceView& view = visibility->look(capture.camera, capture.pose.camera_from_object, mask);
+  const SurfaceView& view = visibility->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   clock.done("visibility");
   if (view.visible_samples == 0) return refuse("object_not_in_view");
 
@@ -132,6 +122,8 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
     return report;
   }
 
+  image.load(capture, view);
+  clock.done("decode");
   resample(image, view, *rings, report.exposure_gain, samples);
   clock.done("resample");
   const float gain = estimated_gain(capture, view);

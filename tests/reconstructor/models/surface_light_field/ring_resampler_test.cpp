@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <random>
 
@@ -113,22 +114,75 @@ TEST(RingResampler, LightIsNeverNegative) {
   EXPECT_EQ(lowest, 0) << "the kernel's overshoot is cut off";
 }
 
+/// A capture of float pixels, and a view of all of it whose samples stand `step` pixels apart.
+Capture capture_of(const ImageF& pixels) {
+  Capture capture;
+  capture.image = {.format = PixelFormat::kRGB32f, .width = pixels.width(), .height = pixels.height()};
+  capture.image.stride = 12 * static_cast<std::size_t>(pixels.width());
+  capture.image.bytes.resize(4 * pixels.size());
+  std::memcpy(capture.image.bytes.data(), pixels.data(), 4 * pixels.size());
+  return capture;
+}
+
+SurfaceView view_of(const PixelBox& box, float step) {
+  SurfaceView view;
+  view.box = box;
+  view.step_px = {step};
+  return view;
+}
+
 TEST(RingResampler, PixelsThatAreNoNumbersAreMarkedAndReadAsZero) {
   ImageF pixels = noise(20, 10);
-  EXPECT_TRUE(RadianceImage(pixels).valid().empty());
+  EXPECT_TRUE(usable_pixels(capture_of(pixels)).empty());
   pixels.at(3, 4, 1) = std::numeric_limits<float>::quiet_NaN();
   pixels.at(19, 9, 2) = std::numeric_limits<float>::infinity();
   pixels.at(0, 0, 0) = -std::numeric_limits<float>::infinity();
-  const RadianceImage image(pixels);
-  ASSERT_EQ(image.valid().width(), 20);
-  ASSERT_EQ(image.valid().height(), 10);
+  Capture capture = capture_of(pixels);
+  const ImageU8 usable = usable_pixels(capture);
+  RadianceImage image;
+  image.load(capture, view_of({0, 0, 20, 10}, 1000));
+  ASSERT_EQ(usable.width(), 20);
+  ASSERT_EQ(usable.height(), 10);
   for (int y = 0; y < 10; ++y)
     for (int x = 0; x < 20; ++x) {
       const bool broken = (x == 3 && y == 4) || (x == 19 && y == 9) || (x == 0 && y == 0);
-      EXPECT_EQ(image.valid().at(x, y) != 0, !broken);
+      EXPECT_EQ(usable.at(x, y) != 0, !broken);
       for (const float step : kSteps) EXPECT_TRUE(image.sample(Eigen::Vector2f(x + 0.3f, y - 0.2f), step).allFinite());
     }
   EXPECT_LT(image.sample({3, 4}, 1).norm(), 1e-5f);
+
+  capture.mask = ImageU8(20, 10, 1, 255);
+  capture.mask.at(7, 7) = 0;
+  const ImageU8 both = usable_pixels(capture);
+  EXPECT_EQ(both.at(7, 7), 0) << "the capture's own mask stays";
+  EXPECT_EQ(both.at(3, 4), 0);
+  EXPECT_NE(both.at(8, 7), 0);
+}
+
+TEST(RingResampler, APartOfTheImageReadsAsTheWholeDoes) {
+  const ImageF pixels = noise(120, 90);
+  const RadianceImage whole(pixels);
+  const Capture capture = capture_of(pixels);
+  RadianceImage part;
+  for (const PixelBox& box : {PixelBox{33, 21, 57, 60}, PixelBox{0, 0, 9, 90}, PixelBox{100, 80, 120, 90}})
+    for (const float step : {1.0f, 2.0f, 5.0f, 12.0f})
+      for (const Sampling sampling : {Sampling::kCubic, Sampling::kLinear}) {
+        part.load(capture, view_of(box, step));
+        for (float y = static_cast<float>(box.y0); y <= box.y1 - 1; y += 0.7f)
+          for (float x = static_cast<float>(box.x0); x <= box.x1 - 1; x += 0.7f)
+            EXPECT_LT(
+                (part.sample({x, y}, step, sampling) - whole.sample({x, y}, step, sampling)).cwiseAbs().maxCoeff(),
+                2e-6f)
+                << x << ' ' << y << ' ' << step;
+      }
+}
+
+TEST(RingResampler, LinearSamplingIsTheMeanOfTheFourPixelsRound) {
+  const ImageF pixels = noise(8, 8);
+  const RadianceImage image(pixels);
+  const auto pixel = [&](int x, int y) { return Eigen::Map<const Eigen::Vector3f>(pixels.pixel(x, y)); };
+  const Eigen::Vector3f mean = (pixel(3, 4) + pixel(4, 4) + pixel(3, 5) + pixel(4, 5)) / 4;
+  EXPECT_LT((image.sample({3.5f, 4.5f}, 1, Sampling::kLinear) - mean).norm(), 1e-6f);
 }
 
 TEST(RingResampler, SamplesAreDividedByTheGainAndEncodedAndHiddenOnesAreLeftAlone) {

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/radiance_image.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "common/linear_reader.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kBlock = 8;  // pixels of the full image that a pixel of the coarsest level covers
+// Up to this distance between samples the full image is read: the cubic kernel itself passes little beyond it.
+constexpr float kFullResolutionStep = 1.6f;
+constexpr float kCubicA = -0.6f;
+
+using Pixel = Eigen::Array4f;
+
+Pixel texel(const ImageF& image, int x, int y) {
+  return Eigen::Map<const Pixel>(
+      image.pixel(std::clamp(x, 0, image.width() - 1), std::clamp(y, 0, image.height() - 1)));
+}
+
+/// Coefficients of the four weights of cubic convolution as polynomials of the fraction t, highest power first; each
+/// weight stands `repeat` times.
+template <int repeat>
+const std::array<Eigen::Array<float, 4 * repeat, 1>, 4>& cubic_polynomials() {
+  static const auto polynomials = [] {
+    constexpr float a = kCubicA;
+    constexpr float terms[4][4] = {
+        {a, a + 2, -(a + 2), -a}, {-2 * a, -(a + 3), 2 * a + 3, a}, {a, 0, -a, 0}, {0, 1, 0, 0}};
+    std::array<Eigen::Array<float, 4 * repeat, 1>, 4> p;
+    for (int power = 0; power < 4; ++power)
+      for (int i = 0; i < 4 * repeat; ++i) p[power][i] = terms[power][i / repeat];
+    return p;
+  }();
+  return polynomials;
+}
+
+template <int repeat>
+Eigen::Array<float, 4 * repeat, 1> cubic_weights(float t) {
+  const auto& p = cubic_polynomials<repeat>();
+  return ((p[0] * t + p[1]) * t + p[2]) * t + p[3];
+}
+
+Pixel sample_cubic(const ImageF& image, float x, float y) {
+  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+  using Four = Eigen::Array<float, 16, 1>;  // neighbouring pixels of a row
+  const Four wx = cubic_weights<4>(x - static_cast<float>(x0));
+  const Eigen::Array4f wy = cubic_weights<1>(y - static_cast<float>(y0));
+  Four columns = Four::Zero();
+  if (x0 >= 1 && y0 >= 1 && x0 + 2 < image.width() && y0 + 2 < image.height()) {
+    for (int j = 0; j < 4; ++j) columns += wy[j] * Eigen::Map<const Four>(image.pixel(x0 - 1, y0 - 1 + j));
+  } else {
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 4; ++i) columns.segment<4>(4 * i) += wy[j] * texel(image, x0 - 1 + i, y0 - 1 + j);
+  }
+  columns *= wx;
+  const Pixel sum = (columns.segment<4>(0) + columns.segment<4>(4)) + (columns.segment<4>(8) + columns.segment<4>(12));
+  return sum.max(0);  // the kernel overshoots at edges; light is never negative
+}
+
+Pixel sample_linear(const ImageF& image, float x, float y) {
+  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+  const float tx = x - static_cast<float>(x0), ty = y - static_cast<float>(y0);
+  return (1 - ty) * ((1 - tx) * texel(image, x0, y0) + tx * texel(image, x0 + 1, y0)) +
+         ty * ((1 - tx) * texel(image, x0, y0 + 1) + tx * texel(image, x0 + 1, y0 + 1));
+}
+
+void halve(const ImageF& fine, ImageF& coarse) {
+  coarse.resize((fine.width() + 1) / 2, (fine.height() + 1) / 2, 4);
+  tbb::parallel_for(tbb::blocked_range<int>(0, coarse.height(), 16), [&](const tbb::blocked_range<int>& rows) {
+    for (int y = rows.begin(); y < rows.end(); ++y)
+      for (int x = 0; x < coarse.width(); ++x)
+        Eigen::Map<Pixel>(coarse.pixel(x, y)) =
+            0.25f * (texel(fine, 2 * x, 2 * y) + texel(fine, 2 * x + 1, 2 * y) + texel(fine, 2 * x, 2 * y + 1) +
+                     texel(fine, 2 * x + 1, 2 * y + 1));
+  });
+}
+
+void zero_what_is_not_finite(ImageF& image) {
+  for (std::size_t i = 0; i < image.size(); i += 4)
+    if (Eigen::Map<Pixel> pixel(image.data() + i); !pixel.allFinite()) pixel.setZero();
+}
+
+/// The box with what filters read round it, on a grid that the coarser levels share with those of the whole image.
+PixelBox padded(const PixelBox& box, const RawImage& image) {
+  const auto down = [](int i) { return std::max(i / kBlock - 1, 0) * kBlock; };
+  const auto up = [](int i, int size) { return std::min((i / kBlock + 2) * kBlock, size); };
+  return {down(box.x0), down(box.y0), up(box.x1, image.width), up(box.y1, image.height)};
+}
+
+}  // namespace
+
+RadianceImage::RadianceImage(const ImageF& linear) {
+  ImageF& full = levels_[0];
+  full = ImageF(linear.width(), linear.height(), 4);
+  for (std::size_t i = 0; i < linear.size() / 3; ++i) std::copy_n(linear.data() + 3 * i, 3, full.data() + 4 * i);
+  zero_what_is_not_finite(full);
+  fill_coarser_levels(std::numeric_limits<float>::infinity());
+}
+
+void RadianceImage::load(const Capture& capture, const SurfaceView& view) {
+  const PixelBox box = padded(view.box, capture.image);
+  origin_ = {static_cast<float>(box.x0), static_cast<float>(box.y0)};
+  const LinearReader reader(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+  ImageF& full = levels_[0];
+  full.resize(box.width(), box.height(), 4);
+  tbb::parallel_for(tbb::blocked_range<int>(box.y0, box.y1, 32), [&](const tbb::blocked_range<int>& rows) {
+    reader.read({box.x0, rows.begin(), box.x1, rows.end()}, 4, full.row(rows.begin() - box.y0),
+                4 * static_cast<std::size_t>(box.width()));
+  });
+  if (capture.image.format == PixelFormat::kRGB32f) zero_what_is_not_finite(full);
+  fill_coarser_levels(*std::max_element(view.step_px.begin(), view.step_px.end()));
+}
+
+void RadianceImage::fill_coarser_levels(float largest_step_px) {
+  levels_used_ = 1;
+  for (float step = kFullResolutionStep; step < largest_step_px && levels_used_ < int(levels_.size()); step *= 2) {
+    halve(levels_[levels_used_ - 1], levels_[levels_used_]);
+    ++levels_used_;
+  }
+}
+
+Eigen::Vector3f RadianceImage::sample(const Eigen::Vector2f& pixel, float step_px, Sampling sampling) const {
+  const Eigen::Vector2f p = pixel - origin_;
+  int level = 0;
+  float scale = 1;
+  for (float step = kFullResolutionStep; step < step_px && level + 1 < levels_used_; step *= 2) {
+    ++level;
+    scale *= 0.5f;
+  }
+  if (level == 0 && sampling == Sampling::kCubic) return sample_cubic(levels_[0], p.x(), p.y()).head<3>();
+  return sample_linear(levels_[level], (p.x() + 0.5f) * scale - 0.5f, (p.y() + 0.5f) * scale - 0.5f).head<3>();
+}
+
+ImageU8 usable_pixels(const Capture& capture) {
+  if (capture.image.format != PixelFormat::kRGB32f) return capture.mask;
+  const RawImage& image = capture.image;
+  ImageU8 usable = capture.mask;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      Eigen::Array3f rgb;
+      std::memcpy(rgb.data(), image.bytes.data() + y * image.stride + 12 * static_cast<std::size_t>(x), 12);
+      if (rgb.allFinite()) continue;
+      if (usable.empty()) usable = ImageU8(image.width, image.height, 1, 255);
+      usable.at(x, y) = 0;
+    }
+  return usable;
+}
+
+}  // namespace sheen

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "common/capture.h"
+#include "common/image.h"
+#include "reconstructor/surface/ring_visibility.h"
+
+namespace sheen {
+
+/// How an image is read between its pixels.
+enum class Sampling {
+  kCubic,   ///< cubic convolution (a = -0.6): sharp
+  kLinear,  ///< linear interpolation: a quarter of the reads, blurs
+};
+
+/// An image ready to be sampled: linear radiance, with coarser levels where the image is finer than the surface maps.
+class RadianceImage {
+ public:
+  RadianceImage() = default;
+  /// `linear`: 3 channels.
+  explicit RadianceImage(const ImageF& linear);
+
+  /// Takes what the samples of `view`, a view of this capture, will read; nothing else of the image is decoded. Pixels
+  /// that are not finite read as 0. Storage is reused.
+  void load(const Capture& capture, const SurfaceView& view);
+
+  /// Linear RGB at a place of the image, prefiltered for samples `step_px` apart: `sampling` of the full image, linear
+  /// interpolation on the coarser levels, which are box-filtered by two each.
+  Eigen::Vector3f sample(const Eigen::Vector2f& pixel, float step_px, Sampling sampling = Sampling::kCubic) const;
+
+ private:
+  void fill_coarser_levels(float largest_step_px);
+
+  int levels_used_ = 0;
+  std::array<ImageF, 4> levels_;  ///< 4 channels, the last is unused: a pixel is one vector register
+  Eigen::Vector2f origin_{0, 0};  ///< pixel of the image at (0, 0) of the first level
+};
+
+/// The capture's mask without the pixels that are NaN or infinite; empty when all pixels are good.
+ImageU8 usable_pixels(const Capture& capture);
+
+}  // namespace sheen
