@@ -16,14 +16,17 @@ inline float power_5_12(float x) {
   const auto bits = std::bit_cast<std::int32_t>(x);
   const auto exponent = static_cast<float>((bits >> 23) - 127);
   const float z = std::bit_cast<float>((bits & 0x7fffff) | 0x3f800000) - 1;  // mantissa - 1, in [0, 1)
-  float log2 = 0.02001665f;
-  for (const float c : {-0.09462681f, 0.21394321f, -0.3383772f, 0.47749636f, -0.7211441f, 1.442693f})
-    log2 = log2 * z + c;
-  const float power = (exponent + z * log2) * (5.0f / 12);
+  const float log2 =
+      ((((((0.02001665f * z - 0.09462681f) * z + 0.21394321f) * z - 0.3383772f) * z + 0.47749636f) * z - 0.7211441f) *
+           z +
+       1.442693f) *
+      z;
+  const float power = (exponent + log2) * (5.0f / 12);
   const auto whole = static_cast<std::int32_t>(power + 128) - 128;  // floor: power > -128
   const float part = power - static_cast<float>(whole);
-  float exp2 = 0.001893754f;
-  for (const float c : {0.00894959f, 0.05586034f, 0.24014182f, 0.6931545f, 0.9999999f}) exp2 = exp2 * part + c;
+  const float exp2 =
+      ((((0.001893754f * part + 0.00894959f) * part + 0.05586034f) * part + 0.24014182f) * part + 0.6931545f) * part +
+      0.9999999f;
   return exp2 * std::bit_cast<float>((whole + 127) << 23);
 }
 
@@ -49,7 +52,8 @@ float srgb_encode_fast(float x) {
 }
 
 void srgb_encode_fast(std::span<float> values) {
-  for (float& v : values) v = encode(v);
+  float* v = values.data();
+  for (std::size_t i = 0; i < values.size(); ++i) v[i] = encode(v[i]);
 }
 
 ImageU8 to_srgb8(const ImageF& linear) {

@@ -59,6 +59,7 @@ void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_
     rays_of_ = camera;
     depth_ = ImageF(w, h, 1);
     safe_depth_ = ImageF(w, h, 1);
+    smooth_ = narrow_ = ImageU8(w, h, 1);
   }
   view_.box = {w, h, 0, 0};
   for (const Eigen::Vector3f& vertex : mesh_.vertices) {
@@ -101,11 +102,11 @@ void RingVisibility::erode_depth(const Camera& camera) {
   const PixelBox inner{std::max(view_.box.x0, 1), std::max(view_.box.y0, 1), std::min(view_.box.x1, w - 1),
                        std::min(view_.box.y1, h - 1)};
   if (inner.empty()) return;
-  ImageU8 smooth(w, h, 1);
+  std::fill_n(narrow_.data(), narrow_.size(), std::uint8_t{0});
   tbb::parallel_for(tbb::blocked_range<int>(inner.y0, inner.y1, 16), [&](const tbb::blocked_range<int>& rows) {
     for (int y = rows.begin(); y < rows.end(); ++y) {
       const float *above = depth_.row(y - 1), *row = depth_.row(y), *below = depth_.row(y + 1);
-      std::uint8_t* out = smooth.row(y);
+      std::uint8_t* out = smooth_.row(y);
       for (int x = inner.x0; x < inner.x1; ++x) {
         const float z = row[x], limit = footprint * z;
         const auto near = [&](float other) { return std::abs(other - z) <= limit; };
@@ -116,12 +117,11 @@ void RingVisibility::erode_depth(const Camera& camera) {
     }
   });
   // Minimum over a square window, one direction after the other.
-  ImageU8 narrow(w, h, 1);
   tbb::parallel_for(inner.y0, inner.y1, [&](int y) {
     int run = 0;  // of smooth pixels that ends at x
     for (int x = inner.x0; x < inner.x1; ++x) {
-      run = smooth.at(x, y) ? run + 1 : 0;
-      if (run > 2 * r) narrow.at(x - r, y) = 1;
+      run = smooth_.at(x, y) ? run + 1 : 0;
+      if (run > 2 * r) narrow_.at(x - r, y) = 1;
     }
   });
   tbb::parallel_for(tbb::blocked_range<int>(inner.x0, inner.x1, 64), [&](const tbb::blocked_range<int>& range) {
@@ -129,7 +129,7 @@ void RingVisibility::erode_depth(const Camera& camera) {
     for (int y = inner.y0; y < inner.y1; ++y)
       for (int x = range.begin(); x < range.end(); ++x) {
         int& length = run[x - range.begin()];
-        length = narrow.at(x, y) ? length + 1 : 0;
+        length = narrow_.at(x, y) ? length + 1 : 0;
         if (length > 2 * r) safe_depth_.at(x, y - r) = depth_.at(x, y - r);
       }
   });

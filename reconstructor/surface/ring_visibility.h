@@ -67,6 +67,7 @@ class RingVisibility {
   std::vector<Eigen::Vector3f> rays_;  ///< camera frame, z = 1; NaN where the lens has none
   ImageF depth_;                       ///< z of the first hit; 0 where it is none, a back face or masked
   ImageF safe_depth_;                  ///< of these, what is safely inside a surface
+  ImageU8 smooth_, narrow_;            ///< of `erode_depth`
   SurfaceView view_;
 };
 

@@ -104,12 +104,23 @@ ConstantColour::ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr
       count_(rings_->total_samples(), 0) {}
 
 void ConstantColour::add(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count_.size(), 4096), [&](const auto& range) {
-    for (std::size_t s = range.begin(); s < range.end(); ++s)
-      if (view.visible[s]) {
-        sum_.col(static_cast<Eigen::Index>(s)) += encoded.col(static_cast<Eigen::Index>(s));
-        ++count_[s];
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.visible_in_triangle.size(), 128), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      const int visible = view.visible_in_triangle[t];
+      if (visible == 0) continue;
+      const auto first = static_cast<Eigen::Index>(rings_->first_sample(t));
+      const int samples = lattice_samples(rings_->resolution(t));
+      if (visible == samples) {
+        sum_.middleCols(first, samples) += encoded.middleCols(first, samples);
+        for (int s = 0; s < samples; ++s) ++count_[first + s];
+        continue;
       }
+      for (Eigen::Index s = first; s < first + samples; ++s)
+        if (view.visible[s]) {
+          sum_.col(s) += encoded.col(s);
+          ++count_[s];
+        }
+    }
   });
 }
 

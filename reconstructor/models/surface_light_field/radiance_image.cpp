@@ -30,38 +30,37 @@ Pixel texel(const ImageF& image, int x, int y) {
 /// Coefficients of the four weights of cubic convolution as polynomials of the fraction t, highest power first; each
 /// weight stands `repeat` times.
 template <int repeat>
-const std::array<Eigen::Array<float, 4 * repeat, 1>, 4>& cubic_polynomials() {
-  static const auto polynomials = [] {
+struct CubicPolynomials {
+  std::array<Eigen::Array<float, 4 * repeat, 1>, 4> coefficients;
+
+  CubicPolynomials() {
     constexpr float a = kCubicA;
     constexpr float terms[4][4] = {
         {a, a + 2, -(a + 2), -a}, {-2 * a, -(a + 3), 2 * a + 3, a}, {a, 0, -a, 0}, {0, 1, 0, 0}};
-    std::array<Eigen::Array<float, 4 * repeat, 1>, 4> p;
     for (int power = 0; power < 4; ++power)
-      for (int i = 0; i < 4 * repeat; ++i) p[power][i] = terms[power][i / repeat];
-    return p;
-  }();
-  return polynomials;
-}
-
-template <int repeat>
-Eigen::Array<float, 4 * repeat, 1> cubic_weights(float t) {
-  const auto& p = cubic_polynomials<repeat>();
-  return ((p[0] * t + p[1]) * t + p[2]) * t + p[3];
-}
+      for (int i = 0; i < 4 * repeat; ++i) coefficients[power][i] = terms[power][i / repeat];
+  }
+  Eigen::Array<float, 4 * repeat, 1> weights(float t) const {
+    return ((coefficients[0] * t + coefficients[1]) * t + coefficients[2]) * t + coefficients[3];
+  }
+};
+const CubicPolynomials<1> kRowPolynomials;
+const CubicPolynomials<4> kColumnPolynomials;
 
 Pixel sample_cubic(const ImageF& image, float x, float y) {
   const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
   using Four = Eigen::Array<float, 16, 1>;  // neighbouring pixels of a row
-  const Four wx = cubic_weights<4>(x - static_cast<float>(x0));
-  const Eigen::Array4f wy = cubic_weights<1>(y - static_cast<float>(y0));
-  Four columns = Four::Zero();
+  const Eigen::Array4f wy = kRowPolynomials.weights(y - static_cast<float>(y0));
+  Four columns;
   if (x0 >= 1 && y0 >= 1 && x0 + 2 < image.width() && y0 + 2 < image.height()) {
-    for (int j = 0; j < 4; ++j) columns += wy[j] * Eigen::Map<const Four>(image.pixel(x0 - 1, y0 - 1 + j));
+    const auto row = [&](int j) { return Eigen::Map<const Four>(image.pixel(x0 - 1, y0 - 1 + j)); };
+    columns = wy[0] * row(0) + wy[1] * row(1) + wy[2] * row(2) + wy[3] * row(3);
   } else {
+    columns.setZero();
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 4; ++i) columns.segment<4>(4 * i) += wy[j] * texel(image, x0 - 1 + i, y0 - 1 + j);
   }
-  columns *= wx;
+  columns *= kColumnPolynomials.weights(x - static_cast<float>(x0));
   const Pixel sum = (columns.segment<4>(0) + columns.segment<4>(4)) + (columns.segment<4>(8) + columns.segment<4>(12));
   return sum.max(0);  // the kernel overshoots at edges; light is never negative
 }
@@ -129,15 +128,29 @@ void RadianceImage::fill_coarser_levels(float largest_step_px) {
 }
 
 Eigen::Vector3f RadianceImage::sample(const Eigen::Vector2f& pixel, float step_px, Sampling sampling) const {
-  const Eigen::Vector2f p = pixel - origin_;
+  float rgb[4];
+  constexpr std::uint8_t kWanted = 1;
+  sample({&pixel, 1}, {&kWanted, 1}, step_px, sampling, rgb);
+  return {rgb[0], rgb[1], rgb[2]};
+}
+
+void RadianceImage::sample(std::span<const Eigen::Vector2f> pixels, std::span<const std::uint8_t> wanted, float step_px,
+                           Sampling sampling, float* rgb) const {
   int level = 0;
   float scale = 1;
   for (float step = kFullResolutionStep; step < step_px && level + 1 < levels_used_; step *= 2) {
     ++level;
     scale *= 0.5f;
   }
-  if (level == 0 && sampling == Sampling::kCubic) return sample_cubic(levels_[0], p.x(), p.y()).head<3>();
-  return sample_linear(levels_[level], (p.x() + 0.5f) * scale - 0.5f, (p.y() + 0.5f) * scale - 0.5f).head<3>();
+  const bool cubic = level == 0 && sampling == Sampling::kCubic;
+  const float shift = 0.5f * scale - 0.5f;  // pixel centres of a level lie between those of the finer one
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (!wanted[i]) continue;
+    const float x = pixels[i].x() - origin_.x(), y = pixels[i].y() - origin_.y();
+    Eigen::Map<Pixel>{rgb} =
+        cubic ? sample_cubic(levels_[0], x, y) : sample_linear(levels_[level], x * scale + shift, y * scale + shift);
+    rgb += 3;
+  }
 }
 
 ImageU8 usable_pixels(const Capture& capture) {

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
+#include <span>
 
 #include "common/capture.h"
 #include "common/image.h"
@@ -30,6 +32,10 @@ class RadianceImage {
   /// Linear RGB at a place of the image, prefiltered for samples `step_px` apart: `sampling` of the full image, linear
   /// interpolation on the coarser levels, which are box-filtered by two each.
   Eigen::Vector3f sample(const Eigen::Vector2f& pixel, float step_px, Sampling sampling = Sampling::kCubic) const;
+  /// The same of those pixels that are `wanted`, one after the other. `rgb`: three values each, and one more float at
+  /// the end, which is overwritten.
+  void sample(std::span<const Eigen::Vector2f> pixels, std::span<const std::uint8_t> wanted, float step_px,
+              Sampling sampling, float* rgb) const;
 
  private:
   void fill_coarser_levels(float largest_step_px);

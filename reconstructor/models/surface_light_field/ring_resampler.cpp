@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <span>
 #include <vector>
 
 #include "common/color.h"
@@ -18,15 +19,17 @@ void resample(const RadianceImage& image, const SurfaceView& view, const VertexR
     std::vector<float> values;  // of a triangle's visible samples: encoded together
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       if (view.visible_in_triangle[t] == 0) continue;
-      values.resize(3 * static_cast<std::size_t>(view.visible_in_triangle[t]));
-      const std::size_t first = rings.first_sample(t), end = rings.first_sample(t + 1);
-      Eigen::Map<Eigen::Matrix3Xf> colours(values.data(), 3, view.visible_in_triangle[t]);
+      const std::size_t first = rings.first_sample(t), samples = rings.first_sample(t + 1) - first;
+      const int visible = view.visible_in_triangle[t];
+      values.resize(3 * static_cast<std::size_t>(visible) + 1);
+      image.sample(std::span(view.pixel).subspan(first, samples), std::span(view.visible).subspan(first, samples),
+                   view.step_px[t], sampling, values.data());
+      if (gain != 1)
+        for (float& v : values) v *= scale;
+      srgb_encode_fast(std::span(values).first(values.size() - 1));
+      const Eigen::Map<const Eigen::Matrix3Xf> colours(values.data(), 3, visible);
       Eigen::Index n = 0;
-      for (std::size_t s = first; s < end; ++s)
-        if (view.visible[s]) colours.col(n++) = scale * image.sample(view.pixel[s], view.step_px[t], sampling);
-      srgb_encode_fast(std::span<float>(values));
-      n = 0;
-      for (std::size_t s = first; s < end; ++s)
+      for (std::size_t s = first; s < first + samples; ++s)
         if (view.visible[s]) encoded.col(static_cast<Eigen::Index>(s)) = colours.col(n++);
     }
   });
