@@ -10,7 +10,7 @@ namespace {
 
 std::string printed(const std::optional<double>& value) {
   char text[32] = "-";
-  if (value) std::snprintf(text, sizeof text, "%.4g", *value);
+  if (value) std::snprintf(text, sizeof text, "%.5g", *value);
   return text;
 }
 
@@ -29,7 +29,7 @@ GoalRow at_least(double goal, std::optional<double> moonshot, std::string name, 
 void GoalReport::add(const GoalRow& row) {
   const char* verdict = !row.goal ? "" : row.holds ? "holds" : "MISSED";
   const std::string moonshot = row.moonshot ? " (" + printed(row.moonshot) + ")" : "";
-  std::printf("%-52s %9.4g %-8s goal %-18s %-6s", row.name.c_str(), row.value, row.unit.c_str(),
+  std::printf("%-52s %10.5g %-8s goal %-18s %-6s", row.name.c_str(), row.value, row.unit.c_str(),
               (printed(row.goal) + moonshot).c_str(), verdict);
   for (const auto& [name, value] : row.compared_with.items())
     std::printf("  %s %s", name.c_str(),

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The goals of the factorization, a file a theme; measure_numerics.cpp puts them in order.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "reconstructor/numerics/ring_factor.h"
+#include "tests/bench/goal_rows.h"
+
+namespace sheen {
+
+/// Time of an update in the cache, of an image over 3,500 rings, float against double.
+void measure_speed(GoalReport& report);
+/// Error over the batch's in 23 orders, adaptive rank, self-reported error, half-precision storage.
+void measure_accuracy(GoalReport& report);
+/// Streams of which columns are occluded: most probable values against the paper's gated least squares.
+void measure_missing(GoalReport& report);
+/// What time does: a million columns, continuity of coefficients, removal, bytes.
+void measure_history(GoalReport& report);
+
+inline constexpr int kDisplayed = 12;  ///< terms of the goals
+
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+inline double quantile(std::vector<double> values, double q) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// The factor of all columns, settled.
+inline RingFactor factor_of(const Eigen::MatrixXf& columns, const RingFactorOptions& options) {
+  RingFactor factor(static_cast<int>(columns.rows()), options);
+  for (Eigen::Index j = 0; j < columns.cols(); ++j) factor.add(columns.col(j));
+  factor.fold();
+  return factor;
+}
+
+/// ||C - model|| / ||C||.
+template <typename Model>
+double relative_error(const Eigen::MatrixXf& columns, const Model& model) {
+  return (columns.cast<double>() - model.template cast<double>()).norm() / columns.cast<double>().norm();
+}
+
+inline double displayed_error(const RingFactor& factor, const Eigen::MatrixXf& columns) {
+  return relative_error(columns, factor.displayed_basis() * factor.displayed_coefficients());
+}
+
+}  // namespace sheen

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Columns of which hardly anything is known.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <random>
+
+#include "reconstructor/numerics/batch_pca.h"
+#include "reconstructor/numerics/ring_factor.h"
+#include "tests/support/ring_factor_checks.h"
+#include "tests/support/test_matrices.h"
+#include "tests/support/test_rings.h"
+
+namespace sheen {
+namespace {
+
+using Eigen::MatrixXf;
+using Eigen::VectorXf;
+using Mask = std::vector<std::uint8_t>;
+
+constexpr RingFactorOptions kOptions{.max_rank = 8, .tolerance = 0};
+
+RingFactor trained_on(const MatrixXf& data, const RingFactorOptions& options = kOptions) {
+  return settled_factor(data, options);
+}
+
+TEST(Missing, OneVisibleRowIsCompletedWithinReason) {
+  const MatrixXf data = ring_like_matrix(150, 61, 8, 0.01f, 1);
+  RingFactor factor = trained_on(data.leftCols(60));
+  for (const int row : {0, 77, 149}) {
+    Mask known(150, 0);
+    known[row] = 1;
+    const VectorXf filled = factor.basis() * factor.estimate(data.col(60), known, factor.row_noise());
+    EXPECT_LT((filled - data.col(60)).norm(), data.col(60).norm()) << "better than black";
+    factor.add(data.col(60), known, 1.0 / 150);
+  }
+  const RingFactor settled = factor.settled();
+  EXPECT_EQ(broken_invariants(settled), "");
+  EXPECT_EQ(settled.views(), 63);
+}
+
+TEST(Missing, AStreamOfSingleRowsFromTheStartStaysSound) {
+  const MatrixXf data = ring_like_matrix(60, 240, 3, 0.01f, 2);
+  RingFactor factor(60, kOptions);
+  for (int j = 0; j < 240; ++j) {
+    Mask known(60, 0);
+    known[(7 * j) % 60] = 1;
+    factor.add(data.col(j), known, 1.0 / 60);
+    if (j % 31 == 0) EXPECT_EQ(broken_invariants(factor), "") << j;
+  }
+  const RingFactor settled = factor.settled();
+  EXPECT_EQ(broken_invariants(settled), "");
+  EXPECT_LT((settled.basis() * settled.coefficients()).norm(), 4 * data.norm()) << "nothing runs away";
+}
+
+TEST(Missing, NoVisibleRowAtAllIsAViewWithoutWeightOnTheBasis) {
+  const MatrixXf data = ring_like_matrix(150, 40, 4, 0.01f, 3);
+  RingFactor factor = trained_on(data);
+  const double energy = factor.energy();
+  for (int i = 0; i < 30; ++i) factor.add(data.col(i), Mask(150, 0));
+  const RingFactor settled = factor.settled();
+  EXPECT_EQ(broken_invariants(settled), "");
+  EXPECT_NEAR(settled.energy(), energy, 1e-6 * energy) << "nothing was seen, so nothing was learned";
+}
+
+TEST(Missing, VisibleRowsThatDoNotSpanTheBasisLeaveTheRestToThePrior) {
+  // Two halves that vary independently of each other: the first says nothing of the second.
+  MatrixXf data = MatrixXf::Zero(200, 81);
+  data.topRows(100) = ring_like_matrix(100, 81, 3, 0.01f, 4);
+  data.bottomRows(100) = gaussian_matrix(100, 4, 5) * gaussian_matrix(4, 81, 6);
+  const RingFactor factor = trained_on(data.leftCols(80), {.max_rank = 12, .tolerance = 0});
+  Mask known(200, 0);
+  std::fill_n(known.begin(), 100, 1);
+  const VectorXf filled = factor.basis() * factor.estimate(data.col(80), known, factor.row_noise());
+  EXPECT_LT((filled.head(100) - data.col(80).head(100)).norm(), 0.05 * data.col(80).head(100).norm());
+  const float typical = data.bottomRows(100).norm() / 9;
+  EXPECT_LT(filled.tail(100).norm(), 1.5f * typical) << "chance correlations are not blown up";
+}
+
+TEST(Missing, WhatStandsBehindAMaskIsNeverRead) {
+  const MatrixXf data = ring_like_matrix(120, 60, 4, 0.01f, 7);
+  std::mt19937 engine(8);
+  RingFactor zeros(120, kOptions), garbage(120, kOptions);
+  for (int j = 0; j < 60; ++j) {
+    VectorXf a = data.col(j), b = data.col(j);
+    Mask known(120);
+    for (int i = 0; i < 120; ++i) {
+      known[i] = engine() % 3 != 0;
+      if (known[i]) continue;
+      a[i] = 0;
+      b[i] = i % 2 ? 1e30f : std::numeric_limits<float>::quiet_NaN();
+    }
+    zeros.add(a, known);
+    garbage.add(b, known);
+  }
+  zeros.fold();
+  garbage.fold();
+  EXPECT_EQ(MatrixXf(zeros.basis()), MatrixXf(garbage.basis()));
+  EXPECT_EQ(zeros.coefficients(), garbage.coefficients());
+}
+
+TEST(Missing, RowsThatNoColumnShowsStayZero) {
+  const MatrixXf data = ring_like_matrix(90, 50, 4, 0.01f, 9);
+  RingFactor factor(90, kOptions);
+  Mask known(90, 1);
+  std::fill_n(known.begin() + 30, 12, 0);
+  for (int j = 0; j < 50; ++j) factor.add(data.col(j), known);
+  factor.fold();
+  EXPECT_EQ(broken_invariants(factor), "");
+  EXPECT_EQ(factor.basis().middleRows(30, 12).norm(), 0);
+}
+
+TEST(Missing, TwoPercentOfTheRowsCompleteAColumnBetterThanLeastSquares) {
+  const MatrixXf data = test_ring_columns(TestRing::kHard);
+  const std::vector<int> order = column_orders(data, 1)[3];
+  RingFactor factor(static_cast<int>(data.rows()), {.max_rank = 12, .tolerance = 0, .channels = 3});
+  for (int i = 0; i < 200; ++i) factor.add(data.col(order[i]));
+  factor.fold();
+  std::mt19937 engine(11);
+  std::vector<double> errors, least_squares;
+  for (int i = 200; i < 240; ++i) {
+    const VectorXf column = data.col(order[i]);
+    Mask known(static_cast<std::size_t>(column.size()), 0);
+    for (int s = 0; s < 16; ++s) std::fill_n(known.begin() + 3 * static_cast<long>(engine() % kTestRingSamples), 3, 1);
+    const auto error = [&](double noise) {
+      const VectorXf filled = factor.basis() * factor.estimate(column, known, noise);
+      return double((filled - column).norm() / column.norm());
+    };
+    errors.push_back(error(factor.row_noise()));
+    least_squares.push_back(error(1e-9 * factor.row_noise()));  // the prior counts for nothing
+  }
+  std::sort(errors.begin(), errors.end());
+  std::sort(least_squares.begin(), least_squares.end());
+  EXPECT_LT(errors[20], 0.45);
+  EXPECT_LT(errors[39], 0.8) << "the worst one, too";
+  EXPECT_GT(least_squares[20], 1.5 * errors[20]) << "what it is compared with";
+}
+
+TEST(Missing, AnOccludedStreamIsNearlyAsGoodAsAFullOne) {
+  const MatrixXf data = test_ring_columns(TestRing::kHard);
+  const auto visible = occluding_edges(kTestRingViews, 0.5, 1);
+  const std::vector<int> order = column_orders(data, 1)[3];
+  RingFactor factor(static_cast<int>(data.rows()), {.max_rank = 12, .tolerance = 0, .channels = 3});
+  for (const int j : order) {
+    const Mask known(visible.col(j).begin(), visible.col(j).end());
+    factor.add(data.col(j), known, visible.col(j).cast<double>().mean());
+  }
+  factor.fold();
+  EXPECT_EQ(broken_invariants(factor), "");
+  const Eigen::MatrixXd basis = factor.displayed_basis().cast<double>(), columns = data.cast<double>();
+  const double error = (columns - basis * (basis.transpose() * columns)).norm() / columns.norm();
+  EXPECT_LT(error, 1.1 * batch_pca(data, 12).relative_error);
+}
+
+}  // namespace
+}  // namespace sheen
