@@ -44,6 +44,11 @@ void CaptureLoop::start() {
   ingest_thread_ = std::jthread([this](std::stop_token stop) { ingest(stop); });
 }
 
+void CaptureLoop::stop_receiving() {
+  receive_thread_.request_stop();
+  if (receive_thread_.joinable()) receive_thread_.join();
+}
+
 void CaptureLoop::stop() {
   receive_thread_.request_stop();
   ingest_thread_.request_stop();
@@ -79,27 +84,31 @@ void CaptureLoop::receive(std::stop_token stop) {
 void CaptureLoop::ingest(std::stop_token stop) {
   try {
     const Session journal = Session::open_read_only(folder_);
-    auto last_snapshot = Clock::now(), last_judged = Clock::now();
+    auto last_snapshot = Clock::now(), last_judged = Clock::now(), last_change = Clock::now();
     bool changed = false;  // since the last snapshot
+    const auto show = [&] {
+      if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
+      last_snapshot = Clock::now();
+      changed = false;
+    };
     for (std::uint64_t next = 0; !stop.stop_requested();) {
-      if (follow_withdrawals(journal, next)) {
-        anew_until_ = std::max(anew_until_, next);
-        next = 0;
-        changed = true;
-        reconstruction_.restart();
+      const Followed followed = follow_withdrawals(journal, next);
+      if (followed == Followed::kMustBeAnew) begin_anew(next);
+      if (followed == Followed::kTakenOut) {
+        show();
+        last_change = Clock::now();
       }
       const Waited waited = wait_for_capture(next, stop);
+      const bool ended = waited == Waited::kSourceEnded;
       if (waited == Waited::kArrived) {
         take_in(journal, next++);
         changed = true;
+        last_change = Clock::now();
+      } else if (inexact_ && (ended || Clock::now() - last_change >= options_.pause)) {
+        begin_anew(next);
       }
-      const bool ended = waited == Waited::kSourceEnded;
       if (next < anew_until_) continue;  // who watches keeps the last whole model
-      if (changed && (ended || Clock::now() - last_snapshot >= options_.snapshot_interval)) {
-        if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
-        last_snapshot = Clock::now();
-        changed = false;
-      }
+      if (changed && (ended || Clock::now() - last_snapshot >= options_.snapshot_interval)) show();
       if (!ended && !reconstruction_.held_out().empty() && Clock::now() - last_judged >= options_.judge_interval) {
         judge_live();
         last_judged = Clock::now();
@@ -119,10 +128,9 @@ CaptureLoop::Waited CaptureLoop::wait_for_capture(std::uint64_t index, std::stop
   return status_.link.ended ? Waited::kSourceEnded : Waited::kNothing;
 }
 
-/// True when a capture that the model has taken in, or left out, must no longer be so.
-bool CaptureLoop::follow_withdrawals(const Session& journal, std::uint64_t ingested) {
+CaptureLoop::Followed CaptureLoop::follow_withdrawals(const Session& journal, std::uint64_t ingested) {
   const std::vector<Withdrawal> news = journal.withdrawals_after(last_withdrawal_);
-  if (news.empty()) return false;
+  if (news.empty()) return Followed::kNothing;
   last_withdrawal_ = news.back().number;
   std::set<std::uint64_t> now = withdrawn_;
   for (const Withdrawal& w : news) {
@@ -131,12 +139,33 @@ bool CaptureLoop::follow_withdrawals(const Session& journal, std::uint64_t inges
     else
       now.erase(w.capture);
   }
-  const auto matters = [&](const Withdrawal& w) {
-    return w.capture < ingested && now.contains(w.capture) != withdrawn_.contains(w.capture);
-  };
-  const bool anew = std::any_of(news.begin(), news.end(), matters);
-  withdrawn_ = std::move(now);
-  return anew;
+  std::swap(now, withdrawn_);
+  Followed followed = Followed::kNothing;
+  std::set<std::uint64_t> looked_at;
+  for (const Withdrawal& w : news) {
+    const bool changed = w.capture < ingested && now.contains(w.capture) != withdrawn_.contains(w.capture);
+    if (!changed || !looked_at.insert(w.capture).second) continue;
+    const bool being_made_anew = ingested < anew_until_;
+    if (being_made_anew || !withdrawn_.contains(w.capture) || !reconstruction_.withdraw(journal.read(w.capture)))
+      return Followed::kMustBeAnew;
+    followed = Followed::kTakenOut;
+  }
+  if (followed == Followed::kNothing) return followed;
+  inexact_ = true;
+  const std::lock_guard lock(mutex_);
+  status_.exact = false;
+  status_.counts = reconstruction_.counts();
+  return followed;
+}
+
+/// What an image left in others goes only when the model is made anew.
+void CaptureLoop::begin_anew(std::uint64_t& next) {
+  reconstruction_.restart();
+  anew_until_ = std::max(anew_until_, next);
+  next = 0;
+  inexact_ = false;
+  const std::lock_guard lock(mutex_);
+  status_.exact = false;
 }
 
 void CaptureLoop::take_in(const Session& journal, std::uint64_t index) {
@@ -148,6 +177,7 @@ void CaptureLoop::take_in(const Session& journal, std::uint64_t index) {
   const std::lock_guard lock(mutex_);
   status_.ingested = index + 1;
   status_.anew_until = status_.ingested < anew_until_ ? anew_until_ : 0;
+  status_.exact = !inexact_ && status_.anew_until == 0;
   status_.counts = reconstruction_.counts();
   if (report.status == IngestStatus::kAccepted) status_.last = report;
   status_.images_per_s = reconstruction_.images_per_s();

@@ -27,6 +27,8 @@ struct LoopStatus {
   std::uint64_t journaled = 0;   ///< captures that are durable
   std::uint64_t ingested = 0;    ///< of these, how many the model has seen or left out
   std::uint64_t anew_until = 0;  ///< after a withdrawal: captures of which the model is being made anew; else 0
+  /// False from a withdrawal until the model is, to the bit, one that never saw the image.
+  bool exact = true;
   ReceiverStats link;
   IngestReport last;
   double images_per_s = 0;
@@ -53,6 +55,7 @@ struct LoopObserver {
 struct CaptureLoopOptions {
   std::chrono::milliseconds snapshot_interval{400};  ///< at most this often; a snapshot costs about one image's time
   std::chrono::milliseconds judge_interval{1500};    ///< of the live held-out figures
+  std::chrono::milliseconds pause{2000};  ///< without a capture, after which there is time to make a model anew
   bool stop_when_source_ends = false;
 };
 
@@ -61,7 +64,8 @@ struct CaptureLoopOptions {
 ///   ingest:   journal -> model -> snapshot -> observers; now and then the held-out views are judged
 /// The model is a function of the journal alone: after a crash the same captures in the same order give the same model,
 /// and a slow model only lags behind; nothing is lost and nothing waits for it. When a capture that the model knows is
-/// withdrawn from the journal, by whichever program, the model is made anew without it while the last snapshot stays.
+/// withdrawn from the journal, by whichever program, it is taken out of the model at once, and in the next pause of the
+/// capture the model is made anew without it, to the bit, while the last snapshot stays.
 class CaptureLoop {
  public:
   /// The session's captures so far are ingested first.
@@ -70,6 +74,8 @@ class CaptureLoop {
   ~CaptureLoop();
 
   void start();
+  /// No more captures are taken from the link; those in the journal are still folded in.
+  void stop_receiving();
   /// Asks the loop to end and waits for it; what is journaled but not ingested yet is left to the next start.
   void stop();
   /// True when the source has ended and everything has been ingested, or an error stopped the loop.
@@ -85,7 +91,10 @@ class CaptureLoop {
   enum class Waited { kArrived, kNothing, kSourceEnded };
   Waited wait_for_capture(std::uint64_t index, std::stop_token stop);
   void take_in(const Session& journal, std::uint64_t index);
-  bool follow_withdrawals(const Session& journal, std::uint64_t ingested);
+  void begin_anew(std::uint64_t& next);
+  enum class Followed { kNothing, kTakenOut, kMustBeAnew };
+  /// Takes what is withdrawn out of the model, which has taken in so many captures, where that can be done at once.
+  Followed follow_withdrawals(const Session& journal, std::uint64_t ingested);
   void judge_live();
   void fail(const std::string& what);
 
@@ -101,6 +110,7 @@ class CaptureLoop {
   LoopStatus status_;
   std::set<std::uint64_t> withdrawn_;
   std::uint64_t last_withdrawal_ = 0;  ///< number of the last entry that is followed
+  bool inexact_ = false;               ///< an image was taken out of the finished model
   std::uint64_t anew_until_ = 0;       ///< captures that the model knew when it was last begun anew
   std::size_t next_judged_ = 0;
   std::atomic<bool> finished_{false};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/reconstruction.h"
 
+#include <algorithm>
+
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 namespace sheen {
@@ -25,6 +27,22 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
       break;
   }
   return report;
+}
+
+bool Reconstruction::withdraw(const Capture& capture) {
+  if (model_.began_with(capture)) return false;
+  const auto held_out = std::find_if(held_out_.begin(), held_out_.end(), [&](const HeldOutView& view) {
+    return view.source_session == capture.source_session && view.sequence == capture.sequence;
+  });
+  if (held_out != held_out_.end()) {
+    held_out_.erase(held_out);
+    --counts_.held_out;
+  } else {
+    if (!model_.withdraw(capture)) return false;
+    --counts_.accepted;
+  }
+  ++counts_.withdrawn;
+  return true;
 }
 
 void Reconstruction::leave_out(std::uint64_t captures) {

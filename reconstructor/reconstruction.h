@@ -29,6 +29,9 @@ class Reconstruction {
   Reconstruction(Mesh mesh, const SurfaceLightFieldOptions& options);
 
   IngestReport ingest(const Capture& capture);
+  /// Takes a capture back, at once and nearly as if it had never been there (SurfaceLightField::withdraw). False when
+  /// the model can only be made anew.
+  bool withdraw(const Capture& capture);
   /// Counts captures that were withdrawn and so are not ingested.
   void leave_out(std::uint64_t captures);
   /// Forgets every capture: what is ingested from now on gives the bits that it gives a new one.

@@ -98,6 +98,15 @@ std::string take_back_last(CaptureLoop& loop) {
   }
 }
 
+/// A model that is about to be saved is first made anew without what was taken back; Ctrl-C waits for nothing.
+void finish_withdrawals(CaptureLoop& loop) {
+  if (stop_requested() || loop.status().exact) return;
+  loop.stop_receiving();
+  log_info("session", "the model is made anew without what was taken back");
+  while (!stop_requested() && !loop.finished() && !loop.status().exact)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+}
+
 /// Feeds the watchers until the loop has finished, the person closes the window or a signal asks to stop.
 void watch(CaptureLoop& loop, LiveDisplay& display, MonitorServer* monitor, ViewerWindow* window) {
   std::stop_source done;
@@ -158,6 +167,7 @@ void serve(const ServeArguments& arguments) {
   loop.start();
   log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}});
   watch(loop, display, monitor ? &*monitor : nullptr, window ? &*window : nullptr);
+  finish_withdrawals(loop);
   loop.stop();
 
   const LoopStatus status = loop.status();

@@ -49,8 +49,11 @@ double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth, const Imag
 }  // namespace
 
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter) {
-  HeldOutView view{
-      .name = capture.name, .camera = capture.camera, .camera_from_object = capture.pose.camera_from_object};
+  HeldOutView view{.name = capture.name,
+                   .source_session = capture.source_session,
+                   .sequence = capture.sequence,
+                   .camera = capture.camera,
+                   .camera_from_object = capture.pose.camera_from_object};
   const ImageF linear =
       to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
   view.truth = to_srgb8(scaled(linear, 1 / gain));

@@ -15,6 +15,8 @@ namespace sheen {
 /// A view the model never saw, ready to be compared with: 8-bit sRGB truth and the pixels that count.
 struct HeldOutView {
   std::string name;
+  std::string source_session;  ///< with `sequence`, of the capture
+  std::uint64_t sequence = 0;
   Camera camera;
   Rigid3 camera_from_object;
   ImageU8 truth;   ///< RGB

@@ -27,7 +27,8 @@ class CaptureLoopTest : public ::testing::Test {
     ReceiverOptions nobody;
     nobody.endpoint = "tcp://127.0.0.1:9";
     loop_ = std::make_unique<CaptureLoop>(
-        folder_, std::move(session), nobody, *reconstruction_, CaptureLoopOptions{std::chrono::milliseconds(0)},
+        folder_, std::move(session), nobody, *reconstruction_,
+        CaptureLoopOptions{.snapshot_interval = std::chrono::milliseconds(0), .pause = std::chrono::milliseconds(300)},
         LoopObserver{.on_snapshot = [this](auto snapshot) { images_shown_.push_back(most_views(*snapshot)); }});
     loop_->start();
     wait_until([](const LoopStatus& s) { return s.ingested == kImages; });
@@ -76,28 +77,42 @@ class CaptureLoopTest : public ::testing::Test {
 TEST_F(CaptureLoopTest, WhatAnotherProgramWithdrawsIsForgottenToTheBit) {
   Session desk = Session::open_to_withdraw(folder_);
   desk.set_withdrawn(0, true);  // the first one decides about maps and exposures
-  wait_until([](const LoopStatus& s) { return s.ingested == kImages && s.counts.withdrawn == 1; });
+  wait_until([](const LoopStatus& s) { return s.exact && s.counts.withdrawn == 1; });
   desk.set_withdrawn(7, true);  // held out
-  wait_until([](const LoopStatus& s) { return s.ingested == kImages && s.counts.withdrawn == 2; });
+  wait_until([](const LoopStatus& s) { return s.exact && s.counts.withdrawn == 2; });
   expect_model_without({0, 7});
 }
 
 TEST_F(CaptureLoopTest, TheLastOnesAreTakenBackOneByOneWhileTheWholeModelIsShown) {
   EXPECT_EQ(loop_->withdraw_last(), kImages - 1);
   EXPECT_EQ(loop_->withdraw_last(), kImages - 2);
-  wait_until([](const LoopStatus& s) { return s.ingested == kImages && s.counts.withdrawn == 2; });
+  wait_until([](const LoopStatus& s) { return s.exact && s.counts.withdrawn == 2; });
   expect_model_without({kImages - 1, kImages - 2});
   // Up to the whole model, then to the one without: never back to a few images in between.
   const auto whole = std::max_element(images_shown_.begin(), images_shown_.end());
   for (auto shown = whole; shown != images_shown_.end(); ++shown) EXPECT_GE(*shown, *whole - 2);
 }
 
+TEST_F(CaptureLoopTest, WhatIsTakenBackIsGoneFromThePictureBeforeTheModelIsMadeAnew) {
+  Session::open_to_withdraw(folder_).set_withdrawn(5, true);
+  wait_until([](const LoopStatus& s) { return s.counts.withdrawn == 1; });
+  EXPECT_FALSE(loop_->status().exact);
+  wait_until([](const LoopStatus& s) { return s.exact; });
+  loop_->stop();
+  const std::vector<int>& shown = images_shown_;
+  ASSERT_GE(shown.size(), 3u);
+  const int whole = shown[shown.size() - 3];
+  EXPECT_EQ(whole, *std::max_element(shown.begin(), shown.end()));
+  EXPECT_EQ(shown[shown.size() - 2], whole - 1) << "taken out";
+  EXPECT_EQ(shown.back(), whole - 1) << "made anew";
+}
+
 TEST_F(CaptureLoopTest, WhatIsPutBackIsThereAgain) {
   Session desk = Session::open_to_withdraw(folder_);
   desk.set_withdrawn(5, true);
-  wait_until([](const LoopStatus& s) { return s.ingested == kImages && s.counts.withdrawn == 1; });
+  wait_until([](const LoopStatus& s) { return s.exact && s.counts.withdrawn == 1; });
   desk.set_withdrawn(5, false);
-  wait_until([](const LoopStatus& s) { return s.ingested == kImages && s.counts.withdrawn == 0; });
+  wait_until([](const LoopStatus& s) { return s.exact && s.counts.withdrawn == 0; });
   expect_model_without({});
 }
 

@@ -3,7 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
 #include "common/errors.h"
+#include "common/geometry/mesh.h"
 #include "common/session.h"
 #include "reconstructor/capture_set.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
@@ -77,6 +83,48 @@ TEST(Reconstruction, NothingHeldOutGivesEmptyScores) {
   const auto [light_field, constant] = reconstruction.judge();
   EXPECT_TRUE(light_field.views.empty() && constant.views.empty());
   EXPECT_EQ(reconstruction.images_per_s(), 0);
+}
+
+/// Root of the mean squared error over the object's pixels of all held-out views.
+double pooled_rms(Reconstruction& reconstruction) {
+  return std::pow(10, -reconstruction.judge().light_field.psnr_pooled_db / 20);
+}
+
+TEST(Reconstruction, AnImageTakenOutOfARealCaptureLeavesTheErrorOfOneThatNeverSawIt) {
+  const std::filesystem::path folder = SHEEN_SHARED_DATA "/buddha_alicevision";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data";
+  const Mesh mesh = load_mesh(folder / "mesh_poisson_12k.ply").mesh;
+  const CaptureSet set = open_capture_set(folder);
+  SurfaceLightFieldOptions options;
+  options.surface_map = 4;
+  Reconstruction model(mesh, options), never(mesh, options);
+  std::optional<Capture> hand;
+  for (std::size_t i = 0; i < 40; i += 3) {
+    Capture image = set.read(i);
+    if (i == 24) {
+      std::fill(image.image.bytes.begin(), image.image.bytes.end(), 200);
+      hand = image;
+    } else {
+      never.ingest(image);
+    }
+    model.ingest(image);
+  }
+  const double without = pooled_rms(never), with = pooled_rms(model);
+  ASSERT_TRUE(model.withdraw(*hand));
+  const double ratio = pooled_rms(model) / without;
+  std::printf("error with the image %.4f, taken out %.5f of that without\n", with / without, ratio);
+  EXPECT_GT(with, 1.01 * without) << "it was worth taking out";
+  EXPECT_LE(ratio, 1.005);
+  EXPECT_EQ(model.counts().accepted, never.counts().accepted);
+  EXPECT_EQ(model.counts().withdrawn, 1u);
+
+  const std::string name = model.held_out().front().name;
+  for (std::size_t i = 0; i < 40; i += 3)
+    if (Capture image = set.read(i); image.name == name) {
+      EXPECT_TRUE(model.withdraw(image));
+    }
+  EXPECT_EQ(model.held_out().size() + 1, never.held_out().size());
+  EXPECT_EQ(model.counts().withdrawn, 2u);
 }
 
 TEST(CaptureSet, ASessionGivesItsCapturesInOrderAndTheSameModelToTheBit) {

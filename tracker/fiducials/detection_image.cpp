@@ -14,18 +14,6 @@ constexpr int kMinQuads = 100;   ///< fewer bright quads than this say nothing a
 constexpr double kBright = 0.5;  ///< of the 95th percentile of green
 constexpr double kMaxGain = 8;
 
-bool is_bayer(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kBayerRG8:
-    case PixelFormat::kBayerGR8:
-    case PixelFormat::kBayerGB8:
-    case PixelFormat::kBayerBG8:
-      return true;
-    default:
-      return false;
-  }
-}
-
 using Quad = std::array<std::uint8_t, 4>;  ///< sites (0,0) (1,0) (0,1) (1,1)
 
 /// Green stands at (1,0) and (0,1) of RG and BG mosaics, at (0,0) and (1,1) of GR and GB.

@@ -124,6 +124,16 @@ void ConstantColour::add(const SurfaceView& view, const Eigen::Matrix3Xf& encode
   });
 }
 
+void ConstantColour::remove(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count_.size(), 4096), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s < range.end(); ++s)
+      if (view.visible[s] && count_[s] > 0) {
+        sum_.col(static_cast<Eigen::Index>(s)) -= encoded.col(static_cast<Eigen::Index>(s));
+        --count_[s];
+      }
+  });
+}
+
 std::vector<float> ConstantColour::log_ratios(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) const {
   std::vector<float> ratios(view.cosine.size(), std::numeric_limits<float>::quiet_NaN());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ratios.size(), 256), [&](const auto& range) {

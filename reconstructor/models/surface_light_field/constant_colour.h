@@ -22,6 +22,7 @@ class ConstantColour {
   /// mean, a triangle that both show; NaN elsewhere.
   std::vector<float> log_ratios(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) const;
   void add(const SurfaceView& view, const Eigen::Matrix3Xf& encoded);
+  void remove(const SurfaceView& view, const Eigen::Matrix3Xf& encoded);
   std::shared_ptr<const ModelSnapshot> snapshot(ExposureField exposure = {}) const;
 
  private:

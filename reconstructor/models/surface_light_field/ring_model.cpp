@@ -26,6 +26,14 @@ RingFactorOptions factor_options(RingFactorOptions options) {
   return options;
 }
 
+/// A row of the column: whether it is known; empty when all are.
+std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std::size_t shown) {
+  if (shown == visible.size()) return {};
+  std::vector<std::uint8_t> known(3 * visible.size());
+  for (std::size_t row = 0; row < known.size(); ++row) known[row] = visible[row / 3];
+  return known;
+}
+
 }  // namespace
 
 RingModel::RingModel(int samples, const RingModelOptions& options, unsigned phase)
@@ -37,17 +45,10 @@ RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<c
                                       const Eigen::Vector3f& direction, float cosine, float reliability) {
   Absorbed result;
   const auto shown = static_cast<std::size_t>(std::count(visible.begin(), visible.end(), 1));
-  if (shown == 0 || shown < options_.min_visible * visible.size()) return result;
+  if (!shows_enough(shown, visible.size())) return result;
   result.used = true;
   const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
-  RingFactor::Reports folded;
-  if (shown == visible.size()) {
-    folded = factor_.add(column, share);
-  } else {
-    std::vector<std::uint8_t> known(3 * visible.size());
-    for (std::size_t row = 0; row < known.size(); ++row) known[row] = visible[row / 3];
-    folded = factor_.add(column, known, share);
-  }
+  const RingFactor::Reports folded = factor_.add(column, known_rows(visible, shown), share);
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
   directions_.push_back(direction);
@@ -56,8 +57,40 @@ RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<c
   ++images_;
   follow(folded, result);
   snapshot_.reset();
-  result.wants_kernel = views() >= kFirstKernelChoice && images_ > kKernelChoiceGrowth * kernel_chosen_at_;
+  result.wants_kernel = can_choose_kernel() && images_ > kKernelChoiceGrowth * kernel_chosen_at_;
   return result;
+}
+
+void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+                         const Eigen::Vector3f& direction) {
+  const auto shown = static_cast<std::size_t>(std::count(visible.begin(), visible.end(), 1));
+  if (images_ == 0 || !shows_enough(shown, visible.size())) return;
+  const int view = view_of(direction), folded = factor_.folded_views();
+  if (view < folded) {
+    const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
+    factor_.take_from(view, column, known_rows(visible, shown), share);
+    if (factor_.folded_views() < folded) erase_view(view);
+    for (int v = 0; v < factor_.folded_views(); ++v)
+      if (nearest_[v].view < 0) place(v);
+  } else {
+    factor_.remove(view);
+    directions_.erase(directions_.begin() + view);
+    reliability_.erase(reliability_.begin() + view);
+  }
+  for (std::size_t s = 0; s < visible.size(); ++s)
+    if (visible[s] && shown_[s] > 0) --shown_[s];
+  --images_;
+  snapshot_.reset();
+}
+
+/// The latest view from exactly there; else the image was merged, into the view that is nearest now.
+int RingModel::view_of(const Eigen::Vector3f& direction) const {
+  const auto same = std::find(directions_.rbegin(), directions_.rend(), direction);
+  if (same != directions_.rend()) return static_cast<int>(directions_.rend() - same) - 1;
+  const auto nearest = std::max_element(
+      directions_.begin(), directions_.begin() + factor_.folded_views(),
+      [&](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.dot(direction) < b.dot(direction); });
+  return static_cast<int>(nearest - directions_.begin());
 }
 
 void RingModel::follow(const RingFactor::Reports& reports, Absorbed& result) {
@@ -120,6 +153,10 @@ void RingModel::erase_view(int view) {
     else if (nearest.view > view)
       --nearest.view;
   }
+}
+
+bool RingModel::can_choose_kernel() const {
+  return views() >= kFirstKernelChoice;
 }
 
 KernelErrors RingModel::kernel_errors() const {

@@ -41,6 +41,11 @@ class RingModel {
   Absorbed absorb(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
                   const Eigen::Vector3f& direction, float cosine, float reliability);
 
+  /// Takes out again what an image gave: the arguments are those with which it was absorbed. Exact for the view itself;
+  /// what the image left in the others (samples that were imputed with its help, the filtered residual) stays.
+  void withdraw(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& direction);
+
+  bool can_choose_kernel() const;  ///< there are views enough to say how fast the ring varies
   KernelErrors kernel_errors() const;
   void set_kernel(const ViewKernel& kernel);
   const ViewKernel& kernel() const { return kernel_; }
@@ -65,6 +70,10 @@ class RingModel {
   std::shared_ptr<const RingSnapshot> settled_snapshot(const Eigen::Matrix3f& frame,
                                                        std::span<const int> resolution) const;
   void follow(const RingFactor::Reports& reports, Absorbed& result);
+  bool shows_enough(std::size_t shown, std::size_t samples) const {
+    return shown > 0 && static_cast<double>(shown) >= options_.min_visible * static_cast<double>(samples);
+  }
+  int view_of(const Eigen::Vector3f& direction) const;
   void place(int view);
   void thin_views();
   void erase_view(int view);

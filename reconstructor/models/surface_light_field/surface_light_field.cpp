@@ -8,7 +8,10 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string>
 #include <tuple>
+#include <utility>
 
 #include "common/errors.h"
 #include "reconstructor/models/surface_light_field/exposure_gain.h"
@@ -46,6 +49,13 @@ bool sizes_agree(const Capture& capture) {
          (mask.empty() || (mask.width() == image.width && mask.height() == image.height && mask.channels() == 1));
 }
 
+/// What tells images apart.
+using ImageName = std::pair<std::string, std::uint64_t>;
+
+ImageName name_of(const Capture& capture) {
+  return {capture.source_session, capture.sequence};
+}
+
 /// Its own number decides, not what became of the images before it: should one of these be withdrawn, all others keep
 /// their part.
 bool is_held_out(const Capture& capture, int every) {
@@ -76,13 +86,18 @@ struct SurfaceLightField::Pipeline {
   RadianceImage image;
   Eigen::Matrix3Xf samples;  ///< encoded values of the current image
   KernelErrors all_kernel_errors{};
-  std::vector<float> log_gains;  ///< an image folded in
-  std::vector<Eigen::Vector3d> eyes;
-  std::size_t accepted = 0, folded = 0;
+  struct Folded {
+    ImageName name;
+    float log_gain;  ///< estimated; 0 where the gain is known
+    Eigen::Vector3d eye;
+  };
+  std::vector<Folded> folded;
+  std::optional<ImageName> first;  ///< image that showed something: it has decided about maps and exposure
   std::uint64_t version = 0;
 
   void start(const Capture& first);
   IngestReport ingest(const Capture& capture);
+  bool withdraw(const Capture& capture);
   float known_gain(const Capture& capture) const;
   float estimated_gain(const Capture& capture, const SurfaceView& view) const;
   ExposureField exposure_field() const;
@@ -108,14 +123,14 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   };
   if (!has_pose(capture.pose)) return refuse("no_pose");
   if (!sizes_agree(capture)) return refuse("image_size");
-  if (accepted == 0) start(capture);  // a first image that shows nothing decides nothing
+  if (!first) start(capture);  // a first image that shows nothing decides nothing
 
   StageClock clock(report);
   const SurfaceView& view = visibility->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   clock.done("visibility");
   if (view.visible_samples == 0) return refuse("object_not_in_view");
 
-  ++accepted;
+  if (!first) first = name_of(capture);
   report.exposure_gain = known_gain(capture);
   if (is_held_out(capture, options.hold_out_every)) {
     report.status = IngestStatus::kHeldOut;
@@ -128,15 +143,36 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   clock.done("resample");
   const float gain = estimated_gain(capture, view);
   if (gain != 1) resample(image, view, *rings, gain, samples);
-  log_gains.push_back(std::log(gain));
-  eyes.push_back(view.eye);
   clock.done("exposure");
   constant_colour->add(view, samples);
   absorb(view, report);
   clock.done("factorize");
-  ++folded;
+  folded.push_back({name_of(capture), std::log(gain), view.eye});
   report.status = IngestStatus::kAccepted;
   return report;
+}
+
+bool SurfaceLightField::Pipeline::withdraw(const Capture& capture) {
+  const ImageName name = name_of(capture);
+  const auto found = std::find_if(folded.begin(), folded.end(), [&](const Folded& f) { return f.name == name; });
+  if (first == name || found == folded.end()) return false;
+  const SurfaceView& view = visibility->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
+  image.load(capture, view);
+  resample(image, view, *rings, found->log_gain != 0 ? std::exp(found->log_gain) : known_gain(capture), samples);
+  constant_colour->remove(view, samples);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ring_models.size(), 32), [&](const auto& range) {
+    RingColumn column;
+    for (std::size_t v = range.begin(); v < range.end(); ++v)
+      if (ring_models[v] && gather(*rings, v, mesh->vertices[v], view, samples, column))
+        ring_models[v]->withdraw(column.values, column.visible, column.direction);
+  });
+  folded.erase(found);
+  all_kernel_errors = {};  // a bad image makes smooth kernels look good, everywhere
+  std::vector<std::uint32_t> rings_to_choose;
+  for (std::size_t v = 0; v < ring_models.size(); ++v)
+    if (ring_models[v] && ring_models[v]->can_choose_kernel()) rings_to_choose.push_back(static_cast<std::uint32_t>(v));
+  choose_kernels(rings_to_choose);
+  return true;
 }
 
 /// By what the camera reports, how much brighter the image is than the first one; 1 when that is unknown.
@@ -156,12 +192,15 @@ float SurfaceLightField::Pipeline::estimated_gain(const Capture& capture, const 
 
 ExposureField SurfaceLightField::Pipeline::exposure_field() const {
   ExposureField field;
-  if (std::all_of(log_gains.begin(), log_gains.end(), [](float g) { return g == 0; })) return field;
-  const auto n = static_cast<Eigen::Index>(log_gains.size());
+  if (std::all_of(folded.begin(), folded.end(), [](const Folded& f) { return f.log_gain == 0; })) return field;
+  const auto n = static_cast<Eigen::Index>(folded.size());
   field.centre = bounding_sphere(*mesh).centre.cast<float>();
   field.directions.resize(3, n);
-  for (Eigen::Index j = 0; j < n; ++j) field.directions.col(j) = (eyes[j].cast<float>() - field.centre).normalized();
-  const Eigen::Map<const Eigen::RowVectorXf> gains(log_gains.data(), n);
+  Eigen::RowVectorXf gains(n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    field.directions.col(j) = (folded[j].eye.cast<float>() - field.centre).normalized();
+    gains[j] = folded[j].log_gain;
+  }
   double lowest = std::numeric_limits<double>::infinity();
   for (const ViewKernel& kernel : kViewKernels) {
     ViewInterpolant candidate = krige(field.directions, gains, Eigen::VectorXf::Ones(n), kernel);
@@ -248,6 +287,14 @@ IngestReport SurfaceLightField::ingest(const Capture& capture) {
   return pipeline_->ingest(capture);
 }
 
+bool SurfaceLightField::withdraw(const Capture& capture) {
+  return pipeline_->withdraw(capture);
+}
+
+bool SurfaceLightField::began_with(const Capture& capture) const {
+  return pipeline_->first == name_of(capture);
+}
+
 void SurfaceLightField::restart() {
   auto fresh = std::make_unique<Pipeline>();
   fresh->mesh = pipeline_->mesh;
@@ -285,7 +332,7 @@ std::shared_ptr<const ModelSnapshot> SurfaceLightField::constant_colour() const 
 }
 
 std::size_t SurfaceLightField::images() const {
-  return pipeline_->folded;
+  return pipeline_->folded.size();
 }
 
 std::vector<std::size_t> SurfaceLightField::rank_histogram() const {

@@ -38,6 +38,12 @@ class SurfaceLightField : public AppearanceModel {
   ~SurfaceLightField() override;
 
   IngestReport ingest(const Capture& capture) override;
+  /// Takes out again an image that was folded in, at the cost of folding one in. Nearly as if it had never been there:
+  /// what it left in others (samples that were imputed with its help, exposures estimated with it) stays, and for the
+  /// last bit the model is made anew. False when that is the only way: it is the first image, which the size of the
+  /// maps and the level of exposure come from, or not one that was folded in.
+  bool withdraw(const Capture& capture);
+  bool began_with(const Capture& capture) const;  ///< the first image that showed something
   /// Forgets all images, as if it were new; snapshots count on.
   void restart();
   std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
