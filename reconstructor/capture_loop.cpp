@@ -13,6 +13,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPoll{50};
+constexpr int kLateSnapshotFactor = 5;
 constexpr std::size_t kJudgedAtOnce = 2;  // held-out views a live judgement looks at, in turn
 
 std::int64_t now_ns() {
@@ -33,6 +34,7 @@ CaptureLoop::CaptureLoop(const std::filesystem::path& session_folder, Session se
         return link;
       }()) {
   status_.journaled = session_.size();
+  effort_record_ = session_.metadata(kEffortKey).value_or("");
 }
 
 CaptureLoop::~CaptureLoop() {
@@ -108,8 +110,12 @@ void CaptureLoop::ingest(std::stop_token stop) {
         begin_anew(next);
       }
       if (next < anew_until_) continue;  // who watches keeps the last whole model
-      if (changed && (ended || Clock::now() - last_snapshot >= options_.snapshot_interval)) show();
-      if (!ended && !reconstruction_.held_out().empty() && Clock::now() - last_judged >= options_.judge_interval) {
+      // Images come first: while some wait, pictures of the model are rarer and nothing is judged.
+      const bool late = behind(next);
+      const auto interval = (late ? kLateSnapshotFactor : 1) * options_.snapshot_interval;
+      if (changed && (ended || Clock::now() - last_snapshot >= interval)) show();
+      if (!ended && !late && !reconstruction_.held_out().empty() &&
+          Clock::now() - last_judged >= options_.judge_interval) {
         judge_live();
         last_judged = Clock::now();
       }
@@ -168,12 +174,22 @@ void CaptureLoop::begin_anew(std::uint64_t& next) {
   status_.exact = false;
 }
 
+/// Whether captures wait to be ingested.
+bool CaptureLoop::behind(std::uint64_t next) const {
+  const std::lock_guard lock(mutex_);
+  return status_.journaled > next;
+}
+
 void CaptureLoop::take_in(const Session& journal, std::uint64_t index) {
   IngestReport report;
   if (withdrawn_.contains(index))
     reconstruction_.leave_out(1);
   else
     report = reconstruction_.ingest(journal.read(index));
+  if (std::string record = reconstruction_.effort_record(); record != effort_record_) {
+    session_.set_metadata(kEffortKey, record);
+    effort_record_ = std::move(record);
+  }
   const std::lock_guard lock(mutex_);
   status_.ingested = index + 1;
   status_.anew_until = status_.ingested < anew_until_ ? anew_until_ : 0;
@@ -181,6 +197,7 @@ void CaptureLoop::take_in(const Session& journal, std::uint64_t index) {
   status_.counts = reconstruction_.counts();
   if (report.status == IngestStatus::kAccepted) status_.last = report;
   status_.images_per_s = reconstruction_.images_per_s();
+  status_.effort = reconstruction_.effort();
 }
 
 void CaptureLoop::judge_live() {

@@ -21,6 +21,9 @@
 
 namespace sheen {
 
+/// Metadata of a session: `Reconstruction::effort_record` of the daemon that captured it.
+inline constexpr const char* kEffortKey = "effort";
+
 /// What the loop tells whoever watches; plain values, copied.
 struct LoopStatus {
   FrameCounts counts;
@@ -32,6 +35,7 @@ struct LoopStatus {
   ReceiverStats link;
   IngestReport last;
   double images_per_s = 0;
+  Reconstruction::Effort effort;
   std::vector<std::size_t> rank_histogram;
   std::uint64_t model_bytes = 0;
   std::map<std::string, double> stage_s;  ///< median a stage
@@ -90,6 +94,7 @@ class CaptureLoop {
   void ingest(std::stop_token stop);
   enum class Waited { kArrived, kNothing, kSourceEnded };
   Waited wait_for_capture(std::uint64_t index, std::stop_token stop);
+  bool behind(std::uint64_t next) const;
   void take_in(const Session& journal, std::uint64_t index);
   void begin_anew(std::uint64_t& next);
   enum class Followed { kNothing, kTakenOut, kMustBeAnew };
@@ -113,6 +118,7 @@ class CaptureLoop {
   bool inexact_ = false;               ///< an image was taken out of the finished model
   std::uint64_t anew_until_ = 0;       ///< captures that the model knew when it was last begun anew
   std::size_t next_judged_ = 0;
+  std::string effort_record_;  ///< as the session has it
   std::atomic<bool> finished_{false};
   std::jthread receive_thread_, ingest_thread_;
 };

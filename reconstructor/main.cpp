@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   sheen::add_monitor_command(app);
   sheen::add_doctor_command(app);
   sheen::add_tradeoff_command(app);
+  sheen::add_figures_command(app);
 
   sheen::start_logging({});
   const auto status = [](int s) {

@@ -3,14 +3,87 @@
 
 #include <algorithm>
 
+#include "common/log.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 namespace sheen {
 
 Reconstruction::Reconstruction(Mesh mesh, const SurfaceLightFieldOptions& options)
-    : mesh_(std::make_shared<Mesh>(std::move(mesh))), model_(mesh_, options), painter_(*mesh_) {}
+    : mesh_(std::make_shared<Mesh>(std::move(mesh))), model_(mesh_, options), painter_(*mesh_), asked_(options) {}
+
+void Reconstruction::keep_within(const TradeoffWish& wish, const std::string& record, std::uint64_t captures) {
+  wish_ = wish;
+  if (!wish.image_ms) return;
+  if (record.empty()) {
+    control_.emplace(*wish.image_ms);
+  } else {
+    control_.emplace(*wish.image_ms, record, captures);
+    memory_fitted_ = true;
+    begin_at(*control_->rung());
+  }
+}
 
 IngestReport Reconstruction::ingest(const Capture& capture) {
+  if (!memory_fitted_ && wish_.bytes && capture.pose.usable()) fit_memory(capture);
+  if (!control_) return take(capture);
+  const std::uint64_t number = counts_.received;
+  model_.set_share(control_->share(number));
+  const IngestReport report = take(capture);
+  if (!control_->rung()) {
+    probe_.push_back(capture);
+    if (updates_.count() == EffortControl::kProbeImages) choose_rung();
+  } else if (report.status == IngestStatus::kAccepted) {
+    double update_ms = 0;
+    for (const auto& [stage, ms] : report.stage_ms) update_ms += ms;
+    const double before = control_->share(number),
+                 after = (control_->observe(number, update_ms), control_->share(number + 1));
+    if (after != before)
+      log_info("budget",
+               after < before ? "images take too long: fewer rings an image are updated"
+                              : "there is room: more rings an image are updated",
+               {{"share", after}, {"budget_ms", control_->budget_ms()}});
+  }
+  return report;
+}
+
+/// The most accurate rung whose model, once every ring is full, stays within the memory asked for.
+void Reconstruction::fit_memory(const Capture& first) {
+  memory_fitted_ = true;
+  const int last = static_cast<int>(effort_ladder().size()) - 1;
+  while (least_rung_ < last && largest_bytes(*mesh_, first, at_rung(asked_, least_rung_)) > *wish_.bytes) ++least_rung_;
+  const double bytes = largest_bytes(*mesh_, first, at_rung(asked_, least_rung_));
+  if (bytes > *wish_.bytes)
+    log_warning("memory", "not even the smallest setting is sure to stay within it",
+                {{"bytes", bytes}, {"asked", *wish_.bytes}});
+  if (least_rung_ != rung_) begin_at(least_rung_);
+}
+
+/// By what the first images took; these are then taken in anew.
+void Reconstruction::choose_rung() {
+  const double image_ms = 1e3 * updates_.median_s();
+  control_->set_rung(control_->choose_rung(image_ms, rung_, least_rung_));
+  const std::vector<Capture> again = std::move(probe_);
+  probe_.clear();
+  if (*control_->rung() == rung_) return;
+  log_info("budget", "the first images take too long: a coarser model is begun",
+           {{"image_ms", image_ms}, {"budget_ms", control_->budget_ms()}, {"rung", *control_->rung()}});
+  begin_at(*control_->rung());
+  for (const Capture& capture : again) take(capture);
+}
+
+void Reconstruction::begin_at(int rung) {
+  rung_ = rung;
+  const std::uint64_t withdrawn = counts_.withdrawn;
+  forget();
+  counts_.received = counts_.withdrawn = withdrawn;
+  model_.restart(at_rung(asked_, rung));
+}
+
+Reconstruction::Effort Reconstruction::effort() const {
+  return {rung_, control_ ? control_->share(counts_.received) : 1.0};
+}
+
+IngestReport Reconstruction::take(const Capture& capture) {
   ++counts_.received;
   IngestReport report = model_.ingest(capture);
   switch (report.status) {
@@ -30,7 +103,7 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
 }
 
 bool Reconstruction::withdraw(const Capture& capture) {
-  if (model_.began_with(capture)) return false;
+  if (model_.began_with(capture) || !probe_.empty()) return false;
   const auto held_out = std::find_if(held_out_.begin(), held_out_.end(), [&](const HeldOutView& view) {
     return view.source_session == capture.source_session && view.sequence == capture.sequence;
   });
@@ -51,11 +124,18 @@ void Reconstruction::leave_out(std::uint64_t captures) {
 }
 
 void Reconstruction::restart() {
+  if (control_ && control_->rung()) control_->follow_record_until(counts_.received);
+  probe_.clear();
+  forget();
   model_.restart();
+}
+
+void Reconstruction::forget() {
   held_out_.clear();
   counts_ = {};
   stages_.clear();
   updates_ = {};
+  rings_ = {};
 }
 
 void Reconstruction::account(const IngestReport& report) {
@@ -65,6 +145,9 @@ void Reconstruction::account(const IngestReport& report) {
     total_s += 1e-3 * ms;
   }
   updates_.add(total_s);
+  rings_.updated += report.rings_updated;
+  rings_.skipped += report.rings_skipped;
+  rings_.left_out += report.rings_left_out;
 }
 
 double Reconstruction::images_per_s() const {

@@ -42,6 +42,30 @@ json views_to_json(const Scores& scores) {
   return views;
 }
 
+/// What was asked of the model, and whether it holds.
+json settings_report(const Reconstruction& reconstruction, double psnr_db) {
+  const TradeoffWish& wish = reconstruction.wish();
+  const SurfaceLightFieldOptions& options = reconstruction.model().options();
+  json report{{"map_scale", options.map_scale},
+              {"max_rank", options.ring.factor.max_rank},
+              {"tolerance", options.ring.factor.tolerance},
+              {"sampling", options.sampling == Sampling::kCubic ? "cubic" : "linear"},
+              {"rung", reconstruction.effort().rung},
+              {"share", reconstruction.effort().share}};
+  if (wish.image_ms) {
+    const double image_ms = 1e3 * reconstruction.updates().median_s();
+    report["budget"] = {{"asked_ms", *wish.image_ms}, {"image_ms", image_ms}, {"holds", image_ms <= *wish.image_ms}};
+  }
+  if (wish.bytes) {
+    const auto bytes = static_cast<double>(reconstruction.model().bytes());
+    report["memory"] = {{"asked_bytes", *wish.bytes}, {"bytes", bytes}, {"holds", bytes <= *wish.bytes}};
+  }
+  if (wish.psnr_db)
+    report["target"] = {
+        {"asked_db", *wish.psnr_db}, {"psnr_db", number(psnr_db)}, {"reached", psnr_db >= *wish.psnr_db}};
+  return report;
+}
+
 json reconstruction_report(Reconstruction& reconstruction) {
   const FrameCounts& counts = reconstruction.counts();
   json refused = json::object();
@@ -61,7 +85,10 @@ json reconstruction_report(Reconstruction& reconstruction) {
   report["ingest_ms"] = stages;
   report["rank_histogram"] = reconstruction.model().rank_histogram();
   report["bytes_per_ring"] = reconstruction.model().bytes_per_ring();
+  const Reconstruction::RingCounts& rings = reconstruction.rings();
+  report["rings"] = {{"updated", rings.updated}, {"skipped", rings.skipped}, {"left_out", rings.left_out}};
   const Reconstruction::Judgement judged = reconstruction.judge();
+  report["settings"] = settings_report(reconstruction, judged.light_field.psnr_db);
   report["held_out"] = {{"views", judged.light_field.views.size()},
                         {"protocol", kProtocol},
                         {"psnr_db", number(judged.light_field.psnr_db)},

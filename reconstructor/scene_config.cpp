@@ -65,12 +65,25 @@ Key into(ExposureCompensation& target) {
           }};
 }
 
+Key into(Sampling& target) {
+  const auto set = [&target](const toml::node& node) -> std::string {
+    const auto word = node.value_exact<std::string>();
+    if (word != "cubic" && word != "linear") return "must be \"cubic\" or \"linear\"";
+    target = word == "cubic" ? Sampling::kCubic : Sampling::kLinear;
+    return {};
+  };
+  return {set, [&target]() -> std::string { return target == Sampling::kCubic ? "\"cubic\"" : "\"linear\""; }};
+}
+
 Keys keys_of(SurfaceLightFieldOptions& o) {
   return {
       {"surface_map", into(o.surface_map)},
+      {"map_scale", into(o.map_scale)},
+      {"sampling", into(o.sampling)},
       {"max_rank", into(o.ring.factor.max_rank)},
       {"tolerance", into(o.ring.factor.tolerance)},
       {"max_views", into(o.ring.max_views)},
+      {"repeat_angle", into(o.ring.repeat_angle)},
       {"min_visible", into(o.ring.min_visible)},
       {"hold_out_every", into(o.hold_out_every)},
       {"exposure", into(o.exposure)},

@@ -16,7 +16,8 @@ namespace {
 using Vec = Eigen::Vector3d;
 
 constexpr double kScale = 1.06e-3;  // metres a unit of the shape
-constexpr double kCell = 0.00344;   // metres; gives about 12K triangles
+constexpr double kCell = 0.00344;   // metres; gives kTriangles of them, about
+constexpr double kTriangles = 12e3;
 
 /// Union of two bodies with a fillet of about `r` between them.
 double blend_union(double a, double b, double r) {
@@ -87,11 +88,18 @@ double teapot_m(const Vec& p) {
   return teapot(p / kScale) * kScale;
 }
 
+Mesh mesh_of_cells(double cell_m) {
+  return mesh_implicit_surface(teapot_m, {-0.122, -0.0775, -0.010}, {0.122, 0.0775, 0.131}, cell_m);
+}
+
 }  // namespace
 
+Mesh make_demo_mesh(int triangles) {
+  return mesh_of_cells(kCell * std::sqrt(kTriangles / triangles));
+}
+
 TestObject make_demo_object() {
-  TestObject object{.name = "demo", .mesh = {}, .normals = {}, .material = Glaze{}};
-  object.mesh = mesh_implicit_surface(teapot_m, {-0.122, -0.0775, -0.010}, {0.122, 0.0775, 0.131}, kCell);
+  TestObject object{.name = "demo", .mesh = mesh_of_cells(kCell), .normals = {}, .material = Glaze{}};
   for (const Eigen::Vector3f& v : object.mesh.vertices)
     object.normals.push_back(implicit_normal(teapot_m, v.cast<double>()).cast<float>());
   return object;

@@ -23,6 +23,10 @@ struct TestObject {
 /// textured down to a millimetre and glossy with a gloss that varies; spout, handle, knob and foot hide one another.
 TestObject make_demo_object();
 
+/// The demo's object as a closed mesh of about this many triangles (500 or more); finer detail is rounded off, and
+/// sheets that are closer than a triangle may touch.
+Mesh make_demo_mesh(int triangles);
+
 /// Sphere of one material; `subdivisions` of an icosahedron.
 TestObject make_sphere(const Material& material, double radius_m, const Eigen::Vector3d& centre, int subdivisions);
 

@@ -8,6 +8,7 @@
 #include "common/stop_signal.h"
 #include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/wish_options.h"
 #include "reconstructor/report.h"
 #include "reconstructor/saved_model.h"
 #include "reconstructor/scene_config.h"
@@ -18,14 +19,17 @@ namespace {
 struct BuildArguments {
   std::string dataset, mesh, out, config, json;
   int hold_out = -1;
+  WishArguments wish;
 };
 
 void build(const BuildArguments& arguments) {
   install_stop_signals();
   SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
   if (arguments.hold_out >= 0) config.surface_light_field.hold_out_every = arguments.hold_out;
+  const TradeoffWish wish = arguments.wish.apply(config.surface_light_field);
   const CaptureSet captures = open_capture_set(arguments.dataset);
   Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh), config.surface_light_field);
+  reconstruction.keep_within(wish);
   {
     Progress progress("building", captures.size);
     for (std::size_t i = 0; i < captures.size; ++i) {
@@ -61,6 +65,7 @@ void add_build_command(CLI::App& app) {
   command->add_option("--hold-out", arguments->hold_out,
                       "hold out every Nth image where the dataset names no test views; 0 = none");
   command->add_option("--config", arguments->config, "scene file (TOML)");
+  arguments->wish.add_to(*command);
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { build(*arguments); });
 }

@@ -18,5 +18,6 @@ void add_undo_command(CLI::App& app);
 void add_monitor_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 void add_tradeoff_command(CLI::App& app);
+void add_figures_command(CLI::App& app);
 
 }  // namespace sheen

@@ -15,6 +15,7 @@
 #include "common/stop_signal.h"
 #include "reconstructor/capture_loop.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/wish_options.h"
 #include "reconstructor/live_display.h"
 #include "reconstructor/monitor/monitor_server.h"
 #include "reconstructor/render/gl/viewer_window.h"
@@ -33,6 +34,7 @@ struct ServeArguments {
   std::string mesh, session, config, endpoint = ReceiverOptions{}.endpoint, keys, tracker_key, json;
   std::string monitor_host = MonitorOptions{}.host, monitor_token;
   int monitor_port = MonitorOptions{}.port;
+  WishArguments wish;
   bool headless = false, once = false, no_monitor = false;
 };
 
@@ -147,10 +149,12 @@ nlohmann::json live_report(Reconstruction& reconstruction, const LoopStatus& sta
 
 void serve(const ServeArguments& arguments) {
   install_stop_signals();
-  const SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
+  SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
+  const TradeoffWish wish = arguments.wish.apply(config.surface_light_field);
   const ReceiverOptions link = link_options(arguments);
   Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh), config.surface_light_field);
   Session session = open_session(arguments.session, arguments.mesh);
+  reconstruction.keep_within(wish, session.metadata(kEffortKey).value_or(""), session.size());
   if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
 
   LiveDisplay display(reconstruction.painter(), {arguments.session, link.endpoint, link.keys.has_value()});
@@ -199,6 +203,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--mesh", a->mesh, "PLY, OBJ or OFF of the object, in the stage's frame")->required();
   command->add_option("--session", a->session, "folder of the session; continued if it exists")->required();
   command->add_option("--config", a->config, "scene file (TOML)");
+  a->wish.add_to(*command);
   command->add_option("--endpoint", a->endpoint, "of the tracker")->capture_default_str();
   command->add_option("--keys", a->keys, "own secret key (NAME.key); encrypts the link");
   command->add_option("--tracker-key", a->tracker_key, "the tracker's public key (NAME.pub)");

@@ -9,15 +9,10 @@
 #include <numeric>
 
 #include "common/errors.h"
+#include "reconstructor/models/surface_light_field/capture_rules.h"
 
 namespace sheen {
 namespace {
-
-/// Exposure time times gain, in arbitrary units; 0 when unknown or when grey levels are not proportional to light.
-double exposure_product(const Capture& capture) {
-  if (capture.exposure.exposure_s <= 0 || capture.image.transfer != Transfer::kLinear) return 0;
-  return capture.exposure.exposure_s * std::pow(10.0, capture.exposure.gain_db / 20);
-}
 
 /// The image as linear radiance of the level of an exposure `1 / factor` times as long.
 void rescale(Capture& capture, double factor) {
@@ -81,10 +76,7 @@ Experiment load_experiment(std::shared_ptr<const Mesh> mesh, std::size_t count,
       const double product = exposure_product(capture);
       if (used == 1) reference = product;
       if (reference > 0 && product > 0 && product != reference) rescale(capture, reference / product);
-      const bool judges = capture.purpose == Purpose::kHeldOut ||
-                          (capture.purpose == Purpose::kUnspecified && options.hold_out_every > 0 &&
-                           used % static_cast<std::size_t>(options.hold_out_every) == 0);
-      if (judges) {
+      if (is_held_out(capture, options.hold_out_every)) {
         held_out.push_back(make_held_out_view(capture, 1, *experiment.painter));
       } else {
         capture.purpose = Purpose::kTraining;
@@ -112,7 +104,7 @@ double OnlineRun::median_ms() const {
 }
 
 double OnlineRun::total_s() const {
-  return finish_s + 1e-3 * std::accumulate(image_ms.begin(), image_ms.end(), 0.0);
+  return shown_s + finish_s + 1e-3 * std::accumulate(image_ms.begin(), image_ms.end(), 0.0);
 }
 
 OnlineRun build_online(const Experiment& experiment, std::span<const Capture* const> captures,
@@ -121,6 +113,11 @@ OnlineRun build_online(const Experiment& experiment, std::span<const Capture* co
   SurfaceLightField model(experiment.mesh, options);
   const double cpu = process_cpu_s();
   for (const Capture* capture : captures) {
+    if (capture == captures.back()) {
+      const auto before = std::chrono::steady_clock::now();
+      model.light_field_snapshot();
+      run.shown_s = seconds_since(before);
+    }
     const auto start = std::chrono::steady_clock::now();
     model.ingest(*capture);
     run.image_ms.push_back(1e3 * seconds_since(start));

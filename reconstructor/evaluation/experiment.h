@@ -45,6 +45,7 @@ struct OnlineRun {
   std::shared_ptr<const SurfaceLightFieldSnapshot> model;  ///< without a guess for rings that no image reached
   std::vector<double> image_ms;                            ///< wall time of folding each image in, snapshots apart
   double cpu_s = 0;       ///< processor time of all images and of the model at the end, all threads
+  double shown_s = 0;     ///< wall time of the model before the last image: a capture is watched while it grows
   double finish_s = 0;    ///< wall time from the last image to the model
   std::size_t bytes = 0;  ///< of the rings' state
   double mean_rank = 0;   ///< over rings that an image reached

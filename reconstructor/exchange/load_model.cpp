@@ -133,10 +133,22 @@ ExposureField read_exposure(const Description& description) {
   return exposure;
 }
 
+/// Null where no ring uses it.
+std::shared_ptr<const ReflectionDrift> read_reflection(const Description& description) {
+  const auto found = description.json().find("reflection");
+  if (found == description.json().end() || !found->is_array()) description.fail("reflection", "must be a list");
+  if (found->empty()) return nullptr;
+  auto reflection = std::make_shared<ReflectionDrift>();
+  reflection->coefficients = Eigen::Map<const Harmonics>(
+      description.list<float>(description.json(), "reflection", kHarmonics, -1e6, 1e6).data());
+  return reflection;
+}
+
 /// Rings with all but what maps.exr holds, and where that stands.
 struct Rings {
   ModelLayout layout;
   std::vector<std::shared_ptr<RingSnapshot>> data;  ///< in the order of the layout
+  std::shared_ptr<const ReflectionDrift> reflection;
 };
 
 Rings read_ring_list(const Description& description, const VertexRings& vertex_rings) {
@@ -269,7 +281,12 @@ class MapsReader {
       frame = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(pixel);
       if ((frame * frame.transpose() - Eigen::Matrix3f::Identity()).cwiseAbs().maxCoeff() > 1e-3f)
         fail("rings", "vertex " + std::to_string(rings_.layout.rings[i].vertex) + ": the frame is not orthonormal");
-      rings_.data[i]->mean = Eigen::Map<const Eigen::VectorXf>(pixel + 9, rings_.layout.rings[i].rank);
+      const int rank = rings_.layout.rings[i].rank;
+      rings_.data[i]->mean = Eigen::Map<const Eigen::VectorXf>(pixel + 9, rank);
+      const Eigen::Map<const Eigen::VectorXf> drift(pixel + 9 + rings_.layout.max_rank, rank);
+      if (!rings_.reflection || drift.isZero(0)) continue;
+      rings_.data[i]->drift = drift;
+      rings_.data[i]->reflection = rings_.reflection;
     }
   }
 
@@ -285,6 +302,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& fold
   const auto mesh = read_mesh(description, folder);
   const auto vertex_rings = read_rings(description, *mesh);
   Rings rings = read_ring_list(description, *vertex_rings);
+  rings.reflection = read_reflection(description);
   MapsReader(folder / kMapsFile, rings).read(description.text("id"));
 
   std::vector<std::shared_ptr<const RingSnapshot>> ring_data(mesh->vertices.size());

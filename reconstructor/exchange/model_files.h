@@ -26,7 +26,7 @@ struct SaveOptions {
 ///               measured            the same atlas: share of the ring's images that showed the sample, 0..1: 0 unseen,
 ///                                   below 1/2 imputed, else measured (older models have 1 wherever any did)
 ///               views               kriging: directions and weights, a pixel a view of a ring
-///               rings               frame and mean coefficients, a pixel a ring
+///               rings               frame, mean and drift coefficients, a pixel a ring
 ///               view.rank00 ...     view maps, a tile a ring, for readers that do not krige
 /// model.json comes last and is tied to the other two, so a save that was cut short is noticed. Throws FileError.
 void save_model(const SurfaceLightFieldSnapshot& model, const std::filesystem::path& folder,

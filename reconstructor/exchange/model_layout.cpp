@@ -40,9 +40,11 @@ std::vector<std::string> views_channels(int max_rank) {
 }
 
 std::vector<std::string> rings_channels(int max_rank) {
+  // In the order of the alphabet, in which OpenEXR files hold them.
   std::vector<std::string> names;
   for (int i = 0; i < 9; ++i) names.push_back("frame." + std::to_string(i / 3) + std::to_string(i % 3));
   for (int r = 0; r < max_rank; ++r) names.push_back(numbered("mean.rank", r));
+  for (int r = 0; r < max_rank; ++r) names.push_back(numbered("reflection.rank", r));
   return names;
 }
 

@@ -38,8 +38,9 @@ Json conventions() {
           {"measured", "share of the ring's images that showed the sample: 0 unseen, below 1/2 imputed, else measured"},
           {"atlas", "rings one after the other, a pixel a sample, row by row"},
           {"view",
-           "h(d) = mean + sum over views of weight * k(angle(d, direction)), k(t) = (1 + sqrt(3) t / scale) "
-           "exp(-sqrt(3) t / scale)"},
+           "h(d) = mean + drift * L(d mirrored about the third row of frame) + sum over views of weight * "
+           "k(angle(d, direction)), k(t) = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale); L: reflection, orthonormal "
+           "real spherical harmonics, (l, m) at l^2 + l + m; empty = 0"},
           {"view map",
            "a square tile a ring, row by row; pixel centres over [-1, 1]^2: the first two coordinates of "
            "frame * direction, moved to the rim where outside the unit disc"}};
@@ -55,6 +56,16 @@ Json exposure_of(const ExposureField& exposure) {
           {"kernel", {exposure.kernel.scale_rad, exposure.kernel.nugget}}};
 }
 
+/// The function that all rings share, empty where none uses it.
+Json reflection_of(const SurfaceLightFieldSnapshot& model) {
+  for (const auto& ring : model.ring_data())
+    if (ring && ring->reflection) {
+      const Harmonics& c = ring->reflection->coefficients;
+      return std::vector<float>(c.data(), c.data() + c.size());
+    }
+  return Json::array();
+}
+
 Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout, const std::string& mesh_hash) {
   Json json;
   json["format"] = kModelFormat;
@@ -62,6 +73,7 @@ Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& l
   json["mesh_hash"] = mesh_hash;
   json["conventions"] = conventions();
   json["exposure"] = exposure_of(model.exposure());
+  json["reflection"] = reflection_of(model);
   Json resolution = Json::array();
   for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) resolution.push_back(model.rings().resolution(t));
   json["lattice_resolution"] = std::move(resolution);
@@ -97,6 +109,7 @@ std::string id_of(const Json& description, const SurfaceLightFieldSnapshot& mode
     add(ring->directions);
     add(ring->weights);
     add(ring->mean);
+    add(ring->drift);
     add(ring->frame);
     add(ring->shown);
   }
@@ -140,13 +153,14 @@ ImageF views_image(const SurfaceLightFieldSnapshot& model, const ModelLayout& la
 }
 
 ImageF rings_image(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout) {
-  const int channels = 9 + layout.max_rank;
+  const int channels = 9 + 2 * layout.max_rank;
   ImageF image = blank_atlas(layout.rings.size(), channels);
   for (std::size_t i = 0; i < layout.rings.size(); ++i) {
     const RingSnapshot& ring = *model.ring_data()[layout.rings[i].vertex];
     float* pixel = image.data() + channels * i;
     Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>{pixel} = ring.frame;
     Eigen::Map<Eigen::VectorXf>(pixel + 9, layout.rings[i].rank) = ring.mean;
+    Eigen::Map<Eigen::VectorXf>(pixel + 9 + layout.max_rank, ring.drift.size()) = ring.drift;
   }
   return image;
 }

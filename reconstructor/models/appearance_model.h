@@ -23,6 +23,8 @@ struct IngestReport {
   std::string reason;                      ///< of a refusal: a short, stable word ("object_not_in_view", ...)
   std::map<std::string, double> stage_ms;  ///< time a stage of the pipeline
   std::size_t rings_updated = 0;
+  std::size_t rings_skipped = 0;   ///< the image shows of them what an earlier one showed from the same direction
+  std::size_t rings_left_out = 0;  ///< for want of time (`SurfaceLightField::set_share`)
   double relative_residual = 0;  ///< ||p|| / ||c|| over all updated rings: how much of the image the model did not know
   float exposure_gain = 1;       ///< by which the camera says that this image is brighter than the model's level
 };

@@ -41,12 +41,17 @@ BasicRingFactor<Scalar>::BasicRingFactor(int rows, const RingFactorOptions& opti
   require(options.channels >= 1 && options.channels <= rows, "ring factor: channels must be 1..rows");
 }
 
-/// 1, 1, 2, 4, ... columns so that early images show at once, one block of the phase's own length, then whole blocks.
+/// Single columns at first, for what is imputed leans on the columns before; then folds a block apart, at counts that
+/// differ with the phase.
 template <typename Scalar>
 int BasicRingFactor<Scalar>::block_size() const {
-  if (columns_folded_ < options_.block) return static_cast<int>(std::max<std::int64_t>(columns_folded_, 1));
-  if (!staggered_) return 1 + static_cast<int>(phase_ % static_cast<unsigned>(options_.block));
-  return options_.block;
+  constexpr int kSingles = 8;
+  constexpr double kGoldenRatio = 0.6180339887498949;
+  if (columns_folded_ < kSingles) return 1;
+  const double share = kGoldenRatio * phase_ - std::floor(kGoldenRatio * phase_);  // any few phases in a row fill 0..1
+  const int offset = static_cast<int>(options_.block * share);
+  const auto since = static_cast<int>((columns_folded_ - kSingles + options_.block - offset) % options_.block);
+  return options_.block - since;
 }
 
 template <typename Scalar>
@@ -72,13 +77,11 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(const Con
       pending.hidden[row / 64] |= std::uint64_t{1} << (row % 64);
     }
   }
-  // By a power of two to a norm near one: squares of single precision neither overflow nor vanish.
-  if (const Scalar peak = kept.cwiseAbs().maxCoeff(); peak > 0) {
+  // Squares of single precision neither overflow nor vanish: what is far from one is scaled by a power of two.
+  constexpr int kHarmless = 24;
+  if (const Scalar peak = kept.cwiseAbs().maxCoeff(); peak > 0 && std::abs(std::ilogb(peak)) > kHarmless) {
     pending.exponent = std::ilogb(peak);
-    if (std::abs(pending.exponent) < 100)
-      kept *= static_cast<Scalar>(std::ldexp(1.0, -pending.exponent));
-    else
-      kept = kept.unaryExpr([&](Scalar x) { return std::ldexp(x, -pending.exponent); }).eval();
+    kept = kept.unaryExpr([&](Scalar x) { return std::ldexp(x, -pending.exponent); }).eval();
   }
   pending_.push_back(std::move(pending));
   ++columns_added_;

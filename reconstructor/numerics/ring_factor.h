@@ -14,7 +14,7 @@ namespace sheen {
 struct RingFactorOptions {
   int max_rank = 24;           ///< terms displayed, >= 1
   int internal_rank = 0;       ///< terms kept, >= max_rank; 0 = 2 * max_rank, at least max_rank + 8, at most 32 (Brand)
-  int block = 12;              ///< columns buffered between folds, 1..32; the first blocks are smaller: 1, 1, 2, 4, ...
+  int block = 12;              ///< columns buffered between folds, 1..32; fewer while there are few
   double tolerance = 0.01;     ///< Frobenius norm of what may be lost, relative to that of all columns: eps
   int channels = 1;            ///< rows i, i + channels, ... hold the same quantity at different places
   double sensor_variance = 0;  ///< of a known row, in squared units of the columns: imputation never trusts one more
@@ -70,7 +70,7 @@ class BasicRingFactor {
   const RingFactorOptions& options() const { return options_; }
   int rows() const { return rows_; }
   int rank() const { return rank_; }
-  int displayed_rank() const { return std::min(rank_, options_.max_rank); }
+  int displayed_rank() const { return displayed_; }  ///< terms that the tolerance asks for, at most max_rank
   int views() const { return folded_views() + pending(); }
   int folded_views() const { return static_cast<int>(coefficients_.cols()); }
   int pending() const { return static_cast<int>(pending_.size()); }
@@ -152,7 +152,7 @@ class BasicRingFactor {
   Reports split_residuals(Block& block);
   ColumnReport report(const Pending& column, double norm2, double residual2);
   void orthonormalise_again(Block& block);
-  int choose_rank(const Eigen::VectorXd& ascending, double lost, double& tail) const;
+  void choose_rank(const Eigen::VectorXd& descending, double lost, Turn& turn) const;
   Turn singular_turn(const Block& block) const;
   void absorb(Block& block);
   void apply(Turn& turn, const Block& block);
@@ -164,10 +164,10 @@ class BasicRingFactor {
   RingFactorOptions options_;
   int rows_;
   unsigned phase_;
-  int rank_ = 0;
+  int rank_ = 0, displayed_ = 0;
   int unseen_rows_;
+  std::int64_t turns_ = 0;  ///< of the basis
   std::int64_t columns_added_ = 0, columns_folded_ = 0, columns_predicted_ = 0;
-  bool staggered_ = false;  ///< the block of the phase's own length is folded
   double lost_ = 0;
   double row_noise_ = 0;
   Matrix basis_;                     ///< padded rows x rank

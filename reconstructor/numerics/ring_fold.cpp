@@ -30,6 +30,11 @@ constexpr double kSmallestPivot = 16 * std::numeric_limits<Scalar>::epsilon();
 // orthogonalised once more ("twice is enough").
 constexpr double kLargestGrowth = 16;
 
+// A turn of the basis costs it about one unit of rounding of orthonormality, and a polish gives it back.
+constexpr int kTurnsBetweenPolishes = 4;
+// What is dropped on the way may be missed later: it takes this share of the budget, the displayed rank the whole.
+constexpr double kShareOfBudgetOnTheWay = 0.5;
+
 /// Rows of a ring that was dim where it is now bright say little about each other: a channel's mean row is scaled only
 /// where it predicts at least this share of a typical value.
 constexpr double kDim = 0.04;
@@ -101,7 +106,7 @@ struct BasicRingFactor<Scalar>::Block {
 /// New basis = Q from_core: the leading singular directions of all columns, in core coordinates.
 template <typename Scalar>
 struct BasicRingFactor<Scalar>::Turn {
-  int rank = 0;
+  int rank = 0, displayed = 0;
   double lost = 0;       ///< energy of the directions left out
   VectorXd spectrum;     ///< rank
   MatrixXd from_core;    ///< core size x rank
@@ -158,7 +163,6 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
 
   reports = split_residuals(block);
   absorb(block);
-  staggered_ = columns_folded_ >= options_.block;
   columns_folded_ += block.count;
   pending_.clear();
   return reports;
@@ -232,7 +236,8 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::split_residua
   }
   block.outside = MatrixXd::Zero(0, count);
   block.to_directions = MatrixXd::Zero(count, 0);
-  if (lost_ + block.lost <= options_.tolerance * options_.tolerance * energy_after) return reports;
+  if (lost_ + block.lost <= kShareOfBudgetOnTheWay * options_.tolerance * options_.tolerance * energy_after)
+    return reports;
   MatrixXd gram = row_panels::inner_products(columns(buffer_, count), columns(buffer_, count), buffer_.rows(), true);
   gram.noalias() -= block.overlap.transpose() * block.overlap;
   Orthonormalised residuals = orthonormalise(std::move(gram), block.residual2, kSmallestPivot<Scalar>);
@@ -260,21 +265,26 @@ ColumnReport BasicRingFactor<Scalar>::report(const Pending& column, double norm2
   return report;
 }
 
+/// How many terms to keep and how many of them to display. `descending`: squared singular values; `lost`: energy
+/// without any direction.
 template <typename Scalar>
-int BasicRingFactor<Scalar>::choose_rank(const VectorXd& ascending, double lost, double& tail) const {
-  const double energy = lost + ascending.cwiseMax(0).sum();
+void BasicRingFactor<Scalar>::choose_rank(const VectorXd& descending, double lost, Turn& turn) const {
+  const double energy = lost + descending.sum();
   const double budget = options_.tolerance * options_.tolerance * energy;
-  auto kept = static_cast<int>(ascending.size());
-  tail = 0;
-  for (const double value : ascending) {
-    const double next = std::max(0.0, value);
-    const bool affordable = lost + tail + next <= budget;
-    const bool rounding = next <= kNoise<Scalar> * kNoise<Scalar> * energy;
-    if (!affordable && !rounding && kept <= options_.terms_kept()) break;
-    tail += next;
-    --kept;
+  const double rounding = kNoise<Scalar> * kNoise<Scalar> * energy;
+  turn.rank = static_cast<int>(descending.size());
+  while (turn.rank > 0) {
+    const double next = descending[turn.rank - 1];
+    const bool affordable = lost + turn.lost + next <= kShareOfBudgetOnTheWay * budget;
+    if (!affordable && next > rounding && turn.rank <= options_.terms_kept()) break;
+    turn.lost += next;
+    --turn.rank;
   }
-  return kept;
+  turn.displayed = turn.rank;
+  for (double hidden = lost + turn.lost; turn.displayed > 0; --turn.displayed) {
+    hidden += descending[turn.displayed - 1];
+    if (hidden > budget && turn.displayed <= options_.max_rank) break;
+  }
 }
 
 /// Orthonormalises the directions of the block once more, now as columns of their own.
@@ -301,20 +311,20 @@ typename BasicRingFactor<Scalar>::Turn BasicRingFactor<Scalar>::singular_turn(co
   const Eigen::Index directions = block.outside.rows(), size = rank_ + directions;
   if (size == 0) return {.coordinates = MatrixXd::Zero(0, block.count)};
   MatrixXd z(size, block.count);
-  z << block.inside, block.outside;
+  z.topRows(rank_) = block.inside;
+  z.bottomRows(directions) = block.outside;
+  if (block.loss.size() > 0) z.topRows(rank_) += 0.5 * block.loss * block.inside;  // in the polished basis
+  // G holds what was meant: E is what rounding did to B since, mostly with one sign, and would wear G down fold by
+  // fold.
   MatrixXd core = MatrixXd::Zero(size, size);
   core.topLeftCorner(rank_, rank_) = gram_;
-  if (block.loss.size() > 0) {  // coordinates in the polished basis: (I + E/2) y
-    z.topRows(rank_) += 0.5 * block.loss * block.inside;
-    const MatrixXd change = 0.5 * block.loss * gram_;
-    core.topLeftCorner(rank_, rank_) += change + change.transpose();
-  }
   core.noalias() += z * block.weight.asDiagonal() * z.transpose();
 
   Turn turn;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(core);  // ascending
-  turn.rank = choose_rank(eigen.eigenvalues(), lost_ + block.lost, turn.lost);
-  turn.spectrum = eigen.eigenvalues().tail(turn.rank).reverse().cwiseMax(0);
+  turn.spectrum = eigen.eigenvalues().reverse().cwiseMax(0);
+  choose_rank(turn.spectrum, lost_ + block.lost, turn);
+  turn.spectrum.conservativeResize(turn.rank);
   turn.coordinates = std::move(z);
   turn.core = std::move(core);
   turn.from_core = eigen.eigenvectors().rightCols(turn.rank).rowwise().reverse();
@@ -329,10 +339,10 @@ void BasicRingFactor<Scalar>::absorb(Block& block) {
     block.loss = row_panels::inner_products(columns(basis_, rank_), columns(basis_, rank_), basis_.rows(), true);
     block.loss.diagonal().array() -= 1;
   };
-  const bool turns = grows || rank_ > options_.max_rank || block.count == 0;
-  if (turns) polish();
+  const bool turns = grows || rank_ > displayed_ || block.count == 0;
+  if (turns && turns_++ % kTurnsBetweenPolishes == 0) polish();
   Turn turn = singular_turn(block);
-  if (!turns && turn.rank == rank_) {  // nothing new: the basis stays as it is
+  if (!turns && turn.displayed == rank_) {  // nothing new: the basis stays as it is
     gram_ = turn.core;
     spectrum_ = turn.spectrum;
     lost_ += block.lost;
@@ -348,22 +358,19 @@ void BasicRingFactor<Scalar>::absorb(Block& block) {
       turn = singular_turn(block);
     }
   }
-  if (!turns) {
-    polish();
-    turn = singular_turn(block);
-  }
   apply(turn, block);
 }
 
 template <typename Scalar>
 void BasicRingFactor<Scalar>::apply(Turn& turn, const Block& block) {
   const Eigen::Index directions = block.outside.rows();
-  const Eigen::Index displayed = std::min(turn.rank, options_.max_rank);
+  const Eigen::Index displayed = turn.displayed;
   const MatrixXd rotation = aligning_rotation(turn.from_core.leftCols(displayed), displayed_rank());
   turn.from_core.leftCols(displayed) = (turn.from_core.leftCols(displayed) * rotation).eval();
 
   const MatrixXd from_basis = turn.from_core.topRows(rank_);
-  const MatrixXd half = 0.5 * block.loss * from_basis;
+  MatrixXd half = MatrixXd::Zero(rank_, turn.rank);  // E/2 of it
+  if (block.loss.size() > 0) half = 0.5 * block.loss * from_basis;
   const MatrixXd from_residuals = block.to_directions * turn.from_core.bottomRows(directions);
   Matrix m(rank_ + from_residuals.rows(), turn.rank);
   m.topRows(rank_) = (from_basis - half - block.overlap * from_residuals).template cast<Scalar>();
@@ -392,6 +399,7 @@ void BasicRingFactor<Scalar>::apply(Turn& turn, const Block& block) {
   spectrum_ = turn.spectrum;
   lost_ += block.lost + turn.lost;
   rank_ = turn.rank;
+  displayed_ = turn.displayed;
   append_views(block, turn.from_core.transpose() * turn.coordinates);
 }
 

@@ -64,15 +64,29 @@ Columns<const typename Derived::Scalar> columns(const Eigen::PlainObjectBase<Der
   return {m.data(), m.rows(), count};
 }
 
-/// Lanes are summed in single precision over this many vectors, then in double.
-inline constexpr int kFlush = 64;
+/// Sum of the lanes, in double.
+template <typename T>
+inline double lane_sum(const Vector<T>& v) {
+  constexpr int lanes = VectorOf<T>::kLanes;
+  typedef double Wide __attribute__((vector_size(lanes * sizeof(double))));
+  const Wide wide = __builtin_convertvector(v, Wide);
+  double lane[lanes];
+  std::memcpy(lane, &wide, sizeof(lane));
+  for (int half = lanes / 2; half > 0; half /= 2)
+    for (int l = 0; l < half; ++l) lane[l] += lane[l + half];
+  return lane[0];
+}
+
+/// A lane sums this many products in the columns' own precision; those sums are added up in double.
+inline constexpr int kLaneProducts = 256;
 
 template <typename T, int A, int B>
 void inner_tile(const T* const* a, const T* const* b, Eigen::Index rows, double* out, Eigen::Index out_stride) {
   constexpr int lanes = VectorOf<T>::kLanes;
-  double sums[A][B] = {};
-  for (Eigen::Index first = 0; first < rows; first += kFlush * lanes) {
-    const Eigen::Index last = std::min<Eigen::Index>(rows, first + kFlush * lanes);
+  for (int i = 0; i < A; ++i)
+    for (int j = 0; j < B; ++j) out[i + j * out_stride] = 0;
+  for (Eigen::Index first = 0; first < rows; first += kLaneProducts * lanes) {
+    const Eigen::Index last = std::min<Eigen::Index>(rows, first + kLaneProducts * lanes);
     Vector<T> acc[A][B] = {};
     for (Eigen::Index r = first; r < last; r += lanes) {
       Vector<T> vb[B];
@@ -83,11 +97,8 @@ void inner_tile(const T* const* a, const T* const* b, Eigen::Index rows, double*
       }
     }
     for (int i = 0; i < A; ++i)
-      for (int j = 0; j < B; ++j)
-        for (int l = 0; l < lanes; ++l) sums[i][j] += static_cast<double>(acc[i][j][l]);
+      for (int j = 0; j < B; ++j) out[i + j * out_stride] += lane_sum<T>(acc[i][j]);
   }
-  for (int i = 0; i < A; ++i)
-    for (int j = 0; j < B; ++j) out[i + j * out_stride] = sums[i][j];
 }
 
 template <typename T, int A, int B>

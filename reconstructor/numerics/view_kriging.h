@@ -22,21 +22,38 @@ float angle_between(const Eigen::Vector3f& a, const Eigen::Vector3f& b);
 inline constexpr std::array<ViewKernel, 6> kViewKernels{
     {{0.15f, 0.02f}, {0.3f, 0.02f}, {0.3f, 0.1f}, {0.6f, 0.05f}, {0.6f, 0.2f}, {0.6f, 1.0f}}};
 
-/// Ordinary kriging of coefficients over view directions, in its dual form: h(d) = mean + weights * k(d), with
-/// k(d)_j = k(angle(d, d_j)).
+/// Kriging of coefficients over view directions, in its dual form: h(d) = mean + drift * f(d) + weights * k(d), with
+/// k(d)_j = k(angle(d, d_j)) and f a known function of the direction, the external drift: what is left of the
+/// coefficients when their best multiple of f is taken away is interpolated, and the multiple is what makes that so
+/// (universal kriging). Without a drift it is ordinary kriging.
 struct ViewInterpolant {
   Eigen::VectorXf mean;     ///< rank
   Eigen::MatrixXf weights;  ///< rank x views
-  /// Sum over views of the squared error of predicting each view from the others (closed form).
+  Eigen::VectorXf drift;    ///< rank; empty without a drift
+  /// Sum over views of their reliability times the squared error of predicting each from the others (closed form).
   double leave_one_out = 0;
 };
 
-/// directions: 3 x views, unit. coefficients: rank x views. reliability: a view, > 0; the nugget is divided by it.
-/// No view gives an empty interpolant, one view a constant.
-ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
-                      const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel);
+/// With fewer views a drift explains too much.
+inline constexpr int kFewestViewsWithDrift = 6;
 
-/// h(d) of an interpolant for a unit direction.
+/// directions: 3 x views, unit. coefficients: rank x views. reliability: a view, > 0; the nugget is divided by it.
+/// drift: f of each view, or empty. No view gives an empty interpolant, one view a constant; a drift that does not vary
+/// over the views is left out.
+ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
+                      const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
+                      const Eigen::VectorXf& drift = {});
+
+/// `ViewInterpolant::leave_one_out` without the interpolant, from one factorization for both: the second is infinite
+/// where the views are too few or the drift does not vary.
+struct LeaveOneOut {
+  double ordinary = 0, with_drift = 0;
+};
+LeaveOneOut leave_one_out(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
+                          const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
+                          const Eigen::VectorXf& drift);
+
+/// h(d) of an interpolant without drift for a unit direction.
 Eigen::VectorXf interpolate(const ViewInterpolant& interpolant, const Eigen::Matrix3Xf& directions,
                             const ViewKernel& kernel, const Eigen::Vector3f& direction);
 

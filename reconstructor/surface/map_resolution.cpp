@@ -9,7 +9,8 @@ namespace sheen {
 std::vector<std::uint8_t> map_resolution(const Mesh& mesh, const Camera& camera, const Rigid3& camera_from_object,
                                          const MapResolutionOptions& options) {
   if (options.fixed > 0)
-    return std::vector<std::uint8_t>(mesh.triangles.size(), static_cast<std::uint8_t>(options.fixed));
+    return std::vector<std::uint8_t>(
+        mesh.triangles.size(), static_cast<std::uint8_t>(std::max(std::lround(options.scale * options.fixed), 2l)));
   const BoundingSphere bounds = bounding_sphere(mesh);
   const double distance = std::max((camera_centre(camera_from_object) - bounds.centre).norm(), 1e-9);
   const double pixels_per_metre = std::sqrt(camera.fx * camera.fy) / distance;
@@ -17,7 +18,7 @@ std::vector<std::uint8_t> map_resolution(const Mesh& mesh, const Camera& camera,
   for (std::size_t t = 0; t < resolution.size(); ++t) {
     const Eigen::Vector3f a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
     const double edge = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    const int side = static_cast<int>(std::lround(edge * pixels_per_metre)) + 1;
+    const int side = static_cast<int>(std::lround(options.scale * edge * pixels_per_metre)) + 1;
     resolution[t] = static_cast<std::uint8_t>(std::clamp(side, options.smallest, options.largest));
   }
   return resolution;

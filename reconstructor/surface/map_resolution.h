@@ -13,6 +13,7 @@ namespace sheen {
 struct MapResolutionOptions {
   int fixed = 0;                   ///< the same side for every triangle; 0 = from the footprint of a pixel
   int smallest = 4, largest = 24;  ///< bounds of the choice by footprint
+  double scale = 1;                ///< of the side, fixed or chosen
 };
 
 /// Side of each triangle's surface map: as many samples along its longest edge as it has pixels in an image from this

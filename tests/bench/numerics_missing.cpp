@@ -88,7 +88,8 @@ void occluded_stream(TestRing kind, const std::string& name, double occluded, do
       RingFactor factor(static_cast<int>(columns.rows()), options);
       for (const int j : order) {
         const Known known(visible.col(j).data(), static_cast<std::size_t>(visible.rows()));
-        factor.add(columns.col(j), known, weighted ? visible_share(known) : 1);
+        const double share = visible_share(known);
+        factor.add(columns.col(j), known, weighted ? share * share : 1);  // as RingModel does
       }
       factor.fold();
       const Eigen::MatrixXd basis = factor.displayed_basis().cast<double>();

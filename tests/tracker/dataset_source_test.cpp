@@ -6,6 +6,7 @@
 #include "common/errors.h"
 #include "common/image_io.h"
 #include "common/transport.h"
+#include "tests/support/temp_folder.h"
 #include "tracker/tracking_loop.h"
 
 namespace sheen {
@@ -41,9 +42,9 @@ class DatasetReplay : public ::testing::Test {
     }
     write_transforms(folder / "transforms.json", views);
   }
-  ~DatasetReplay() override { std::filesystem::remove_all(folder); }
 
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "sheen_dataset_replay";
+  const TempFolder own;
+  const std::filesystem::path& folder = own.path();
   std::vector<DatasetView> views;
 };
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "reconstructor/models/surface_light_field/image_worth.h"
 #include "reconstructor/models/surface_light_field/quality.h"
 
 namespace sheen {
@@ -46,29 +47,26 @@ ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eig
   const double distance = (eye - bounds.centre).norm();
   const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
   const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kRingsLookedAt);
+  std::vector<Eigen::Vector3d> places;
+  for (int i = 0; i < kCandidates; ++i) places.push_back(bounds.centre + distance * candidate(i));
+  const std::vector<double> worth = image_worth(snapshot, places);
   ViewAdvice best;
-  QualityReason best_reason = QualityReason::kGood;
-  for (int i = 0; i < kCandidates; ++i) {
-    const Eigen::Vector3d place = bounds.centre + distance * candidate(i);
-    double sum = 0, weight = 0;
-    std::array<double, 5> by_reason{};
-    for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) {
-      const Eigen::Vector3f direction = (place.cast<float>() - mesh.vertices[v]).normalized();
-      const double facing = normals[v].dot(direction);
-      if (facing < 0.2) continue;
-      RingQuality quality;
-      if (const RingSnapshot* ring = snapshot.ring_data()[v].get()) quality = assess_ring(*ring, direction);
-      sum += facing * quality.heuristic();
-      weight += facing;
-      by_reason[static_cast<std::size_t>(quality.reason())] += facing * quality.heuristic();
-    }
-    const double mean = weight > 0 ? sum / weight : 0;
-    if (mean <= best.heuristic) continue;
-    best.heuristic = mean;
-    best.eye = place;
-    best_reason = static_cast<QualityReason>(
-        std::distance(by_reason.begin(), std::max_element(by_reason.begin(), by_reason.end())));
+  best.eye = places[static_cast<std::size_t>(std::max_element(worth.begin(), worth.end()) - worth.begin())];
+  double sum = 0, weight = 0;
+  std::array<double, 5> by_reason{};
+  for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) {
+    const Eigen::Vector3f direction = (best.eye.cast<float>() - mesh.vertices[v]).normalized();
+    const double facing = normals[v].dot(direction);
+    if (facing < 0.2) continue;
+    RingQuality quality;
+    if (const RingSnapshot* ring = snapshot.ring_data()[v].get()) quality = assess_ring(*ring, direction);
+    sum += facing * quality.heuristic();
+    weight += facing;
+    by_reason[static_cast<std::size_t>(quality.reason())] += facing * quality.heuristic();
   }
+  best.heuristic = weight > 0 ? sum / weight : 0;
+  const auto best_reason = static_cast<QualityReason>(
+      std::distance(by_reason.begin(), std::max_element(by_reason.begin(), by_reason.end())));
   const Eigen::Vector3d from = (eye - bounds.centre).normalized(), to = (best.eye - bounds.centre).normalized();
   best.turn_deg = std::acos(std::clamp(from.dot(to), -1.0, 1.0)) * 180 / M_PI;
   best.reason = describe(best_reason);

@@ -15,9 +15,8 @@ struct ViewAdvice {
   std::string reason;                             ///< for a person: what is missing there
 };
 
-/// Where an image would be worth most: the place on the sphere through the present eye, above the stage's plane, from
-/// which the quality heuristic of the surface in sight is highest (000 sec. 5.1 chooses among recorded images in this
-/// way). Looks at a part of the rings, so that it can be asked for several times a second.
+/// Where an image would be worth most (`image_worth`): a place on the sphere through the present eye, above the stage's
+/// plane. Looks at a part of the rings, so that it can be asked for several times a second.
 ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eigen::Vector3d& eye);
 
 }  // namespace sheen

@@ -10,14 +10,23 @@
 namespace sheen {
 namespace {
 
-constexpr int kFirstKernelChoice = 5;  // views; fewer say nothing about how fast a ring varies
-constexpr float kKernelChoiceGrowth = 1.4f;
+constexpr int kFirstChoice = 5;  // views; fewer say nothing about how fast a ring varies
+constexpr float kChoiceGrowth = 1.4f;
+// Runs of neighbouring samples share cache lines: an eighth of the samples is an eighth of the memory.
+constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
+constexpr double kRepeatedNoise = 1.5;    // a repetition differs by its own noise and by that of the view it repeats
 constexpr float kSensorVariance = 2e-5f;  // about one grey level of 255, encoded
 
 Eigen::Matrix3Xf as_matrix(const std::vector<Eigen::Vector3f>& vectors) {
   Eigen::Matrix3Xf m(3, static_cast<Eigen::Index>(vectors.size()));
   for (std::size_t i = 0; i < vectors.size(); ++i) m.col(static_cast<Eigen::Index>(i)) = vectors[i];
   return m;
+}
+
+/// Weight of an image in the factor: what it does not show is a guess that only repeats the basis, so it counts for
+/// less than its share (docs/decisions/missing_samples.md).
+double trust(float share_shown) {
+  return static_cast<double>(share_shown) * share_shown;
 }
 
 RingFactorOptions factor_options(RingFactorOptions options) {
@@ -48,7 +57,7 @@ RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<c
   if (!shows_enough(shown, visible.size())) return result;
   result.used = true;
   const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
-  const RingFactor::Reports folded = factor_.add(column, known_rows(visible, shown), share);
+  const RingFactor::Reports folded = factor_.add(column, known_rows(visible, shown), trust(share));
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
   directions_.push_back(direction);
@@ -57,7 +66,7 @@ RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<c
   ++images_;
   follow(folded, result);
   snapshot_.reset();
-  result.wants_kernel = can_choose_kernel() && images_ > kKernelChoiceGrowth * kernel_chosen_at_;
+  result.wants_interpolation = can_choose_interpolation() && images_ > kChoiceGrowth * chosen_at_;
   return result;
 }
 
@@ -68,7 +77,7 @@ void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uin
   const int view = view_of(direction), folded = factor_.folded_views();
   if (view < folded) {
     const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
-    factor_.take_from(view, column, known_rows(visible, shown), share);
+    factor_.take_from(view, column, known_rows(visible, shown), trust(share));
     if (factor_.folded_views() < folded) erase_view(view);
     for (int v = 0; v < factor_.folded_views(); ++v)
       if (nearest_[v].view < 0) place(v);
@@ -91,6 +100,44 @@ int RingModel::view_of(const Eigen::Vector3f& direction) const {
       directions_.begin(), directions_.begin() + factor_.folded_views(),
       [&](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.dot(direction) < b.dot(direction); });
   return static_cast<int>(nearest - directions_.begin());
+}
+
+/// Of the first `views` ones; -1 when there is none.
+int RingModel::nearest_view(const Eigen::Vector3f& direction, int views, float& cosine) const {
+  int nearest = -1;
+  cosine = -1;
+  for (int view = 0; view < views; ++view)
+    if (const float c = direction.dot(directions_[view]); nearest < 0 || c > cosine) {
+      nearest = view;
+      cosine = c;
+    }
+  return nearest;
+}
+
+float RingModel::nearest_cosine(const Eigen::Vector3f& direction) const {
+  float cosine = -1;
+  nearest_view(direction, views(), cosine);
+  return cosine;
+}
+
+bool RingModel::repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+                        const Eigen::Vector3f& direction) const {
+  float cosine = -1;
+  const int view = nearest_view(direction, factor_.folded_views(), cosine);
+  if (view < 0 || options_.repeat_angle <= 0 || cosine < std::cos(static_cast<float>(options_.repeat_angle)))
+    return false;
+  const auto coefficients = factor_.coefficients().col(view);
+  double unexplained = 0;
+  int rows = 0;
+  for (std::size_t run = 0; run < visible.size(); run += kTestedEvery)
+    for (std::size_t s = run; s < std::min(run + kTestedRun, visible.size()); ++s) {
+      if (!visible[s]) continue;
+      if (shown_[s] == 0) return false;
+      const auto row = static_cast<Eigen::Index>(3 * s);
+      unexplained += (column.segment<3>(row) - factor_.basis().middleRows<3>(row) * coefficients).squaredNorm();
+      rows += 3;
+    }
+  return rows > 0 && unexplained <= kRepeatedNoise * factor_.row_noise() * rows;
 }
 
 void RingModel::follow(const RingFactor::Reports& reports, Absorbed& result) {
@@ -155,26 +202,52 @@ void RingModel::erase_view(int view) {
   }
 }
 
-bool RingModel::can_choose_kernel() const {
-  return views() >= kFirstKernelChoice;
+bool RingModel::can_choose_interpolation() const {
+  return views() >= kFirstChoice;
 }
 
-KernelErrors RingModel::kernel_errors() const {
-  KernelErrors errors{};
-  const Eigen::Matrix3Xf directions = as_matrix(directions_);
-  const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
+/// Of all views, pending ones included: rank x views.
+Eigen::MatrixXf RingModel::all_coefficients() const {
   Eigen::MatrixXf coefficients(rank(), views());
   coefficients << factor_.displayed_coefficients(), factor_.pending_coefficients().topRows(rank());
-  for (std::size_t k = 0; k < kViewKernels.size(); ++k)
-    errors[k] = krige(directions, coefficients, reliability, kViewKernels[k]).leave_one_out;
-  return errors;
+  return coefficients;
 }
 
-void RingModel::set_kernel(const ViewKernel& kernel) {
-  kernel_chosen_at_ = images_;
-  if (kernel_ == kernel) return;
-  kernel_ = kernel;
+/// Empty without a shared reflection.
+Eigen::VectorXf RingModel::drift_of_views(const Eigen::Vector3f& normal) const {
+  Eigen::VectorXf drift(reflection_ ? views() : 0);
+  for (Eigen::Index j = 0; j < drift.size(); ++j) drift[j] = reflection_->at(directions_[j], normal);
+  return drift;
+}
+
+InterpolationErrors RingModel::interpolation_errors(const Eigen::Vector3f& normal) const {
+  const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
+  return sheen::interpolation_errors(as_matrix(directions_), all_coefficients(), reliability, drift_of_views(normal));
+}
+
+void RingModel::set_interpolation(const ViewInterpolation& interpolation) {
+  chosen_at_ = images_;
+  if (interpolation_ == interpolation) return;
+  interpolation_ = interpolation;
   snapshot_.reset();
+}
+
+void RingModel::set_reflection(std::shared_ptr<const ReflectionDrift> reflection) {
+  reflection_ = std::move(reflection);
+  if (interpolation_.drift) snapshot_.reset();
+}
+
+RingLevels RingModel::levels(const Eigen::Vector3f& normal) const {
+  if (rank() == 0) return {normal, {}, {}, {}};  // all is black, or waits to be folded
+  Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, rank());
+  int seen = 0;
+  for (std::size_t s = 0; s < shown_.size(); ++s)
+    if (shown_[s] > 0) {
+      mean += factor_.displayed_basis().middleRows<3>(static_cast<Eigen::Index>(3 * s));
+      ++seen;
+    }
+  return {normal, as_matrix(directions_), mean / static_cast<float>(std::max(seen, 1)) * all_coefficients(),
+          Eigen::Map<const Eigen::VectorXf>(reliability_.data(), views())};
 }
 
 std::size_t RingModel::bytes() const {
@@ -201,10 +274,15 @@ std::shared_ptr<const RingSnapshot> RingModel::settled_snapshot(const Eigen::Mat
   snapshot->basis = factor_.displayed_basis();
   snapshot->directions = as_matrix(directions_);
   const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
-  ViewInterpolant interpolant = krige(snapshot->directions, factor_.displayed_coefficients(), reliability, kernel_);
+  const Eigen::Vector3f normal = frame.row(2);
+  ViewInterpolant interpolant =
+      krige(snapshot->directions, factor_.displayed_coefficients(), reliability, interpolation_.kernel,
+            interpolation_.drift ? drift_of_views(normal) : Eigen::VectorXf());
+  snapshot->drift = std::move(interpolant.drift);
+  if (snapshot->drift.size() > 0) snapshot->reflection = reflection_;
   snapshot->weights = std::move(interpolant.weights);
   snapshot->mean = std::move(interpolant.mean);
-  snapshot->kernel = kernel_;
+  snapshot->kernel = interpolation_.kernel;
   snapshot->frame = frame;
   snapshot->views = triangulate_views(frame, snapshot->directions);
   snapshot->shown.resize(shown_.size());

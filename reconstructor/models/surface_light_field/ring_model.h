@@ -7,7 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/models/surface_light_field/view_interpolation.h"
 #include "reconstructor/numerics/ring_factor.h"
 #include "reconstructor/numerics/view_kriging.h"
 
@@ -17,11 +19,9 @@ struct RingModelOptions {
   RingFactorOptions factor;
   int max_views = 64;            ///< directions kept a ring; beyond it the two nearest ones become one
   double min_visible = 0.1;      ///< share of a ring's samples that an image must show
+  double repeat_angle = 0.0175;  ///< rad from a kept view within which an image may be a repetition of it; 0 = none is
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
 };
-
-/// Errors of predicting each view from the others, a kernel of kViewKernels.
-using KernelErrors = std::array<double, kViewKernels.size()>;
 
 /// The surface light field round one vertex as it grows: the online SVD of what was seen and from where.
 class RingModel {
@@ -30,10 +30,10 @@ class RingModel {
   RingModel(int samples, const RingModelOptions& options, unsigned phase = 0);
 
   struct Absorbed {
-    bool used = false;           ///< false: too little of the ring is visible
-    bool wants_kernel = false;   ///< enough views have come to choose the kernel anew
-    double energy = 0;           ///< of the columns that this one's coming folded: ||c||^2 over what they show
-    double residual_energy = 0;  ///< of the same: ||p||^2, what the ring's basis did not predict of them
+    bool used = false;                 ///< false: too little of the ring is visible
+    bool wants_interpolation = false;  ///< enough views have come to choose it anew
+    double energy = 0;                 ///< of the columns that this one's coming folded: ||c||^2 over what they show
+    double residual_energy = 0;        ///< of the same: ||p||^2, what the ring's basis did not predict of them
   };
 
   /// Takes in what one image shows. `column`: encoded values of all rows; those of samples that are not `visible` mean
@@ -45,10 +45,22 @@ class RingModel {
   /// what the image left in the others (samples that were imputed with its help, the filtered residual) stays.
   void withdraw(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& direction);
 
-  bool can_choose_kernel() const;  ///< there are views enough to say how fast the ring varies
-  KernelErrors kernel_errors() const;
-  void set_kernel(const ViewKernel& kernel);
-  const ViewKernel& kernel() const { return kernel_; }
+  /// Cosine of the angle between a direction and the nearest kept view's; -1 when there is none.
+  float nearest_cosine(const Eigen::Vector3f& direction) const;
+  /// Whether a column seen from within `repeat_angle` of a kept view is what that view showed, as closely as the basis
+  /// explains any image: absorbing it would add nothing. Looks at an eighth of the samples; every sample that it looks
+  /// at must have been shown before.
+  bool repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+               const Eigen::Vector3f& direction) const;
+
+  bool can_choose_interpolation() const;  ///< there are views enough to say how fast the ring varies
+  /// `normal`: of the vertex. Errors with the drift are infinite while there is none, and with too few views.
+  InterpolationErrors interpolation_errors(const Eigen::Vector3f& normal) const;
+  void set_interpolation(const ViewInterpolation& interpolation);
+  const ViewInterpolation& interpolation() const { return interpolation_; }
+  /// What all rings share; a ring takes part in it by its levels.
+  void set_reflection(std::shared_ptr<const ReflectionDrift> reflection);
+  RingLevels levels(const Eigen::Vector3f& normal) const;
 
   int rank() const { return factor_.displayed_rank(); }
   int views() const { return factor_.views(); }
@@ -69,6 +81,9 @@ class RingModel {
 
   std::shared_ptr<const RingSnapshot> settled_snapshot(const Eigen::Matrix3f& frame,
                                                        std::span<const int> resolution) const;
+  Eigen::MatrixXf all_coefficients() const;
+  Eigen::VectorXf drift_of_views(const Eigen::Vector3f& normal) const;
+  int nearest_view(const Eigen::Vector3f& direction, int views, float& cosine) const;
   void follow(const RingFactor::Reports& reports, Absorbed& result);
   bool shows_enough(std::size_t shown, std::size_t samples) const {
     return shown > 0 && static_cast<double>(shown) >= options_.min_visible * static_cast<double>(samples);
@@ -84,9 +99,10 @@ class RingModel {
   std::vector<Eigen::Vector3f> directions_;
   std::vector<float> reliability_;
   std::vector<Nearest> nearest_;  ///< a folded view
-  ViewKernel kernel_;
-  int kernel_chosen_at_ = 0;  ///< images taken in when the kernel was last chosen
-  int images_ = 0;            ///< taken in
+  ViewInterpolation interpolation_;
+  int chosen_at_ = 0;  ///< images taken in when the interpolation was last chosen
+  std::shared_ptr<const ReflectionDrift> reflection_;
+  int images_ = 0;  ///< taken in
   float residual_ = 1;
   float best_cosine_ = 0;
   std::shared_ptr<const RingSnapshot> snapshot_;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <span>
 
 #include "reconstructor/models/surface_light_field/radiance_image.h"
 #include "reconstructor/surface/ring_visibility.h"
@@ -13,5 +15,10 @@ namespace sheen {
 /// and encoded (`srgb_encode`): 3 x samples. Columns of samples that are not visible are left as they were.
 void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings, float gain,
               Eigen::Matrix3Xf& encoded, Sampling sampling = Sampling::kCubic);
+
+/// The same of some triangles only.
+void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings,
+              std::span<const std::uint32_t> triangles, float gain, Eigen::Matrix3Xf& encoded,
+              Sampling sampling = Sampling::kCubic);
 
 }  // namespace sheen

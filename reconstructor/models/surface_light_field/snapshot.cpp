@@ -82,7 +82,9 @@ float ExposureField::at(const Eigen::Vector3d& eye) const {
 Eigen::VectorXf RingSnapshot::coefficients(const Eigen::Vector3f& direction) const {
   Eigen::VectorXf k(directions.cols());
   for (Eigen::Index j = 0; j < k.size(); ++j) k[j] = evaluate(kernel, angle_between(directions.col(j), direction));
-  return mean + weights * k;
+  Eigen::VectorXf h = mean + weights * k;
+  if (reflection) h += reflection->at(direction, frame.row(2)) * drift;
+  return h;
 }
 
 SurfaceLightFieldSnapshot::SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh> mesh,

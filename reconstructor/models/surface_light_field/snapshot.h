@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reconstructor/models/appearance_model.h"
+#include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/numerics/view_kriging.h"
 #include "reconstructor/surface/vertex_ring.h"
 #include "reconstructor/surface/view_hemisphere.h"
@@ -33,13 +34,16 @@ SampleState sample_state(std::uint8_t shown);
 
 /// The light field of one vertex ring, factorised (000 sec. 4.1): encoded value of row i seen from direction d =
 /// sum_r basis(i, r) * h_r(d), with the view functions h_r interpolated by kriging:
-/// h(d) = mean + sum_j weights.col(j) * k(angle(d, directions.col(j))).
+/// h(d) = mean + drift * reflection(d mirrored about the normal) + sum_j weights.col(j) * k(angle(d,
+/// directions.col(j))).
 /// Values are sRGB-encoded (`srgb_encode`); the sum over a triangle's rings is decoded once, at the end.
 struct RingSnapshot {
   Eigen::MatrixXf basis;        ///< rows (3 * ring samples) x rank
   Eigen::Matrix3Xf directions;  ///< unit vectors from the vertex to the cameras, object frame; a column a view
   Eigen::MatrixXf weights;      ///< rank x views: kriging in its dual form
   Eigen::VectorXf mean;         ///< rank
+  Eigen::VectorXf drift;        ///< rank: of the reflection that all rings share; empty where the ring does without
+  std::shared_ptr<const ReflectionDrift> reflection;  ///< null where `drift` is empty
   ViewKernel kernel;
   Eigen::Matrix3f frame;            ///< of the vertex's hemisphere
   ViewTriangulation views;          ///< of `directions` on the view map

@@ -7,6 +7,7 @@
 
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/models/surface_light_field/constant_colour.h"
+#include "reconstructor/models/surface_light_field/radiance_image.h"
 #include "reconstructor/models/surface_light_field/ring_model.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 #include "reconstructor/surface/ring_visibility.h"
@@ -24,7 +25,9 @@ struct SurfaceLightFieldOptions {
   /// Side of a triangle's surface map; 0 = from the footprint of a pixel in the first image.
   int surface_map = 0;
   int min_surface_map = 4, max_surface_map = 24;  ///< bounds of the choice by footprint
-  int hold_out_every = 8;                         ///< every Nth image of a source is held out; 0 = none
+  double map_scale = 1;                           ///< of the side, given or chosen
+  Sampling sampling = Sampling::kCubic;
+  int hold_out_every = 8;  ///< every Nth image of a source is held out; 0 = none
   ExposureCompensation exposure = ExposureCompensation::kKnown;
   VisibilityOptions visibility;
   RingModelOptions ring;
@@ -41,11 +44,17 @@ class SurfaceLightField : public AppearanceModel {
   /// Takes out again an image that was folded in, at the cost of folding one in. Nearly as if it had never been there:
   /// what it left in others (samples that were imputed with its help, exposures estimated with it) stays, and for the
   /// last bit the model is made anew. False when that is the only way: it is the first image, which the size of the
-  /// maps and the level of exposure come from, or not one that was folded in.
+  /// maps and the level of exposure come from, or not one that was folded in whole.
   bool withdraw(const Capture& capture);
   bool began_with(const Capture& capture) const;  ///< the first image that showed something
-  /// Forgets all images, as if it were new; snapshots count on.
+  /// Forgets all images, as if it were new; snapshots count on. With other options: as if it were made with these.
   void restart();
+  void restart(const SurfaceLightFieldOptions& options);
+  const SurfaceLightFieldOptions& options() const;
+
+  /// Of the rings that an image shows, how many are updated, in (0, 1]: those for which its direction is newest. Holds
+  /// for the images to come. The model is a function of the images and of the share at each.
+  void set_share(double share);
   std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
   std::shared_ptr<const SurfaceLightFieldSnapshot> light_field_snapshot();
   /// The mean colour of each surface sample over all images: what a model without view dependence would be.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -141,6 +142,25 @@ TEST(DemoObject, IsTheSameEveryTime) {
     const Material a = again.material(again.mesh.vertices[i]), b = demo().material(again.mesh.vertices[i]);
     EXPECT_TRUE((a.albedo == b.albedo).all());
     EXPECT_EQ(a.roughness, b.roughness);
+  }
+}
+
+/// Every edge as often in each direction. Where a coarse mesh cannot part two sheets they may share an edge.
+void expect_closed(const Mesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> surplus;
+  for (const Triangle& t : mesh.triangles)
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t a = t[c], b = t[(c + 1) % 3];
+      surplus[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  for (const auto& [edge, count] : surplus) EXPECT_EQ(count, 0);
+}
+
+TEST(DemoObject, HasMeshesOfOtherSizes) {
+  for (const int triangles : {2700, 5000, 20000}) {
+    const Mesh mesh = make_demo_mesh(triangles);
+    expect_closed(mesh);
+    EXPECT_NEAR(static_cast<double>(mesh.triangles.size()), triangles, 0.15 * triangles);
   }
 }
 

@@ -28,6 +28,8 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
   std::vector<std::shared_ptr<const RingSnapshot>> data(6);
+  auto reflection = std::make_shared<ReflectionDrift>();
+  reflection->coefficients = Harmonics::NullaryExpr([&] { return normal(random); });
   for (int v = 0; v < 5; ++v) {
     auto ring = std::make_shared<RingSnapshot>();
     const int samples = rings->ring_samples(v), rank = v == 4 ? 0 : 1 + 2 * v, views = 1 + 3 * v;
@@ -40,6 +42,10 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
     for (int k = 0; k < views; ++k)
       ring->directions.col(k) =
           (ring->frame.transpose() * Eigen::Vector3f(0.4f * draw(), 0.4f * draw(), 1)).normalized();
+    if (v > 0 && v < 3) {
+      ring->drift = Eigen::VectorXf::NullaryExpr(rank, draw);
+      ring->reflection = reflection;
+    }
     ring->kernel = kViewKernels[v];
     ring->views = triangulate_views(ring->frame, ring->directions);
     for (int s = 0; s < samples; ++s) ring->shown.push_back(static_cast<std::uint8_t>(random()));
@@ -188,6 +194,9 @@ TEST(ModelFiles, EveryWrongFieldIsNamed) {
   expect_refused([](Json& json) { json["rings"]["views"][2] = 1000000000; }, {"views", "entry 2"});
   expect_refused([](Json& json) { json["rings"]["kernel_scale_rad"][2] = 0; }, {"kernel_scale_rad", "entry 2"});
   expect_refused([](Json& json) { json["rings"]["residual"][2] = nullptr; }, {"residual", "entry 2"});
+  expect_refused([](Json& json) { json.erase("reflection"); }, {"reflection", "must be a list"});
+  expect_refused([](Json& json) { json["reflection"].push_back(1); }, {"reflection", "50", "49"});
+  expect_refused([](Json& json) { json["reflection"][3] = "x"; }, {"reflection", "entry 3"});
 }
 
 TEST(ModelFiles, BrokenAndMissingFilesAreNamed) {

@@ -34,12 +34,15 @@ BasicRingFactor<Scalar> fold_round_and_round(const MatrixXf& pool, int columns, 
   return factor.settled();
 }
 
-TEST(Repetition, TwentyThousandNearDuplicatesStayOrthonormal) {
+TEST(Repetition, TwentyThousandNearDuplicatesStayOrthonormalAndExact) {
   constexpr int kColumns = 200 * 97;
   const MatrixXf pool = near_duplicates();
   // No tolerance: every rest is appended, which is where orthogonality is lost.
   const RingFactor factor = fold_round_and_round<float>(pool, kColumns, {.max_rank = 12, .tolerance = 0});
   EXPECT_EQ(broken_invariants(factor), "");
+  const BatchPca exact = batch_pca(pool, 12, std::vector<double>(97, 200));
+  EXPECT_NEAR(std::sqrt(factor.spectrum()[0]) / exact.singular_values[0], 1, 2e-6);
+  EXPECT_NEAR(factor.energy() / (200 * pool.cast<double>().squaredNorm()), 1, 4e-6);
 }
 
 TEST(Repetition, DoublePrecisionIsExactToItsOwnRounding) {

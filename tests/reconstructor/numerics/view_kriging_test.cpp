@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/test_matrices.h"
 
 namespace sheen {
@@ -55,10 +57,76 @@ TEST(ViewKriging, LeaveOneOutMatchesLeavingOneOut) {
         if (j != out) rest.push_back(j);
       const Eigen::Matrix3Xf d = directions(Eigen::all, rest);
       const ViewInterpolant i = krige(d, y(Eigen::all, rest), reliability(rest), kernel);
-      by_hand += (predict(i, d, kernel, directions.col(out)) - y.col(out)).squaredNorm();
+      by_hand += reliability[out] * (predict(i, d, kernel, directions.col(out)) - y.col(out)).squaredNorm();
     }
     EXPECT_NEAR(krige(directions, y, reliability, kernel).leave_one_out, by_hand, 1e-3 * by_hand);
   }
+}
+
+/// A drift that is not the same in all views.
+Eigen::VectorXf some_drift(const Eigen::Matrix3Xf& directions) {
+  return (2 * directions.row(0).array().square() + directions.row(1).array()).matrix().transpose();
+}
+
+TEST(ViewKriging, AMultipleOfTheDriftIsKeptEverywhere) {
+  const Eigen::Matrix3Xf directions = some_directions(12, 1), elsewhere = some_directions(5, 8);
+  const Eigen::VectorXf f = some_drift(directions), there = some_drift(elsewhere);
+  const Eigen::Vector2f constant(3, -1), factor(0.5f, 2);
+  const Eigen::MatrixXf y = constant.replicate(1, 12) + factor * f.transpose();
+  for (const ViewKernel& kernel : kViewKernels) {
+    const ViewInterpolant i = krige(directions, y, Eigen::VectorXf::Ones(12), kernel, f);
+    ASSERT_EQ(i.drift.size(), 2);
+    for (int j = 0; j < 5; ++j)
+      EXPECT_LT(
+          (predict(i, directions, kernel, elsewhere.col(j)) + there[j] * i.drift - constant - there[j] * factor).norm(),
+          1e-3);
+    EXPECT_LT(i.leave_one_out, 1e-5);
+  }
+}
+
+TEST(ViewKriging, LeaveOneOutWithDriftMatchesLeavingOneOut) {
+  const int n = 9;
+  const Eigen::Matrix3Xf directions = some_directions(n, 4);
+  const Eigen::VectorXf f = some_drift(directions);
+  const Eigen::MatrixXf y = gaussian_matrix(2, n, 5);
+  Eigen::VectorXf reliability = Eigen::VectorXf::Ones(n);
+  reliability[2] = 0.5f;
+  for (const ViewKernel& kernel : kViewKernels) {
+    double by_hand = 0;
+    for (int out = 0; out < n; ++out) {
+      std::vector<int> rest;
+      for (int j = 0; j < n; ++j)
+        if (j != out) rest.push_back(j);
+      const Eigen::Matrix3Xf d = directions(Eigen::all, rest);
+      const ViewInterpolant i = krige(d, y(Eigen::all, rest), reliability(rest), kernel, f(rest));
+      by_hand +=
+          reliability[out] * (predict(i, d, kernel, directions.col(out)) + f[out] * i.drift - y.col(out)).squaredNorm();
+    }
+    EXPECT_NEAR(krige(directions, y, reliability, kernel, f).leave_one_out, by_hand, 1e-3 * by_hand);
+    const LeaveOneOut both = leave_one_out(directions, y, reliability, kernel, f);
+    EXPECT_NEAR(both.with_drift, by_hand, 1e-3 * by_hand);
+    EXPECT_NEAR(both.ordinary, krige(directions, y, reliability, kernel).leave_one_out, 1e-9 * by_hand);
+  }
+}
+
+TEST(ViewKriging, ADriftThatDoesNotVaryIsLeftOut) {
+  const Eigen::Matrix3Xf directions = some_directions(9, 4);
+  const Eigen::MatrixXf y = gaussian_matrix(2, 9, 5);
+  const Eigen::VectorXf ones = Eigen::VectorXf::Ones(9), same = Eigen::VectorXf::Constant(9, 0.7f);
+  const ViewInterpolant with = krige(directions, y, ones, kViewKernels[1], same);
+  const ViewInterpolant without = krige(directions, y, ones, kViewKernels[1]);
+  EXPECT_EQ(with.drift.size(), 0);
+  EXPECT_EQ(with.weights, without.weights);
+  EXPECT_FALSE(std::isfinite(leave_one_out(directions, y, ones, kViewKernels[1], same).with_drift));
+}
+
+TEST(ViewKriging, FewViewsTryNoDrift) {
+  const int n = kFewestViewsWithDrift - 1;
+  const Eigen::Matrix3Xf directions = some_directions(n, 4);
+  const LeaveOneOut errors = leave_one_out(directions, gaussian_matrix(2, n, 5), Eigen::VectorXf::Ones(n),
+                                           kViewKernels[1], some_drift(directions));
+  EXPECT_TRUE(std::isfinite(errors.ordinary));
+  EXPECT_FALSE(std::isfinite(errors.with_drift));
 }
 
 TEST(ViewKriging, FarFromEveryViewTheMeanIsReturned) {

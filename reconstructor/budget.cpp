@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/budget.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "common/errors.h"
+#include "reconstructor/surface/map_resolution.h"
+
+namespace sheen {
+namespace {
+
+constexpr std::array<double, 7> kShares{1, 0.75, 0.5, 0.35, 0.25, 0.15, 0.08};
+constexpr int kTimedBeforeLess = 3;   // images over the budget before less is done
+constexpr int kTimedBeforeMore = 12;  // images with room before more is done
+constexpr double kRoom = 0.7;         // of the budget: the next share up costs up to 1.5 times as much
+constexpr double kMargin = 0.9;       // of the budget, when a rung is chosen: later images cost a little more
+
+bool is_record(std::istream& in) {
+  return in.eof() || (in >> std::ws).eof();
+}
+
+}  // namespace
+
+double tolerance_of(double decibels) {
+  return std::pow(10.0, -decibels / 20);
+}
+
+double parse_tolerance(const std::string& word) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const std::string unit(end, word.data() + word.size());
+  if (error == std::errc{} && unit == "dB" && value > 0 && value <= 200) return tolerance_of(value);
+  if (error != std::errc{} || !unit.empty() || !(value >= 0) || !(value < 1))
+    throw ConfigError("--tolerance " + word +
+                      ": takes a relative error in [0, 1), such as 0.01, or decibels, such as 40dB");
+  return value;
+}
+
+std::span<const Rung> effort_ladder() {
+  static constexpr std::array<Rung, 5> kLadder{{
+      {1, 64, Sampling::kCubic, 1, 0},
+      {0.8, 64, Sampling::kCubic, 0.82, 0},
+      {0.65, 16, Sampling::kCubic, 0.67, 0.01},
+      {0.5, 12, Sampling::kCubic, 0.59, 0.06},
+      {0.4, 8, Sampling::kLinear, 0.54, 0.62},
+  }};
+  return kLadder;
+}
+
+SurfaceLightFieldOptions at_rung(const SurfaceLightFieldOptions& options, int rung) {
+  const Rung& r = effort_ladder()[static_cast<std::size_t>(rung)];
+  SurfaceLightFieldOptions out = options;
+  out.map_scale *= r.map_scale;
+  out.ring.factor.max_rank = std::min(out.ring.factor.max_rank, r.max_rank);
+  if (r.sampling == Sampling::kLinear) out.sampling = Sampling::kLinear;
+  return out;
+}
+
+double largest_bytes(const Mesh& mesh, const Capture& first, const SurfaceLightFieldOptions& options) {
+  const VertexRings rings(
+      mesh, map_resolution(mesh, first.camera, first.pose.camera_from_object,
+                           {options.surface_map, options.min_surface_map, options.max_surface_map, options.map_scale}));
+  const RingFactorOptions& factor = options.ring.factor;
+  const double terms = factor.terms_kept(), views = options.ring.max_views + factor.block;
+  double bytes = 0;
+  for (std::size_t v = 0; v < rings.size(); ++v) {
+    const double rows = 3.0 * rings.ring_samples(v) + 16;  // padded to whole vectors
+    if (rings.ring_samples(v) == 0) continue;
+    bytes += sizeof(RingModel) + sizeof(float) * (rows * (terms + factor.block) + terms * views) +
+             2 * sizeof(double) * terms * terms + views * (sizeof(Eigen::Vector3f) + 8 * sizeof(double)) + rows;
+  }
+  return bytes;
+}
+
+EffortControl::EffortControl(double image_ms, const std::string& record, std::uint64_t captures)
+    : budget_ms_(image_ms), recorded_(captures) {
+  std::istringstream in(record);
+  int rung = -1;
+  bool good = static_cast<bool>(in >> rung) && rung >= 0 && rung < static_cast<int>(effort_ladder().size());
+  std::uint64_t from = 0;
+  int level = 0;
+  char colon = 0;
+  while (good && in >> from) {
+    good = in >> colon >> level && colon == ':' && level >= 0 && level < static_cast<int>(kShares.size());
+    level_from_[from] = level;
+  }
+  if (!good || !is_record(in)) throw ConfigError("the session's record of its budget cannot be read: " + record);
+  rung_ = rung;
+}
+
+int EffortControl::choose_rung(double image_ms, int in_use, int least) const {
+  const std::span<const Rung> ladder = effort_ladder();
+  const double unit_ms = image_ms / ladder[static_cast<std::size_t>(in_use)].cost;
+  int rung = least;
+  while (rung + 1 < static_cast<int>(ladder.size()) &&
+         unit_ms * ladder[static_cast<std::size_t>(rung)].cost > kMargin * budget_ms_)
+    ++rung;
+  return rung;
+}
+
+double EffortControl::share(std::uint64_t capture) const {
+  const auto after = level_from_.upper_bound(capture);
+  return after == level_from_.begin() ? 1 : kShares[static_cast<std::size_t>(std::prev(after)->second)];
+}
+
+void EffortControl::observe(std::uint64_t capture, double update_ms) {
+  if (capture < recorded_) return;
+  sum_ms_ += update_ms;
+  ++timed_;
+  const double mean_ms = sum_ms_ / timed_;
+  const int level = level_from_.empty() ? 0 : level_from_.rbegin()->second;
+  if (timed_ >= kTimedBeforeLess && mean_ms > budget_ms_)
+    set_level(capture + 1, std::min(level + 1, static_cast<int>(kShares.size()) - 1));
+  else if (timed_ >= kTimedBeforeMore)
+    set_level(capture + 1, mean_ms < kRoom * budget_ms_ ? std::max(level - 1, 0) : level);
+}
+
+void EffortControl::set_level(std::uint64_t from, int level) {
+  sum_ms_ = 0;
+  timed_ = 0;
+  if (level != (level_from_.empty() ? 0 : level_from_.rbegin()->second)) level_from_[from] = level;
+}
+
+void EffortControl::follow_record_until(std::uint64_t captures) {
+  recorded_ = std::max(recorded_, captures);
+}
+
+std::string EffortControl::record() const {
+  if (!rung_) return {};
+  std::string text = std::to_string(*rung_);
+  for (const auto& [from, level] : level_from_) text += ' ' + std::to_string(from) + ':' + std::to_string(level);
+  return text;
+}
+
+}  // namespace sheen

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <map>
+
+#include "common/errors.h"
+#include "common/files.h"
+#include "common/image_io.h"
+#include "common/progress.h"
+#include "common/simulation/simulated_rig.h"
+#include "common/stop_signal.h"
+#include "reconstructor/capture_set.h"
+#include "reconstructor/commands/commands.h"
+#include "reconstructor/evaluation/figure.h"
+#include "reconstructor/saved_model.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kFrames = 130, kWidth = 512, kHeight = 384;  // of the simulated rig
+
+struct FiguresArguments {
+  std::string dataset, mesh, out, rig;
+  std::vector<int> only;
+  bool quick = false;
+};
+
+/// The simulated rig as a data set, rendered when it is not there yet.
+std::filesystem::path simulated_dataset(const FiguresArguments& arguments) {
+  const std::filesystem::path folder =
+      arguments.rig.empty() ? std::filesystem::path(arguments.out) / "rig" : std::filesystem::path(arguments.rig);
+  Progress progress("rendering the simulated rig", kFrames);
+  cached_recording({.frames = kFrames, .width = kWidth, .height = kHeight}, folder, [&](int done, int) {
+    if (stop_requested()) throw Error("stopped while the simulated rig was rendered");
+    progress.update(static_cast<std::uint64_t>(done));
+  });
+  return folder;
+}
+
+std::string thousands(std::size_t triangles) {
+  return format("%.3gK", 1e-3 * static_cast<double>(triangles));
+}
+
+/// The paper's five sizes, bust to pitcher, of the demo's object; of a data set its own mesh alone.
+std::vector<NamedMesh> meshes_for_timing(bool simulated, const std::shared_ptr<const Mesh>& mesh, bool quick) {
+  if (!simulated) return {{thousands(mesh->triangles.size()), mesh}};
+  std::vector<NamedMesh> meshes;
+  for (const int triangles : {7000, 12000, 5000, 2700, 3000}) {
+    if (quick && triangles > 3000) continue;
+    meshes.push_back(
+        {thousands(static_cast<std::size_t>(triangles)), std::make_shared<Mesh>(make_demo_mesh(triangles))});
+  }
+  return meshes;
+}
+
+/// Pictures and tables of a figure into OUT/images; a section of the page.
+std::string publish(const Figure& figure, const std::filesystem::path& out, bool& drawn) {
+  std::string section = format("\n## Figure %d: ", figure.number) + figure.title + "\n\n";
+  section += "| the paper | here | holds |\n|---|---|---|\n| " + figure.paper + " | " + figure.ours + " | " +
+             (figure.holds ? "yes" : "**no**") + " |\n\n";
+  for (const auto& [file, plot] : figure.plots) {
+    drawn = write_plot(plot, out / "images" / file) == PlotFiles::kDrawn && drawn;
+    section += "![" + plot.title + "](images/" + file + ".svg) ([table](images/" + file + ".csv))\n\n";
+  }
+  for (const auto& [file, caption, image] : figure.pictures) {
+    write_png(out / "images" / (file + ".png"), image);
+    section += "![" + caption + "](images/" + file + ".png)\n*" + caption + "*\n\n";
+  }
+  return section;
+}
+
+void figures(const FiguresArguments& arguments) {
+  if (arguments.dataset.empty() != arguments.mesh.empty())
+    throw ConfigError("a data set needs its --mesh; without both, the simulated rig is used");
+  install_stop_signals();
+  const std::filesystem::path out = arguments.out;
+  make_folder(out / "images");
+  const bool simulated = arguments.dataset.empty();
+  const std::filesystem::path dataset =
+      simulated ? simulated_dataset(arguments) : std::filesystem::path(arguments.dataset);
+  const CaptureSet captures = open_capture_set(dataset);
+  const auto mesh = std::make_shared<Mesh>(
+      load_mesh_and_warn(simulated ? dataset / "mesh.ply" : std::filesystem::path(arguments.mesh)));
+  Experiment experiment;
+  {
+    Progress progress("reading", captures.size);
+    experiment = load_experiment(mesh, captures.size, captures.read, {.max_held_out = 8},
+                                 [&](std::size_t done) { progress.update(done); });
+  }
+  FigureOptions options{.quick = arguments.quick};
+  options.model.surface_map = arguments.quick ? 4 : 8;
+  options.model.ring.factor = {.max_rank = options.rank, .tolerance = 0};
+
+  std::unique_ptr<BatchRun> batch;
+  const auto batch_run = [&]() -> const BatchRun& {
+    if (!batch) batch = std::make_unique<BatchRun>(build_batch(experiment, options));
+    return *batch;
+  };
+  const std::map<int, std::function<Figure()>> all{
+      {4, [&] { return figure_rank_error(batch_run(), options); }},
+      {5, [&] { return figure_imputation(experiment, options); }},
+      {8, [&] { return figure_online_and_batch(experiment, batch_run(), options); }},
+      {9, [&] { return figure_time(experiment, meshes_for_timing(simulated, mesh, arguments.quick), options); }},
+      {10, [&] { return figure_view_choice(experiment, options); }},
+      {11, [&] { return figure_orders(experiment, batch_run(), options); }},
+  };
+  std::string page =
+      format("# The paper's experiments, run again\n\n%zu training images, %zu held-out views, rank %d.\n",
+             experiment.training.size(), experiment.held_out.size(), options.rank);
+  bool drawn = true;
+  {
+    Progress progress("measuring", all.size());
+    std::size_t done = 0;
+    for (const auto& [number, run] : all) {
+      if (stop_requested()) break;
+      if (arguments.only.empty() || std::count(arguments.only.begin(), arguments.only.end(), number) > 0) {
+        const Figure figure = run();
+        page += publish(figure, out, drawn);
+        std::printf("figure %d, %s: %s\n  the paper: %s\n  here: %s\n", number, figure.title.c_str(),
+                    figure.holds ? "holds" : "DOES NOT HOLD", figure.paper.c_str(), figure.ours.c_str());
+        std::fflush(stdout);
+      }
+      progress.update(++done);
+    }
+  }
+  write_file(out / "paper_results.md", page);
+  if (!drawn) std::fprintf(stderr, "%s\n", kInstallGnuplot);
+}
+
+}  // namespace
+
+void add_figures_command(CLI::App& app) {
+  auto arguments = std::make_shared<FiguresArguments>();
+  CLI::App* command =
+      app.add_subcommand("figures", "Runs the paper's experiments again: plots, tables and what they say.");
+  command->add_option("dataset", arguments->dataset,
+                      "folder with transforms.json, a COLMAP model or a Sheen session; default: the simulated rig");
+  command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame");
+  command->add_option("--out", arguments->out, "folder for paper_results.md and, in images/, plots and pictures")
+      ->required();
+  command->add_option("--rig", arguments->rig, "where the simulated rig is kept between runs; default: OUT/rig");
+  command->add_option("--only", arguments->only, "numbers of the figures to make, as in the paper")
+      ->delimiter(',')
+      ->check(CLI::IsMember({4, 5, 8, 9, 10, 11}));
+  command->add_flag("--quick", arguments->quick, "fewer orders, ranks and images, coarser maps");
+  command->callback([arguments] { figures(*arguments); });
+}
+
+}  // namespace sheen

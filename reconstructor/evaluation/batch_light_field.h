@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "common/capture.h"
+#include "reconstructor/models/surface_light_field/radiance_image.h"
+#include "reconstructor/models/surface_light_field/ring_column.h"
+#include "reconstructor/models/surface_light_field/surface_light_field.h"
+#include "reconstructor/numerics/batch_pca.h"
+#include "reconstructor/surface/ring_visibility.h"
+
+namespace sheen {
+
+/// All that the images show of one ring: the matrix that an online factorization sees a column at a time.
+struct RingMatrix {
+  Eigen::MatrixXf columns;            ///< rows x n, encoded; 0 where not known
+  KnownValues known;                  ///< rows x n
+  Eigen::Matrix3Xf directions;        ///< from the vertex to the cameras
+  Eigen::VectorXf cosines;            ///< how squarely each image saw the ring
+  std::vector<std::uint32_t> images;  ///< which image each column comes from, counted from 0
+
+  int views() const { return static_cast<int>(columns.cols()); }
+  /// Share of the ring's values that an image shows.
+  double share(int view) const { return known.col(view).cast<double>().mean(); }
+};
+
+/// The surface light field as batch systems build it (Chen et al. 2002, which the paper calls OpenLF): every column of
+/// every ring is kept until the last image, then each ring is factorised at once, with missing values by expectation
+/// maximisation. Seeing, resampling, interpolation between views and rendering are those of the online light field, so
+/// that what differs is the factorization.
+class BatchLightField {
+ public:
+  BatchLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options);
+
+  /// Resamples an image and keeps its columns. Exposures must be on one level. Images without a pose are not for it.
+  void add(const Capture& capture);
+  std::size_t bytes() const;  ///< of the columns kept
+  std::size_t images() const { return images_; }
+
+  /// One ring's matrix; rings run as the mesh's vertices.
+  RingMatrix ring(std::size_t vertex) const;
+  std::size_t rings() const { return kept_.size(); }
+
+  /// How long to look for missing values: 0 iterations fills them with their rows' means and is done.
+  static constexpr MissingPcaOptions kEnough{.max_iterations = 20, .convergence = 1e-3};
+  std::shared_ptr<const SurfaceLightFieldSnapshot> factorize(int rank,
+                                                             const MissingPcaOptions& missing = kEnough) const;
+
+ private:
+  struct Kept {
+    std::uint32_t image;
+    RingColumn column;
+  };
+
+  std::shared_ptr<const Mesh> mesh_;
+  SurfaceLightFieldOptions options_;
+  std::shared_ptr<const VertexRings> vertex_rings_;
+  std::unique_ptr<RingVisibility> visibility_;
+  RadianceImage image_;
+  Eigen::Matrix3Xf samples_;             ///< encoded values of the current image
+  std::vector<std::vector<Kept>> kept_;  ///< a ring
+  std::uint32_t images_ = 0;
+};
+
+}  // namespace sheen

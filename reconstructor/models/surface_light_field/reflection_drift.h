@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+
+#include "reconstructor/numerics/spherical_harmonics.h"
+
+namespace sheen {
+
+/// What all rings share of how their level varies with the view: the light that comes from where a ring would mirror
+/// the eye to, a function on the sphere in spherical harmonics. It is the external drift of the kriging between views
+/// (`krige`); a ring uses it where that foretells its views better.
+struct ReflectionDrift {
+  Harmonics coefficients = Harmonics::Zero();
+
+  /// At the direction that `direction`, from the surface to the eye, is mirrored to about `normal`; both unit vectors.
+  float at(const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const;
+};
+
+/// The level of a ring, its mean encoded colour, in each view.
+struct RingLevels {
+  Eigen::Vector3f normal;
+  Eigen::Matrix3Xf directions;  ///< to the eyes, a column a view
+  Eigen::Matrix3Xf levels;      ///< RGB, encoded
+  Eigen::VectorXf reliability;  ///< a view, > 0
+};
+
+/// Level of ring v in view j = mean of v + s_v (L(mirrored direction) - its mean over the views of v), by alternating
+/// least squares for L and the sensitivities s_v (a ring and channel), which are drawn halfway to the ring's mean
+/// level: a dark ring varies less. Null when the rings hold too little to say anything.
+std::shared_ptr<const ReflectionDrift> estimate_reflection_drift(std::span<const RingLevels> rings);
+
+}  // namespace sheen

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// `tradeoff` and `figures` as a user has them, on a tiny data set.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/files.h"
+#include "tests/loopback/ball_dataset.h"
+#include "tests/loopback/daemons.h"
+#include "tests/support/temp_folder.h"
+
+namespace sheen::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Tradeoff, MeasuresPlotsAndChooses) {
+  const TempFolder temp;
+  const BallDataset data{.folder = temp.path() / "data"};
+  data.write();
+  const fs::path out = temp.path() / "out", report = temp.path() / "report.json";
+  expect_outcome(run_to_end(reconstructor({"tradeoff", data.folder, "--mesh", data.mesh(), "--config", data.scene(),
+                                           "--quick", "--out", out, "--json", report, "--memory", "1GB"})),
+                 0, {"PSNR dB", "default", "at most 1000 MB", "[surface_light_field]"});
+  for (const char* file : {"tradeoff_time.csv", "tradeoff_bytes.csv", "tradeoff_time.svg"})
+    EXPECT_TRUE(fs::exists(out / file)) << file;
+  const auto json = nlohmann::json::parse(read_file(report));
+  EXPECT_EQ(json["training_images"], 14);
+  EXPECT_EQ(json["held_out_views"], 2);
+  EXPECT_GT(json["points"].size(), 10u);
+  int best = 0;
+  for (const auto& point : json["points"]) {
+    EXPECT_GT(point["psnr_db"].get<double>(), 15);
+    EXPECT_GT(point["bytes"].get<double>(), 0);
+    best += point["psnr_db"] > json["choice"]["psnr_db"];
+  }
+  EXPECT_EQ(best, 0) << "with memory to spare the best one is chosen";
+  EXPECT_TRUE(json["choice"]["holds"]);
+
+  // What it prints is a scene file.
+  const fs::path scene = temp.write("chosen.toml", json["choice"]["scene"].get<std::string>());
+  expect_outcome(run_to_end(reconstructor({"build", data.folder, "--mesh", data.mesh(), "--config", scene})), 0,
+                 {"14 images folded in"});
+}
+
+TEST(Tradeoff, RefusesWordsItDoesNotKnow) {
+  expect_outcome(run_to_end(reconstructor({"tradeoff", "nowhere", "--mesh", "none.ply", "--budget", "33"})), 2,
+                 {"--budget 33", "33ms"});
+}
+
+TEST(Figures, WritesPageTablesAndPictures) {
+  const TempFolder temp;
+  const BallDataset data{.folder = temp.path() / "data", .views = 24};
+  data.write();
+  const fs::path out = temp.path() / "out";
+  expect_outcome(run_to_end(reconstructor(
+                     {"figures", data.folder, "--mesh", data.mesh(), "--out", out, "--quick", "--only", "4,5,8,9"})),
+                 0, {"figure 4", "figure 5", "figure 8", "figure 9"});
+  const std::string page = read_file(out / "paper_results.md");
+  for (const char* text : {"## Figure 5", "## Figure 9", "33.2 dB", "67"})
+    EXPECT_NE(page.find(text), page.npos) << text;
+  for (const char* file : {"figure_08_online_and_batch.svg", "figure_09_time.csv", "figure_05_imputation_on.png"})
+    EXPECT_TRUE(fs::exists(out / "images" / file)) << file;
+}
+
+TEST(Figures, AMeshBelongsToItsDataSet) {
+  const TempFolder temp;
+  expect_outcome(run_to_end(reconstructor({"figures", "--mesh", "ball.ply", "--out", temp.path()})), 2, {"--mesh"});
+}
+
+}  // namespace
+}  // namespace sheen::testing

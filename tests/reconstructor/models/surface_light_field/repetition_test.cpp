@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
+
+namespace sheen {
+namespace {
+
+using analytic::eyes;
+using analytic::Scene;
+
+Scene glossy_scene() {
+  return {square_object().surface, analytic::two_terms(0.2)};
+}
+
+TEST(Repetition, ASessionTenTimesAsLongOverTheSameViewsCostsTheSameMemory) {
+  const std::vector<Capture> images = captures(glossy_scene(), eyes(30, 0.5, 0.55));
+  SurfaceLightField model(square_object().mesh, plain_options());
+  ingest_all(model, images);
+  ingest_all(model, images);  // what waited to be folded is folded
+  const std::size_t bytes = model.bytes();
+  std::size_t updated = 0, skipped = 0;
+  for (int turn = 0; turn < 8; ++turn)
+    for (const Capture& image : images) {
+      const IngestReport report = model.ingest(image);
+      EXPECT_EQ(report.status, IngestStatus::kAccepted);
+      updated += report.rings_updated;
+      skipped += report.rings_skipped;
+    }
+  EXPECT_GT(skipped, 8 * 30 * 50u);
+  EXPECT_LT(updated, (updated + skipped) / 20) << "a few are explained too badly to be called the same";
+  EXPECT_LT(static_cast<double>(model.bytes()), 1.02 * static_cast<double>(bytes));
+}
+
+TEST(Repetition, ARepeatedViewThatShowsSomethingElseIsTakenIn) {
+  const std::vector<Capture> images = captures(glossy_scene(), eyes(30, 0.5, 0.55));
+  SurfaceLightField model(square_object().mesh, plain_options());
+  ingest_all(model, images);
+  const IngestReport same = model.ingest(images[3]);
+  EXPECT_GT(same.rings_skipped, 0u);
+  EXPECT_EQ(same.rings_updated, 0u);
+  const Scene other{square_object().surface, analytic::diffuse(0.03)};
+  const IngestReport changed = model.ingest(captures(other, eyes(30, 0.5, 0.55))[3]);
+  EXPECT_EQ(changed.rings_skipped, 0u);
+  EXPECT_GT(changed.rings_updated, 50u);
+}
+
+TEST(Repetition, IsNotLookedForWithoutAnAngle) {
+  const std::vector<Capture> images = captures(glossy_scene(), eyes(30, 0.5, 0.55));
+  SurfaceLightFieldOptions options = plain_options();
+  options.ring.repeat_angle = 0;
+  SurfaceLightField model(square_object().mesh, options);
+  ingest_all(model, images);
+  EXPECT_EQ(model.ingest(images[3]).rings_skipped, 0u);
+}
+
+// 81 rings; half of them get the first image. The second one comes from elsewhere: rings that have seen nothing first.
+TEST(Share, TheRingsForWhichTheImageIsNewestAreUpdated) {
+  const std::vector<Capture> images = captures(glossy_scene(), eyes(8, 0.5, 0.55));
+  SurfaceLightField model(square_object().mesh, plain_options());
+  model.set_share(0.5);
+  const IngestReport first = model.ingest(images[0]);
+  EXPECT_EQ(first.rings_left_out, 40u);
+  const auto reached = [&] {
+    const auto snapshot = model.light_field_snapshot();
+    return std::count_if(snapshot->ring_data().begin(), snapshot->ring_data().end(),
+                         [](const auto& ring) { return ring != nullptr; });
+  };
+  EXPECT_LE(reached(), 41);
+  model.ingest(images[1]);
+  EXPECT_GT(reached(), 70);
+}
+
+}  // namespace
+}  // namespace sheen
