@@ -156,6 +156,7 @@ class BasicRingFactor {
   Turn singular_turn(const Block& block) const;
   void absorb(Block& block);
   void apply(Turn& turn, const Block& block);
+  void forget_directions(const Turn& turn, const Block& block);
   void append_views(const Block& block, const Eigen::MatrixXd& coordinates);
   void turn_to_singular_order();
   void rediagonalise();

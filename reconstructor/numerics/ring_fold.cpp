@@ -311,9 +311,11 @@ typename BasicRingFactor<Scalar>::Turn BasicRingFactor<Scalar>::singular_turn(co
   const Eigen::Index directions = block.outside.rows(), size = rank_ + directions;
   if (size == 0) return {.coordinates = MatrixXd::Zero(0, block.count)};
   MatrixXd z(size, block.count);
-  z.topRows(rank_) = block.inside;
-  z.bottomRows(directions) = block.outside;
-  if (block.loss.size() > 0) z.topRows(rank_) += 0.5 * block.loss * block.inside;  // in the polished basis
+  if (block.count > 0) {
+    z.topRows(rank_) = block.inside;
+    z.bottomRows(directions) = block.outside;
+    if (block.loss.size() > 0) z.topRows(rank_) += 0.5 * block.loss * block.inside;  // in the polished basis
+  }
   // G holds what was meant: E is what rounding did to B since, mostly with one sign, and would wear G down fold by
   // fold.
   MatrixXd core = MatrixXd::Zero(size, size);
@@ -361,8 +363,24 @@ void BasicRingFactor<Scalar>::absorb(Block& block) {
   apply(turn, block);
 }
 
+/// Nothing is left but zeros, or less than the tolerance.
+template <typename Scalar>
+void BasicRingFactor<Scalar>::forget_directions(const Turn& turn, const Block& block) {
+  for (int v = 0; v < folded_views(); ++v)
+    if (rank_ > 0) views_[v].lost += static_cast<double>(coefficients_.col(v).squaredNorm());
+  basis_.resize(row_panels::padded(rows_), 0);
+  coefficients_.resize(0, folded_views());
+  gram_.resize(0, 0);
+  scatter_.resize(0, 0);
+  spectrum_.resize(0);
+  lost_ += block.lost + turn.lost;
+  rank_ = displayed_ = 0;
+  append_views(block, MatrixXd::Zero(0, block.count));
+}
+
 template <typename Scalar>
 void BasicRingFactor<Scalar>::apply(Turn& turn, const Block& block) {
+  if (turn.rank == 0) return forget_directions(turn, block);
   const Eigen::Index directions = block.outside.rows();
   const Eigen::Index displayed = turn.displayed;
   const MatrixXd rotation = aligning_rotation(turn.from_core.leftCols(displayed), displayed_rank());
