@@ -42,11 +42,11 @@ double parse_tolerance(const std::string& word) {
 
 std::span<const Rung> effort_ladder() {
   static constexpr std::array<Rung, 5> kLadder{{
-      {1, 64, Sampling::kCubic, 1, 0},
-      {0.8, 64, Sampling::kCubic, 0.82, 0},
-      {0.65, 16, Sampling::kCubic, 0.67, 0.01},
-      {0.5, 12, Sampling::kCubic, 0.59, 0.06},
-      {0.4, 8, Sampling::kLinear, 0.54, 0.62},
+      {1, 64, 0, 1, 0},
+      {0.8, 64, 0, 0.80, 0},
+      {0.65, 16, 0, 0.66, 0.02},
+      {0.65, 12, 4.0 / 3, 0.59, 0.07},
+      {0.5, 12, 4.0 / 3, 0.54, 0.12},
   }};
   return kLadder;
 }
@@ -55,9 +55,39 @@ SurfaceLightFieldOptions at_rung(const SurfaceLightFieldOptions& options, int ru
   const Rung& r = effort_ladder()[static_cast<std::size_t>(rung)];
   SurfaceLightFieldOptions out = options;
   out.map_scale *= r.map_scale;
-  out.ring.factor.max_rank = std::min(out.ring.factor.max_rank, r.max_rank);
-  if (r.sampling == Sampling::kLinear) out.sampling = Sampling::kLinear;
+  RingFactorOptions& factor = out.ring.factor;
+  factor.max_rank = std::min(factor.max_rank, r.max_rank);
+  if (r.spare > 0)
+    factor.internal_rank =
+        std::min(options.ring.factor.terms_kept(), static_cast<int>(std::ceil(r.spare * factor.max_rank)));
   return out;
+}
+
+std::vector<SurfaceLightFieldOptions> accuracy_ladder(const SurfaceLightFieldOptions& asked) {
+  std::vector<SurfaceLightFieldOptions> steps;
+  for (int rung = static_cast<int>(effort_ladder().size()) - 1; rung >= 0; --rung)
+    steps.push_back(at_rung(asked, rung));
+  return steps;
+}
+
+std::span<const TermLimit> memory_steps() {
+  static constexpr std::array<TermLimit, 6> kSteps{
+      {{16, 24, 12}, {12, 18, 8}, {8, 12, 6}, {6, 8, 4}, {4, 5, 3}, {2, 3, 2}}};
+  return kSteps;
+}
+
+int finest_rung(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
+                double bytes) {
+  constexpr TermLimit kWorthwhile{8, 12, 6};  // fewer terms on finer maps are worth less than more on coarser ones
+  const int last = static_cast<int>(effort_ladder().size()) - 1;
+  int rung = first;
+  for (; rung < last; ++rung) {
+    SurfaceLightFieldOptions limited = at_rung(options, rung);
+    RingFactorOptions& factor = limited.ring.factor;
+    factor = factor.limited_to(kWorthwhile.max_rank, kWorthwhile.internal_rank, kWorthwhile.block);
+    if (largest_bytes(mesh, first_capture, limited) <= bytes) break;
+  }
+  return rung;
 }
 
 double largest_bytes(const Mesh& mesh, const Capture& first, const SurfaceLightFieldOptions& options) {

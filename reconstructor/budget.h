@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/capture.h"
 #include "common/geometry/mesh.h"
@@ -24,14 +25,28 @@ double tolerance_of(double decibels);
 struct Rung {
   double map_scale;  ///< of the side of surface maps
   int max_rank;      ///< terms displayed, at most
-  Sampling sampling;
-  double cost;     ///< processor time of an image, relative to the first rung
-  double loss_db;  ///< of held-out PSNR against the first rung
+  double spare;      ///< terms kept inside for each of these, at most; 0 = as asked
+  double cost;       ///< processor time of an image, relative to the first rung
+  double loss_db;    ///< of held-out PSNR against the first rung
 };
 /// Each costs less than the one before; cost and loss as `measure_pipeline` prints them (docs/decisions/budget.md).
 std::span<const Rung> effort_ladder();
 /// The options with a rung's limits laid on them.
 SurfaceLightFieldOptions at_rung(const SurfaceLightFieldOptions& options, int rung);
+
+/// Settings from the cheapest to the most accurate: the rungs, and what goes beyond the settings asked for. Where a
+/// PSNR is to be reached.
+std::vector<SurfaceLightFieldOptions> accuracy_ladder(const SurfaceLightFieldOptions& asked);
+
+/// What rings are cut down to, step by step, when they outgrow the memory that they may take.
+struct TermLimit {
+  int max_rank, internal_rank, block;  ///< as in RingFactorOptions
+};
+std::span<const TermLimit> memory_steps();
+/// The rung, `first` or a coarser one, with the finest maps of which the memory can hold at least eight terms whatever
+/// comes; the last one when it can of none.
+int finest_rung(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
+                double bytes);
 
 /// Upper bound of the rings' memory once every ring holds all the terms and views that the options allow.
 double largest_bytes(const Mesh& mesh, const Capture& first, const SurfaceLightFieldOptions& options);

@@ -46,16 +46,26 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
   return report;
 }
 
-/// The most accurate rung whose model, once every ring is full, stays within the memory asked for.
 void Reconstruction::fit_memory(const Capture& first) {
   memory_fitted_ = true;
-  const int last = static_cast<int>(effort_ladder().size()) - 1;
-  while (least_rung_ < last && largest_bytes(*mesh_, first, at_rung(asked_, least_rung_)) > *wish_.bytes) ++least_rung_;
-  const double bytes = largest_bytes(*mesh_, first, at_rung(asked_, least_rung_));
-  if (bytes > *wish_.bytes)
-    log_warning("memory", "not even the smallest setting is sure to stay within it",
-                {{"bytes", bytes}, {"asked", *wish_.bytes}});
-  if (least_rung_ != rung_) begin_at(least_rung_);
+  least_rung_ = finest_rung(*mesh_, first, asked_, least_rung_, *wish_.bytes);
+  if (least_rung_ == rung_) return;
+  log_info("memory", "a model with the maps asked for would not fit: coarser ones", {{"rung", least_rung_}});
+  begin_at(least_rung_);
+}
+
+/// A function of the captures: the rings' memory is.
+void Reconstruction::stay_within_memory() {
+  while (static_cast<double>(model_.bytes()) > *wish_.bytes) {
+    if (memory_step_ == memory_steps().size()) return;
+    const TermLimit& limit = memory_steps()[memory_step_++];
+    model_.limit_terms(limit.max_rank, limit.internal_rank, limit.block);
+    log_info("memory", "the model outgrew it: fewer terms a ring are kept",
+             {{"max_rank", limit.max_rank}, {"bytes", model_.bytes()}, {"asked", *wish_.bytes}});
+    if (static_cast<double>(model_.bytes()) > *wish_.bytes && memory_step_ == memory_steps().size())
+      log_warning("memory", "not even the smallest setting stays within it",
+                  {{"bytes", model_.bytes()}, {"asked", *wish_.bytes}});
+  }
 }
 
 /// By what the first images took; these are then taken in anew.
@@ -90,6 +100,7 @@ IngestReport Reconstruction::take(const Capture& capture) {
     case IngestStatus::kAccepted:
       ++counts_.accepted;
       account(report);
+      if (wish_.bytes) stay_within_memory();
       break;
     case IngestStatus::kHeldOut:
       ++counts_.held_out;
@@ -127,7 +138,7 @@ void Reconstruction::restart() {
   if (control_ && control_->rung()) control_->follow_record_until(counts_.received);
   probe_.clear();
   forget();
-  model_.restart();
+  model_.restart(at_rung(asked_, rung_));
 }
 
 void Reconstruction::forget() {
@@ -136,6 +147,7 @@ void Reconstruction::forget() {
   stages_.clear();
   updates_ = {};
   rings_ = {};
+  memory_step_ = 0;
 }
 
 void Reconstruction::account(const IngestReport& report) {

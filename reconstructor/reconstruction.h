@@ -79,6 +79,7 @@ class Reconstruction {
   IngestReport take(const Capture& capture);
   void account(const IngestReport& report);
   void fit_memory(const Capture& first);
+  void stay_within_memory();
   void choose_rung();
   void begin_at(int rung);
   void forget();
@@ -97,7 +98,8 @@ class Reconstruction {
   std::optional<EffortControl> control_;
   int rung_ = 0, least_rung_ = 0;
   bool memory_fitted_ = false;
-  std::vector<Capture> probe_;  ///< what came before the rung is chosen
+  std::size_t memory_step_ = 0;  ///< how many of `memory_steps` have been taken
+  std::vector<Capture> probe_;   ///< what came before the rung is chosen
 };
 
 }  // namespace sheen

@@ -81,6 +81,8 @@ Keys keys_of(SurfaceLightFieldOptions& o) {
       {"map_scale", into(o.map_scale)},
       {"sampling", into(o.sampling)},
       {"max_rank", into(o.ring.factor.max_rank)},
+      {"internal_rank", into(o.ring.factor.internal_rank)},
+      {"block", into(o.ring.factor.block)},
       {"tolerance", into(o.ring.factor.tolerance)},
       {"max_views", into(o.ring.max_views)},
       {"repeat_angle", into(o.ring.repeat_angle)},

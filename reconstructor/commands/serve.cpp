@@ -13,6 +13,7 @@
 #include "common/files.h"
 #include "common/log.h"
 #include "common/stop_signal.h"
+#include "reconstructor/budget.h"
 #include "reconstructor/capture_loop.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/wish_options.h"
@@ -151,6 +152,12 @@ void serve(const ServeArguments& arguments) {
   install_stop_signals();
   SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
   const TradeoffWish wish = arguments.wish.apply(config.surface_light_field);
+  // Which maps and terms reach a PSNR shows when all images are there: until then all that the target needs is kept.
+  if (wish.psnr_db) {
+    if (!arguments.wish.tolerance.empty())
+      throw ConfigError("--target and --tolerance exclude each other: the target sets the tolerance");
+    config.surface_light_field.ring.factor.tolerance = tolerance_of(*wish.psnr_db);
+  }
   const ReceiverOptions link = link_options(arguments);
   Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh), config.surface_light_field);
   Session session = open_session(arguments.session, arguments.mesh);
@@ -203,7 +210,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--mesh", a->mesh, "PLY, OBJ or OFF of the object, in the stage's frame")->required();
   command->add_option("--session", a->session, "folder of the session; continued if it exists")->required();
   command->add_option("--config", a->config, "scene file (TOML)");
-  a->wish.add_to(*command);
+  a->wish.add_to(*command, "PSNR that held-out views are to reach: 35dB; no ring is kept more exactly than that");
   command->add_option("--endpoint", a->endpoint, "of the tracker")->capture_default_str();
   command->add_option("--keys", a->keys, "own secret key (NAME.key); encrypts the link");
   command->add_option("--tracker-key", a->tracker_key, "the tracker's public key (NAME.pub)");

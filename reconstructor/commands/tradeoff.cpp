@@ -12,6 +12,7 @@
 #include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/evaluation/plot.h"
+#include "reconstructor/evaluation/precision.h"
 #include "reconstructor/evaluation/tradeoff.h"
 #include "reconstructor/evaluation/tradeoff_wish.h"
 #include "reconstructor/report.h"
@@ -28,16 +29,18 @@ struct TradeoffArguments {
 
 /// Costs and worth of all points, and which of them no other one beats.
 struct Frontiers {
-  std::vector<double> time, bytes, psnr;
-  std::vector<std::size_t> by_time, by_bytes;
+  std::vector<double> time, cpu, bytes, psnr;
+  std::vector<std::size_t> by_time, by_cpu, by_bytes;
 
   explicit Frontiers(const std::vector<TradeoffPoint>& points) {
     for (const TradeoffPoint& p : points) {
       time.push_back(p.image_ms);
+      cpu.push_back(p.cpu_ms);
       bytes.push_back(p.bytes);
       psnr.push_back(p.psnr_db);
     }
     by_time = pareto_frontier(time, psnr);
+    by_cpu = pareto_frontier(cpu, psnr);
     by_bytes = pareto_frontier(bytes, psnr);
   }
 };
@@ -51,9 +54,9 @@ void print_table(const std::vector<TradeoffPoint>& points, const Frontiers& fron
               "frontier");
   for (std::size_t i = 0; i < points.size(); ++i) {
     const TradeoffPoint& p = points[i];
-    std::printf("%-34s %9.1f %9.1f %9.1f %6.1f %9.2f %7.4f  %s%s\n", p.setting.name.c_str(), p.image_ms, p.cpu_ms,
+    std::printf("%-34s %9.1f %9.1f %9.1f %6.1f %9.2f %7.4f  %s%s%s\n", p.setting.name.c_str(), p.image_ms, p.cpu_ms,
                 p.bytes / 1e6, p.mean_rank, p.psnr_db, p.ssim, contains(frontiers.by_time, i) ? "time " : "",
-                contains(frontiers.by_bytes, i) ? "bytes" : "");
+                contains(frontiers.by_cpu, i) ? "CPU " : "", contains(frontiers.by_bytes, i) ? "bytes" : "");
   }
 }
 
@@ -85,10 +88,42 @@ void write_plots(const std::vector<TradeoffPoint>& points, const Frontiers& fron
   const PlotFiles time = write_plot(plot_against("Time against worth: " + of, "wall time an image (ms)", points,
                                                  frontiers.time, frontiers.by_time, 1),
                                     out / "tradeoff_time");
+  write_plot(plot_against("Processor time against worth: " + of, "processor time an image (ms)", points, frontiers.cpu,
+                          frontiers.by_cpu, 1),
+             out / "tradeoff_cpu");
   write_plot(plot_against("Memory against worth: " + of, "state of all rings (MB)", points, frontiers.bytes,
                           frontiers.by_bytes, 1e-6),
              out / "tradeoff_bytes");
   if (time == PlotFiles::kTableOnly) std::fprintf(stderr, "%s\n", kInstallGnuplot);
+}
+
+void print_precision(const PrecisionStudy& study) {
+  std::printf("\nnumber format, %zu columns of %zu rings of this scene\n", study.columns, study.rings);
+  std::printf("%-34s %9s %9s %14s %22s\n", "", "us/column", "kB/ring", "relative error", "difference from double");
+  for (const PrecisionRow* row : {&study.single, &study.twice, &study.stored, &study.stored_half}) {
+    std::printf("%-34s ", row->name);
+    if (row->column_us > 0)
+      std::printf("%9.1f", row->column_us);
+    else
+      std::printf("%9s", "-");
+    std::printf(" %9.1f %14.6f %22.1e\n", row->ring_bytes / 1e3, row->relative_error, row->difference);
+  }
+  std::printf("held-out PSNR: %.3f dB, with terms rounded to half %.3f dB\n", study.psnr_db, study.psnr_half_db);
+}
+
+nlohmann::json precision_to_json(const PrecisionStudy& study) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const PrecisionRow* row : {&study.single, &study.twice, &study.stored, &study.stored_half})
+    rows.push_back({{"format", row->name},
+                    {"column_us", row->column_us},
+                    {"ring_bytes", row->ring_bytes},
+                    {"relative_error", row->relative_error},
+                    {"difference", row->difference}});
+  return {{"rings", study.rings},
+          {"columns", study.columns},
+          {"formats", rows},
+          {"psnr_db", study.psnr_db},
+          {"psnr_half_db", study.psnr_half_db}};
 }
 
 nlohmann::json point_to_json(const TradeoffPoint& p) {
@@ -131,13 +166,18 @@ void tradeoff(const TradeoffArguments& arguments) {
 
   const Frontiers frontiers(points);
   print_table(points, frontiers);
+  const PrecisionStudy precision =
+      study_precision(experiment, base, *build_online(experiment, experiment.in_order(), base).model);
+  print_precision(precision);
   if (!arguments.out.empty()) write_plots(points, frontiers, arguments.dataset, arguments.out);
   nlohmann::json report{{"training_images", experiment.training.size()},
                         {"held_out_views", experiment.held_out.size()},
+                        {"precision", precision_to_json(precision)},
                         {"points", nlohmann::json::array()}};
   for (std::size_t i = 0; i < points.size(); ++i) {
     nlohmann::json point = point_to_json(points[i]);
     point["frontier_time"] = contains(frontiers.by_time, i);
+    point["frontier_cpu"] = contains(frontiers.by_cpu, i);
     point["frontier_bytes"] = contains(frontiers.by_bytes, i);
     report["points"].push_back(std::move(point));
   }

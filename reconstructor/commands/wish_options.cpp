@@ -8,18 +8,15 @@
 
 namespace sheen {
 
-void WishArguments::add_to(CLI::App& command) {
+void WishArguments::add_to(CLI::App& command, const std::string& about_target) {
   command.add_option("--budget", budget, "time that an image may take: 33ms; the model is made coarser until it holds");
-  command.add_option("--target", target, "PSNR that held-out views are to reach: 35dB; no ring is kept more exactly");
+  command.add_option("--target", target, about_target);
   command.add_option("--memory", memory, "memory that the model may take: 1GB");
   command.add_option("--tolerance", tolerance, "relative error that a ring may keep: 0.01, or 40dB");
 }
 
 TradeoffWish WishArguments::apply(SurfaceLightFieldOptions& options) const {
   const TradeoffWish wish = parse_wish(budget, target, memory);
-  if (wish.psnr_db && !tolerance.empty())
-    throw ConfigError("--target and --tolerance exclude each other: the target sets the tolerance");
-  if (wish.psnr_db) options.ring.factor.tolerance = tolerance_of(*wish.psnr_db);
   if (!tolerance.empty()) options.ring.factor.tolerance = parse_tolerance(tolerance);
   return wish;
 }

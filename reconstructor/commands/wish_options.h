@@ -16,9 +16,8 @@ namespace sheen {
 struct WishArguments {
   std::string budget, target, memory, tolerance;
 
-  void add_to(CLI::App& command);
-  /// Lays the tolerance and the target on the options; the rest is for Reconstruction::keep_within. Throws ConfigError
-  /// naming the option.
+  void add_to(CLI::App& command, const std::string& about_target);
+  /// Lays the tolerance on the options; the rest is the command's. Throws ConfigError naming the option.
   TradeoffWish apply(SurfaceLightFieldOptions& options) const;
 };
 

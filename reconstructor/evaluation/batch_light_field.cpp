@@ -102,21 +102,24 @@ std::shared_ptr<const RingSnapshot> ring_snapshot(const Factored& ring, const Vi
 
 }  // namespace
 
-BatchLightField::BatchLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options)
-    : mesh_(std::move(mesh)), options_(options), kept_(mesh_->vertices.size()) {}
+BatchLightField::BatchLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options,
+                                 std::size_t every)
+    : mesh_(std::move(mesh)), options_(options), every_(every), kept_(mesh_->vertices.size()) {}
 
 void BatchLightField::add(const Capture& capture) {
   if (!vertex_rings_) {
     vertex_rings_ = std::make_shared<VertexRings>(
-        *mesh_, map_resolution(*mesh_, capture.camera, capture.pose.camera_from_object,
-                               {options_.surface_map, options_.min_surface_map, options_.max_surface_map}));
+        *mesh_,
+        map_resolution(*mesh_, capture.camera, capture.pose.camera_from_object,
+                       {options_.surface_map, options_.min_surface_map, options_.max_surface_map, options_.map_scale}));
     visibility_ = std::make_unique<RingVisibility>(*mesh_, *vertex_rings_, options_.visibility);
   }
   const SurfaceView& view = visibility_->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   image_.load(capture, view);
-  resample(image_, view, *vertex_rings_, 1, samples_);
+  resample(image_, view, *vertex_rings_, 1, samples_, options_.sampling);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kept_.size(), 32), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      if (v % every_ != 0) continue;
       RingColumn column;
       if (!gather(*vertex_rings_, v, mesh_->vertices[v], view, samples_, column)) continue;
       const auto shown = static_cast<double>(std::count(column.visible.begin(), column.visible.end(), 1));

@@ -34,7 +34,8 @@ struct RingMatrix {
 /// that what differs is the factorization.
 class BatchLightField {
  public:
-  BatchLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options);
+  /// `every`: only rings 0, every, 2 every, ... are kept, to try things on a part of them.
+  BatchLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options, std::size_t every = 1);
 
   /// Resamples an image and keeps its columns. Exposures must be on one level. Images without a pose are not for it.
   void add(const Capture& capture);
@@ -58,6 +59,7 @@ class BatchLightField {
 
   std::shared_ptr<const Mesh> mesh_;
   SurfaceLightFieldOptions options_;
+  std::size_t every_;
   std::shared_ptr<const VertexRings> vertex_rings_;
   std::unique_ptr<RingVisibility> visibility_;
   RadianceImage image_;

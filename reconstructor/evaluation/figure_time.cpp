@@ -20,13 +20,14 @@ Figure figure_time(const Experiment& experiment, const std::vector<NamedMesh>& m
   Plot plot{.title = "Time to a finished model (figure 9)",
             .x = {.label = "mesh"},
             .y = {.label = "wall time (s)", .log = true}};
-  plot.series = {{.name = "batch, all work", .style = PlotStyle::kBars},
-                 {.name = "batch, after the last image", .style = PlotStyle::kBars},
+  plot.series = {{.name = "batch, from the last image on", .style = PlotStyle::kBars},
+                 {.name = "of that: factorization", .style = PlotStyle::kBars},
                  {.name = "online, all work", .style = PlotStyle::kBars},
-                 {.name = "online, after the last image", .style = PlotStyle::kBars},
+                 {.name = "online, from the last image on", .style = PlotStyle::kBars},
                  {.name = "the paper: OpenLF (batch)", .style = PlotStyle::kMarkers},
                  {.name = "the paper: online", .style = PlotStyle::kMarkers}};
-  double least_wait = std::numeric_limits<double>::infinity(), least_work = least_wait, least_cpu = least_wait;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double least_wait = kInfinity, least_factorization = kInfinity, least_work = kInfinity, least_cpu = kInfinity;
   std::string details;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const Experiment with_mesh{.mesh = meshes[i].mesh,
@@ -46,16 +47,19 @@ Figure figure_time(const Experiment& experiment, const std::vector<NamedMesh>& m
       plot.series[4].add(at, kPaperBatch);
       plot.series[5].add(at, kPaperOnline);
     }
-    least_wait = std::min(least_wait, batch.factorize_s / online_after);
+    least_wait = std::min(least_wait, batch_total / online_after);
+    least_factorization = std::min(least_factorization, batch.factorize_s / online_after);
     least_work = std::min(least_work, batch_total / online.total_s());
     least_cpu = std::min(least_cpu, batch.cpu_s / online.cpu_s);
-    details +=
-        format("%s%s: %.1f s against %.1f s", i > 0 ? "; " : "", meshes[i].name.c_str(), batch_total, online.total_s());
+    details += format("%s%s: batch %.1f s (factorization %.1f s), online %.2f s (all images %.1f s)", i > 0 ? "; " : "",
+                      meshes[i].name.c_str(), batch_total, batch.factorize_s, online_after, online.total_s());
   }
   figure.ours = format(
-      "%zu images. From the last image to the finished model the batch takes at least %.0f times as long as the online "
-      "light field (goal: 20), in all at least %.1f times (processor time: %.1f). All work, batch against online: %s.",
-      experiment.training.size(), least_wait, least_work, least_cpu, details.c_str());
+      "%zu images. From the last image to the finished model, batch, which as OpenLF begins when all images are there, "
+      "takes at least %.0f times as long as the online light field (goal: 20); its factorization alone, as if it had "
+      "resampled the images while they came, %.1f times. All work of both: %.2f times, processor time %.2f times. From "
+      "the last image on, %s.",
+      experiment.training.size(), least_wait, least_factorization, least_work, least_cpu, details.c_str());
   figure.holds = least_wait >= kGoal;
   figure.plots.push_back({"figure_09_time", std::move(plot)});
   return figure;

@@ -23,33 +23,50 @@ double excess(const TradeoffPoint& point, const TradeoffWish& wish) {
 
 std::vector<Setting> tradeoff_settings(const SurfaceLightFieldOptions& base, bool quick) {
   std::vector<Setting> settings{{"default", "default", base}};
-  const auto vary = [&](const char* part, const char* key, auto values, auto set) {
+  const auto add = [&](const char* part, const std::string& name, const auto& set) {
+    Setting setting{name, part, base};
+    set(setting.options);
+    settings.push_back(std::move(setting));
+  };
+  const auto vary = [&](const char* part, const char* key, const auto& values, const auto& set) {
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (quick && i % 2 == 1) continue;
       char name[64];
       std::snprintf(name, sizeof name, "%s = %g", key, static_cast<double>(values[i]));
-      Setting setting{name, part, base};
-      set(setting.options, values[i]);
-      settings.push_back(std::move(setting));
+      add(part, name, [&](SurfaceLightFieldOptions& o) { set(o, values[i]); });
     }
   };
   using Options = SurfaceLightFieldOptions;
-  vary("rank", "max_rank", std::vector{2, 4, 6, 9, 12, 18, 32}, [](Options& o, int v) { o.ring.factor.max_rank = v; });
+  const auto set_rank = [](Options& o, int rank) {
+    o.ring.factor.max_rank = rank;
+    if (o.ring.factor.internal_rank < rank) o.ring.factor.internal_rank = 0;
+  };
+  vary("rank", "max_rank", std::vector{2, 4, 6, 9, 12, 18, 32}, set_rank);
+  vary("internal rank", "max_rank = 6, internal_rank", std::vector{6, 9, 12, 20}, [&](Options& o, int v) {
+    o.ring.factor.max_rank = 6;
+    o.ring.factor.internal_rank = v;
+  });
   vary("tolerance", "tolerance", std::vector{0.0, 0.005, 0.02, 0.04, 0.08},
        [](Options& o, double v) { o.ring.factor.tolerance = v; });
   vary("surface map", "surface_map", std::vector{4, 6, 8, 12, 16}, [](Options& o, int v) { o.surface_map = v; });
-  vary("block", "block", std::vector{4, 8, 24}, [](Options& o, int v) { o.ring.factor.block = v; });
+  vary("surface map", "map_scale", std::vector{0.5, 0.7, 1.4}, [](Options& o, double v) { o.map_scale = v; });
+  vary("sampling", "sampling = linear, map_scale", std::vector{1.0, 0.7}, [](Options& o, double v) {
+    o.sampling = Sampling::kLinear;
+    o.map_scale = v;
+  });
+  vary("block", "block", std::vector{1, 4, 24}, [](Options& o, int v) { o.ring.factor.block = v; });
   vary("views", "max_views", std::vector{16, 32, 128}, [](Options& o, int v) { o.ring.max_views = v; });
-  vary("missing data", "min_visible", std::vector{0.5, 0.02, 1.0},
+  vary("repetitions", "repeat_angle", std::vector{0.0, 0.06}, [](Options& o, double v) { o.ring.repeat_angle = v; });
+  vary("imputation", "min_visible", std::vector{0.5, 0.02, 1.0, 0.3},
        [](Options& o, double v) { o.ring.min_visible = v; });
   for (const int map : {4, 8, 16})
     for (const int rank : {3, 6, 12}) {
       if (quick && map == 8) continue;
-      Setting setting{"surface_map = " + std::to_string(map) + ", max_rank = " + std::to_string(rank), "rank and map",
-                      base};
-      setting.options.surface_map = map;
-      setting.options.ring.factor.max_rank = rank;
-      settings.push_back(std::move(setting));
+      add("rank and map", "surface_map = " + std::to_string(map) + ", max_rank = " + std::to_string(rank),
+          [&](Options& o) {
+            o.surface_map = map;
+            set_rank(o, rank);
+          });
     }
   return settings;
 }

@@ -29,6 +29,14 @@ int RingFactorOptions::terms_kept() const {
   return std::max(max_rank, std::min(32, std::max(2 * max_rank, max_rank + 8)));
 }
 
+RingFactorOptions RingFactorOptions::limited_to(int most_displayed, int most_kept, int most_in_block) const {
+  RingFactorOptions limited = *this;
+  limited.internal_rank = std::min(terms_kept(), most_kept);
+  limited.max_rank = std::min({max_rank, most_displayed, most_kept});
+  limited.block = std::min(block, most_in_block);
+  return limited;
+}
+
 template <typename Scalar>
 BasicRingFactor<Scalar>::BasicRingFactor(int rows, const RingFactorOptions& options, unsigned phase)
     : options_(options), rows_(rows), phase_(phase), unseen_rows_(rows), seen_((rows + 63) / 64, 0) {
@@ -86,6 +94,17 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(const Con
   pending_.push_back(std::move(pending));
   ++columns_added_;
   return this->pending() >= buffer_.cols() ? fold() : Reports{};
+}
+
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::limit(int max_rank, int internal_rank, int block) {
+  require(max_rank >= 1 && internal_rank >= max_rank && block >= 1,
+          "ring factor: limits must be positive, and internal_rank at least max_rank");
+  Reports reports = fold();
+  buffer_.resize(row_panels::padded(rows_), 0);
+  options_ = options_.limited_to(max_rank, internal_rank, block);
+  turn_to_singular_order();
+  return reports;
 }
 
 template <typename Scalar>

@@ -21,6 +21,8 @@ struct RingFactorOptions {
   double residual_memory = 0.8;  ///< of the running mean of what the basis leaves unexplained a row (`row_noise`)
 
   int terms_kept() const;
+  /// These, with at most so many terms and columns a block.
+  RingFactorOptions limited_to(int most_displayed, int most_kept, int most_in_block) const;
 };
 
 /// What folding one column in did. In the order in which the columns were added.
@@ -101,6 +103,9 @@ class BasicRingFactor {
 
   /// Folds the pending columns now, and so moves later folds: for benchmarks and for a factor that is complete.
   Reports fold();
+
+  /// Folds the pending columns and lets go of all terms beyond lower limits at once; they hold from now on.
+  Reports limit(int max_rank, int internal_rank, int block);
 
   /// A copy with all columns folded.
   BasicRingFactor settled() const;

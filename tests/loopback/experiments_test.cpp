@@ -48,6 +48,34 @@ TEST(Tradeoff, RefusesWordsItDoesNotKnow) {
                  {"--budget 33", "33ms"});
 }
 
+TEST(Target, BuildTakesTheCheapestSettingThatReachesIt) {
+  const TempFolder temp;
+  const BallDataset data{.folder = temp.path() / "data"};
+  data.write();
+  const auto build = [&](const std::string& target, const std::vector<std::string>& words) {
+    const fs::path report = temp.path() / "report.json";
+    expect_outcome(run_to_end(reconstructor({"build", data.folder, "--mesh", data.mesh(), "--config", data.scene(),
+                                             "--target", target, "--json", report})),
+                   0, words);
+    return nlohmann::json::parse(read_file(report));
+  };
+  const auto easy = build("15dB", {"map_scale 0.50", "14 images folded in"});
+  EXPECT_TRUE(easy["settings"]["target"]["reached"]);
+  EXPECT_EQ(easy["settings"]["map_scale"], 0.5);
+  const auto impossible = build("99dB", {"map_scale 1.00", "no setting within the limits reaches 99.00 dB"});
+  EXPECT_FALSE(impossible["settings"]["target"]["reached"]);
+  EXPECT_GE(impossible["held_out"]["psnr_db"], easy["held_out"]["psnr_db"]);
+}
+
+TEST(Target, NeedsViewsToJudgeBy) {
+  const TempFolder temp;
+  const BallDataset data{.folder = temp.path() / "data", .views = 4};  // none of them is a test view
+  data.write();
+  expect_outcome(run_to_end(reconstructor(
+                     {"build", data.folder, "--mesh", data.mesh(), "--config", data.scene(), "--target", "30dB"})),
+                 2, {"--target", "--hold-out"});
+}
+
 TEST(Figures, WritesPageTablesAndPictures) {
   const TempFolder temp;
   const BallDataset data{.folder = temp.path() / "data", .views = 24};

@@ -114,12 +114,41 @@ TEST(Memory, TheBoundHoldsWhateverComes) {
   for (const Capture& image : images) all.ingest(image);
   EXPECT_LE(static_cast<double>(all.model().bytes()), bound);
   EXPECT_GT(static_cast<double>(all.model().bytes()), 0.2 * bound) << "a bound that says something";
+}
 
-  Reconstruction small(mesh, options);
-  small.keep_within({.bytes = bound / 2});
-  for (const Capture& image : images) small.ingest(image);
-  EXPECT_GT(small.effort().rung, 0);
-  EXPECT_LE(static_cast<double>(small.model().bytes()), bound / 2);
+TEST(Memory, TheRingsAreCutDownAfterAnyImageThatWouldExceedIt) {
+  SurfaceLightFieldOptions options = plain_options();
+  options.ring.factor = {.max_rank = 24, .tolerance = 0};
+  const std::vector<Capture> images = glossy_captures(90);
+  const Object object = square_object();
+  Reconstruction free(*object.mesh, options), bounded(*object.mesh, options);
+  for (const Capture& image : images) free.ingest(image);
+  const auto full = static_cast<double>(free.model().bytes());
+  bounded.keep_within({.bytes = 0.6 * full});
+  for (const Capture& image : images) {
+    bounded.ingest(image);
+    ASSERT_LE(static_cast<double>(bounded.model().bytes()), 0.6 * full) << bounded.counts().received;
+  }
+  EXPECT_LT(bounded.model().options().ring.factor.terms_kept(), options.ring.factor.terms_kept());
+  EXPECT_GT(static_cast<double>(bounded.model().bytes()), 0.3 * full) << "no smaller than need be";
+}
+
+TEST(Memory, WhatWasCutDownIsAFunctionOfTheCaptures) {
+  SurfaceLightFieldOptions options = plain_options();
+  options.ring.factor = {.max_rank = 24, .tolerance = 0};
+  const std::vector<Capture> images = glossy_captures(60);
+  Reconstruction once(*square_object().mesh, options), watched(*square_object().mesh, options);
+  for (Reconstruction* r : {&once, &watched}) r->keep_within({.bytes = 4e5});
+  for (const Capture& image : images) once.ingest(image);
+  for (int turn = 0; turn < 2; ++turn) {  // the second time as after an image was taken back
+    watched.restart();
+    for (const Capture& image : images) {
+      watched.ingest(image);
+      watched.snapshot();
+    }
+    expect_same_rings(*once.snapshot(), *watched.snapshot());
+  }
+  EXPECT_LT(once.model().options().ring.factor.terms_kept(), options.ring.factor.terms_kept());
 }
 
 }  // namespace

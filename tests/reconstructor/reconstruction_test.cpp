@@ -15,6 +15,7 @@
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/expect_same_bits.h"
+#include "tests/support/shared_data.h"
 #include "tests/support/temp_folder.h"
 
 namespace sheen {
@@ -91,7 +92,7 @@ double pooled_rms(Reconstruction& reconstruction) {
 }
 
 TEST(Reconstruction, AnImageTakenOutOfARealCaptureLeavesTheErrorOfOneThatNeverSawIt) {
-  const std::filesystem::path folder = SHEEN_SHARED_DATA "/buddha_alicevision";
+  const std::filesystem::path folder = shared_data("buddha_alicevision");
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data";
   const Mesh mesh = load_mesh(folder / "mesh_poisson_12k.ply").mesh;
   const CaptureSet set = open_capture_set(folder);

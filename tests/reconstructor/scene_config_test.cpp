@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <set>
+
 #include "common/errors.h"
+#include "reconstructor/evaluation/tradeoff.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
 
@@ -16,6 +20,8 @@ TEST(SceneConfig, AllKeysAreTaken) {
 [surface_light_field]
 surface_map = 12
 max_rank = 5
+internal_rank = 9
+block = 4
 tolerance = 0.02
 max_views = 30
 min_visible = 0.25
@@ -26,6 +32,8 @@ erosion_px = 3
                       .surface_light_field;
   EXPECT_EQ(o.surface_map, 12);
   EXPECT_EQ(o.ring.factor.max_rank, 5);
+  EXPECT_EQ(o.ring.factor.internal_rank, 9);
+  EXPECT_EQ(o.ring.factor.block, 4);
   EXPECT_EQ(o.ring.factor.tolerance, 0.02);
   EXPECT_EQ(o.ring.max_views, 30);
   EXPECT_EQ(o.ring.min_visible, 0.25);
@@ -49,6 +57,19 @@ TEST(SceneConfig, WhatIsWrittenIsReadAgain) {
   EXPECT_EQ(o.ring.factor.tolerance, 1.25e-7);
   EXPECT_EQ(o.exposure, ExposureCompensation::kEstimate);
   EXPECT_NE(to_toml({}), text);
+}
+
+TEST(SceneConfig, EverySettingOfASweepIsASceneFileOfItsOwn) {
+  const TempFolder folder;
+  std::set<std::string> texts;
+  for (const Setting& setting : tradeoff_settings({}, false)) {
+    const std::string text = to_toml(setting.options);
+    const auto o = load_scene_config(folder.write("scene.toml", text)).surface_light_field;
+    EXPECT_EQ(to_toml(o), text) << setting.name;
+    EXPECT_NO_THROW(SurfaceLightField(std::make_shared<Mesh>(), o)) << setting.name;
+    texts.insert(text);
+  }
+  EXPECT_EQ(texts.size(), tradeoff_settings({}, false).size()) << "what is swept has keys of its own";
 }
 
 TEST(SceneConfig, WhatIsNotSaidKeepsItsDefault) {

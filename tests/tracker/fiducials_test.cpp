@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "common/image_io.h"
+#include "tests/support/shared_data.h"
 #include "tests/tracker/synthetic_stage.h"
 #include "tracker/fiducials/corner_refiner.h"
 #include "tracker/fiducials/tag_detector.h"
@@ -153,7 +154,7 @@ TEST(DetectionImage, BalancesTheSitesOfABayerMosaic) {
 
 /// Photographs with the ids and corners that their makers published beside them.
 TEST(TagDetector, FindsThePublishedTagsInPhotographs) {
-  const std::filesystem::path folder = std::filesystem::path(SHEEN_SHARED_DATA) / "tags_apriltag";
+  const std::filesystem::path folder = shared_data("tags_apriltag");
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no photographs of tags in " << folder;
   int photographs = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

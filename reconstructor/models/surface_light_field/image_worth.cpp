@@ -3,6 +3,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -10,8 +11,11 @@ namespace sheen {
 namespace {
 
 constexpr std::size_t kRingsLookedAt = 200;
-constexpr float kMinFacing = 0.2f;        // cosine: as the visibility test asks
-constexpr float kUnseen = 1.6f;           // rad: the distance to the nearest image where there is none
+constexpr float kMinFacing = 0.2f;  // cosine: as the visibility test asks
+constexpr double kLevel = 0.5;      // variance of a ring's level, in units of how much it varies with the view
+constexpr float kReach = 0.8f;      // rad: over which two images of a ring tell of each other
+constexpr double kNoise = 0.05;
+constexpr double kUnseen = 0.02;  // mean square of encoded values, by which a guess of what no image shows is wrong
 constexpr double kPriorVariation = 1e-3;  // mean square of encoded values, before any image
 constexpr double kPriorViews = 4;         // views that the rings' common variation with the view counts for
 
@@ -31,32 +35,51 @@ Variation variation_of(const RingSnapshot& ring) {
   return variation;
 }
 
-/// A place as a ring sees it.
-struct Place {
-  std::size_t eye;
-  Eigen::Vector3f direction;
-  float facing;
-  float nearest;  ///< angle to the nearest image of the ring, rad
-};
-
-std::vector<Place> places_in_sight(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal,
-                                   const RingSnapshot* ring, std::span<const Eigen::Vector3d> eyes) {
-  std::vector<Place> places;
-  for (std::size_t e = 0; e < eyes.size(); ++e) {
-    Place place{e, (eyes[e].cast<float>() - vertex).normalized(), 0, kUnseen};
-    place.facing = normal.dot(place.direction);
-    if (place.facing < kMinFacing) continue;
-    if (ring)
-      for (Eigen::Index j = 0; j < ring->directions.cols(); ++j)
-        place.nearest = std::min(place.nearest, angle_between(place.direction, ring->directions.col(j)));
-    places.push_back(place);
-  }
-  return places;
+/// Covariance of what a ring shows from two directions, in units of how much it varies with the view.
+double covariance(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return kLevel + std::exp(-angle_between(a, b) / kReach);
 }
 
-struct Worth {
-  std::vector<double> distance, approach;  ///< an eye
+/// A picture shows the ring the less exactly, the more obliquely.
+double noise(float facing) {
+  return kNoise / std::max(facing, 0.5f * kMinFacing);
+}
+
+/// Places in sight of a ring, and how uncertain it is from there.
+struct Sight {
+  std::vector<std::size_t> eyes;
+  std::vector<float> facing;
+  Eigen::VectorXd variance;  ///< in units of how much the ring varies with the view
 };
+
+Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, const RingSnapshot* ring,
+               std::span<const Eigen::Vector3d> eyes) {
+  Sight sight;
+  std::vector<Eigen::Vector3f> directions;
+  for (std::size_t e = 0; e < eyes.size(); ++e) {
+    const Eigen::Vector3f direction = (eyes[e].cast<float>() - vertex).normalized();
+    const float facing = normal.dot(direction);
+    if (facing < kMinFacing) continue;
+    sight.eyes.push_back(e);
+    sight.facing.push_back(facing);
+    directions.push_back(direction);
+  }
+  const auto n = static_cast<Eigen::Index>(directions.size());
+  const Eigen::Index views = ring ? ring->directions.cols() : 0;
+  sight.variance = Eigen::VectorXd::Constant(n, kLevel + 1);
+  if (views == 0 || n == 0) return sight;
+  Eigen::MatrixXd among(views, views), across(views, n);
+  for (Eigen::Index a = 0; a < views; ++a) {
+    for (Eigen::Index b = 0; b <= a; ++b)
+      among(a, b) = among(b, a) = covariance(ring->directions.col(a), ring->directions.col(b));
+    among(a, a) += noise(normal.dot(ring->directions.col(a)));
+    for (Eigen::Index i = 0; i < n; ++i)
+      across(a, i) = covariance(ring->directions.col(a), directions[static_cast<std::size_t>(i)]);
+  }
+  Eigen::LLT<Eigen::MatrixXd>(among).matrixL().solveInPlace(across);
+  sight.variance -= across.colwise().squaredNorm().transpose();
+  return sight;
+}
 
 }  // namespace
 
@@ -81,32 +104,21 @@ std::vector<double> image_worth(const SurfaceLightFieldSnapshot& snapshot, std::
     common.views += v.views;
   }
 
-  std::vector<Worth> by_ring(looked_at.size());
+  std::vector<std::vector<double>> by_ring(looked_at.size());
   tbb::parallel_for(std::size_t{0}, looked_at.size(), [&](std::size_t i) {
     const std::size_t v = looked_at[i];
-    const std::vector<Place> places = places_in_sight(mesh.vertices[v], normals[v], ring_of(i), eyes);
     const double variation =
-        std::sqrt((variations[i].sum + kPriorViews * common.sum / common.views) / (variations[i].views + kPriorViews));
-    Worth& worth = by_ring[i];
-    worth.distance.assign(eyes.size(), 0);
-    worth.approach.assign(eyes.size(), 0);
-    for (const Place& image : places) {
-      worth.distance[image.eye] = image.facing * variation * image.nearest;
-      for (const Place& seen : places) {
-        const float nearer = seen.nearest - angle_between(seen.direction, image.direction);
-        if (nearer > 0) worth.approach[image.eye] += seen.facing * variation * nearer;
-      }
-    }
+        (variations[i].sum + kPriorViews * common.sum / common.views) / (variations[i].views + kPriorViews);
+    const RingSnapshot* const ring = ring_of(i);
+    const Sight sight = sight_of(mesh.vertices[v], normals[v], ring, eyes);
+    by_ring[i].assign(eyes.size(), 0);
+    for (std::size_t k = 0; k < sight.eyes.size(); ++k)
+      by_ring[i][sight.eyes[k]] =
+          sight.facing[k] * (variation * sight.variance[static_cast<Eigen::Index>(k)] + (ring ? 0 : kUnseen));
   });
   std::vector<double> worth(eyes.size(), 0);
-  for (std::size_t e = 0; e < eyes.size(); ++e) {
-    double distance = 0, approach = 0;
-    for (const Worth& ring : by_ring) {
-      distance += ring.distance[e];
-      approach += ring.approach[e];
-    }
-    worth[e] = std::sqrt(distance * approach);
-  }
+  for (const std::vector<double>& ring : by_ring)
+    for (std::size_t e = 0; e < eyes.size(); ++e) worth[e] += ring[e];
   return worth;
 }
 

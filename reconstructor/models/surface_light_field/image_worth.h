@@ -10,11 +10,12 @@
 namespace sheen {
 
 /// What one more image from each of these places (object frame) is worth to the light field, in arbitrary units; 0 =
-/// nothing. The paper's heuristic (000 sec. 3.3) says how badly a place is known; whether an image is worth taking also
-/// depends on what else it tells. So two things are multiplied, both summed over the surface in sight, by how much a
-/// ring varies with the view: how far the nearest image of each ring is from there, and how much nearer to an image the
-/// surface would be as seen from all the places. The first alone strays to the rim, the second alone stays in the
-/// middle. Looks at a part of the rings, so that it can be asked for several times a second.
+/// nothing: the squared error that a picture from there is expected to have, by kriging. What a ring looks like from a
+/// direction is uncertain as far as its images so far, from theirs, do not tell (posterior variance, with one
+/// covariance for all rings), times how much the ring varies with the view; what no image shows is wrong by its colour,
+/// too. Summed over the surface in sight. Unlike
+/// the paper's heuristic (000 sec. 3.3) it knows that two images near each other say little more than one, and how much
+/// of the surface a place shows. Looks at a part of the rings, so that it can be asked for several times a second.
 std::vector<double> image_worth(const SurfaceLightFieldSnapshot& snapshot, std::span<const Eigen::Vector3d> eyes);
 
 }  // namespace sheen

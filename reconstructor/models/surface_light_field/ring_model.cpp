@@ -202,6 +202,12 @@ void RingModel::erase_view(int view) {
   }
 }
 
+void RingModel::limit_terms(int max_rank, int internal_rank, int block) {
+  Absorbed unused;
+  follow(factor_.limit(max_rank, internal_rank, block), unused);
+  snapshot_.reset();
+}
+
 bool RingModel::can_choose_interpolation() const {
   return views() >= kFirstChoice;
 }

@@ -53,6 +53,9 @@ class RingModel {
   bool repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
                const Eigen::Vector3f& direction) const;
 
+  /// Lets go of terms beyond lower limits (RingFactor::limit); they hold from now on.
+  void limit_terms(int max_rank, int internal_rank, int block);
+
   bool can_choose_interpolation() const;  ///< there are views enough to say how fast the ring varies
   /// `normal`: of the vertex. Errors with the drift are infinite while there is none, and with too few views.
   InterpolationErrors interpolation_errors(const Eigen::Vector3f& normal) const;

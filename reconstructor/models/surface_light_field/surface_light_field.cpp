@@ -72,6 +72,11 @@ void require_valid(const SurfaceLightFieldOptions& options) {
   require(options.hold_out_every >= 0 && options.hold_out_every != 1,
           "hold_out_every must be 0 (none) or at least 2: with 1 nothing would be left to learn from");
   require(options.ring.factor.max_rank >= 1 && options.ring.factor.max_rank <= 64, "max_rank must be 1..64");
+  require(
+      options.ring.factor.internal_rank == 0 || (options.ring.factor.internal_rank >= options.ring.factor.max_rank &&
+                                                 options.ring.factor.internal_rank <= 64),
+      "internal_rank must be 0 (chosen from max_rank) or max_rank..64");
+  require(options.ring.factor.block >= 1 && options.ring.factor.block <= 32, "block must be 1..32");
   require(options.ring.factor.tolerance >= 0 && options.ring.factor.tolerance < 1, "tolerance must be in [0, 1)");
   require(options.ring.min_visible >= 0 && options.ring.min_visible <= 1, "min_visible must be in [0, 1]");
   require(options.ring.max_views >= 8 && options.ring.max_views <= 1000, "max_views must be 8..1000");
@@ -406,6 +411,16 @@ const SurfaceLightFieldOptions& SurfaceLightField::options() const {
 
 void SurfaceLightField::set_share(double share) {
   pipeline_->share = std::clamp(share, 0.01, 1.0);
+}
+
+void SurfaceLightField::limit_terms(int max_rank, int internal_rank, int block) {
+  RingFactorOptions& factor = pipeline_->options.ring.factor;
+  factor = factor.limited_to(max_rank, internal_rank, block);
+  std::vector<std::unique_ptr<RingModel>>& rings = pipeline_->ring_models;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rings.size(), 32), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v)
+      if (rings[v]) rings[v]->limit_terms(max_rank, internal_rank, block);
+  });
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_snapshot() {

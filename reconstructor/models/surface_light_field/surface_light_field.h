@@ -55,6 +55,8 @@ class SurfaceLightField : public AppearanceModel {
   /// Of the rings that an image shows, how many are updated, in (0, 1]: those for which its direction is newest. Holds
   /// for the images to come. The model is a function of the images and of the share at each.
   void set_share(double share);
+  /// Lets go of terms beyond lower limits, in all rings at once: frees memory. They hold from now on.
+  void limit_terms(int max_rank, int internal_rank, int block);
   std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
   std::shared_ptr<const SurfaceLightFieldSnapshot> light_field_snapshot();
   /// The mean colour of each surface sample over all images: what a model without view dependence would be.

@@ -9,6 +9,7 @@
 #include "common/files.h"
 #include "common/image_io.h"
 #include "support/expect_error.h"
+#include "support/shared_data.h"
 #include "support/temp_folder.h"
 
 namespace sheen {
@@ -210,7 +211,7 @@ class SharedDataset : public testing::TestWithParam<const char*> {};
 // Two descriptions of the same cameras, made independently: transforms.json in OpenGL axes and cameras.json in
 // OpenCV's.
 TEST_P(SharedDataset, AgreesWithItsCamerasInOpenCvConvention) {
-  const fs::path folder = fs::path(SHEEN_SHARED_DATA) / GetParam();
+  const fs::path folder = shared_data(GetParam());
   if (!fs::exists(folder)) GTEST_SKIP() << "no shared data";
   const Dataset dataset = load_dataset(folder);
   const auto truth = nlohmann::json::parse(read_file(folder / "cameras.json")).at("views");
@@ -248,7 +249,7 @@ INSTANTIATE_TEST_SUITE_P(, SharedDataset,
 // The same set's own COLMAP files against its transforms.json: poses agree, while the cameras, which describe other
 // images, do not, and reading says so.
 TEST(SharedColmap, PosesAgreeWithTheTransformsOfTheSameSet) {
-  const fs::path source = fs::path(SHEEN_SHARED_DATA) / "cube_desk";
+  const fs::path source = shared_data("cube_desk");
   if (!fs::exists(source)) GTEST_SKIP() << "no shared data";
   const TempFolder folder;
   fs::copy_file(source / "colmap_cameras.txt", folder.path() / "cameras.txt");

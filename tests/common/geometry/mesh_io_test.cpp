@@ -10,6 +10,7 @@
 #include "common/files.h"
 #include "common/geometry/mesh.h"
 #include "support/expect_error.h"
+#include "support/shared_data.h"
 #include "support/temp_folder.h"
 
 namespace sheen {
@@ -237,7 +238,7 @@ TEST(MeshFiles, SavedAndReadAgainBitForBit) {
 }
 
 TEST(MeshFiles, MeshesOfThePublicCollections) {
-  const std::filesystem::path folder = std::filesystem::path(SHEEN_SHARED_DATA) / "meshes_clean";
+  const std::filesystem::path folder = shared_data("meshes_clean");
   if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << "no shared data";
   std::map<std::string, std::size_t> triangles;
   for (const char* name : {"spot_6k_uv.obj", "teapot_3k_decimated.ply", "head_2.9k.off", "penguin_6.7k.obj"}) {

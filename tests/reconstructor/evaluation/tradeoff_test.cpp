@@ -102,6 +102,10 @@ TEST(TradeoffSettings, EachIsDifferentAndNamed) {
     }
     EXPECT_EQ(settings.front().part, "default");
   }
+  std::set<std::string> parts;
+  for (const Setting& setting : tradeoff_settings({}, true)) parts.insert(setting.part);
+  EXPECT_EQ(parts, (std::set<std::string>{"default", "rank", "internal rank", "tolerance", "surface map", "sampling",
+                                          "block", "views", "repetitions", "imputation", "rank and map"}));
   EXPECT_LT(2 * tradeoff_settings({}, true).size(), 1.4 * tradeoff_settings({}, false).size());
 }
 

@@ -269,6 +269,24 @@ TEST(RingFactorRemove, RankComesBack) {
   EXPECT_EQ(factor.views(), 39);
 }
 
+TEST(RingFactorLimit, LeavesTheBestOfSoManyTerms) {
+  const Eigen::MatrixXf data = gaussian_matrix(90, 30, 24);
+  RingFactor factor(90, {.max_rank = 30, .block = 12, .tolerance = 0});
+  for (Eigen::Index j = 0; j < 30; ++j) factor.add(data.col(j));  // some still wait to be folded
+  const std::size_t before = factor.bytes();
+  factor.limit(5, 9, 4);
+  EXPECT_EQ(factor.rank(), 9);
+  EXPECT_EQ(factor.displayed_rank(), 5);
+  EXPECT_EQ(factor.folded_views(), 30);
+  EXPECT_LT(factor.bytes(), before / 2);
+  EXPECT_LT(orthogonality_loss(factor.basis()), 1e-6);
+  EXPECT_NEAR(relative_error(factor, data), best_relative_error(data, 9), 1e-4);
+  EXPECT_NEAR(factor.relative_error(), best_relative_error(data, 9), 1e-4) << "and the factor knows";
+  for (int j = 0; j < 30; ++j) factor.add(data.col(j));
+  EXPECT_EQ(factor.rank(), 9) << "the limits last";
+  EXPECT_LT(factor.pending(), 4);
+}
+
 TEST(RingFactorRemove, AMergedViewGivesOneOfItsColumnsBack) {
   const Eigen::MatrixXf data = ring_like_matrix(80, 20, 4, 0, 23);
   RingFactor factor = factor_of(data, {.max_rank = 12, .block = 8, .tolerance = 0});
