@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -60,13 +61,33 @@ void print_table(const std::vector<TradeoffPoint>& points, const Frontiers& fron
   }
 }
 
+/// The frontier's points whose names find room beside each other.
+std::vector<std::size_t> points_to_name(const std::vector<std::size_t>& frontier, const std::vector<double>& cost,
+                                        const std::vector<TradeoffPoint>& points) {
+  double lowest = points[frontier.front()].psnr_db, highest = lowest;
+  for (const TradeoffPoint& p : points) {
+    lowest = std::min(lowest, p.psnr_db);
+    highest = std::max(highest, p.psnr_db);
+  }
+  std::vector<std::size_t> named;
+  for (auto i = frontier.rbegin(); i != frontier.rend(); ++i) {  // the best ones first
+    const bool room = std::all_of(named.begin(), named.end(), [&](std::size_t other) {
+      return std::abs(points[*i].psnr_db - points[other].psnr_db) > 0.05 * (highest - lowest) ||
+             std::abs(std::log10(cost[*i] / cost[other])) > 0.6;
+    });
+    if (room) named.push_back(*i);
+  }
+  return named;
+}
+
 Plot plot_against(const std::string& title, const std::string& cost_label, const std::vector<TradeoffPoint>& points,
                   const std::vector<double>& cost, const std::vector<std::size_t>& frontier, double scale) {
   Plot plot{.title = title, .x = {.label = cost_label, .log = true}, .y = {.label = "held-out PSNR (dB)"}};
   PlotSeries best{.name = "frontier", .style = PlotStyle::kLine};
+  const std::vector<std::size_t> named = frontier.empty() ? frontier : points_to_name(frontier, cost, points);
   for (const std::size_t i : frontier) {
     best.add(scale * cost[i], points[i].psnr_db);
-    best.labels.push_back(points[i].setting.name);
+    best.labels.push_back(contains(named, i) ? points[i].setting.name : "");
   }
   plot.series.push_back(std::move(best));
   for (std::size_t i = 0; i < points.size(); ++i) {

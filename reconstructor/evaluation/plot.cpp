@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <sstream>
 
 #include "common/errors.h"
@@ -48,6 +49,7 @@ void write_log_tics(std::ostream& out, char name) {
 void write_axis(std::ostream& out, char name, const PlotAxis& axis) {
   out << "set " << name << "label " << quoted(axis.label) << '\n';
   if (axis.log) write_log_tics(out, name);
+  if (axis.log && name == 'x') out << "set xrange [*:*] noextend\n";
   if (axis.categories.empty()) return;
   out << "set " << name << "tics (";
   for (std::size_t i = 0; i < axis.categories.size(); ++i)
@@ -57,7 +59,8 @@ void write_axis(std::ostream& out, char name, const PlotAxis& axis) {
 
 std::string drawing(const PlotSeries& series, std::size_t i) {
   const std::string colour = std::string(" lc rgb '") + kColours[i % std::size(kColours)] + "'";
-  const std::string point = " pt " + std::to_string(kPoints[i % std::size(kPoints)]) + " ps 0.7";
+  const std::string point =
+      " pt " + std::to_string(kPoints[(i + i / std::size(kColours)) % std::size(kPoints)]) + " ps 0.7";
   switch (series.style) {
     case PlotStyle::kLine:
       return "with lines lw 2" + colour;
@@ -71,6 +74,17 @@ std::string drawing(const PlotSeries& series, std::size_t i) {
       return "with boxes fs solid 0.85 noborder" + colour;
   }
   return {};
+}
+
+/// Of the x axis.
+double middle_of(const Plot& plot) {
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const PlotSeries& series : plot.series)
+    for (const double x : series.x) {
+      lowest = std::min(lowest, x);
+      highest = std::max(highest, x);
+    }
+  return plot.x.log ? std::sqrt(lowest * highest) : 0.5 * (lowest + highest);
 }
 
 std::string gnuplot_script(const Plot& plot, const std::filesystem::path& svg) {
@@ -101,14 +115,17 @@ std::string gnuplot_script(const Plot& plot, const std::filesystem::path& svg) {
     }
     out << "end\n";
   }
+  const double middle = middle_of(plot);
   out << "plot ";
   const char* separator = "";
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     const PlotSeries& series = plot.series[i];
     out << separator << "$series" << i << " using 1:2 " << drawing(series, i) << " title " << quoted(series.name);
-    if (!series.labels.empty())
-      out << ", \\\n  $series" << i
-          << " using 1:2:3 with labels left offset 0.8,0.4 font ',10' tc rgb '#555555' notitle";
+    if (!series.labels.empty())  // towards the middle, where there is room
+      for (const bool right : {false, true})
+        out << ", \\\n  $series" << i << " using ($1 " << (right ? ">" : "<=") << ' ' << number(middle)
+            << " ? $1 : NaN):2:3 with labels " << (right ? "right offset -0.8,0.5" : "left offset 0.8,0.5")
+            << " font ',10' tc rgb '#555555' notitle";
     separator = ", \\\n  ";
   }
   for (std::size_t i = 0; i < plot.levels.size(); ++i) {
