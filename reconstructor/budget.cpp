@@ -17,7 +17,9 @@ constexpr std::array<double, 7> kShares{1, 0.75, 0.5, 0.35, 0.25, 0.15, 0.08};
 constexpr int kTimedBeforeLess = 3;   // images over the budget before less is done
 constexpr int kTimedBeforeMore = 12;  // images with room before more is done
 constexpr double kRoom = 0.7;         // of the budget: the next share up costs up to 1.5 times as much
-constexpr double kMargin = 0.9;       // of the budget, when a rung is chosen: later images cost a little more
+constexpr double kMostLoss_dB =
+    0.3;                         // of a rung that is taken for its time: beyond it, a share of the rings loses less
+constexpr double kMargin = 0.9;  // of the budget, when a rung is chosen: later images cost a little more
 
 bool is_record(std::istream& in) {
   return in.eof() || (in >> std::ws).eof();
@@ -41,12 +43,13 @@ double parse_tolerance(const std::string& word) {
 }
 
 std::span<const Rung> effort_ladder() {
-  static constexpr std::array<Rung, 5> kLadder{{
+  static constexpr std::array<Rung, 6> kLadder{{
       {1, 64, 0, 1, 0},
       {0.8, 64, 0, 0.80, 0},
       {0.65, 16, 0, 0.66, 0.02},
       {0.65, 12, 4.0 / 3, 0.59, 0.07},
       {0.5, 12, 4.0 / 3, 0.54, 0.12},
+      {0.4, 12, 4.0 / 3, 0.50, 0.44},
   }};
   return kLadder;
 }
@@ -127,6 +130,7 @@ int EffortControl::choose_rung(double image_ms, int in_use, int least) const {
   const double unit_ms = image_ms / ladder[static_cast<std::size_t>(in_use)].cost;
   int rung = least;
   while (rung + 1 < static_cast<int>(ladder.size()) &&
+         ladder[static_cast<std::size_t>(rung) + 1].loss_db <= kMostLoss_dB &&
          unit_ms * ladder[static_cast<std::size_t>(rung)].cost > kMargin * budget_ms_)
     ++rung;
   return rung;
