@@ -81,6 +81,7 @@ void LiveDisplay::publish_to_window(const LoopStatus& status) {
                          .frames_withdrawn = status.counts.withdrawn,
                          .images_per_s = status.images_per_s,
                          .residual = status.last.relative_residual};
+  if (std::isfinite(status.last.foretold_psnr_db)) figures.foretold_psnr_db = status.last.foretold_psnr_db;
   if (!status.held_out_curve.empty()) {
     figures.held_out_psnr_db = status.held_out_curve.back().psnr_db;
     figures.held_out_ssim = status.held_out_curve.back().ssim;

@@ -183,9 +183,9 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> BatchLightField::factorize(int 
       errors[v] = interpolation_errors(rings[v].matrix.directions, rings[v].coefficients, rings[v].reliability,
                                        drift_of_views(rings[v], reflection.get(), frames[v].row(2)));
   });
-  InterpolationChoice choice;
+  InterpolationChoice choice(*mesh_);
   for (std::size_t v = 0; v < rings.size(); ++v)
-    if (rings[v].matrix.views() > 0) choice.count(errors[v]);
+    if (rings[v].matrix.views() > 0) choice.count(static_cast<std::uint32_t>(v), errors[v]);
 
   std::vector<std::shared_ptr<const RingSnapshot>> data(rings.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, data.size(), 32), [&](const auto& range) {
@@ -194,7 +194,8 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> BatchLightField::factorize(int 
       std::vector<int> resolution;
       for (const RingTriangle& member : vertex_rings_->ring(v))
         resolution.push_back(vertex_rings_->resolution(member.triangle));
-      data[v] = ring_snapshot(rings[v], choice.choose(errors[v]), reflection, frames[v], resolution);
+      data[v] =
+          ring_snapshot(rings[v], choice.choose(static_cast<std::uint32_t>(v)), reflection, frames[v], resolution);
     }
   });
   return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, vertex_rings_, std::move(data), 0);

@@ -33,9 +33,12 @@ class Description {
       throw FileError(file_, "describes no surface light field");
     const auto version = number<std::int64_t>(json_, "version");
     if (version > kModelVersion)
-      throw FileError(file_, "is of version " + std::to_string(version) + ", but this program reads versions up to " +
+      throw FileError(file_, "is of version " + std::to_string(version) + ", but this program reads version " +
                                  std::to_string(kModelVersion) + "; use a newer Sheen");
     if (version < 1) fail("version", "must be at least 1");
+    if (version < kModelVersion)
+      throw FileError(file_, "is of version " + std::to_string(version) + ", but this program reads version " +
+                                 std::to_string(kModelVersion) + "; build the model anew from its images");
   }
 
   [[noreturn]] void fail(const std::string& field, const std::string& what) const {
@@ -127,9 +130,10 @@ ExposureField read_exposure(const Description& description) {
   exposure.log_gain.mean = Eigen::Map<const Eigen::VectorXf>(list("mean", 1).data(), 1);
   exposure.log_gain.weights =
       Eigen::Map<const Eigen::RowVectorXf>(list("weights", views).data(), static_cast<Eigen::Index>(views));
-  const std::vector<float> kernel = list("kernel", 2);
-  if (kernel[0] <= 0 || kernel[1] < 0) description.fail("exposure.kernel", "must be a positive scale and a nugget");
-  exposure.kernel = {kernel[0], kernel[1]};
+  const std::vector<float> kernel = list("kernel", 3);
+  if (kernel[0] <= 0 || kernel[1] < 0 || (kernel[2] != 0 && kernel[2] != 1))
+    description.fail("exposure.kernel", "must be a positive scale, a nugget and a shape");
+  exposure.kernel = {kernel[0], kernel[1], static_cast<KernelShape>(kernel[2])};
   return exposure;
 }
 
@@ -161,6 +165,7 @@ Rings read_ring_list(const Description& description, const VertexRings& vertex_r
   const auto folded = description.list<int>(json, "views_folded", count, 0, kMaxCount);
   const auto scale = description.list<float>(json, "kernel_scale_rad", count, 1e-6, 1e6);
   const auto nugget = description.list<float>(json, "kernel_nugget", count, 0, 1e6);
+  const auto shape = description.list<int>(json, "kernel_shape", count, 0, 1);
   const auto residual = description.list<float>(json, "residual", count, 0, 1e6);
   const auto cosine = description.list<float>(json, "best_cosine", count, -2, 2);
   Rings rings;
@@ -171,7 +176,7 @@ Rings read_ring_list(const Description& description, const VertexRings& vertex_r
       description.fail("rings.rank", "entry " + std::to_string(i) + " exceeds the ring's rows");
     rings.layout.add(vertex[i], samples, rank[i], views[i]);
     auto ring = std::make_shared<RingSnapshot>();
-    ring->kernel = {scale[i], nugget[i]};
+    ring->kernel = {scale[i], nugget[i], static_cast<KernelShape>(shape[i])};
     ring->residual = residual[i];
     ring->best_cosine = cosine[i];
     ring->views_folded = folded[i];

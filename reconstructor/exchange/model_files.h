@@ -33,7 +33,7 @@ void save_model(const SurfaceLightFieldSnapshot& model, const std::filesystem::p
                 const ModelMetadata& metadata = {}, const SaveOptions& options = {});
 
 /// Opens such a folder: the model renders as the one that was saved, bit for bit. Throws FileError that names file and
-/// part where one is missing or broken, and both versions where the folder was written by a newer Sheen.
+/// part where one is missing or broken, and both versions where the folder was written by another version of Sheen.
 std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const std::filesystem::path& folder);
 
 ModelMetadata load_model_metadata(const std::filesystem::path& folder);

@@ -27,23 +27,26 @@ ModelLayout layout_of(const SurfaceLightFieldSnapshot& model) {
 }
 
 Json conventions() {
-  return {{"frame", "mesh frame: metres, right-handed"},
-          {"values",
-           "sRGB-encoded; the sum over a triangle's three rings, weighted by the barycentric coordinates, is "
-           "decoded once"},
-          {"lattice",
-           "resolution n: points (i, j), i + j < n, j fastest, at barycentric weights i/(n-1) and j/(n-1) of "
-           "corners 1 and 2"},
-          {"ring", "the triangles round a vertex in the order of the mesh, each with its lattice points"},
-          {"measured", "share of the ring's images that showed the sample: 0 unseen, below 1/2 imputed, else measured"},
-          {"atlas", "rings one after the other, a pixel a sample, row by row"},
-          {"view",
-           "h(d) = mean + drift * L(d mirrored about the third row of frame) + sum over views of weight * "
-           "k(angle(d, direction)), k(t) = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale); L: reflection, orthonormal "
-           "real spherical harmonics, (l, m) at l^2 + l + m; empty = 0"},
-          {"view map",
-           "a square tile a ring, row by row; pixel centres over [-1, 1]^2: the first two coordinates of "
-           "frame * direction, moved to the rim where outside the unit disc"}};
+  return {
+      {"frame", "mesh frame: metres, right-handed"},
+      {"values",
+       "sRGB-encoded; the sum over a triangle's three rings, weighted by the barycentric coordinates, is "
+       "decoded once"},
+      {"lattice",
+       "resolution n: points (i, j), i + j < n, j fastest, at barycentric weights i/(n-1) and j/(n-1) of "
+       "corners 1 and 2"},
+      {"ring", "the triangles round a vertex in the order of the mesh, each with its lattice points"},
+      {"measured", "share of the ring's images that showed the sample: 0 unseen, below 1/2 imputed, else measured"},
+      {"atlas", "rings one after the other, a pixel a sample, row by row"},
+      {"view",
+       "h(d) = mean + drift * L(d mirrored about the third row of frame) + sum over views of weight * "
+       "k(angle(d, direction)); L: reflection, orthonormal real spherical harmonics, (l, m) at l^2 + l + m; empty = 0"},
+      {"kernel",
+       "k(t) by kernel_shape: 0 = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale), 1 = exp(-t / scale); the nugget "
+       "is in the weights"},
+      {"view map",
+       "a square tile a ring, row by row; pixel centres over [-1, 1]^2: the first two coordinates of "
+       "frame * direction, moved to the rim where outside the unit disc"}};
 }
 
 /// Directions run x y z a view; weights and the mean are of the log of the gain.
@@ -53,7 +56,7 @@ Json exposure_of(const ExposureField& exposure) {
           {"directions", numbers(exposure.directions)},
           {"mean", numbers(exposure.log_gain.mean)},
           {"weights", numbers(exposure.log_gain.weights)},
-          {"kernel", {exposure.kernel.scale_rad, exposure.kernel.nugget}}};
+          {"kernel", {exposure.kernel.scale_rad, exposure.kernel.nugget, static_cast<int>(exposure.kernel.shape)}}};
 }
 
 /// The function that all rings share, empty where none uses it.
@@ -78,8 +81,8 @@ Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& l
   for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) resolution.push_back(model.rings().resolution(t));
   json["lattice_resolution"] = std::move(resolution);
   Json& rings = json["rings"];
-  for (const char* field :
-       {"vertex", "rank", "views", "views_folded", "kernel_scale_rad", "kernel_nugget", "residual", "best_cosine"})
+  for (const char* field : {"vertex", "rank", "views", "views_folded", "kernel_scale_rad", "kernel_nugget",
+                            "kernel_shape", "residual", "best_cosine"})
     rings[field] = Json::array();
   for (const RingEntry& entry : layout.rings) {
     const RingSnapshot& ring = *model.ring_data()[entry.vertex];
@@ -89,6 +92,7 @@ Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& l
     rings["views_folded"].push_back(ring.views_folded);
     rings["kernel_scale_rad"].push_back(ring.kernel.scale_rad);
     rings["kernel_nugget"].push_back(ring.kernel.nugget);
+    rings["kernel_shape"].push_back(static_cast<int>(ring.kernel.shape));
     rings["residual"].push_back(ring.residual);
     rings["best_cosine"].push_back(ring.best_cosine);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,7 +27,10 @@ struct IngestReport {
   std::size_t rings_skipped = 0;   ///< the image shows of them what an earlier one showed from the same direction
   std::size_t rings_left_out = 0;  ///< for want of time (`SurfaceLightField::set_share`)
   double relative_residual = 0;  ///< ||p|| / ||c|| over all updated rings: how much of the image the model did not know
-  float exposure_gain = 1;       ///< by which the camera says that this image is brighter than the model's level
+  /// PSNR, encoded values, of foretelling a sample of the image from the images before it: the held-out figure, live.
+  /// NaN where the model knew nothing of what the image shows.
+  double foretold_psnr_db = std::numeric_limits<double>::quiet_NaN();
+  float exposure_gain = 1;  ///< by which the camera says that this image is brighter than the model's level
 };
 
 /// How well a part of the surface is known, and why it is not.

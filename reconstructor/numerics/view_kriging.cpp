@@ -65,6 +65,7 @@ float angle_between(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
 }
 
 float evaluate(const ViewKernel& kernel, float angle) {
+  if (kernel.shape == KernelShape::kExponential) return std::exp(-angle / kernel.scale_rad);
   const float t = std::sqrt(3.0f) * angle / kernel.scale_rad;
   return (1 + t) * std::exp(-t);
 }

@@ -6,11 +6,17 @@
 
 namespace sheen {
 
-/// Covariance of view coefficients over the angle t between two view directions: Matern 3/2,
-/// k(t) = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale); `nugget` is added on the diagonal.
+/// Saved models name them by these numbers.
+enum class KernelShape {
+  kMatern = 0,       ///< Matern 3/2, k(t) = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale): smooth lobes
+  kExponential = 1,  ///< k(t) = exp(-t / scale): kinks as at shadows and parallax, and long tails
+};
+
+/// Covariance of view coefficients over the angle t between two view directions; `nugget` is added on the diagonal.
 struct ViewKernel {
   float scale_rad = 0.3f;
   float nugget = 0.1f;
+  KernelShape shape = KernelShape::kMatern;
   bool operator==(const ViewKernel&) const = default;
 };
 float evaluate(const ViewKernel& kernel, float angle_rad);
@@ -19,8 +25,12 @@ float evaluate(const ViewKernel& kernel, float angle_rad);
 float angle_between(const Eigen::Vector3f& a, const Eigen::Vector3f& b);
 
 /// The kernels that a ring chooses from.
-inline constexpr std::array<ViewKernel, 6> kViewKernels{
-    {{0.15f, 0.02f}, {0.3f, 0.02f}, {0.3f, 0.1f}, {0.6f, 0.05f}, {0.6f, 0.2f}, {0.6f, 1.0f}}};
+inline constexpr std::array<ViewKernel, 6> kViewKernels{{{0.3f, 0.02f},
+                                                         {0.6f, 0.05f},
+                                                         {0.6f, 1.0f},
+                                                         {0.6f, 0.02f, KernelShape::kExponential},
+                                                         {1.2f, 0.02f, KernelShape::kExponential},
+                                                         {1.2f, 0.1f, KernelShape::kExponential}}};
 
 /// Kriging of coefficients over view directions, in its dual form: h(d) = mean + drift * f(d) + weights * k(d), with
 /// k(d)_j = k(angle(d, d_j)) and f a known function of the direction, the external drift: what is left of the

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace sheen {
 namespace {
@@ -28,6 +30,26 @@ float robust_gain(std::span<float> log_ratios) {
   const double sigma = 1.4826 * median(ratios);
   const double variance = sigma * sigma * kSurfacesPerFact / static_cast<double>(ratios.size());
   return static_cast<float>(std::exp(centre * kPriorSigma * kPriorSigma / (kPriorSigma * kPriorSigma + variance)));
+}
+
+ExposureField interpolated_exposure(const Eigen::Vector3f& centre, std::span<const Eigen::Vector3d> eyes,
+                                    std::span<const float> log_gains) {
+  ExposureField field;
+  if (std::all_of(log_gains.begin(), log_gains.end(), [](float gain) { return gain == 0; })) return field;
+  const auto n = static_cast<Eigen::Index>(eyes.size());
+  field.centre = centre;
+  field.directions.resize(3, n);
+  for (Eigen::Index j = 0; j < n; ++j) field.directions.col(j) = (eyes[j].cast<float>() - centre).normalized();
+  const Eigen::Map<const Eigen::RowVectorXf> gains(log_gains.data(), n);
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const ViewKernel& kernel : kViewKernels) {
+    ViewInterpolant candidate = krige(field.directions, gains, Eigen::VectorXf::Ones(n), kernel);
+    if (candidate.leave_one_out >= lowest) continue;
+    lowest = candidate.leave_one_out;
+    field.log_gain = std::move(candidate);
+    field.kernel = kernel;
+  }
+  return field;
 }
 
 }  // namespace sheen

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <span>
+
+#include "reconstructor/models/surface_light_field/snapshot.h"
 
 namespace sheen {
 
@@ -10,5 +13,10 @@ namespace sheen {
 /// only decides when few surfaces speak or they disagree. Returns the gain by which the image is brighter than
 /// expected. NaN entries are left out; the span is overwritten.
 float robust_gain(std::span<float> log_ratios);
+
+/// What automatic exposure would have chosen elsewhere, from what it chose at `eyes` (object frame), by the kernel that
+/// foretells each best from the others. Empty when all gains were known (log gain 0).
+ExposureField interpolated_exposure(const Eigen::Vector3f& centre, std::span<const Eigen::Vector3d> eyes,
+                                    std::span<const float> log_gains);
 
 }  // namespace sheen

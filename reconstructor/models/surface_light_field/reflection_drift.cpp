@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <vector>
@@ -16,12 +18,20 @@ constexpr double kSmoothness = 1e-4;      // of the mean eigenvalue, growing wit
 constexpr float kHighestSensitivity = 4;  // of the mean level
 constexpr float kDrawnToMeanLevel = 0.5f;
 
+constexpr std::size_t kBlock = 16;  // rings whose equations are summed on one thread
+
+using Normal = Eigen::Matrix<double, kHarmonics, kHarmonics>;
+
 Eigen::Vector3f mirrored(const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) {
   return 2 * normal.dot(direction) * normal - direction;
 }
 
+}  // namespace
+
 /// A ring with everything centred on its weighted means.
-struct Centred {
+struct ReflectionFit::Centred {
+  explicit Centred(const RingLevels& ring);
+
   Eigen::MatrixXf harmonics;  ///< kHarmonics x views
   Eigen::Matrix3Xf levels;
   Eigen::VectorXf weight;
@@ -29,43 +39,65 @@ struct Centred {
   Eigen::Vector3f sensitivity;
 };
 
-Centred centred(const RingLevels& ring) {
-  Centred out;
-  out.weight = ring.reliability;
-  out.levels = ring.levels.cwiseMax(0).cwiseMin(kHighestLevel);
-  out.harmonics.resize(kHarmonics, ring.directions.cols());
+ReflectionFit::Centred::Centred(const RingLevels& ring)
+    : harmonics(kHarmonics, ring.directions.cols()),
+      levels(ring.levels.cwiseMax(0).cwiseMin(kHighestLevel)),
+      weight(ring.reliability) {
   for (Eigen::Index j = 0; j < ring.directions.cols(); ++j)
-    out.harmonics.col(j) = spherical_harmonics(mirrored(ring.directions.col(j), ring.normal).normalized());
-  const Eigen::VectorXf share = out.weight / out.weight.sum();
-  out.mean = out.levels * share;
-  out.levels.colwise() -= out.mean;
-  const Eigen::VectorXf mean_harmonics = out.harmonics * share;
-  out.harmonics.colwise() -= mean_harmonics;
-  out.sensitivity = out.mean;
-  return out;
+    harmonics.col(j) = spherical_harmonics(mirrored(ring.directions.col(j), ring.normal).normalized());
+  const Eigen::VectorXf share = weight / weight.sum();
+  mean = levels * share;
+  levels.colwise() -= mean;
+  const Eigen::VectorXf mean_harmonics = harmonics * share;
+  harmonics.colwise() -= mean_harmonics;
+  sensitivity = mean;
 }
 
-using Normal = Eigen::Matrix<double, kHarmonics, kHarmonics>;
+ReflectionFit::ReflectionFit(std::span<const RingLevels> rings) {
+  for (const RingLevels& ring : rings)
+    if (ring.directions.cols() >= kFewestViews) rings_.emplace_back(ring);
+  if (rings_.size() < kFewestRings) return;
+  drift_ = std::make_shared<ReflectionDrift>();
+  rounds_left_ = kRounds;
+}
 
-Harmonics solve_light(const std::vector<Centred>& rings) {
-  Normal normal = Normal::Zero();
-  Eigen::Matrix<double, kHarmonics, 1> right = Eigen::Matrix<double, kHarmonics, 1>::Zero();
-  for (const Centred& ring : rings) {
-    const Eigen::MatrixXf weighted = ring.harmonics * ring.weight.asDiagonal();
-    const Eigen::MatrixXf outer = weighted * ring.harmonics.transpose();
-    normal += (ring.sensitivity.squaredNorm() * outer).cast<double>();
-    right += (weighted * (ring.levels.transpose() * ring.sensitivity)).cast<double>();
+ReflectionFit::~ReflectionFit() = default;
+ReflectionFit::ReflectionFit(ReflectionFit&&) noexcept = default;
+ReflectionFit& ReflectionFit::operator=(ReflectionFit&&) noexcept = default;
+
+void ReflectionFit::solve_light() {
+  struct Equations {
+    Normal normal = Normal::Zero();  ///< its lower half
+    Eigen::Matrix<double, kHarmonics, 1> right = Eigen::Matrix<double, kHarmonics, 1>::Zero();
+  };
+  // Blocks of fixed size, summed in their order: the same bits on any number of threads.
+  std::vector<Equations> blocks((rings_.size() + kBlock - 1) / kBlock);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+    for (std::size_t i = b * kBlock; i < std::min((b + 1) * kBlock, rings_.size()); ++i) {
+      const Centred& ring = rings_[i];
+      const Eigen::MatrixXf rooted = ring.sensitivity.norm() * (ring.harmonics * ring.weight.cwiseSqrt().asDiagonal());
+      Eigen::Matrix<float, kHarmonics, kHarmonics> outer = Eigen::Matrix<float, kHarmonics, kHarmonics>::Zero();
+      outer.selfadjointView<Eigen::Lower>().rankUpdate(rooted);
+      blocks[b].normal += outer.cast<double>();
+      const Eigen::VectorXf wanted = ring.weight.cwiseProduct(ring.levels.transpose() * ring.sensitivity);
+      blocks[b].right += (ring.harmonics * wanted).cast<double>();
+    }
+  });
+  Equations sum;
+  for (const Equations& block : blocks) {
+    sum.normal += block.normal;
+    sum.right += block.right;
   }
-  const double mean_eigenvalue = normal.trace() / kHarmonics;
+  const double mean_eigenvalue = sum.normal.trace() / kHarmonics;
   for (int l = 0; l <= kHarmonicDegree; ++l)
     for (int i = l * l; i < (l + 1) * (l + 1); ++i)
-      normal(i, i) += kSmoothness * mean_eigenvalue * (1 + l * l * (l + 1.0) * (l + 1.0) / 10);
-  return normal.llt().solve(right).cast<float>();
+      sum.normal(i, i) += kSmoothness * mean_eigenvalue * (1 + l * l * (l + 1.0) * (l + 1.0) / 10);
+  drift_->coefficients = sum.normal.llt().solve(sum.right).cast<float>();
 }
 
-void solve_sensitivities(const Harmonics& light, std::vector<Centred>& rings) {
-  for (Centred& ring : rings) {
-    const Eigen::VectorXf f = ring.harmonics.transpose() * light;
+void ReflectionFit::solve_sensitivities() {
+  for (Centred& ring : rings_) {
+    const Eigen::VectorXf f = ring.harmonics.transpose() * drift_->coefficients;
     const Eigen::VectorXf weighted = ring.weight.cwiseProduct(f);
     const float power = std::max(weighted.dot(f), 1e-6f);
     for (int c = 0; c < 3; ++c) {
@@ -75,24 +107,28 @@ void solve_sensitivities(const Harmonics& light, std::vector<Centred>& rings) {
   }
 }
 
-}  // namespace
+bool ReflectionFit::step() {
+  if (rounds_left_ == 0) return true;
+  solve_light();
+  if (!drift_->coefficients.allFinite() || drift_->coefficients.isZero()) {
+    drift_ = nullptr;
+    rounds_left_ = 0;
+    return true;
+  }
+  if (--rounds_left_ == 0) return true;
+  solve_sensitivities();
+  return false;
+}
 
 float ReflectionDrift::at(const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const {
   return coefficients.dot(spherical_harmonics(mirrored(direction, normal).normalized()));
 }
 
 std::shared_ptr<const ReflectionDrift> estimate_reflection_drift(std::span<const RingLevels> rings) {
-  std::vector<Centred> used;
-  for (const RingLevels& ring : rings)
-    if (ring.directions.cols() >= kFewestViews) used.push_back(centred(ring));
-  if (used.size() < kFewestRings) return nullptr;
-  auto drift = std::make_shared<ReflectionDrift>();
-  for (int round = 0; round < kRounds; ++round) {
-    drift->coefficients = solve_light(used);
-    if (!drift->coefficients.allFinite() || drift->coefficients.isZero()) return nullptr;
-    solve_sensitivities(drift->coefficients, used);
+  ReflectionFit fit(rings);
+  while (!fit.step()) {
   }
-  return drift;
+  return fit.result();
 }
 
 }  // namespace sheen

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "reconstructor/numerics/spherical_harmonics.h"
 
@@ -29,7 +30,30 @@ struct RingLevels {
 
 /// Level of ring v in view j = mean of v + s_v (L(mirrored direction) - its mean over the views of v), by alternating
 /// least squares for L and the sensitivities s_v (a ring and channel), which are drawn halfway to the ring's mean
-/// level: a dark ring varies less. Null when the rings hold too little to say anything.
+/// level: a dark ring varies less. A round at a time, so that no image waits for all of it.
+class ReflectionFit {
+ public:
+  explicit ReflectionFit(std::span<const RingLevels> rings);
+  ~ReflectionFit();
+  ReflectionFit(ReflectionFit&&) noexcept;
+  ReflectionFit& operator=(ReflectionFit&&) noexcept;
+
+  /// One round. True when it was the last.
+  bool step();
+  /// Null when the rings hold too little to say anything.
+  std::shared_ptr<const ReflectionDrift> result() const { return drift_; }
+
+ private:
+  struct Centred;
+  void solve_light();
+  void solve_sensitivities();
+
+  std::vector<Centred> rings_;
+  std::shared_ptr<ReflectionDrift> drift_;
+  int rounds_left_ = 0;
+};
+
+/// All rounds at once.
 std::shared_ptr<const ReflectionDrift> estimate_reflection_drift(std::span<const RingLevels> rings);
 
 }  // namespace sheen

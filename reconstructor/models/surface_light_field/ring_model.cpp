@@ -11,7 +11,8 @@ namespace sheen {
 namespace {
 
 constexpr int kFirstChoice = 5;  // views; fewer say nothing about how fast a ring varies
-constexpr float kChoiceGrowth = 1.4f;
+constexpr double kChoiceGrowth = 1.4;
+constexpr double kGoldenRatio = 0.6180339887498949;
 // Runs of neighbouring samples share cache lines: an eighth of the samples is an eighth of the memory.
 constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
 constexpr double kRepeatedNoise = 1.5;    // a repetition differs by its own noise and by that of the view it repeats
@@ -48,7 +49,9 @@ std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std:
 RingModel::RingModel(int samples, const RingModelOptions& options, unsigned phase)
     : options_(options),
       factor_(3 * samples, factor_options(options.factor), phase),
-      shown_(static_cast<std::size_t>(samples), 0) {}
+      shown_(static_cast<std::size_t>(samples), 0),
+      choice_phase_(phase * kGoldenRatio - std::floor(phase * kGoldenRatio)),
+      choice_due_(choice_after(0)) {}
 
 RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
                                       const Eigen::Vector3f& direction, float cosine, float reliability) {
@@ -66,7 +69,7 @@ RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<c
   ++images_;
   follow(folded, result);
   snapshot_.reset();
-  result.wants_interpolation = can_choose_interpolation() && images_ > kChoiceGrowth * chosen_at_;
+  result.wants_interpolation = can_choose_interpolation() && images_ >= choice_due_;
   return result;
 }
 
@@ -208,6 +211,35 @@ void RingModel::limit_terms(int max_rank, int internal_rank, int block) {
   snapshot_.reset();
 }
 
+/// Choices come as soon as there can be one, and then at numbers of images that grow by a factor; rings of differing
+/// phase take others of them, so that every image has its share.
+int RingModel::choice_after(int images) const {
+  if (images < kFirstChoice) return kFirstChoice;
+  double due = kFirstChoice * std::pow(kChoiceGrowth, choice_phase_);
+  while (std::ceil(due) <= images) due *= kChoiceGrowth;
+  return static_cast<int>(std::ceil(due));
+}
+
+RingModel::Foretold RingModel::foretell(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+                                        const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const {
+  Foretold foretold;
+  if (rank() == 0) return foretold;
+  const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
+  const Eigen::Matrix3Xf directions = as_matrix(directions_);
+  const ViewInterpolant interpolant = krige(directions, all_coefficients(), reliability, interpolation_.kernel,
+                                            interpolation_.drift ? drift_of_views(normal) : Eigen::VectorXf());
+  Eigen::VectorXf h = interpolate(interpolant, directions, interpolation_.kernel, direction);
+  if (interpolant.drift.size() > 0) h += reflection_->at(direction, normal) * interpolant.drift;
+  for (std::size_t s = 0; s < visible.size(); ++s) {
+    const auto row = static_cast<Eigen::Index>(3 * s);
+    const auto basis = factor_.displayed_basis().middleRows<3>(row);
+    if (!visible[s] || basis.isZero(0)) continue;
+    foretold.squared_error += (column.segment<3>(row) - basis * h).squaredNorm();
+    foretold.values += 3;
+  }
+  return foretold;
+}
+
 bool RingModel::can_choose_interpolation() const {
   return views() >= kFirstChoice;
 }
@@ -232,7 +264,7 @@ InterpolationErrors RingModel::interpolation_errors(const Eigen::Vector3f& norma
 }
 
 void RingModel::set_interpolation(const ViewInterpolation& interpolation) {
-  chosen_at_ = images_;
+  choice_due_ = choice_after(images_);
   if (interpolation_ == interpolation) return;
   interpolation_ = interpolation;
   snapshot_.reset();

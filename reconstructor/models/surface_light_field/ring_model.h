@@ -26,12 +26,13 @@ struct RingModelOptions {
 /// The surface light field round one vertex as it grows: the online SVD of what was seen and from where.
 class RingModel {
  public:
-  /// `phase`: rings of differing phase fold their columns at different images, which spreads the work.
+  /// `phase`: rings of differing phase fold their columns and choose their interpolation at different images, which
+  /// spreads the work.
   RingModel(int samples, const RingModelOptions& options, unsigned phase = 0);
 
   struct Absorbed {
     bool used = false;                 ///< false: too little of the ring is visible
-    bool wants_interpolation = false;  ///< enough views have come to choose it anew
+    bool wants_interpolation = false;  ///< enough images have come to choose it anew
     double energy = 0;                 ///< of the columns that this one's coming folded: ||c||^2 over what they show
     double residual_energy = 0;        ///< of the same: ||p||^2, what the ring's basis did not predict of them
   };
@@ -55,6 +56,15 @@ class RingModel {
 
   /// Lets go of terms beyond lower limits (RingFactor::limit); they hold from now on.
   void limit_terms(int max_rank, int internal_rank, int block);
+
+  /// How the ring as it stands, before an image is absorbed, foretells the image: over the values that the image shows
+  /// and earlier ones did, encoded.
+  struct Foretold {
+    double squared_error = 0;
+    std::size_t values = 0;
+  };
+  Foretold foretell(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+                    const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const;
 
   bool can_choose_interpolation() const;  ///< there are views enough to say how fast the ring varies
   /// `normal`: of the vertex. Errors with the drift are infinite while there is none, and with too few views.
@@ -86,6 +96,7 @@ class RingModel {
                                                        std::span<const int> resolution) const;
   Eigen::MatrixXf all_coefficients() const;
   Eigen::VectorXf drift_of_views(const Eigen::Vector3f& normal) const;
+  int choice_after(int images) const;
   int nearest_view(const Eigen::Vector3f& direction, int views, float& cosine) const;
   void follow(const RingFactor::Reports& reports, Absorbed& result);
   bool shows_enough(std::size_t shown, std::size_t samples) const {
@@ -103,7 +114,8 @@ class RingModel {
   std::vector<float> reliability_;
   std::vector<Nearest> nearest_;  ///< a folded view
   ViewInterpolation interpolation_;
-  int chosen_at_ = 0;  ///< images taken in when the interpolation was last chosen
+  double choice_phase_;  ///< 0..1
+  int choice_due_ = 0;   ///< images taken in when the interpolation is to be chosen next
   std::shared_ptr<const ReflectionDrift> reflection_;
   int images_ = 0;  ///< taken in
   float residual_ = 1;

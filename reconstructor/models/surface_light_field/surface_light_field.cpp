@@ -5,7 +5,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -16,8 +15,10 @@
 #include "common/errors.h"
 #include "reconstructor/models/surface_light_field/capture_rules.h"
 #include "reconstructor/models/surface_light_field/exposure_gain.h"
+#include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
 #include "reconstructor/models/surface_light_field/ring_column.h"
 #include "reconstructor/models/surface_light_field/ring_resampler.h"
+#include "reconstructor/models/surface_light_field/stage_clock.h"
 #include "reconstructor/surface/map_resolution.h"
 
 namespace sheen {
@@ -26,21 +27,7 @@ namespace {
 // An image that may repeat an earlier one is decided on one ring of so many; by so many of those.
 constexpr std::size_t kRingsPerTested = 16;
 constexpr double kRepeatedShare = 0.95;
-
-/// Writes the time since the last call under a stage's name.
-class StageClock {
- public:
-  explicit StageClock(IngestReport& report) : report_(report) {}
-  void done(const char* stage) {
-    const auto now = std::chrono::steady_clock::now();
-    report_.stage_ms[stage] += std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-  }
-
- private:
-  IngestReport& report_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
+constexpr std::size_t kForetoldRings = 16;  // an image: each costs a solve
 
 bool has_pose(const PoseEstimate& pose) {
   return pose.usable() && pose.camera_from_object.rotation.coeffs().allFinite() &&
@@ -61,31 +48,12 @@ ImageName name_of(const Capture& capture) {
   return {capture.source_session, capture.sequence};
 }
 
-void require_valid(const SurfaceLightFieldOptions& options) {
-  const auto require = [](bool holds, const char* rule) {
-    if (!holds) throw ConfigError(std::string("surface light field: ") + rule);
-  };
-  require(options.surface_map == 0 || (options.surface_map >= 2 && options.surface_map <= 64),
-          "surface_map must be 0 (chosen from the footprint) or 2..64");
-  require(options.map_scale > 0 && options.map_scale <= 4, "map_scale must be in (0, 4]");
-  require(options.ring.repeat_angle >= 0 && options.ring.repeat_angle < 0.5, "repeat_angle must be in [0, 0.5) rad");
-  require(options.hold_out_every >= 0 && options.hold_out_every != 1,
-          "hold_out_every must be 0 (none) or at least 2: with 1 nothing would be left to learn from");
-  require(options.ring.factor.max_rank >= 1 && options.ring.factor.max_rank <= 64, "max_rank must be 1..64");
-  require(
-      options.ring.factor.internal_rank == 0 || (options.ring.factor.internal_rank >= options.ring.factor.max_rank &&
-                                                 options.ring.factor.internal_rank <= 64),
-      "internal_rank must be 0 (chosen from max_rank) or max_rank..64");
-  require(options.ring.factor.block >= 1 && options.ring.factor.block <= 32, "block must be 1..32");
-  require(options.ring.factor.tolerance >= 0 && options.ring.factor.tolerance < 1, "tolerance must be in [0, 1)");
-  require(options.ring.min_visible >= 0 && options.ring.min_visible <= 1, "min_visible must be in [0, 1]");
-  require(options.ring.max_views >= 8 && options.ring.max_views <= 1000, "max_views must be 8..1000");
-  require(options.visibility.erosion_px >= 0 && options.visibility.erosion_px <= 32, "erosion_px must be 0..32");
-}
-
 }  // namespace
 
 struct SurfaceLightField::Pipeline {
+  Pipeline(std::shared_ptr<const Mesh> of_mesh, const SurfaceLightFieldOptions& chosen)
+      : mesh(std::move(of_mesh)), options(chosen), interpolation(*mesh) {}
+
   std::shared_ptr<const Mesh> mesh;
   SurfaceLightFieldOptions options;
   std::vector<Eigen::Matrix3f> frames;  ///< of the vertices' hemispheres
@@ -100,9 +68,7 @@ struct SurfaceLightField::Pipeline {
 
   RadianceImage image;
   Eigen::Matrix3Xf samples;  ///< encoded values of the current image
-  InterpolationChoice choice;
-  std::shared_ptr<const ReflectionDrift> reflection;
-  std::size_t reflection_estimated_at = 0;  ///< images folded in
+  InterpolationUpkeep interpolation;
   struct Folded {
     ImageName name;
     float log_gain;  ///< estimated; 0 where the gain is known
@@ -123,9 +89,7 @@ struct SurfaceLightField::Pipeline {
   bool repeats_earlier_image(const SurfaceView& view, IngestReport& report);
   std::vector<std::uint32_t> rings_to_update(const SurfaceView& view, IngestReport& report) const;
   void absorb(const SurfaceView& view, IngestReport& report);
-  void choose_interpolation(const std::vector<std::uint32_t>& undecided);
-  bool reflection_is_due(std::size_t images) const;
-  void estimate_reflection(std::size_t images);
+  double foretold_psnr_db(const SurfaceView& view, const std::vector<std::uint32_t>& shown) const;
 };
 
 void SurfaceLightField::Pipeline::start(const Capture& first) {
@@ -196,13 +160,7 @@ bool SurfaceLightField::Pipeline::withdraw(const Capture& capture) {
         ring_models[v]->withdraw(column.values, column.visible, column.direction);
   });
   folded.erase(found);
-  if (reflection) estimate_reflection(folded.size());
-  choice = {};  // a bad image makes smooth kernels look good, everywhere
-  std::vector<std::uint32_t> rings_to_choose;
-  for (std::size_t v = 0; v < ring_models.size(); ++v)
-    if (ring_models[v] && ring_models[v]->can_choose_interpolation())
-      rings_to_choose.push_back(static_cast<std::uint32_t>(v));
-  choose_interpolation(rings_to_choose);
+  interpolation.anew(folded.size(), frames, ring_models);
   return true;
 }
 
@@ -222,25 +180,13 @@ float SurfaceLightField::Pipeline::estimated_gain(const Capture& capture, const 
 }
 
 ExposureField SurfaceLightField::Pipeline::exposure_field() const {
-  ExposureField field;
-  if (std::all_of(folded.begin(), folded.end(), [](const Folded& f) { return f.log_gain == 0; })) return field;
-  const auto n = static_cast<Eigen::Index>(folded.size());
-  field.centre = bounding_sphere(*mesh).centre.cast<float>();
-  field.directions.resize(3, n);
-  Eigen::RowVectorXf gains(n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    field.directions.col(j) = (folded[j].eye.cast<float>() - field.centre).normalized();
-    gains[j] = folded[j].log_gain;
+  std::vector<Eigen::Vector3d> eyes;
+  std::vector<float> log_gains;
+  for (const Folded& image : folded) {
+    eyes.push_back(image.eye);
+    log_gains.push_back(image.log_gain);
   }
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const ViewKernel& kernel : kViewKernels) {
-    ViewInterpolant candidate = krige(field.directions, gains, Eigen::VectorXf::Ones(n), kernel);
-    if (candidate.leave_one_out >= lowest) continue;
-    lowest = candidate.leave_one_out;
-    field.log_gain = std::move(candidate);
-    field.kernel = kernel;
-  }
-  return field;
+  return interpolated_exposure(bounding_sphere(*mesh).centre.cast<float>(), eyes, log_gains);
 }
 
 std::vector<std::uint32_t> SurfaceLightField::Pipeline::shown_rings(const SurfaceView& view) const {
@@ -304,6 +250,7 @@ std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const Su
 
 void SurfaceLightField::Pipeline::absorb(const SurfaceView& view, IngestReport& report) {
   const std::vector<std::uint32_t> chosen = rings_to_update(view, report);
+  report.foretold_psnr_db = foretold_psnr_db(view, chosen);
   std::vector<RingModel::Absorbed> absorbed(chosen.size());
   std::vector<std::uint8_t> repeated(chosen.size(), 0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chosen.size(), 16), [&](const auto& range) {
@@ -329,48 +276,35 @@ void SurfaceLightField::Pipeline::absorb(const SurfaceView& view, IngestReport& 
     if (absorbed[i].wants_interpolation) undecided.push_back(chosen[i]);
   }
   report.relative_residual = energy > 0 ? std::sqrt(residual / energy) : 0;
-  if (reflection_is_due(folded.size() + 1)) estimate_reflection(folded.size() + 1);
-  choose_interpolation(undecided);
+  interpolation.after_image(folded.size() + 1, undecided, frames, ring_models);
 }
 
-/// Seldom, as the number of images grows: what one image more can change gets less and less.
-bool SurfaceLightField::Pipeline::reflection_is_due(std::size_t images) const {
-  constexpr std::size_t kFirst = 6;
-  constexpr double kGrowth = 1.4;
-  return images >= kFirst && static_cast<double>(images) >= kGrowth * static_cast<double>(reflection_estimated_at);
-}
-
-/// What the rings share of how they vary with the view; a sample of them says it well enough.
-void SurfaceLightField::Pipeline::estimate_reflection(std::size_t images) {
-  constexpr std::size_t kRings = 1000;
-  reflection_estimated_at = images;
-  const std::size_t stride = std::max<std::size_t>(1, ring_models.size() / kRings);
-  std::vector<RingLevels> levels((ring_models.size() + stride - 1) / stride);
-  tbb::parallel_for(std::size_t{0}, levels.size(), [&](std::size_t i) {
-    const std::size_t v = i * stride;
-    if (ring_models[v]) levels[i] = ring_models[v]->levels(frames[v].row(2));
+/// PSNR of a few rings of the image, encoded, as foretold from the images before it; NaN where none came before.
+double SurfaceLightField::Pipeline::foretold_psnr_db(const SurfaceView& view,
+                                                     const std::vector<std::uint32_t>& shown) const {
+  const std::size_t stride = std::max<std::size_t>(1, shown.size() / kForetoldRings);
+  std::vector<std::uint32_t> asked;  // others with every image
+  for (std::size_t i = folded.size() % stride; i < shown.size(); i += stride)
+    if (ring_models[shown[i]]) asked.push_back(shown[i]);
+  std::vector<RingModel::Foretold> foretold(asked.size());
+  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
+    const std::uint32_t v = asked[i];
+    RingColumn column;
+    if (gather(*rings, v, mesh->vertices[v], view, samples, column))
+      foretold[i] = ring_models[v]->foretell(column.values, column.visible, column.direction, frames[v].row(2));
   });
-  reflection = estimate_reflection_drift(levels);
-  for (const auto& ring : ring_models)
-    if (ring) ring->set_reflection(reflection);
+  RingModel::Foretold all;
+  for (const RingModel::Foretold& ring : foretold) {
+    all.squared_error += ring.squared_error;
+    all.values += ring.values;
+  }
+  if (all.values == 0) return std::numeric_limits<double>::quiet_NaN();
+  return -10 * std::log10(all.squared_error / static_cast<double>(all.values));
 }
 
-void SurfaceLightField::Pipeline::choose_interpolation(const std::vector<std::uint32_t>& undecided) {
-  std::vector<InterpolationErrors> errors(undecided.size());
-  tbb::parallel_for(std::size_t{0}, undecided.size(), [&](std::size_t i) {
-    const std::uint32_t v = undecided[i];
-    errors[i] = ring_models[v]->interpolation_errors(frames[v].row(2));
-  });
-  for (const InterpolationErrors& e : errors) choice.count(e);
-  for (std::size_t i = 0; i < undecided.size(); ++i)
-    ring_models[undecided[i]]->set_interpolation(choice.choose(errors[i]));
-}
-
-SurfaceLightField::SurfaceLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options)
-    : pipeline_(std::make_unique<Pipeline>()) {
+SurfaceLightField::SurfaceLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options) {
   require_valid(options);
-  pipeline_->mesh = std::move(mesh);
-  pipeline_->options = options;
+  pipeline_ = std::make_unique<Pipeline>(std::move(mesh), options);
   const std::vector<Eigen::Vector3f> normals = vertex_normals(*pipeline_->mesh);
   pipeline_->frames.reserve(normals.size());
   for (const Eigen::Vector3f& normal : normals) pipeline_->frames.push_back(hemisphere_frame(normal));
@@ -396,9 +330,7 @@ void SurfaceLightField::restart() {
 
 void SurfaceLightField::restart(const SurfaceLightFieldOptions& options) {
   require_valid(options);
-  auto fresh = std::make_unique<Pipeline>();
-  fresh->mesh = pipeline_->mesh;
-  fresh->options = options;
+  auto fresh = std::make_unique<Pipeline>(pipeline_->mesh, options);
   fresh->frames = std::move(pipeline_->frames);
   fresh->version = pipeline_->version;
   fresh->share = pipeline_->share;

@@ -7,31 +7,10 @@
 
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/models/surface_light_field/constant_colour.h"
-#include "reconstructor/models/surface_light_field/radiance_image.h"
-#include "reconstructor/models/surface_light_field/ring_model.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
-#include "reconstructor/surface/ring_visibility.h"
+#include "reconstructor/models/surface_light_field/surface_light_field_options.h"
 
 namespace sheen {
-
-/// How images of differing exposure are brought to one level.
-enum class ExposureCompensation {
-  kOff,       ///< grey levels mean the same in all images
-  kKnown,     ///< by exposure time and gain where a linear camera reports them
-  kEstimate,  ///< as kKnown; where they are unknown, one robust gain an image (docs/decisions/exposure.md)
-};
-
-struct SurfaceLightFieldOptions {
-  /// Side of a triangle's surface map; 0 = from the footprint of a pixel in the first image.
-  int surface_map = 0;
-  int min_surface_map = 4, max_surface_map = 24;  ///< bounds of the choice by footprint
-  double map_scale = 1;                           ///< of the side, given or chosen
-  Sampling sampling = Sampling::kCubic;
-  int hold_out_every = 8;  ///< every Nth image of a source is held out; 0 = none
-  ExposureCompensation exposure = ExposureCompensation::kKnown;
-  VisibilityOptions visibility;
-  RingModelOptions ring;
-};
 
 /// The online surface light field (000): one online SVD a vertex ring, fed image by image.
 class SurfaceLightField : public AppearanceModel {

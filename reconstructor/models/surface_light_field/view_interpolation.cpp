@@ -3,14 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace sheen {
 namespace {
 
 constexpr std::size_t kKernels = kViewKernels.size();
 
-double least(const InterpolationErrors& errors) {
-  return std::max(*std::min_element(errors.begin(), errors.end()), 1e-30);
+constexpr double kOwnWeight = 3;  // of a ring and its neighbours against all rings
+
+template <typename Errors>
+double least(const Errors& errors) {
+  return std::max<double>(*std::min_element(errors.begin(), errors.end()), 1e-30);
+}
+
+/// A ring that could not try the drift says nothing for it nor against it.
+double error_of(const InterpolationErrors& errors, std::size_t k) {
+  return std::isfinite(errors[k]) ? errors[k] : errors[k - kKernels];
 }
 
 }  // namespace
@@ -19,31 +29,62 @@ InterpolationErrors interpolation_errors(const Eigen::Matrix3Xf& directions,
                                          const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
                                          const Eigen::Ref<const Eigen::VectorXf>& reliability,
                                          const Eigen::VectorXf& drift) {
-  InterpolationErrors errors{};
+  std::array<double, 2 * kKernels> errors{};
   for (std::size_t k = 0; k < kKernels; ++k) {
     const LeaveOneOut error = leave_one_out(directions, coefficients, reliability, kViewKernels[k], drift);
     errors[k] = error.ordinary;
     errors[kKernels + k] = error.with_drift;
   }
   const double best = least(errors);
-  for (double& error : errors) error /= best;
-  return errors;
+  InterpolationErrors relative{};
+  std::transform(errors.begin(), errors.end(), relative.begin(),
+                 [&](double e) { return static_cast<float>(e / best); });
+  return relative;
 }
 
-void InterpolationChoice::count(const InterpolationErrors& errors) {
-  for (std::size_t k = 0; k < kKernels; ++k) {
-    all_[k] += errors[k];
-    // A ring that could not try the drift says nothing for it nor against it.
-    all_[kKernels + k] += std::isfinite(errors[kKernels + k]) ? errors[kKernels + k] : errors[k];
+InterpolationChoice::InterpolationChoice(const Mesh& mesh) : latest_(mesh.vertices.size()) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& triangle : mesh.triangles)
+    for (int c = 0; c < 3; ++c) {
+      edges.emplace_back(triangle[c], triangle[(c + 1) % 3]);
+      edges.emplace_back(triangle[(c + 1) % 3], triangle[c]);
+    }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  first_neighbour_.assign(mesh.vertices.size() + 1, 0);
+  for (const auto& [from, to] : edges) {
+    ++first_neighbour_[from + 1];
+    neighbours_.push_back(to);
   }
+  std::partial_sum(first_neighbour_.begin(), first_neighbour_.end(), first_neighbour_.begin());
 }
 
-ViewInterpolation InterpolationChoice::choose(const InterpolationErrors& own) const {
+void InterpolationChoice::count(std::uint32_t ring, const InterpolationErrors& errors) {
+  latest_[ring] = errors;
+  for (std::size_t k = 0; k < all_.size(); ++k) all_[k] += error_of(errors, k);
+}
+
+ViewInterpolation InterpolationChoice::choose(std::uint32_t ring) const {
+  std::array<double, 2 * kKernels> near{};
+  double rings = 1;
+  std::copy(latest_[ring]->begin(), latest_[ring]->end(), near.begin());  // infinite where it cannot have the drift
+  for (std::uint32_t i = first_neighbour_[ring]; i < first_neighbour_[ring + 1]; ++i) {
+    const std::optional<InterpolationErrors>& neighbour = latest_[neighbours_[i]];
+    if (!neighbour) continue;
+    ++rings;
+    for (std::size_t k = 0; k < near.size(); ++k) near[k] += error_of(*neighbour, k);
+  }
   const double best_of_all = least(all_);
+  const auto cost = [&](std::size_t k) { return kOwnWeight * near[k] / rings + all_[k] / best_of_all; };
   std::size_t chosen = 0;
-  for (std::size_t k = 1; k < own.size(); ++k)
-    if (own[k] + all_[k] / best_of_all < own[chosen] + all_[chosen] / best_of_all) chosen = k;
+  for (std::size_t k = 1; k < near.size(); ++k)
+    if (cost(k) < cost(chosen)) chosen = k;
   return {kViewKernels[chosen % kKernels], chosen >= kKernels};
+}
+
+void InterpolationChoice::clear() {
+  std::fill(latest_.begin(), latest_.end(), std::nullopt);
+  all_ = {};
 }
 
 }  // namespace sheen

@@ -3,7 +3,11 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
 
+#include "common/geometry/mesh.h"
 #include "reconstructor/numerics/view_kriging.h"
 
 namespace sheen {
@@ -18,7 +22,7 @@ struct ViewInterpolation {
 
 /// Errors of predicting each view of a ring from the others, relative to the least: each kernel without the drift, then
 /// each with it (infinite where there is none, or too few views for it).
-using InterpolationErrors = std::array<double, 2 * kViewKernels.size()>;
+using InterpolationErrors = std::array<float, 2 * kViewKernels.size()>;
 
 /// Arguments as of `krige`.
 InterpolationErrors interpolation_errors(const Eigen::Matrix3Xf& directions,
@@ -26,14 +30,23 @@ InterpolationErrors interpolation_errors(const Eigen::Matrix3Xf& directions,
                                          const Eigen::Ref<const Eigen::VectorXf>& reliability,
                                          const Eigen::VectorXf& drift);
 
-/// Chooses for a ring by its own errors and those of all rings: its own are noisy with few views.
+/// Chooses for a ring by its own errors and its neighbours', and by those of all rings: its own are noisy with few
+/// views, and what lies side by side varies alike.
 class InterpolationChoice {
  public:
-  void count(const InterpolationErrors& errors);
-  ViewInterpolation choose(const InterpolationErrors& own) const;
+  /// Rings are the vertices of the mesh.
+  explicit InterpolationChoice(const Mesh& mesh);
+
+  /// A ring's errors, in place of those that it had before.
+  void count(std::uint32_t ring, const InterpolationErrors& errors);
+  /// The ring must have been counted.
+  ViewInterpolation choose(std::uint32_t ring) const;
+  void clear();
 
  private:
-  InterpolationErrors all_{};
+  std::vector<std::uint32_t> first_neighbour_, neighbours_;  ///< of ring v: neighbours_[first_neighbour_[v]] and on
+  std::vector<std::optional<InterpolationErrors>> latest_;   ///< a ring
+  std::array<double, 2 * kViewKernels.size()> all_{};        ///< sum over all that were counted
 };
 
 }  // namespace sheen

@@ -46,7 +46,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
       ring->drift = Eigen::VectorXf::NullaryExpr(rank, draw);
       ring->reflection = reflection;
     }
-    ring->kernel = kViewKernels[v];
+    ring->kernel = kViewKernels[v + 1];  // of both shapes
     ring->views = triangulate_views(ring->frame, ring->directions);
     for (int s = 0; s < samples; ++s) ring->shown.push_back(static_cast<std::uint8_t>(random()));
     ring->residual = 0.1f * v;
@@ -166,8 +166,11 @@ void expect_refused(Change change, const std::vector<std::string>& words) {
 }
 
 TEST(ModelFiles, ANewerVersionIsRefusedNamingBoth) {
-  expect_refused([](Json& json) { json["version"] = 2; }, {"model.json", "version 2", "up to 1"});
-  expect_refused([](Json& json) { json["version"] = std::int64_t(1) << 33; }, {"version 8589934592", "up to 1"});
+  expect_refused([](Json& json) { json["version"] = 3; },
+                 {"model.json", "version 3", "reads version 2", "newer Sheen"});
+  expect_refused([](Json& json) { json["version"] = std::int64_t(1) << 33; },
+                 {"version 8589934592", "reads version 2"});
+  expect_refused([](Json& json) { json["version"] = 1; }, {"model.json", "version 1", "reads version 2", "anew"});
   expect_refused([](Json& json) { json["version"] = 0; }, {"model.json", "version"});
   expect_refused([](Json& json) { json["version"] = "1"; }, {"model.json", "version", "whole number"});
 }

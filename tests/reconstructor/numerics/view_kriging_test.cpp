@@ -23,6 +23,30 @@ Eigen::VectorXf predict(const ViewInterpolant& interpolant, const Eigen::Matrix3
   return interpolant.mean + interpolant.weights * k;
 }
 
+TEST(ViewKriging, KernelsHaveTheirClosedForms) {
+  const ViewKernel matern{0.5f, 0}, exponential{0.5f, 0, KernelShape::kExponential};
+  for (const float angle : {0.0f, 0.1f, 0.5f, 2.0f}) {
+    const double t = angle / 0.5;
+    EXPECT_NEAR(evaluate(matern, angle), (1 + std::sqrt(3.0) * t) * std::exp(-std::sqrt(3.0) * t), 1e-6);
+    EXPECT_NEAR(evaluate(exponential, angle), std::exp(-t), 1e-6);
+  }
+}
+
+TEST(ViewKriging, AnExponentialKernelLooksNoFartherThanTheNextViews) {
+  // Along a line it is the covariance of a Markov process: what lies behind the next views says nothing more, but for
+  // the mean, which many alike views fix.
+  const ViewKernel kernel{0.2f, 0, KernelShape::kExponential};
+  Eigen::Matrix3Xf directions(3, 6);
+  for (int j = 0; j < 6; ++j) directions.col(j) = Eigen::Vector3f(std::sin(0.2f * j), 0, std::cos(0.2f * j));
+  Eigen::MatrixXf y = Eigen::MatrixXf::Zero(1, 6);
+  y(0, 0) = 1;
+  y(0, 5) = -1;  // the mean stays 0
+  const ViewInterpolant i = krige(directions, y, Eigen::VectorXf::Ones(6), kernel);
+  EXPECT_NEAR(predict(i, directions, kernel, Eigen::Vector3f(std::sin(0.5f), 0, std::cos(0.5f)))[0], 0, 1e-5);
+  const float beside = predict(i, directions, kernel, Eigen::Vector3f(std::sin(0.1f), 0, std::cos(0.1f)))[0];
+  EXPECT_NEAR(beside, std::sinh(0.5) / std::sinh(1.0), 1e-4);  // the bridge between 1 and 0
+}
+
 TEST(ViewKriging, AConstantIsKeptEverywhere) {
   const Eigen::Matrix3Xf directions = some_directions(12, 1);
   const Eigen::MatrixXf constant = Eigen::Vector2f(3, -1).replicate(1, 12);

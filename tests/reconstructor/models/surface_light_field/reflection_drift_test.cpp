@@ -57,6 +57,16 @@ TEST(ReflectionDrift, FindsTheLightThatAllRingsMirror) {
   }
 }
 
+TEST(ReflectionDrift, ARoundAtATimeGivesTheSameBitsAsAllAtOnce) {
+  const std::vector<RingLevels> some = rings(300, true, 1);
+  ReflectionFit fit(some);
+  int rounds = 1;
+  while (!fit.step()) ++rounds;
+  EXPECT_GT(rounds, 1);
+  EXPECT_TRUE(fit.step()) << "nothing is left to do";
+  EXPECT_EQ(fit.result()->coefficients, estimate_reflection_drift(some)->coefficients);
+}
+
 TEST(ReflectionDrift, AMatteObjectAndFewRingsHaveNone) {
   EXPECT_FALSE(estimate_reflection_drift(rings(5, true, 3)));
   const auto drift = estimate_reflection_drift(rings(300, false, 4));

@@ -268,6 +268,7 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
                                  .frames_refused = {{"too_near", 22}, {"motion_blur", 9}},
                                  .images_per_s = 5.3,
                                  .residual = 0.041,
+                                 .foretold_psnr_db = 29.4,
                                  .held_out_psnr_db = 31.2,
                                  .held_out_ssim = 0.941};
   state.link = TrackerLink::kStale;
