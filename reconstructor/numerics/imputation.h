@@ -9,19 +9,27 @@
 
 namespace sheen {
 
-/// Most probable coefficients of columns that show only some rows (maximum a posteriori): column j minimises
-/// ||c_known - B_known y||^2 + noise * y^T prior^-1 y. Columns that show all rows get their projection.
+inline constexpr int kPatternColumns = 64;  ///< that one word a row speaks of
+
+/// B_known^T B_known of columns that show only some rows: rank^2 x columns, a matrix a column.
 ///
-/// basis: orthonormal columns. hidden: a row; bit j is set when column j does not show it (at most 32 columns).
-/// projections: B^T C, rank x columns, with zeros in C where hidden. prior: rank x rank, covariance of the coefficients
-/// of a column. noise: variance of a known row, in units of `prior`.
+/// basis: orthonormal columns. hidden: a row; bit j is set when column j does not show it.
 ///
-/// B_known^T B_known is summed over rows that are hidden in the same columns, so it costs one Gram matrix of the basis
-/// for all columns where they hide the same places; over the hidden rows (I minus) or the known ones, whichever are
-/// fewer.
+/// Rows that are hidden in the same columns are summed once, so it costs one Gram matrix of the basis and a product
+/// with the patterns; over the hidden rows of a column (I minus) or its known ones, whichever are fewer.
 template <typename Scalar>
-Eigen::MatrixXd most_probable_coefficients(const row_panels::Columns<const Scalar>& basis,
-                                           std::span<const std::uint32_t> hidden, const Eigen::MatrixXd& projections,
-                                           const Eigen::MatrixXd& prior, double noise);
+Eigen::MatrixXd known_grams(const row_panels::Columns<const Scalar>& basis, std::span<const std::uint64_t> hidden,
+                            int columns);
+
+/// noise * prior^-1. `prior`: rank x rank, covariance of the coefficients of a column; directions that have hardly been
+/// used are given a little. `noise`: variance of a known row, in units of `prior`.
+Eigen::MatrixXd prior_precision(const Eigen::MatrixXd& prior, double noise);
+
+/// Most probable coefficients of a column that shows only some rows (maximum a posteriori): minimises
+/// ||c_known - B_known y||^2 + y^T precision y. `known`: B_known^T B_known, rank x rank; `projection`: B_known^T
+/// c_known.
+Eigen::VectorXd most_probable_coefficients(const Eigen::Ref<const Eigen::MatrixXd>& known,
+                                           const Eigen::Ref<const Eigen::VectorXd>& projection,
+                                           const Eigen::MatrixXd& precision);
 
 }  // namespace sheen

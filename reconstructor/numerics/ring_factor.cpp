@@ -7,7 +7,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "reconstructor/numerics/imputation.h"
 #include "reconstructor/numerics/row_panels.h"
 
 namespace sheen {
@@ -16,7 +15,7 @@ namespace {
 using Eigen::MatrixXd;
 using row_panels::columns;
 
-constexpr int kLargestBlock = 32;  // a row's pattern of hidden columns is a word of 32 bits
+constexpr int kLargestBlock = 32;
 
 void require(bool holds, const char* rule) {
   if (!holds) throw std::invalid_argument(rule);
@@ -123,24 +122,6 @@ typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::pending_coeffi
 }
 
 template <typename Scalar>
-typename BasicRingFactor<Scalar>::Vector BasicRingFactor<Scalar>::estimate(const ConstVectorRef& column,
-                                                                           std::span<const std::uint8_t> known,
-                                                                           double noise) const {
-  Matrix shown = Matrix::Zero(row_panels::padded(rows_), 1);
-  shown.col(0).head(rows_) = column;
-  std::vector<std::uint32_t> hidden(rows_, 0);
-  for (int row = 0; row < rows_; ++row) {
-    if ((known.empty() || known[row]) && std::isfinite(column[row])) continue;
-    hidden[row] = 1;
-    shown(row, 0) = 0;
-  }
-  const MatrixXd projection = row_panels::inner_products(columns(basis_, rank_), columns(shown, 1), shown.rows());
-  return most_probable_coefficients(columns(basis_, rank_), hidden, projection, prior(), noise)
-      .col(0)
-      .template cast<Scalar>();
-}
-
-template <typename Scalar>
 MatrixXd BasicRingFactor<Scalar>::prior() const {
   double weight = 0;
   for (const View& view : views_) weight += view.weight;
@@ -150,16 +131,18 @@ MatrixXd BasicRingFactor<Scalar>::prior() const {
 template <typename Scalar>
 void BasicRingFactor<Scalar>::restore_orthonormality() {
   const auto b = columns(basis_, rank_);
-  const Eigen::LLT<MatrixXd> cholesky(row_panels::inner_products(b, b, basis_.rows(), true));
-  if (cholesky.info() != Eigen::Success) return;
-  // B <- B R^-1, Y <- R Y
-  const MatrixXd r = cholesky.matrixU();
-  const MatrixXd inverse = cholesky.matrixU().solve(MatrixXd::Identity(rank_, rank_));
-  row_panels::combine<Scalar>(b, {}, inverse.template cast<Scalar>(), basis_.rows(),
-                              {basis_.data(), basis_.rows(), rank_});
-  coefficients_ = (r.template cast<Scalar>() * coefficients_).eval();
-  gram_ = (r * gram_ * r.transpose()).eval();
-  if (scatter_.size() > 0) scatter_ = (r * scatter_ * r.transpose()).eval();
+  for (int pass = 0; pass < 2; ++pass) {  // the first leaves rounding times the condition of the rows' Gram matrix
+    const Eigen::LLT<MatrixXd> cholesky(row_panels::inner_products(b, b, basis_.rows(), true));
+    if (cholesky.info() != Eigen::Success) return;
+    // B <- B R^-1, Y <- R Y
+    const MatrixXd r = cholesky.matrixU();
+    const MatrixXd inverse = cholesky.matrixU().solve(MatrixXd::Identity(rank_, rank_));
+    row_panels::combine<Scalar>(b, {}, inverse.template cast<Scalar>(), basis_.rows(),
+                                {basis_.data(), basis_.rows(), rank_});
+    coefficients_ = (r.template cast<Scalar>() * coefficients_).eval();
+    gram_ = (r * gram_ * r.transpose()).eval();
+    if (scatter_.size() > 0) scatter_ = (r * scatter_ * r.transpose()).eval();
+  }
 }
 
 template <typename Scalar>
@@ -177,6 +160,13 @@ void BasicRingFactor<Scalar>::merge_views(int kept, int removed) {
   a.scatter += b.scatter + w * d.squaredNorm();
   a.lost += share * (b.lost - a.lost);
   a.weight += b.weight;
+  if (a.hidden && b.hidden) {
+    auto either = std::make_shared<std::vector<std::uint64_t>>(*a.hidden);
+    for (std::size_t word = 0; word < either->size(); ++word) (*either)[word] |= (*b.hidden)[word];
+    a.hidden = std::move(either);
+  } else if (b.hidden) {
+    a.hidden = b.hidden;
+  }
   coefficients_.col(kept) += static_cast<Scalar>(share) * apart;
   erase_view(removed);
 }
@@ -250,6 +240,8 @@ std::size_t BasicRingFactor<Scalar>::bytes() const {
                       sizeof(double) * (gram_.size() + scatter_.size() + spectrum_.size()) +
                       sizeof(std::uint64_t) * seen_.capacity() + sizeof(View) * views_.capacity() +
                       sizeof(Pending) * pending_.capacity();
+  for (const View& view : views_)
+    if (view.hidden) bytes += sizeof(*view.hidden) + sizeof(std::uint64_t) * view.hidden->capacity();
   for (const Pending& pending : pending_) bytes += sizeof(std::uint64_t) * pending.hidden.capacity();
   return bytes;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -46,8 +47,9 @@ struct ColumnReport {
 /// that makes the result independent of the order of the columns.
 ///
 /// Rows that a column does not show (`known` = 0) are imputed when its block is folded, with the basis before the block
-/// (see imputation.h). A row that no column showed so far is zero in B; the first columns that show it give it its
-/// channel's mean row, scaled to their values: a surface point seen late is taken to have varied like its ring.
+/// (see imputation.h), and again each time that a sixth of all columns is newer: early guesses do not stay. A row that
+/// no column showed so far is zero in B; the first columns that show it give it its channel's mean row, scaled to their
+/// values: a surface point seen late is taken to have varied like its ring.
 ///
 /// Views are numbered 0 .. views() - 1, in the order of their arrival: first the folded, then the pending ones. Folds
 /// depend on how many columns were added and on nothing else: looking (`settled`, `pending_coefficients`) never changes
@@ -81,7 +83,9 @@ class BasicRingFactor {
   auto basis() const { return basis_.topLeftCorner(rows_, rank_); }
   const Matrix& coefficients() const { return coefficients_; }  ///< rank x folded_views()
   auto displayed_basis() const { return basis_.topLeftCorner(rows_, displayed_rank()); }
-  auto displayed_coefficients() const { return coefficients_.topRows(displayed_rank()); }
+  /// displayed_rank() x folded_views(). A view that hides rows has the coefficients that are most probable given what
+  /// it showed and that only these terms will explain it: the terms behind the displayed ones are noise then.
+  Matrix displayed_coefficients() const;
   const Eigen::MatrixXd& gram() const { return gram_; }
   /// Squared singular values of the folded columns (each times the root of its weight), descending.
   const Eigen::VectorXd& spectrum() const { return spectrum_; }
@@ -140,9 +144,11 @@ class BasicRingFactor {
     std::vector<std::uint64_t> hidden;  ///< a bit a row; empty when all rows are known
   };
   struct View {
-    double weight;       ///< sum over its columns
-    double lost;         ///< ||c||^2 - ||y||^2, weighted mean over its columns
-    double scatter = 0;  ///< trace of its part of `scatter_`
+    double weight;   ///< sum over its columns
+    double lost;     ///< ||c||^2 - ||y||^2, weighted mean over its columns
+    double scatter;  ///< trace of its part of `scatter_`
+    /// A bit a row that one of its columns did not show; null when all rows are known.
+    std::shared_ptr<const std::vector<std::uint64_t>> hidden;
   };
   struct Block;  // one fold, in ring_fold.cpp
   struct Turn;
@@ -150,9 +156,13 @@ class BasicRingFactor {
   int block_size() const;
   bool seen(int row) const { return seen_[row / 64] >> (row % 64) & 1; }
   Eigen::MatrixXd prior() const;  ///< covariance of a column's coefficients: G / n
-  std::vector<std::uint32_t> hidden_patterns() const;
-  Eigen::MatrixXd pending_projections(std::span<const std::uint32_t> hidden) const;
-  void reveal_rows(const Block& block, std::span<const std::uint32_t> hidden);
+  std::vector<std::uint64_t> hidden_patterns() const;
+  Eigen::MatrixXd pending_projections(std::span<const std::uint64_t> hidden) const;
+  void reveal_rows(std::span<const double> weight, std::span<const std::uint64_t> hidden);
+  template <typename Visit>
+  void visit_masked_views(Visit visit) const;
+  void impute_again_when_due();
+  void impute_again();
   void restore_orthonormality();
   Reports split_residuals(Block& block);
   ColumnReport report(const Pending& column, double norm2, double residual2);
@@ -174,6 +184,7 @@ class BasicRingFactor {
   int unseen_rows_;
   std::int64_t turns_ = 0;  ///< of the basis
   std::int64_t columns_added_ = 0, columns_folded_ = 0, columns_predicted_ = 0;
+  std::int64_t imputed_at_ = 0;  ///< columns folded when hidden rows were last imputed again
   double lost_ = 0;
   double row_noise_ = 0;
   Matrix basis_;                     ///< padded rows x rank

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "reconstructor/numerics/imputation.h"
 #include "reconstructor/numerics/ring_factor.h"
 #include "reconstructor/numerics/row_panels.h"
 
@@ -28,16 +27,12 @@ template <typename Scalar>
 constexpr double kSmallestPivot = 16 * std::numeric_limits<Scalar>::epsilon();
 // Rounding in the Gram matrix of the residuals reaches the basis magnified by this much at most; beyond it, they are
 // orthogonalised once more ("twice is enough").
-constexpr double kLargestGrowth = 16;
+constexpr double kLargestGrowth = 4;
 
 // A turn of the basis costs it about one unit of rounding of orthonormality, and a polish gives it back.
 constexpr int kTurnsBetweenPolishes = 4;
 // What is dropped on the way may be missed later: it takes this share of the budget, the displayed rank the whole.
 constexpr double kShareOfBudgetOnTheWay = 0.5;
-
-/// Rows of a ring that was dim where it is now bright say little about each other: a channel's mean row is scaled only
-/// where it predicts at least this share of a typical value.
-constexpr double kDim = 0.04;
 
 /// R = P to_directions is orthonormal, and R coefficients = P but for what rounding hides.
 struct Orthonormalised {
@@ -115,38 +110,16 @@ struct BasicRingFactor<Scalar>::Turn {
 };
 
 template <typename Scalar>
-std::vector<std::uint32_t> BasicRingFactor<Scalar>::hidden_patterns() const {
-  std::vector<std::uint32_t> patterns;
-  for (std::size_t j = 0; j < pending_.size(); ++j) {
-    const std::vector<std::uint64_t>& hidden = pending_[j].hidden;
-    if (hidden.empty()) continue;
-    if (patterns.empty()) patterns.assign(rows_, 0);
-    for (std::size_t word = 0; word < hidden.size(); ++word) {
-      for (std::uint64_t bits = hidden[word]; bits != 0; bits &= bits - 1)
-        patterns[64 * word + std::countr_zero(bits)] |= 1u << j;
-    }
-  }
-  return patterns;
-}
-
-template <typename Scalar>
-MatrixXd BasicRingFactor<Scalar>::pending_projections(std::span<const std::uint32_t> hidden) const {
-  const MatrixXd projections =
-      row_panels::inner_products(columns(basis_, rank_), columns(buffer_, pending()), basis_.rows());
-  if (hidden.empty() || rank_ == 0) return projections;
-  return most_probable_coefficients(columns(basis_, rank_), hidden, projections, prior(), row_noise());
-}
-
-template <typename Scalar>
 typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
   Reports reports;
   if (pending_.empty()) return reports;
+  impute_again_when_due();
   Block block;
   block.count = pending();
   block.weight.resize(block.count);
   for (int j = 0; j < block.count; ++j) block.weight[j] = std::ldexp(pending_[j].weight, 2 * pending_[j].exponent);
-  const std::vector<std::uint32_t> hidden = hidden_patterns();
-  if (unseen_rows_ > 0) reveal_rows(block, hidden);
+  const std::vector<std::uint64_t> hidden = hidden_patterns();
+  if (unseen_rows_ > 0) reveal_rows({block.weight.data(), static_cast<std::size_t>(block.count)}, hidden);
 
   // y = B^T c, p = c - B y (000 sec. 3.1), with the hidden rows of c at their most probable values B y: p is 0 there.
   block.norm2.resize(block.count);
@@ -158,7 +131,7 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
     row_panels::combine<Scalar>(columns(basis_, rank_), {}, -y, basis_.rows(),
                                 {buffer_.data(), buffer_.rows(), block.count}, true);
   for (std::size_t row = 0; row < hidden.size(); ++row)
-    for (std::uint32_t bits = hidden[row]; bits != 0; bits &= bits - 1)
+    for (std::uint64_t bits = hidden[row]; bits != 0; bits &= bits - 1)
       buffer_(static_cast<Eigen::Index>(row), std::countr_zero(bits)) = 0;
 
   reports = split_residuals(block);
@@ -166,54 +139,6 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
   columns_folded_ += block.count;
   pending_.clear();
   return reports;
-}
-
-/// Gives rows that the basis has never seen the mean row of their channel, scaled to what the block's columns show.
-template <typename Scalar>
-void BasicRingFactor<Scalar>::reveal_rows(const Block& block, std::span<const std::uint32_t> hidden) {
-  std::vector<int> revealed;
-  const std::uint32_t all = block.count == 32 ? ~0u : (1u << block.count) - 1;
-  for (int row = 0; row < rows_; ++row)
-    if (!(seen_[row / 64] >> (row % 64) & 1) && (hidden.empty() || hidden[row] != all)) revealed.push_back(row);
-  if (revealed.empty()) return;
-  if (rank_ > 0) {
-    // Until now a column's unseen rows are hidden rows: those of the basis are 0.
-    const MatrixXd y = pending_projections(hidden);
-    MatrixXd level = MatrixXd::Zero(options_.channels, rank_);
-    std::vector<double> rows_of_channel(options_.channels, 0);
-    for (int row = 0; row < rows_; ++row) {
-      if (!(seen_[row / 64] >> (row % 64) & 1)) continue;
-      level.row(row % options_.channels) += basis_.row(row).head(rank_).template cast<double>();
-      rows_of_channel[row % options_.channels] += 1;
-    }
-    double rows_seen = 0;
-    for (int c = 0; c < options_.channels; ++c) {
-      level.row(c) /= std::max(rows_of_channel[c], 1.0);
-      rows_seen += rows_of_channel[c];
-    }
-    const MatrixXd expected = level * y;  // channels x columns
-    for (const int row : revealed) {
-      const int channel = row % options_.channels;
-      double value_expected = 0, expected2 = 0, typical2 = 0, y2 = 0;
-      VectorXd value_y = VectorXd::Zero(rank_);
-      for (int j = 0; j < block.count; ++j) {
-        if (!hidden.empty() && (hidden[row] >> j & 1)) continue;
-        const double value = buffer_(row, j), e = expected(channel, j), w = block.weight[j];
-        value_expected += w * value * e;
-        expected2 += w * e * e;
-        typical2 += w * y.col(j).squaredNorm() / std::max(rows_seen, 1.0);
-        y2 += w * y.col(j).squaredNorm();
-        value_y += w * value * y.col(j);
-      }
-      if (expected2 > kDim * kDim * typical2)
-        basis_.row(row).head(rank_) = (value_expected / expected2 * level.row(channel)).template cast<Scalar>();
-      else if (y2 > 0)
-        basis_.row(row).head(rank_) = (value_y.transpose() / y2).template cast<Scalar>();
-    }
-    restore_orthonormality();
-  }
-  for (const int row : revealed) seen_[row / 64] |= std::uint64_t{1} << (row % 64);
-  unseen_rows_ -= static_cast<int>(revealed.size());
 }
 
 /// Separates what the basis does not hold of the block, and orthonormalises it where it may not be lost.
@@ -271,7 +196,9 @@ template <typename Scalar>
 void BasicRingFactor<Scalar>::choose_rank(const VectorXd& descending, double lost, Turn& turn) const {
   const double energy = lost + descending.sum();
   const double budget = options_.tolerance * options_.tolerance * energy;
-  const double rounding = kNoise<Scalar> * kNoise<Scalar> * energy;
+  // of the columns, and of the eigenvalues, which are no more exact than the largest of them
+  const double rounding =
+      std::max(kNoise<Scalar> * kNoise<Scalar>, 4 * std::numeric_limits<double>::epsilon()) * energy;
   turn.rank = static_cast<int>(descending.size());
   while (turn.rank > 0) {
     const double next = descending[turn.rank - 1];
@@ -352,10 +279,11 @@ void BasicRingFactor<Scalar>::absorb(Block& block) {
     return;
   }
   if (grows) {
-    // Rounding in the residuals' Gram matrix, of norm 1 each, reaches the new basis times this.
-    const MatrixXd reach = block.residual2.cwiseSqrt().asDiagonal() * block.to_directions *
-                           turn.from_core.bottomRows(block.outside.rows());
-    if (reach.colwise().squaredNorm().maxCoeff() > kLargestGrowth) {
+    // Rounding in the inner products of the residuals P, of norm 1 each, reaches the new basis times this. (Those of
+    // columns with hidden rows may lie mostly within B.)
+    const VectorXd norm = (block.residual2 + block.overlap.colwise().squaredNorm().transpose()).cwiseSqrt();
+    const MatrixXd reach = norm.asDiagonal() * block.to_directions * turn.from_core.bottomRows(block.outside.rows());
+    if (turn.rank > 0 && reach.colwise().squaredNorm().maxCoeff() > kLargestGrowth) {
       orthonormalise_again(block);
       turn = singular_turn(block);
     }
@@ -426,12 +354,18 @@ template <typename Scalar>
 void BasicRingFactor<Scalar>::append_views(const Block& block, const MatrixXd& coordinates) {
   const Eigen::Index before = coefficients_.cols();
   coefficients_.conservativeResize(rank_, before + block.count);
+  views_.reserve(views_.size() + static_cast<std::size_t>(block.count));  // no more than that: there are many rings
   for (int j = 0; j < block.count; ++j) {
     const int exponent = pending_[j].exponent;
     coefficients_.col(before + j) =
         coordinates.col(j).unaryExpr([&](double y) { return std::ldexp(y, exponent); }).template cast<Scalar>();
     const double inside = (block.inside.col(j).squaredNorm() + block.residual2[j]) - coordinates.col(j).squaredNorm();
-    views_.push_back({pending_[j].weight, std::ldexp(std::max(0.0, inside), 2 * exponent)});
+    views_.push_back({.weight = pending_[j].weight,
+                      .lost = std::ldexp(std::max(0.0, inside), 2 * exponent),
+                      .scatter = 0,
+                      .hidden = nullptr});
+    if (!pending_[j].hidden.empty())
+      views_.back().hidden = std::make_shared<const std::vector<std::uint64_t>>(std::move(pending_[j].hidden));
   }
 }
 
@@ -447,10 +381,6 @@ void BasicRingFactor<Scalar>::turn_to_singular_order() {
 // The members that ring_factor.cpp uses; they bring the others with them.
 template BasicRingFactor<float>::Reports BasicRingFactor<float>::fold();
 template BasicRingFactor<double>::Reports BasicRingFactor<double>::fold();
-template std::vector<std::uint32_t> BasicRingFactor<float>::hidden_patterns() const;
-template std::vector<std::uint32_t> BasicRingFactor<double>::hidden_patterns() const;
-template MatrixXd BasicRingFactor<float>::pending_projections(std::span<const std::uint32_t>) const;
-template MatrixXd BasicRingFactor<double>::pending_projections(std::span<const std::uint32_t>) const;
 template void BasicRingFactor<float>::turn_to_singular_order();
 template void BasicRingFactor<double>::turn_to_singular_order();
 

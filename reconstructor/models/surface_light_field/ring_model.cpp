@@ -80,8 +80,16 @@ void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uin
   const int view = view_of(direction), folded = factor_.folded_views();
   if (view < folded) {
     const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
+    const auto weight = static_cast<float>(factor_.weight_of(view));
     factor_.take_from(view, column, known_rows(visible, shown), trust(share));
-    if (factor_.folded_views() < folded) erase_view(view);
+    if (factor_.folded_views() < folded) {
+      erase_view(view);
+    } else {  // it was merged: the view moves back to where the others are
+      directions_[view] = (weight * directions_[view] - static_cast<float>(trust(share)) * direction).normalized();
+      for (Nearest& nearest : nearest_)
+        if (nearest.view == view) nearest = {};
+      place(view);
+    }
     for (int v = 0; v < factor_.folded_views(); ++v)
       if (nearest_[v].view < 0) place(v);
   } else {

@@ -110,5 +110,26 @@ RC_GTEST_PROP(RingFactorProperties, FloatAndDoubleAgree, ()) {
   RC_ASSERT(std::abs(displayed_model_error(single, data) - displayed_model_error(precise, data)) < 2e-3);
 }
 
+RC_GTEST_PROP(RingFactorProperties, MissingRowsRemovalAndMergingKeepTheInvariants, ()) {
+  const MatrixXf data = hostile_matrix();
+  const RingFactorOptions options = any_options();
+  RingFactor factor(static_cast<int>(data.rows()), options, *rc::gen::inRange(0U, 40U));
+  for (Eigen::Index j = 0; j < data.cols(); ++j) {
+    const int share = *rc::gen::element(0, 1, 20, 60, 100);
+    std::vector<std::uint8_t> known(static_cast<std::size_t>(data.rows()));
+    for (std::uint8_t& k : known) k = *rc::gen::inRange(0, 100) < share;
+    factor.add(data.col(j), known, *rc::gen::element(1e-3, 0.5, 1.0, 100.0));
+    const int act = *rc::gen::inRange(0, 6);
+    if (act == 0) factor.remove(*rc::gen::inRange(0, factor.views()));
+    if (act == 1 && factor.folded_views() > 1) {
+      const int kept = *rc::gen::inRange(1, factor.folded_views());
+      factor.merge_views(kept, *rc::gen::inRange(0, kept));
+    }
+    if (act == 2) factor.fold();
+    RC_ASSERT(broken_invariants(factor) == "");
+  }
+  RC_ASSERT(broken_invariants(factor.settled()) == "");
+}
+
 }  // namespace
 }  // namespace sheen

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+// What columns do not show: their hidden rows, and rows that are seen for the first time. The class is in
+// ring_factor.h.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "reconstructor/numerics/imputation.h"
+#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/numerics/row_panels.h"
+
+namespace sheen {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using row_panels::columns;
+
+/// Rows of a ring that was dim where it is now bright say little about each other: a channel's mean row is scaled only
+/// where it predicts at least this share of a typical value.
+constexpr double kDim = 0.04;
+
+/// A revealed row that outshines all others of the ring together as much as this is an event, and starts at zero.
+constexpr double kBrightest = 1e3;
+
+/// Rows err together (the channels of a sample, neighbours in a highlight), so this many say what one says.
+constexpr double kRowsThatErrTogether = 2;
+
+// Between two imputations of the same hidden rows, the columns grow by this factor: the basis has learnt something, and
+// the cost a column stays bounded.
+constexpr double kGrowth = 1.1;
+constexpr std::int64_t kFirst = 10;  // columns; with fewer, the basis knows too little to correct itself
+
+/// Sets bit `column` of the rows that a column hides.
+void mark_hidden(const std::vector<std::uint64_t>& hidden, int column, std::vector<std::uint64_t>& patterns) {
+  for (std::size_t word = 0; word < hidden.size(); ++word)
+    for (std::uint64_t bits = hidden[word]; bits != 0; bits &= bits - 1)
+      patterns[64 * word + std::countr_zero(bits)] |= std::uint64_t{1} << column;
+}
+
+}  // namespace
+
+template <typename Scalar>
+std::vector<std::uint64_t> BasicRingFactor<Scalar>::hidden_patterns() const {
+  std::vector<std::uint64_t> patterns;
+  for (int j = 0; j < pending(); ++j) {
+    if (pending_[j].hidden.empty()) continue;
+    if (patterns.empty()) patterns.assign(rows_, 0);
+    mark_hidden(pending_[j].hidden, j, patterns);
+  }
+  return patterns;
+}
+
+template <typename Scalar>
+MatrixXd BasicRingFactor<Scalar>::pending_projections(std::span<const std::uint64_t> hidden) const {
+  MatrixXd y = row_panels::inner_products(columns(basis_, rank_), columns(buffer_, pending()), basis_.rows());
+  if (hidden.empty() || rank_ == 0) return y;
+  const MatrixXd known = known_grams(columns(basis_, rank_), hidden, pending());
+  const MatrixXd precision = prior_precision(prior(), row_noise());
+  for (int j = 0; j < pending(); ++j)
+    if (!pending_[j].hidden.empty())
+      y.col(j) = most_probable_coefficients(known.col(j).reshaped(rank_, rank_), y.col(j), precision);
+  return y;
+}
+
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Vector BasicRingFactor<Scalar>::estimate(const ConstVectorRef& column,
+                                                                           std::span<const std::uint8_t> known,
+                                                                           double noise) const {
+  Matrix shown = Matrix::Zero(row_panels::padded(rows_), 1);
+  shown.col(0).head(rows_) = column;
+  std::vector<std::uint64_t> hidden(rows_, 0);
+  bool all_known = true;
+  for (int row = 0; row < rows_; ++row) {
+    if ((known.empty() || known[row]) && std::isfinite(column[row])) continue;
+    all_known = false;
+    hidden[row] = 1;
+    shown(row, 0) = 0;
+  }
+  const MatrixXd y = row_panels::inner_products(columns(basis_, rank_), columns(shown, 1), shown.rows());
+  if (all_known || rank_ == 0) return y.col(0).template cast<Scalar>();
+  const MatrixXd gram = known_grams(columns(basis_, rank_), hidden, 1);
+  return most_probable_coefficients(gram.reshaped(rank_, rank_), y.col(0), prior_precision(prior(), noise))
+      .template cast<Scalar>();
+}
+
+/// Calls visit(view, B_known^T B_known) for the folded views that hide rows.
+template <typename Scalar>
+template <typename Visit>
+void BasicRingFactor<Scalar>::visit_masked_views(Visit visit) const {
+  std::vector<int> masked;
+  for (int v = 0; v < folded_views(); ++v)
+    if (views_[v].hidden) masked.push_back(v);
+  for (std::size_t first = 0; first < masked.size() && rank_ > 0; first += kPatternColumns) {
+    const int count = static_cast<int>(std::min<std::size_t>(kPatternColumns, masked.size() - first));
+    std::vector<std::uint64_t> patterns(rows_, 0);
+    for (int j = 0; j < count; ++j) mark_hidden(*views_[masked[first + j]].hidden, j, patterns);
+    const MatrixXd known = known_grams(columns(basis_, rank_), patterns, count);
+    for (int j = 0; j < count; ++j) visit(masked[first + j], MatrixXd(known.col(j).reshaped(rank_, rank_)));
+  }
+}
+
+template <typename Scalar>
+void BasicRingFactor<Scalar>::impute_again_when_due() {
+  const auto before = static_cast<double>(std::max(imputed_at_, kFirst));
+  if (static_cast<double>(columns_folded_) < kGrowth * before) return;
+  imputed_at_ = columns_folded_;
+  if (rank_ > 0) impute_again();
+}
+
+/// The hidden rows of the folded views anew, from what the basis has learnt since: one step of expectation
+/// maximisation, in which B_known y stands for what a view showed. What that changes in its known rows is lost.
+template <typename Scalar>
+void BasicRingFactor<Scalar>::impute_again() {
+  const MatrixXd precision = prior_precision(prior(), kRowsThatErrTogether * row_noise());
+  visit_masked_views([&](int v, const MatrixXd& known) {
+    const VectorXd before = coefficients_.col(v).template cast<double>();
+    const VectorXd after = most_probable_coefficients(known, known * before, precision);
+    const VectorXd change = after - before;
+    const double missed = std::max(0.0, change.dot(known * change));
+    View& view = views_[v];
+    gram_.noalias() += view.weight * (after * after.transpose() - before * before.transpose());
+    lost_ += view.weight * missed;
+    view.lost += missed;
+    coefficients_.col(v) = after.template cast<Scalar>();
+  });
+}
+
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::displayed_coefficients() const {
+  const int displayed = displayed_rank();
+  Matrix y = coefficients_.topRows(displayed);
+  const MatrixXd covariance = prior();
+  const double appendix = covariance.diagonal().tail(rank_ - displayed).sum() / rows_;
+  const MatrixXd precision =
+      prior_precision(covariance.topLeftCorner(displayed, displayed), kRowsThatErrTogether * (row_noise() + appendix));
+  visit_masked_views([&](int v, const MatrixXd& known) {
+    const VectorXd projection = known.topRows(displayed) * coefficients_.col(v).template cast<double>();
+    y.col(v) = most_probable_coefficients(known.topLeftCorner(displayed, displayed), projection, precision)
+                   .template cast<Scalar>();
+  });
+  return y;
+}
+
+/// Gives rows that the basis has never seen the mean row of their channel, scaled to what the block's columns show.
+template <typename Scalar>
+void BasicRingFactor<Scalar>::reveal_rows(std::span<const double> weight, std::span<const std::uint64_t> hidden) {
+  std::vector<int> revealed;
+  const std::uint64_t all = (std::uint64_t{1} << pending()) - 1;
+  for (int row = 0; row < rows_; ++row)
+    if (!(seen_[row / 64] >> (row % 64) & 1) && (hidden.empty() || hidden[row] != all)) revealed.push_back(row);
+  if (revealed.empty()) return;
+  if (rank_ > 0) {
+    // Until now a column's unseen rows are hidden rows: those of the basis are 0.
+    const MatrixXd y = pending_projections(hidden);
+    MatrixXd level = MatrixXd::Zero(options_.channels, rank_);
+    std::vector<double> rows_of_channel(options_.channels, 0);
+    for (int row = 0; row < rows_; ++row) {
+      if (!(seen_[row / 64] >> (row % 64) & 1)) continue;
+      level.row(row % options_.channels) += basis_.row(row).head(rank_).template cast<double>();
+      rows_of_channel[row % options_.channels] += 1;
+    }
+    double rows_seen = 0;
+    for (int c = 0; c < options_.channels; ++c) {
+      level.row(c) /= std::max(rows_of_channel[c], 1.0);
+      rows_seen += rows_of_channel[c];
+    }
+    const MatrixXd expected = level * y;  // channels x columns
+    for (const int row : revealed) {
+      const int channel = row % options_.channels;
+      double value_expected = 0, expected2 = 0, typical2 = 0, y2 = 0;
+      VectorXd value_y = VectorXd::Zero(rank_);
+      for (int j = 0; j < pending(); ++j) {
+        if (!hidden.empty() && (hidden[row] >> j & 1)) continue;
+        const double value = buffer_(row, j), e = expected(channel, j), w = weight[j];
+        value_expected += w * value * e;
+        expected2 += w * e * e;
+        typical2 += w * y.col(j).squaredNorm() / std::max(rows_seen, 1.0);
+        y2 += w * y.col(j).squaredNorm();
+        value_y += w * value * y.col(j);
+      }
+      VectorXd revealed_row = VectorXd::Zero(rank_);
+      if (expected2 > kDim * kDim * typical2)
+        revealed_row = value_expected / expected2 * level.row(channel).transpose();
+      else if (y2 > 0)
+        revealed_row = value_y / y2;
+      if (revealed_row.norm() < kBrightest)
+        basis_.row(row).head(rank_) = revealed_row.transpose().template cast<Scalar>();
+    }
+    restore_orthonormality();
+  }
+  for (const int row : revealed) seen_[row / 64] |= std::uint64_t{1} << (row % 64);
+  unseen_rows_ -= static_cast<int>(revealed.size());
+}
+
+// The members that ring_factor.cpp and ring_fold.cpp use.
+template std::vector<std::uint64_t> BasicRingFactor<float>::hidden_patterns() const;
+template MatrixXd BasicRingFactor<float>::pending_projections(std::span<const std::uint64_t>) const;
+template BasicRingFactor<float>::Vector BasicRingFactor<float>::estimate(const ConstVectorRef&,
+                                                                         std::span<const std::uint8_t>, double) const;
+template BasicRingFactor<float>::Matrix BasicRingFactor<float>::displayed_coefficients() const;
+template void BasicRingFactor<float>::reveal_rows(std::span<const double>, std::span<const std::uint64_t>);
+template void BasicRingFactor<float>::impute_again_when_due();
+template std::vector<std::uint64_t> BasicRingFactor<double>::hidden_patterns() const;
+template MatrixXd BasicRingFactor<double>::pending_projections(std::span<const std::uint64_t>) const;
+template BasicRingFactor<double>::Vector BasicRingFactor<double>::estimate(const ConstVectorRef&,
+                                                                           std::span<const std::uint8_t>, double) const;
+template BasicRingFactor<double>::Matrix BasicRingFactor<double>::displayed_coefficients() const;
+template void BasicRingFactor<double>::reveal_rows(std::span<const double>, std::span<const std::uint64_t>);
+template void BasicRingFactor<double>::impute_again_when_due();
+
+}  // namespace sheen
