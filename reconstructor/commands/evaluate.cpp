@@ -52,7 +52,7 @@ void evaluate(const EvaluateArguments& arguments) {
         if (arguments.baselines) {
           const ImageF linear =
               to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
-          photographs->add(capture, linear, visibility);
+          photographs->add(capture, linear, view);
         }
       }
       progress.update(i + 1);

@@ -8,12 +8,12 @@
 
 #include "common/color.h"
 #include "reconstructor/numerics/view_kriging.h"
+#include "reconstructor/surface/edge_fill.h"
 
 namespace sheen {
 namespace {
 
 constexpr int kLumigraphViews = 4;
-constexpr int kBorder = 2;  // that the cubic kernel reads beyond the object
 
 class PhotographShader : public ViewShader {
  public:
@@ -93,17 +93,17 @@ std::optional<Eigen::Vector3f> look_up(const Photograph& photograph, const Eigen
 
 }  // namespace
 
-void PhotographSet::add(const Capture& capture, const ImageF& linear, const RingVisibility& visibility) {
-  const ImageF& depth = visibility.safe_depth();
+void PhotographSet::add(const Capture& capture, const ImageF& linear, const SurfaceView& view) {
+  const ImageF& depth = view.safe_depth;
   const int w = depth.width(), h = depth.height();
   int x0 = w, y0 = h, x1 = 0, y1 = 0;
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
       if (depth.at(x, y) > 0) {
-        x0 = std::min(x0, std::max(x - kBorder, 0));
-        y0 = std::min(y0, std::max(y - kBorder, 0));
-        x1 = std::max(x1, std::min(x + kBorder + 1, w));
-        y1 = std::max(y1, std::min(y + kBorder + 1, h));
+        x0 = std::min(x0, std::max(x - kFilledPixels, 0));
+        y0 = std::min(y0, std::max(y - kFilledPixels, 0));
+        x1 = std::max(x1, std::min(x + kFilledPixels + 1, w));
+        y1 = std::max(y1, std::min(y + kFilledPixels + 1, h));
       }
   if (x0 >= x1) return;  // shows nothing safely
   Photograph photograph{.camera = capture.camera,
@@ -113,11 +113,14 @@ void PhotographSet::add(const Capture& capture, const ImageF& linear, const Ring
                         .top = y0,
                         .pixels = ImageU8(x1 - x0, y1 - y0, 3),
                         .depth = ImageF(x1 - x0, y1 - y0, 1)};
+  ImageF cut(x1 - x0, y1 - y0, 3);
+  for (int y = y0; y < y1; ++y) std::copy_n(linear.pixel(x0, y), 3 * cut.width(), cut.row(y - y0));
+  fill_edges(depth, x0, y0, cut);
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) {
       for (int c = 0; c < 3; ++c)
-        photograph.pixels.at(x - x0, y - y0, c) =
-            static_cast<std::uint8_t>(std::lround(255 * std::clamp(srgb_encode(linear.at(x, y, c)), 0.0f, 1.0f)));
+        photograph.pixels.at(x - x0, y - y0, c) = static_cast<std::uint8_t>(
+            std::lround(255 * std::clamp(srgb_encode(cut.at(x - x0, y - y0, c)), 0.0f, 1.0f)));
       photograph.depth.at(x - x0, y - y0) = depth.at(x, y);
     }
   photographs_.push_back(std::move(photograph));

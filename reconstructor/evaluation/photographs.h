@@ -28,8 +28,8 @@ class PhotographSet {
   PhotographSet(std::shared_ptr<const Mesh> mesh, const VisibilityOptions& options)
       : mesh_(std::move(mesh)), options_(options) {}
 
-  /// `linear`: RGB. `visibility` must have just looked through the photograph's camera.
-  void add(const Capture& capture, const ImageF& linear, const RingVisibility& visibility);
+  /// `linear`: RGB. `view`: of this capture. Edges are filled as the light field's are.
+  void add(const Capture& capture, const ImageF& linear, const SurfaceView& view);
   std::size_t size() const { return photographs_.size(); }
 
   /// Each point takes its colour from the photograph that shows it from the direction nearest to the eye's.

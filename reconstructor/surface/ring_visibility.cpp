@@ -13,6 +13,20 @@
 #include "common/batch_projection.h"
 
 namespace sheen {
+namespace {
+
+/// Whether something else than the surface of a pixel that touches no edge lies where the kernel of 4 x 4 reads round
+/// it: a surface before or behind it, or what the mask hides. A background is nothing: `fill_edges` covers it.
+/// `limit`: of the depth's step between neighbouring pixels; here they are up to two apart.
+bool reads_something_else(const ImageF& depth, int x, int y, float limit) {
+  const float z = depth.at(x, y);
+  for (int j = std::max(y - 2, 0); j <= std::min(y + 2, depth.height() - 1); ++j)
+    for (int i = std::max(x - 2, 0); i <= std::min(x + 2, depth.width() - 1); ++i)
+      if (const float other = depth.at(i, j); other != 0 && std::abs(other - z) > 2 * limit) return true;
+  return false;
+}
+
+}  // namespace
 
 RingVisibility::RingVisibility(const Mesh& mesh, const VertexRings& rings, const VisibilityOptions& options)
     : mesh_(mesh), rings_(rings), options_(options), scene_(mesh) {
@@ -58,7 +72,7 @@ void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_
     });
     rays_of_ = camera;
     depth_ = ImageF(w, h, 1);
-    safe_depth_ = ImageF(w, h, 1);
+    view_.safe_depth = ImageF(w, h, 1);
     smooth_ = narrow_ = ImageU8(w, h, 1);
   }
   view_.box = {w, h, 0, 0};
@@ -90,7 +104,7 @@ void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_
       for (int i = 0; i < n; ++i) out[i] = hits[i] && hits[i].front ? hits[i].distance : 0;  // rays have z = 1
       if (mask.empty()) continue;
       for (int i = 0; i < n; ++i)
-        if (mask.at(view_.box.x0 + i, y) == 0) out[i] = 0;
+        if (mask.at(view_.box.x0 + i, y) == 0) out[i] = -out[i];
     }
   });
 }
@@ -98,7 +112,7 @@ void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_
 void RingVisibility::erode_depth(const Camera& camera) {
   const int w = camera.width, h = camera.height, r = options_.erosion_px;
   const auto footprint = static_cast<float>(options_.depth_step / std::min(camera.fx, camera.fy));
-  std::fill_n(safe_depth_.data(), safe_depth_.size(), 0.0f);
+  std::fill_n(view_.safe_depth.data(), view_.safe_depth.size(), 0.0f);
   const PixelBox inner{std::max(view_.box.x0, 1), std::max(view_.box.y0, 1), std::min(view_.box.x1, w - 1),
                        std::min(view_.box.y1, h - 1)};
   if (inner.empty()) return;
@@ -110,7 +124,7 @@ void RingVisibility::erode_depth(const Camera& camera) {
       for (int x = inner.x0; x < inner.x1; ++x) {
         const float z = row[x], limit = footprint * z;
         const auto near = [&](float other) { return std::abs(other - z) <= limit; };
-        // Diagonals too: the cubic kernel reads two pixels away in both directions at once.
+        // Diagonals too: a pixel may straddle an edge with its corner.
         out[x] = (z > 0) & near(row[x - 1]) & near(row[x + 1]) & near(above[x]) & near(below[x]) & near(above[x - 1]) &
                  near(above[x + 1]) & near(below[x - 1]) & near(below[x + 1]);
       }
@@ -130,8 +144,23 @@ void RingVisibility::erode_depth(const Camera& camera) {
       for (int x = range.begin(); x < range.end(); ++x) {
         int& length = run[x - range.begin()];
         length = narrow_.at(x, y) ? length + 1 : 0;
-        if (length > 2 * r) safe_depth_.at(x, y - r) = depth_.at(x, y - r);
+        if (length > 2 * r) view_.safe_depth.at(x, y - r) = depth_.at(x, y - r);
       }
+  });
+  tbb::parallel_for(tbb::blocked_range<int>(inner.y0, inner.y1, 16), [&](const tbb::blocked_range<int>& rows) {
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      const int above = std::max(y - 1, inner.y0), below = std::min(y + 1, inner.y1 - 1);
+      float* out = view_.safe_depth.row(y);
+      for (int x = inner.x0; x < inner.x1; ++x) {
+        if (out[x] <= 0) continue;
+        // Between two smooth pixels there is no edge: only beside others can anything else lie two pixels away.
+        const int left = std::max(x - 1, inner.x0), right = std::min(x + 1, inner.x1 - 1);
+        const bool amid = smooth_.at(left, above) & smooth_.at(x, above) & smooth_.at(right, above) &
+                          smooth_.at(left, y) & smooth_.at(right, y) & smooth_.at(left, below) & smooth_.at(x, below) &
+                          smooth_.at(right, below);
+        if (!amid && reads_something_else(depth_, x, y, footprint * out[x])) out[x] = 0;
+      }
+    }
   });
 }
 
@@ -176,7 +205,7 @@ void RingVisibility::test_samples(const Camera& camera, const Rigid3& camera_fro
         const bool inside = (px[s] >= 1) & (py[s] >= 1) & (px[s] <= largest_x) & (py[s] <= largest_y);
         if (!inside) continue;
         const bool shown =
-            nearer * z[s] <= safe_depth_.at(static_cast<int>(px[s] + 0.5f), static_cast<int>(py[s] + 0.5f));
+            nearer * z[s] <= view_.safe_depth.at(static_cast<int>(px[s] + 0.5f), static_cast<int>(py[s] + 0.5f));
         view_.visible[first + s] = shown;
         visible += shown;
       }

@@ -15,7 +15,8 @@
 namespace sheen {
 
 struct VisibilityOptions {
-  int erosion_px = 1;       ///< kept away from silhouettes, depth steps, the mask's and the image's border
+  int erosion_px = 0;       ///< kept away from edges (silhouettes, depth steps, the mask's and the image's border)
+                            ///< beyond the pixels that touch one
   double min_cosine = 0.2;  ///< of the angle between a triangle's normal and the direction to the camera
   double depth_step = 8;    ///< a step between neighbouring pixels, in pixel footprints, that is an edge and no slope
   double depth_tolerance = 6;  ///< how far behind the first hit a sample may lie, in pixel footprints
@@ -31,6 +32,9 @@ struct SurfaceView {
   std::vector<float> cosine;             ///< a triangle: towards the camera; <= 0 when it faces away
   std::vector<float> step_px;            ///< a triangle: mean distance of neighbouring samples in the image
   std::size_t visible_samples = 0;
+  /// A pixel of the image: z of the first hit in the camera's frame where it lies on a front face and safely inside a
+  /// surface, away from every edge; else 0. Read the others only after `fill_edges`.
+  ImageF safe_depth;
 };
 
 /// Decides sample by sample what an image shows (000 sec. 4.2, which tests vertices only): the sample must be the first
@@ -42,10 +46,6 @@ class RingVisibility {
 
   /// `mask`: empty, or the image's size with 0 where pixels are to be ignored. Not thread-safe (buffers are reused).
   const SurfaceView& look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
-
-  /// Of the last look, a pixel: z of the first hit in the camera's frame where it lies on a front face and safely
-  /// inside a surface, away from every edge; else 0.
-  const ImageF& safe_depth() const { return safe_depth_; }
 
  private:
   void cast_depth(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
@@ -65,8 +65,7 @@ class RingVisibility {
   std::size_t longest_lattice_ = 0;    ///< samples
   Camera rays_of_;                     ///< whose pixel rays are cached
   std::vector<Eigen::Vector3f> rays_;  ///< camera frame, z = 1; NaN where the lens has none
-  ImageF depth_;                       ///< z of the first hit; 0 where it is none, a back face or masked
-  ImageF safe_depth_;                  ///< of these, what is safely inside a surface
+  ImageF depth_;                       ///< z of the first hit; 0 where it is none or a back face; negative where masked
   ImageU8 smooth_, narrow_;            ///< of `erode_depth`
   SurfaceView view_;
 };

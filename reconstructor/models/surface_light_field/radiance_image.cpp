@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "common/linear_reader.h"
+#include "reconstructor/surface/edge_fill.h"
 
 namespace sheen {
 namespace {
@@ -116,6 +117,7 @@ void RadianceImage::load(const Capture& capture, const SurfaceView& view) {
                 4 * static_cast<std::size_t>(box.width()));
   });
   if (capture.image.format == PixelFormat::kRGB32f) zero_what_is_not_finite(full);
+  fill_edges(view.safe_depth, box.x0, box.y0, full);
   fill_coarser_levels(*std::max_element(view.step_px.begin(), view.step_px.end()));
 }
 

@@ -25,8 +25,8 @@ class RadianceImage {
   /// `linear`: 3 channels.
   explicit RadianceImage(const ImageF& linear);
 
-  /// Takes what the samples of `view`, a view of this capture, will read; nothing else of the image is decoded. Pixels
-  /// that are not finite read as 0. Storage is reused.
+  /// Takes what the samples of `view`, a view of this capture, will read; nothing else of the image is decoded. Beyond
+  /// its edges the surface is continued (`fill_edges`); other pixels that are not finite read as 0. Storage is reused.
   void load(const Capture& capture, const SurfaceView& view);
 
   /// Linear RGB at a place of the image, prefiltered for samples `step_px` apart: `sampling` of the full image, linear

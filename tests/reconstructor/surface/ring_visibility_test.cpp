@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "tests/support/test_meshes.h"
 
 namespace sheen {
@@ -31,7 +34,7 @@ void for_each_sample(const Mesh& mesh, const VertexRings& rings, F&& f) {
   }
 }
 
-TEST(RingVisibility, ASquareIsSeenButForItsErodedRim) {
+TEST(RingVisibility, ASquareIsSeenButForItsRim) {
   const Mesh mesh = square_mesh(0.4f, 0, 8);
   const VertexRings rings = rings_of(mesh, 6);
   RingVisibility visibility(mesh, rings, {});
@@ -42,6 +45,38 @@ TEST(RingVisibility, ASquareIsSeenButForItsErodedRim) {
     if (inside > 0.017f) EXPECT_TRUE(view.visible[s]) << p.transpose();
     if (inside < 0.003f) EXPECT_FALSE(view.visible[s]) << p.transpose();
   });
+}
+
+TEST(RingVisibility, ErosionKeepsAsManyPixelsMoreAway) {
+  const Mesh mesh = square_mesh(0.4f, 0, 8);  // pixels 100 to 299, 50 to 249
+  const VertexRings rings = rings_of(mesh, 6);
+  for (const int erosion : {0, 1, 3}) {
+    RingVisibility visibility(mesh, rings, {.erosion_px = erosion});
+    const ImageF& safe = visibility.look(camera(), kFromAbove, {}).safe_depth;
+    for (int y = 0; y < 300; ++y)
+      for (int x = 0; x < 400; ++x) {
+        const int inside = std::min({x - 100, 299 - x, y - 50, 249 - y});
+        EXPECT_NEAR(safe.at(x, y), inside >= 1 + erosion ? 2 : 0, 1e-4f) << x << ' ' << y << ' ' << erosion;
+      }
+  }
+}
+
+TEST(RingVisibility, WhatHidesTheSurfaceIsKeptOutOfTheKernelAndABackgroundIsNot) {
+  // The floor ends at pixel 299; its left part is masked to pixel 149; before it floats a square, pixels 175 to 224.
+  const Mesh mesh = joined(square_mesh(0.4f, 0, 8), square_mesh(0.05f, 1, 1));
+  const VertexRings rings = rings_of(mesh, 6);
+  ImageU8 mask(400, 300, 1, 255);
+  for (int y = 0; y < 300; ++y) std::fill_n(mask.row(y), 150, std::uint8_t{0});
+  RingVisibility visibility(mesh, rings, {});
+  const ImageF& safe = visibility.look(camera(), kFromAbove, mask).safe_depth;
+  const auto of_floor = [](int x, int y) { return std::max(std::abs(2 * x - 399), std::abs(2 * y - 299)) / 2; };
+  for (int y = 60; y < 240; ++y)
+    for (int x = 0; x < 400; ++x) {
+      const int from_middle = of_floor(x, y);  // 0 at the pixels beside the middle
+      const bool floor = from_middle >= 25 + 2 && x >= 150 + 2 && x <= 299 - 1;
+      const bool floating = from_middle <= 24 - 2;
+      EXPECT_NEAR(safe.at(x, y), floor ? 2 : floating ? 1 : 0, 1e-4f) << x << ' ' << y;
+    }
 }
 
 TEST(RingVisibility, SamplesAreProjectedThroughTheLens) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -124,8 +125,10 @@ Capture capture_of(const ImageF& pixels) {
   return capture;
 }
 
-SurfaceView view_of(const PixelBox& box, float step) {
+/// All pixels are safe.
+SurfaceView view_of(const ImageF& pixels, const PixelBox& box, float step) {
   SurfaceView view;
+  view.safe_depth = ImageF(pixels.width(), pixels.height(), 1, 1.0f);
   view.box = box;
   view.step_px = {step};
   return view;
@@ -140,7 +143,7 @@ TEST(RingResampler, PixelsThatAreNoNumbersAreMarkedAndReadAsZero) {
   Capture capture = capture_of(pixels);
   const ImageU8 usable = usable_pixels(capture);
   RadianceImage image;
-  image.load(capture, view_of({0, 0, 20, 10}, 1000));
+  image.load(capture, view_of(pixels, {0, 0, 20, 10}, 1000));
   ASSERT_EQ(usable.width(), 20);
   ASSERT_EQ(usable.height(), 10);
   for (int y = 0; y < 10; ++y)
@@ -167,7 +170,7 @@ TEST(RingResampler, APartOfTheImageReadsAsTheWholeDoes) {
   for (const PixelBox& box : {PixelBox{33, 21, 57, 60}, PixelBox{0, 0, 9, 90}, PixelBox{100, 80, 120, 90}})
     for (const float step : {1.0f, 2.0f, 5.0f, 12.0f})
       for (const Sampling sampling : {Sampling::kCubic, Sampling::kLinear}) {
-        part.load(capture, view_of(box, step));
+        part.load(capture, view_of(pixels, box, step));
         for (float y = static_cast<float>(box.y0); y <= box.y1 - 1; y += 0.7f)
           for (float x = static_cast<float>(box.x0); x <= box.x1 - 1; x += 0.7f)
             EXPECT_LT(
@@ -175,6 +178,37 @@ TEST(RingResampler, APartOfTheImageReadsAsTheWholeDoes) {
                 2e-6f)
                 << x << ' ' << y << ' ' << step;
       }
+}
+
+TEST(RingResampler, BesideASilhouetteASampleHasTheObjectsColour) {
+  // A disc of one colour on black and on a glaring ground, with mixed pixels at its rim and some that are no numbers.
+  const Eigen::Vector3f colour(0.3f, 0.5f, 0.7f);
+  for (const float ground : {0.0f, 5.0f}) {
+    SurfaceView view = view_of(ImageF(64, 64, 1), {10, 10, 54, 54}, 0);
+    const auto share = [](int x, int y) { return std::clamp(20.5f - std::hypot(x - 31.3f, y - 32.1f), 0.0f, 1.0f); };
+    ImageF pixels =
+        image_of(64, 64, [&](int x, int y, int c) { return share(x, y) * colour[c] + (1 - share(x, y)) * ground; });
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) view.safe_depth.at(x, y) = share(x, y) == 1 ? 1.0f : 0.0f;
+    for (int x = 0; x < 64; ++x)
+      if (share(x, 40) < 1) pixels.at(x, 40, 1) = std::numeric_limits<float>::quiet_NaN();
+    for (const float step : {1.0f, 3.0f}) {  // the kernel itself, and the level of half the size
+      view.step_px = {step};
+      for (const Sampling sampling : {Sampling::kCubic, Sampling::kLinear}) {
+        RadianceImage image;
+        image.load(capture_of(pixels), view);
+        std::size_t beside = 0;
+        for (float y = 8; y < 56; y += 0.23f)
+          for (float x = 8; x < 56; x += 0.23f) {
+            const int i = static_cast<int>(x + 0.5f), j = static_cast<int>(y + 0.5f);
+            if (view.safe_depth.at(i, j) == 0) continue;  // as visibility decides
+            beside += share(i - 1, j) < 1 || share(i + 1, j) < 1 || share(i, j - 1) < 1 || share(i, j + 1) < 1;
+            ASSERT_LT((image.sample({x, y}, step, sampling) - colour).cwiseAbs().maxCoeff(), 1e-5f) << x << ' ' << y;
+          }
+        EXPECT_GT(beside, 1000u);
+      }
+    }
+  }
 }
 
 TEST(RingResampler, LinearSamplingIsTheMeanOfTheFourPixelsRound) {
