@@ -96,7 +96,8 @@ void BasicRingFactor<Scalar>::visit_masked_views(Visit visit) const {
     std::vector<std::uint64_t> patterns(rows_, 0);
     for (int j = 0; j < count; ++j) mark_hidden(*views_[masked[first + j]].hidden, j, patterns);
     const MatrixXd known = known_grams(columns(basis_, rank_), patterns, count);
-    for (int j = 0; j < count; ++j) visit(masked[first + j], MatrixXd(known.col(j).reshaped(rank_, rank_)));
+    for (int j = 0; j < count; ++j)
+      visit(masked[first + j], Eigen::Map<const MatrixXd>(known.col(j).data(), rank_, rank_));
   }
 }
 
@@ -113,7 +114,7 @@ void BasicRingFactor<Scalar>::impute_again_when_due() {
 template <typename Scalar>
 void BasicRingFactor<Scalar>::impute_again() {
   const MatrixXd precision = prior_precision(prior(), kRowsThatErrTogether * row_noise());
-  visit_masked_views([&](int v, const MatrixXd& known) {
+  visit_masked_views([&](int v, const Eigen::Map<const MatrixXd>& known) {
     const VectorXd before = coefficients_.col(v).template cast<double>();
     const VectorXd after = most_probable_coefficients(known, known * before, precision);
     const VectorXd change = after - before;
@@ -134,7 +135,7 @@ typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::displayed_coef
   const double appendix = covariance.diagonal().tail(rank_ - displayed).sum() / rows_;
   const MatrixXd precision =
       prior_precision(covariance.topLeftCorner(displayed, displayed), kRowsThatErrTogether * (row_noise() + appendix));
-  visit_masked_views([&](int v, const MatrixXd& known) {
+  visit_masked_views([&](int v, const Eigen::Map<const MatrixXd>& known) {
     const VectorXd projection = known.topRows(displayed) * coefficients_.col(v).template cast<double>();
     y.col(v) = most_probable_coefficients(known.topLeftCorner(displayed, displayed), projection, precision)
                    .template cast<Scalar>();

@@ -84,14 +84,10 @@ void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uin
     factor_.take_from(view, column, known_rows(visible, shown), trust(share));
     if (factor_.folded_views() < folded) {
       erase_view(view);
+      place_those_left_alone();
     } else {  // it was merged: the view moves back to where the others are
-      directions_[view] = (weight * directions_[view] - static_cast<float>(trust(share)) * direction).normalized();
-      for (Nearest& nearest : nearest_)
-        if (nearest.view == view) nearest = {};
-      place(view);
+      move_view(view, weight * directions_[view] - static_cast<float>(trust(share)) * direction);
     }
-    for (int v = 0; v < factor_.folded_views(); ++v)
-      if (nearest_[v].view < 0) place(v);
   } else {
     factor_.remove(view);
     directions_.erase(directions_.begin() + view);
@@ -175,18 +171,28 @@ void RingModel::thin_views() {
     const auto found = static_cast<int>(closest - nearest_.begin());
     const int kept = std::min(found, closest->view), removed = std::max(found, closest->view);
     const double weight = factor_.weight_of(kept), other = factor_.weight_of(removed);
-    directions_[kept] =
-        (static_cast<float>(weight) * directions_[kept] + static_cast<float>(other) * directions_[removed])
-            .normalized();
+    const Eigen::Vector3f mean =
+        static_cast<float>(weight) * directions_[kept] + static_cast<float>(other) * directions_[removed];
     reliability_[kept] = std::max(reliability_[kept], reliability_[removed]);
     factor_.merge_views(kept, removed);
     erase_view(removed);
-    for (Nearest& nearest : nearest_)
-      if (nearest.view == kept) nearest = {};
-    place(kept);
-    for (int view = 0; view < factor_.folded_views(); ++view)
-      if (nearest_[view].view < 0) place(view);
+    move_view(kept, mean);
   }
+}
+
+/// To another direction, of any length.
+void RingModel::move_view(int view, const Eigen::Vector3f& direction) {
+  directions_[view] = direction.normalized();
+  for (Nearest& nearest : nearest_)
+    if (nearest.view == view) nearest = {};
+  place(view);
+  place_those_left_alone();
+}
+
+/// Finds the nearest view of those that have lost it.
+void RingModel::place_those_left_alone() {
+  for (int view = 0; view < factor_.folded_views(); ++view)
+    if (nearest_[view].view < 0) place(view);
 }
 
 /// Finds the view nearest to this one, and whom this one is now the nearest to.

@@ -104,6 +104,8 @@ class RingModel {
   }
   int view_of(const Eigen::Vector3f& direction) const;
   void place(int view);
+  void move_view(int view, const Eigen::Vector3f& direction);
+  void place_those_left_alone();
   void thin_views();
   void erase_view(int view);
 
