@@ -45,26 +45,49 @@ Patterns group_rows(std::span<const std::uint64_t> hidden) {
   return patterns;
 }
 
-/// Gram matrix of some rows of the basis.
+/// Gram matrices of some rows of the basis.
 template <typename Scalar>
-MatrixXd gram_of_rows(const Columns<const Scalar>& basis, std::span<const int> rows) {
-  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  const auto count = static_cast<Eigen::Index>(rows.size());
-  constexpr Eigen::Index kFew = 16;  // rows that are not worth a panel
-  if (count < kFew) {
-    MatrixXd picked(basis.count, count);
-    for (Eigen::Index i = 0; i < count; ++i)
-      for (int k = 0; k < basis.count; ++k) picked(k, i) = basis.column(k)[rows[i]];
-    return picked.lazyProduct(picked.transpose());
+class RowGrams {
+ public:
+  explicit RowGrams(const Columns<const Scalar>& basis)
+      : basis_(basis), stride_(row_panels::padded(basis.count)), picked_(kPicked * stride_, Scalar(0)) {}
+
+  /// Upper triangle, column by column: rank (rank + 1) / 2 values.
+  void gram(std::span<const int> rows, double* packed) {
+    std::fill_n(packed, basis_.count * (basis_.count + 1) / 2, 0.0);
+    for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kPicked))) {
+      const std::size_t count = std::min(rows.size(), kPicked);
+      for (int k = 0; k < basis_.count; ++k)
+        for (std::size_t i = 0; i < count; ++i) picked_[i * stride_ + k] = basis_.column(k)[rows[i]];
+      for (int i = 0; i < basis_.count; i += kLanes)
+        for (int j = i; j < basis_.count; j += kTile) add_tile(count, i, j, packed);
+    }
   }
-  Matrix picked = Matrix::Zero(row_panels::padded(count), basis.count);
-  for (int k = 0; k < basis.count; ++k) {
-    const Scalar* column = basis.column(k);
-    for (Eigen::Index i = 0; i < count; ++i) picked(i, k) = column[rows[i]];
+
+ private:
+  static constexpr int kLanes = row_panels::VectorOf<Scalar>::kLanes;
+  static constexpr int kTile = 8;              // columns
+  static constexpr std::size_t kPicked = 256;  // rows that are summed up in scalars; their sums in double
+  static_assert(row_panels::kPadding % kLanes == 0 && row_panels::kPadding % kTile == 0);
+
+  void add_tile(std::size_t count, int i, int j, double* packed) const {
+    row_panels::Vector<Scalar> sum[kTile] = {};
+    for (const Scalar* row = picked_.data(); row < picked_.data() + count * stride_; row += stride_) {
+      const auto left = row_panels::load(row + i);
+      for (int t = 0; t < kTile; ++t) sum[t] += left * row[j + t];
+    }
+    for (int t = 0; t < kTile && j + t < basis_.count; ++t) {
+      Scalar lane[kLanes];
+      row_panels::store(lane, sum[t]);
+      double* column = packed + (j + t) * (j + t + 1) / 2;
+      for (int l = 0; l < kLanes && i + l <= j + t; ++l) column[i + l] += lane[l];
+    }
   }
-  const Columns<const Scalar> view{picked.data(), picked.rows(), basis.count};
-  return row_panels::inner_products(view, view, picked.rows(), true);
-}
+
+  Columns<const Scalar> basis_;
+  std::size_t stride_;
+  std::vector<Scalar> picked_;  ///< rows, one behind the other, padded with zeros to whole vectors
+};
 
 }  // namespace
 
@@ -76,33 +99,40 @@ MatrixXd known_grams(const Columns<const Scalar>& basis, std::span<const std::ui
     for (std::uint64_t bits = group.hidden; bits != 0; bits &= bits - 1)
       hidden_rows[std::countr_zero(bits)] += group.rows.size();
   std::uint64_t mostly_hidden = 0;
-  const Eigen::Index rank = basis.count;
-  MatrixXd known(rank * rank, columns);
-  for (int j = 0; j < columns; ++j) {
-    const bool mostly = 2 * hidden_rows[j] > hidden.size();
-    if (mostly) mostly_hidden |= std::uint64_t{1} << j;
-    Eigen::Map<MatrixXd> gram(known.col(j).data(), rank, rank);
-    gram.setZero();
-    if (!mostly) gram.setIdentity();
-  }
+  for (int j = 0; j < columns; ++j)
+    if (2 * hidden_rows[j] > hidden.size()) mostly_hidden |= std::uint64_t{1} << j;
 
   constexpr int kAtOnce = 64;  // groups whose Gram matrices stay in the cache
-  MatrixXd grams(rank * rank, kAtOnce), counts(kAtOnce, columns);
+  const Eigen::Index rank = basis.count, triangle = rank * (rank + 1) / 2;
+  RowGrams<Scalar> rows(basis);
+  MatrixXd sums = MatrixXd::Zero(triangle, columns);  // upper triangles
+  MatrixXd grams(triangle, kAtOnce), counts(kAtOnce, columns);
   int waiting = 0;
   const auto flush = [&] {
-    known.noalias() += grams.leftCols(waiting) * counts.topRows(waiting);
+    sums.noalias() += grams.leftCols(waiting) * counts.topRows(waiting);
     waiting = 0;
   };
   const std::uint64_t all = columns == kPatternColumns ? ~std::uint64_t{0} : (std::uint64_t{1} << columns) - 1;
   for (const Group& group : patterns.groups) {
     const std::uint64_t plus = ~group.hidden & mostly_hidden & all, minus = group.hidden & ~mostly_hidden & all;
     if ((plus | minus) == 0) continue;
-    Eigen::Map<MatrixXd>(grams.col(waiting).data(), rank, rank) = gram_of_rows(basis, group.rows);
+    rows.gram(group.rows, grams.col(waiting).data());
     for (int j = 0; j < columns; ++j)
       counts(waiting, j) = static_cast<double>(plus >> j & 1) - static_cast<double>(minus >> j & 1);
     if (++waiting == kAtOnce) flush();
   }
   flush();
+
+  MatrixXd known(rank * rank, columns);
+  for (int j = 0; j < columns; ++j) {
+    Eigen::Map<MatrixXd> gram(known.col(j).data(), rank, rank);
+    const double identity = mostly_hidden >> j & 1 ? 0 : 1;
+    const double* sum = sums.col(j).data();
+    for (Eigen::Index k = 0; k < rank; ++k) {
+      for (Eigen::Index i = 0; i <= k; ++i) gram(i, k) = gram(k, i) = *sum++;
+      gram(k, k) += identity;
+    }
+  }
   return known;
 }
 

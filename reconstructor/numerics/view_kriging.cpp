@@ -1,62 +1,94 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/numerics/view_kriging.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace sheen {
 namespace {
 
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::VectorXd;
+using Eigen::VectorXf;
+
 /// A drift that the views hardly tell from a constant cannot be fitted.
 constexpr double kLeastDrift = 1e-6;
 
-/// Ordinary kriging in matrices: with Q the inverse of the covariance, Z = Q - Q 1 1^T Q / (1^T Q 1).
-struct Dual {
-  Eigen::MatrixXd z;
-  Eigen::VectorXd row_sums;  ///< Q 1
-  double total = 0;          ///< 1^T Q 1
+/// `evaluate` of each angle.
+MatrixXf covariances(const MatrixXf& angles, const ViewKernel& kernel) {
+  if (kernel.shape == KernelShape::kExponential) return (angles.array() / -kernel.scale_rad).exp();
+  const Eigen::ArrayXXf t = angles.array() * (std::sqrt(3.0f) / kernel.scale_rad);
+  return (1 + t) * (-t).exp();
+}
+
+/// Inverse of a positive definite matrix, which is a row and column at a time exchanged for its own (sweep operator):
+/// for some tens of rows quicker than a factorization.
+MatrixXd inverse(MatrixXd m) {
+  for (Eigen::Index k = 0; k < m.cols(); ++k) {
+    const VectorXd column = m.col(k);
+    const double pivot = column[k];
+    const VectorXd swept = column / pivot;
+    m.noalias() -= swept * column.transpose();
+    m.col(k) = swept;
+    m.row(k) = swept.transpose();
+    m(k, k) = -1 / pivot;
+  }
+  return -m;
+}
+
+/// Kriging in matrices: Q is the inverse of the covariance of the views, and Z = Q - Q 1 1^T Q / (1^T Q 1). With a
+/// drift f it is projected out as well: Z - Z f f^T Z / (f^T Z f). The error of view i left out is (Y Z)_i / Z_ii.
+class Kriging {
+ public:
+  Kriging(const MatrixXf& angles, const Eigen::Ref<const MatrixXf>& coefficients,
+          const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel)
+      : y_(coefficients.cast<double>()), reliability_(reliability.cast<double>()) {
+    MatrixXd covariance = covariances(angles, kernel).cast<double>();
+    covariance.diagonal() += (kernel.nugget * reliability_.cwiseInverse());
+    q_ = inverse(std::move(covariance));
+    row_sums_ = q_.rowwise().sum();
+    total_ = row_sums_.sum();
+    diagonal_ = q_.diagonal() - row_sums_.cwiseAbs2() / total_;
+    weights_ = y_ * q_ - (y_ * row_sums_) * row_sums_.transpose() / total_;
+  }
+
+  /// Takes the drift into account. False where it says nothing that a constant does not: nothing is done then.
+  bool project_out(const VectorXf& drift) {
+    const VectorXd f = drift.cast<double>();
+    const VectorXd zf = q_ * f - row_sums_ * (row_sums_.dot(f) / total_);
+    const double power = f.dot(zf);
+    if (!(power > kLeastDrift)) return false;
+    factor_ = y_ * zf / power;
+    weights_ -= factor_ * zf.transpose();
+    diagonal_ -= zf.cwiseAbs2() / power;
+    y_ -= factor_ * f.transpose();
+    return true;
+  }
+
+  const VectorXd& factor() const { return factor_; }    ///< of the drift: rank; empty without
+  const MatrixXd& weights() const { return weights_; }  ///< Y Z: rank x views
+  VectorXd mean() const { return y_ * row_sums_ / total_; }
+
+  /// Sum over views of their reliability times the squared error of predicting each from the others.
+  double leave_one_out() const {
+    constexpr double kLeastDiagonal = 1e-9;  // of a view that alone decides: nothing is left to predict it from
+    return (reliability_.array() * weights_.colwise().squaredNorm().transpose().array() /
+            diagonal_.array().max(kLeastDiagonal).square())
+        .sum();
+  }
+
+ private:
+  MatrixXd y_;
+  VectorXd reliability_;
+  MatrixXd q_;
+  VectorXd diagonal_, row_sums_, factor_;
+  double total_;
+  MatrixXd weights_;
 };
-
-Dual dual_of(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::VectorXf>& reliability,
-             const ViewKernel& kernel) {
-  const Eigen::Index n = directions.cols();
-  Eigen::MatrixXd covariance(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    covariance(i, i) = 1 + kernel.nugget / reliability[i];
-    for (Eigen::Index j = 0; j < i; ++j)
-      covariance(i, j) = covariance(j, i) = evaluate(kernel, angle_between(directions.col(i), directions.col(j)));
-  }
-  Dual dual;
-  dual.z = covariance.llt().solve(Eigen::MatrixXd::Identity(n, n));
-  dual.row_sums = dual.z.rowwise().sum();
-  dual.total = dual.row_sums.sum();
-  dual.z -= dual.row_sums * dual.row_sums.transpose() / dual.total;
-  return dual;
-}
-
-/// The drift projected out as well: Z - Z f f^T Z / (f^T Z f). Returns Z f / (f^T Z f), whose product with the
-/// coefficients is the factor of the drift; empty where the drift says nothing that a constant does not.
-Eigen::VectorXd project_out(const Eigen::VectorXd& drift, Eigen::MatrixXd& z) {
-  const Eigen::VectorXd zf = z * drift;
-  const double power = drift.dot(zf);
-  if (!(power > kLeastDrift)) return {};
-  z -= zf * zf.transpose() / power;
-  return zf / power;
-}
-
-double weighted_error(const Eigen::MatrixXd& weights, const Eigen::MatrixXd& z,
-                      const Eigen::Ref<const Eigen::VectorXf>& reliability) {
-  constexpr double kLeastDiagonal = 1e-9;  // of a view that alone decides: nothing is left to predict it from
-  double error = 0;
-  for (Eigen::Index i = 0; i < z.cols(); ++i) {
-    const double diagonal = std::max(z(i, i), kLeastDiagonal);
-    error += reliability[i] * weights.col(i).squaredNorm() / (diagonal * diagonal);
-  }
-  return error;
-}
 
 }  // namespace
 
@@ -70,58 +102,48 @@ float evaluate(const ViewKernel& kernel, float angle) {
   return (1 + t) * std::exp(-t);
 }
 
-ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
-                      const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
-                      const Eigen::VectorXf& drift) {
+MatrixXf angles_between(const Eigen::Matrix3Xf& directions) {
+  const Eigen::Index n = directions.cols();
+  MatrixXf angles = MatrixXf::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < i; ++j)
+      angles(i, j) = angles(j, i) = angle_between(directions.col(i), directions.col(j));
+  return angles;
+}
+
+ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const MatrixXf>& coefficients,
+                      const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel, const VectorXf& drift) {
   const Eigen::Index n = directions.cols();
   ViewInterpolant result;
-  result.mean = Eigen::VectorXf::Zero(coefficients.rows());
-  result.weights = Eigen::MatrixXf::Zero(coefficients.rows(), n);
+  result.mean = VectorXf::Zero(coefficients.rows());
+  result.weights = MatrixXf::Zero(coefficients.rows(), n);
   if (n == 0) return result;
 
-  Dual dual = dual_of(directions, reliability, kernel);
-  Eigen::MatrixXd y = coefficients.cast<double>();
-  Eigen::VectorXd factor;
-  if (n > 2 && drift.size() > 0) {
-    const Eigen::VectorXd f = drift.cast<double>();
-    const Eigen::VectorXd projector = project_out(f, dual.z);
-    if (projector.size() > 0) {
-      factor = y * projector;
-      result.drift = factor.cast<float>();
-    }
-  }
-  // h(d) = mean + factor f(d) + (Y Z) k(d), and the error of view i left out is (Y Z)_i / Z_ii.
-  const Eigen::MatrixXd weights = y * dual.z;
-  if (factor.size() > 0) y -= factor * drift.cast<double>().transpose();
-  result.mean = (y * dual.row_sums / dual.total).cast<float>();
+  Kriging kriging(angles_between(directions), coefficients, reliability, kernel);
+  if (n > 2 && drift.size() > 0 && kriging.project_out(drift)) result.drift = kriging.factor().cast<float>();
+  result.mean = kriging.mean().cast<float>();
   if (n == 1) return result;
-  result.weights = weights.cast<float>();
-  result.leave_one_out = weighted_error(weights, dual.z, reliability);
+  result.weights = kriging.weights().cast<float>();
+  result.leave_one_out = kriging.leave_one_out();
   return result;
 }
 
-LeaveOneOut leave_one_out(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
-                          const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
-                          const Eigen::VectorXf& drift) {
+LeaveOneOut leave_one_out(const MatrixXf& angles, const Eigen::Ref<const MatrixXf>& coefficients,
+                          const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel,
+                          const VectorXf& drift) {
   LeaveOneOut errors;
   errors.with_drift = std::numeric_limits<double>::infinity();
-  if (directions.cols() < 2) return errors;
-  Dual dual = dual_of(directions, reliability, kernel);
-  const Eigen::MatrixXd y = coefficients.cast<double>();
-  Eigen::MatrixXd weights = y * dual.z;
-  errors.ordinary = weighted_error(weights, dual.z, reliability);
-  if (directions.cols() < kFewestViewsWithDrift || drift.size() == 0) return errors;
-  const Eigen::VectorXd zf = dual.z * drift.cast<double>();
-  const Eigen::VectorXd projector = project_out(drift.cast<double>(), dual.z);
-  if (projector.size() == 0) return errors;
-  weights -= (y * projector) * zf.transpose();
-  errors.with_drift = weighted_error(weights, dual.z, reliability);
+  if (angles.cols() < 2) return errors;
+  Kriging kriging(angles, coefficients, reliability, kernel);
+  errors.ordinary = kriging.leave_one_out();
+  if (angles.cols() >= kFewestViewsWithDrift && drift.size() > 0 && kriging.project_out(drift))
+    errors.with_drift = kriging.leave_one_out();
   return errors;
 }
 
-Eigen::VectorXf interpolate(const ViewInterpolant& interpolant, const Eigen::Matrix3Xf& directions,
-                            const ViewKernel& kernel, const Eigen::Vector3f& direction) {
-  Eigen::VectorXf k(directions.cols());
+VectorXf interpolate(const ViewInterpolant& interpolant, const Eigen::Matrix3Xf& directions, const ViewKernel& kernel,
+                     const Eigen::Vector3f& direction) {
+  VectorXf k(directions.cols());
   for (Eigen::Index j = 0; j < k.size(); ++j) k[j] = evaluate(kernel, angle_between(directions.col(j), direction));
   return interpolant.mean + interpolant.weights * k;
 }

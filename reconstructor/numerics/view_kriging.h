@@ -54,12 +54,15 @@ ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const
                       const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
                       const Eigen::VectorXf& drift = {});
 
+/// Angles between unit directions: views x views.
+Eigen::MatrixXf angles_between(const Eigen::Matrix3Xf& directions);
+
 /// `ViewInterpolant::leave_one_out` without the interpolant, from one factorization for both: the second is infinite
-/// where the views are too few or the drift does not vary.
+/// where the views are too few or the drift does not vary. angles: between the views' directions.
 struct LeaveOneOut {
   double ordinary = 0, with_drift = 0;
 };
-LeaveOneOut leave_one_out(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
+LeaveOneOut leave_one_out(const Eigen::MatrixXf& angles, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
                           const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
                           const Eigen::VectorXf& drift);
 

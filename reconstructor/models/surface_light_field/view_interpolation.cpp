@@ -29,9 +29,10 @@ InterpolationErrors interpolation_errors(const Eigen::Matrix3Xf& directions,
                                          const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
                                          const Eigen::Ref<const Eigen::VectorXf>& reliability,
                                          const Eigen::VectorXf& drift) {
+  const Eigen::MatrixXf angles = angles_between(directions);
   std::array<double, 2 * kKernels> errors{};
   for (std::size_t k = 0; k < kKernels; ++k) {
-    const LeaveOneOut error = leave_one_out(directions, coefficients, reliability, kViewKernels[k], drift);
+    const LeaveOneOut error = leave_one_out(angles, coefficients, reliability, kViewKernels[k], drift);
     errors[k] = error.ordinary;
     errors[kKernels + k] = error.with_drift;
   }

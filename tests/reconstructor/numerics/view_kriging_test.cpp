@@ -127,7 +127,7 @@ TEST(ViewKriging, LeaveOneOutWithDriftMatchesLeavingOneOut) {
           reliability[out] * (predict(i, d, kernel, directions.col(out)) + f[out] * i.drift - y.col(out)).squaredNorm();
     }
     EXPECT_NEAR(krige(directions, y, reliability, kernel, f).leave_one_out, by_hand, 1e-3 * by_hand);
-    const LeaveOneOut both = leave_one_out(directions, y, reliability, kernel, f);
+    const LeaveOneOut both = leave_one_out(angles_between(directions), y, reliability, kernel, f);
     EXPECT_NEAR(both.with_drift, by_hand, 1e-3 * by_hand);
     EXPECT_NEAR(both.ordinary, krige(directions, y, reliability, kernel).leave_one_out, 1e-9 * by_hand);
   }
@@ -141,14 +141,14 @@ TEST(ViewKriging, ADriftThatDoesNotVaryIsLeftOut) {
   const ViewInterpolant without = krige(directions, y, ones, kViewKernels[1]);
   EXPECT_EQ(with.drift.size(), 0);
   EXPECT_EQ(with.weights, without.weights);
-  EXPECT_FALSE(std::isfinite(leave_one_out(directions, y, ones, kViewKernels[1], same).with_drift));
+  EXPECT_FALSE(std::isfinite(leave_one_out(angles_between(directions), y, ones, kViewKernels[1], same).with_drift));
 }
 
 TEST(ViewKriging, FewViewsTryNoDrift) {
   const int n = kFewestViewsWithDrift - 1;
   const Eigen::Matrix3Xf directions = some_directions(n, 4);
-  const LeaveOneOut errors = leave_one_out(directions, gaussian_matrix(2, n, 5), Eigen::VectorXf::Ones(n),
-                                           kViewKernels[1], some_drift(directions));
+  const LeaveOneOut errors = leave_one_out(angles_between(directions), gaussian_matrix(2, n, 5),
+                                           Eigen::VectorXf::Ones(n), kViewKernels[1], some_drift(directions));
   EXPECT_TRUE(std::isfinite(errors.ordinary));
   EXPECT_FALSE(std::isfinite(errors.with_drift));
 }
