@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <opencv2/imgproc.hpp>
 
 namespace sheen {
@@ -12,7 +11,9 @@ namespace {
 
 constexpr float kSamePlace = 1e-3f;  ///< Subdiv2D throws when points nearly coincide
 
-std::pair<int, int> place(const Eigen::Vector2f& p) {
+using Place = std::pair<int, int>;
+
+Place place(const Eigen::Vector2f& p) {
   return {static_cast<int>(std::lround(p.x() / kSamePlace)), static_cast<int>(std::lround(p.y() / kSamePlace))};
 }
 
@@ -73,25 +74,28 @@ ViewTriangulation triangulate_views(const Eigen::Matrix3f& frame, const Eigen::M
 
   // Subdiv2D closes the plane with points of its own just outside this box; far away they leave the square alone.
   cv::Subdiv2D subdivision(cv::Rect(-1000, -1000, 2000, 2000));
-  std::map<std::pair<int, int>, std::uint16_t> index_at;
-  for (Eigen::Index j = 0; j < result.points.cols(); ++j) {
-    // Snapped to the grid of places, so that what Subdiv2D gives back can be recognised exactly.
-    const auto key = place(result.points.col(j));
-    if (index_at.try_emplace(key, static_cast<std::uint16_t>(j)).second)
-      subdivision.insert(cv::Point2f(key.first * kSamePlace, key.second * kSamePlace));
-  }
+  // Snapped to the grid of places, so that what Subdiv2D gives back can be recognised exactly; of points at one place,
+  // the first.
+  std::vector<std::pair<Place, std::uint16_t>> points;
+  points.reserve(static_cast<std::size_t>(result.points.cols()));
+  for (Eigen::Index j = 0; j < result.points.cols(); ++j)
+    points.emplace_back(place(result.points.col(j)), static_cast<std::uint16_t>(j));
+  std::sort(points.begin(), points.end());
+  points.erase(
+      std::unique(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.first == b.first; }),
+      points.end());
+  for (const auto& [at, index] : points) subdivision.insert(cv::Point2f(at.first * kSamePlace, at.second * kSamePlace));
   std::vector<cv::Vec6f> found;
   subdivision.getTriangleList(found);
   result.triangles.reserve(found.size());
   for (const cv::Vec6f& t : found) {
-    std::array<std::uint16_t, 3> corners;
+    std::array<std::uint16_t, 3> corners{};
     bool ours = true;  // the list also holds triangles to Subdiv2D's own outer points
     for (int c = 0; c < 3 && ours; ++c) {
-      const auto it = index_at.find(place({t[2 * c], t[2 * c + 1]}));
-      if (it == index_at.end())
-        ours = false;
-      else
-        corners[c] = it->second;
+      const Place at = place({t[2 * c], t[2 * c + 1]});
+      const auto found_at = std::lower_bound(points.begin(), points.end(), std::pair(at, std::uint16_t{0}));
+      ours = found_at != points.end() && found_at->first == at;
+      if (ours) corners[c] = found_at->second;
     }
     if (ours) result.triangles.push_back(corners);
   }
