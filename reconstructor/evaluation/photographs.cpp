@@ -14,6 +14,7 @@ namespace sheen {
 namespace {
 
 constexpr int kLumigraphViews = 4;
+constexpr int kReach = 2;  // of the cubic kernel, in pixels beyond the nearest one
 
 class PhotographShader : public ViewShader {
  public:
@@ -63,10 +64,14 @@ Eigen::Array4f cubic_weights(float t) {
          Eigen::Array4f{((2 - t) * t - 1) * t, (3 * t - 5) * t * t + 2, ((4 - 3 * t) * t + 1) * t, (t - 1) * t * t};
 }
 
+Eigen::Array4f linear_weights(float t) {
+  return {0, 1 - t, t, 0};
+}
+
 /// Encoded colour, 0..1, at a place of the cut-out.
-Eigen::Vector3f sample(const ImageU8& pixels, float x, float y) {
+Eigen::Vector3f sample(const ImageU8& pixels, float x, float y, Eigen::Array4f (*weights)(float)) {
   const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  const Eigen::Array4f wx = cubic_weights(x - x0), wy = cubic_weights(y - y0);
+  const Eigen::Array4f wx = weights(x - x0), wy = weights(y - y0);
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (int j = 0; j < 4; ++j)
     for (int i = 0; i < 4; ++i) {
@@ -87,8 +92,10 @@ std::optional<Eigen::Vector3f> look_up(const Photograph& photograph, const Eigen
   if (x < 0 || y < 0 || x >= photograph.depth.width() || y >= photograph.depth.height()) return std::nullopt;
   const double depth = photograph.depth.at(x, y);
   if (depth <= 0 || p.z() > depth + tolerance * p.z()) return std::nullopt;
+  // Beside an edge as the light field: linearly, since the cubic kernel would read beyond the edge.
   return sample(photograph.pixels, static_cast<float>(pixel->x() - photograph.left),
-                static_cast<float>(pixel->y() - photograph.top));
+                static_cast<float>(pixel->y() - photograph.top),
+                photograph.from_edge.at(x, y) == 2 ? cubic_weights : linear_weights);
 }
 
 }  // namespace
@@ -100,10 +107,10 @@ void PhotographSet::add(const Capture& capture, const ImageF& linear, const Surf
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
       if (depth.at(x, y) > 0) {
-        x0 = std::min(x0, std::max(x - kFilledPixels, 0));
-        y0 = std::min(y0, std::max(y - kFilledPixels, 0));
-        x1 = std::max(x1, std::min(x + kFilledPixels + 1, w));
-        y1 = std::max(y1, std::min(y + kFilledPixels + 1, h));
+        x0 = std::min(x0, std::max(x - kReach, 0));
+        y0 = std::min(y0, std::max(y - kReach, 0));
+        x1 = std::max(x1, std::min(x + kReach + 1, w));
+        y1 = std::max(y1, std::min(y + kReach + 1, h));
       }
   if (x0 >= x1) return;  // shows nothing safely
   Photograph photograph{.camera = capture.camera,
@@ -112,16 +119,18 @@ void PhotographSet::add(const Capture& capture, const ImageF& linear, const Surf
                         .left = x0,
                         .top = y0,
                         .pixels = ImageU8(x1 - x0, y1 - y0, 3),
-                        .depth = ImageF(x1 - x0, y1 - y0, 1)};
+                        .depth = ImageF(x1 - x0, y1 - y0, 1),
+                        .from_edge = ImageU8(x1 - x0, y1 - y0, 1)};
   ImageF cut(x1 - x0, y1 - y0, 3);
   for (int y = y0; y < y1; ++y) std::copy_n(linear.pixel(x0, y), 3 * cut.width(), cut.row(y - y0));
-  fill_edges(depth, x0, y0, cut);
+  fill_edges(view.from_edge, x0, y0, cut);
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) {
       for (int c = 0; c < 3; ++c)
         photograph.pixels.at(x - x0, y - y0, c) = static_cast<std::uint8_t>(
             std::lround(255 * std::clamp(srgb_encode(cut.at(x - x0, y - y0, c)), 0.0f, 1.0f)));
       photograph.depth.at(x - x0, y - y0) = depth.at(x, y);
+      photograph.from_edge.at(x - x0, y - y0) = view.from_edge.at(x, y);
     }
   photographs_.push_back(std::move(photograph));
 }

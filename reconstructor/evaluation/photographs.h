@@ -17,8 +17,9 @@ struct Photograph {
   Rigid3 camera_from_object;
   Eigen::Vector3d eye;  ///< object frame
   int left = 0, top = 0;
-  ImageU8 pixels;  ///< sRGB
-  ImageF depth;    ///< z of the surface; 0 where it is not safely seen (silhouettes, depth steps, mask)
+  ImageU8 pixels;     ///< sRGB
+  ImageF depth;       ///< z of the surface; 0 where it is not safely seen (silhouettes, depth steps, mask)
+  ImageU8 from_edge;  ///< as SurfaceView says
 };
 
 /// The photographs a model was built from, all kept: what image-based rendering needs, and what a surface light field

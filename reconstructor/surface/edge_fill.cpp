@@ -4,7 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <array>
+#include <algorithm>
 #include <cassert>
 #include <cstdint>
 #include <vector>
@@ -21,8 +21,8 @@ void for_each_row(int rows, F&& f) {
   });
 }
 
-/// `marks` with a pixel of margin: 1 or 0. `touches`: 1 where one of the eight neighbours is marked; vectorised, since
-/// most pixels are far from all edges.
+/// `marks` have a pixel of margin. `touches`: not 0 where one of the eight neighbours is marked; vectorised, since most
+/// pixels are far from all edges.
 void touching(const ImageU8& marks, int y, std::vector<std::uint8_t>& touches) {
   const std::uint8_t *above = marks.row(y), *row = marks.row(y + 1), *below = marks.row(y + 2);
   for (std::size_t x = 0; x < touches.size(); ++x)
@@ -46,33 +46,19 @@ void take_mean_of_neighbours(const ImageU8& marks, int x, int y, ImageF& pixels)
 
 }  // namespace
 
-void fill_edges(const ImageF& safe_depth, int left, int top, ImageF& pixels) {
+void fill_edges(const ImageU8& from_edge, int left, int top, ImageF& pixels) {
   const int w = pixels.width(), h = pixels.height();
-  assert(left >= 0 && top >= 0 && left + w <= safe_depth.width() && top + h <= safe_depth.height());
-  // One mark a ring of pixels round the safe ones: a pass reads the ring before it and writes its own only, so that the
-  // outcome does not depend on which rows come first.
-  std::array<ImageU8, kFilledPixels + 1> ring;
-  for (ImageU8& marks : ring) marks = ImageU8(w + 2 * kMargin, h + 2 * kMargin, 1);
+  assert(left >= 0 && top >= 0 && left + w <= from_edge.width() && top + h <= from_edge.height());
+  ImageU8 marks(w + 2 * kMargin, h + 2 * kMargin, 1);
+  for_each_row(h, [&](int y) { std::copy_n(from_edge.row(top + y) + left, w, marks.row(y + kMargin) + kMargin); });
+  // Marked pixels are read only and others written only, so that the outcome does not depend on which rows come first.
   for_each_row(h, [&](int y) {
-    const float* depth = safe_depth.row(top + y) + left;
-    std::uint8_t* out = ring[0].row(y + kMargin) + kMargin;
-    for (int x = 0; x < w; ++x) out[x] = depth[x] > 0;
+    std::vector<std::uint8_t> touches(static_cast<std::size_t>(w));
+    touching(marks, y, touches);
+    const std::uint8_t* own = marks.row(y + kMargin) + kMargin;
+    for (int x = 0; x < w; ++x)
+      if (!own[x] && touches[x]) take_mean_of_neighbours(marks, x, y, pixels);
   });
-  for (int pass = 1; pass <= kFilledPixels; ++pass)
-    for_each_row(h, [&](int y) {
-      std::vector<std::uint8_t> wanted(static_cast<std::size_t>(w));
-      touching(ring[pass - 1], y, wanted);
-      std::uint8_t* out = ring[pass].row(y + kMargin) + kMargin;
-      for (int earlier = 0; earlier < pass; ++earlier) {
-        const std::uint8_t* marks = ring[earlier].row(y + kMargin) + kMargin;
-        for (int x = 0; x < w; ++x) wanted[x] &= ~marks[x];
-      }
-      for (int x = 0; x < w; ++x) {
-        if (!wanted[x]) continue;
-        out[x] = 1;
-        take_mean_of_neighbours(ring[pass - 1], x, y, pixels);
-      }
-    });
 }
 
 }  // namespace sheen

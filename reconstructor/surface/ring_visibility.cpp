@@ -13,21 +13,6 @@
 #include "common/batch_projection.h"
 
 namespace sheen {
-namespace {
-
-/// Whether something else than the surface of a pixel that touches no edge lies where the kernel of 4 x 4 reads round
-/// it: a surface before or behind it, or what the mask hides. A background is nothing: `fill_edges` covers it.
-/// `limit`: of the depth's step between neighbouring pixels; here they are up to two apart.
-bool reads_something_else(const ImageF& depth, int x, int y, float limit) {
-  const float z = depth.at(x, y);
-  for (int j = std::max(y - 2, 0); j <= std::min(y + 2, depth.height() - 1); ++j)
-    for (int i = std::max(x - 2, 0); i <= std::min(x + 2, depth.width() - 1); ++i)
-      if (const float other = depth.at(i, j); other != 0 && std::abs(other - z) > 2 * limit) return true;
-  return false;
-}
-
-}  // namespace
-
 RingVisibility::RingVisibility(const Mesh& mesh, const VertexRings& rings, const VisibilityOptions& options)
     : mesh_(mesh), rings_(rings), options_(options), scene_(mesh) {
   view_.pixel.resize(rings.total_samples());
@@ -73,7 +58,7 @@ void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_
     rays_of_ = camera;
     depth_ = ImageF(w, h, 1);
     view_.safe_depth = ImageF(w, h, 1);
-    smooth_ = narrow_ = ImageU8(w, h, 1);
+    view_.from_edge = smooth_ = narrow_ = ImageU8(w, h, 1);
   }
   view_.box = {w, h, 0, 0};
   for (const Eigen::Vector3f& vertex : mesh_.vertices) {
@@ -113,9 +98,11 @@ void RingVisibility::erode_depth(const Camera& camera) {
   const int w = camera.width, h = camera.height, r = options_.erosion_px;
   const auto footprint = static_cast<float>(options_.depth_step / std::min(camera.fx, camera.fy));
   std::fill_n(view_.safe_depth.data(), view_.safe_depth.size(), 0.0f);
+  std::fill_n(view_.from_edge.data(), view_.from_edge.size(), std::uint8_t{0});
   const PixelBox inner{std::max(view_.box.x0, 1), std::max(view_.box.y0, 1), std::min(view_.box.x1, w - 1),
                        std::min(view_.box.y1, h - 1)};
   if (inner.empty()) return;
+  std::fill_n(smooth_.data(), smooth_.size(), std::uint8_t{0});
   std::fill_n(narrow_.data(), narrow_.size(), std::uint8_t{0});
   tbb::parallel_for(tbb::blocked_range<int>(inner.y0, inner.y1, 16), [&](const tbb::blocked_range<int>& rows) {
     for (int y = rows.begin(); y < rows.end(); ++y) {
@@ -128,6 +115,15 @@ void RingVisibility::erode_depth(const Camera& camera) {
         out[x] = (z > 0) & near(row[x - 1]) & near(row[x + 1]) & near(above[x]) & near(below[x]) & near(above[x - 1]) &
                  near(above[x + 1]) & near(below[x - 1]) & near(below[x + 1]);
       }
+    }
+  });
+  tbb::parallel_for(tbb::blocked_range<int>(inner.y0, inner.y1, 16), [&](const tbb::blocked_range<int>& rows) {
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      const std::uint8_t *above = smooth_.row(y - 1), *row = smooth_.row(y), *below = smooth_.row(y + 1);
+      std::uint8_t* out = view_.from_edge.row(y);
+      for (int x = inner.x0; x < inner.x1; ++x)
+        out[x] = row[x] + (row[x] & row[x - 1] & row[x + 1] & above[x - 1] & above[x] & above[x + 1] & below[x - 1] &
+                           below[x] & below[x + 1]);
     }
   });
   // Minimum over a square window, one direction after the other.
@@ -146,21 +142,6 @@ void RingVisibility::erode_depth(const Camera& camera) {
         length = narrow_.at(x, y) ? length + 1 : 0;
         if (length > 2 * r) view_.safe_depth.at(x, y - r) = depth_.at(x, y - r);
       }
-  });
-  tbb::parallel_for(tbb::blocked_range<int>(inner.y0, inner.y1, 16), [&](const tbb::blocked_range<int>& rows) {
-    for (int y = rows.begin(); y < rows.end(); ++y) {
-      const int above = std::max(y - 1, inner.y0), below = std::min(y + 1, inner.y1 - 1);
-      float* out = view_.safe_depth.row(y);
-      for (int x = inner.x0; x < inner.x1; ++x) {
-        if (out[x] <= 0) continue;
-        // Between two smooth pixels there is no edge: only beside others can anything else lie two pixels away.
-        const int left = std::max(x - 1, inner.x0), right = std::min(x + 1, inner.x1 - 1);
-        const bool amid = smooth_.at(left, above) & smooth_.at(x, above) & smooth_.at(right, above) &
-                          smooth_.at(left, y) & smooth_.at(right, y) & smooth_.at(left, below) & smooth_.at(x, below) &
-                          smooth_.at(right, below);
-        if (!amid && reads_something_else(depth_, x, y, footprint * out[x])) out[x] = 0;
-      }
-    }
   });
 }
 

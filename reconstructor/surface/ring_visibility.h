@@ -33,8 +33,11 @@ struct SurfaceView {
   std::vector<float> step_px;            ///< a triangle: mean distance of neighbouring samples in the image
   std::size_t visible_samples = 0;
   /// A pixel of the image: z of the first hit in the camera's frame where it lies on a front face and safely inside a
-  /// surface, away from every edge; else 0. Read the others only after `fill_edges`.
+  /// surface, away from every edge; else 0. Only there may anything be sampled.
   ImageF safe_depth;
+  /// A pixel of the image: whether it touches an edge, 0, or shows nothing but one surface: 1 beside pixels that touch
+  /// one, else 2. Within two pixels of a 2 (one, of a 1) lies nothing but the same surface and its edge.
+  ImageU8 from_edge;
 };
 
 /// Decides sample by sample what an image shows (000 sec. 4.2, which tests vertices only): the sample must be the first

@@ -20,6 +20,8 @@ constexpr int kBlock = 8;  // pixels of the full image that a pixel of the coars
 // Up to this distance between samples the full image is read: the cubic kernel itself passes little beyond it.
 constexpr float kFullResolutionStep = 1.6f;
 constexpr float kCubicA = -0.6f;
+// Channel that is 1 where two pixels round lies nothing but the pixel's own surface, at most as `fill_edges` leaves it.
+constexpr int kClear = 3;
 
 using Pixel = Eigen::Array4f;
 
@@ -50,11 +52,11 @@ const CubicPolynomials<4> kColumnPolynomials;
 
 Pixel sample_cubic(const ImageF& image, float x, float y) {
   const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  using Four = Eigen::Array<float, 16, 1>;  // neighbouring pixels of a row
+  using Row = Eigen::Array<float, 16, 1>;  // neighbouring pixels of a row
   const Eigen::Array4f wy = kRowPolynomials.weights(y - static_cast<float>(y0));
-  Four columns;
+  Row columns;
   if (x0 >= 1 && y0 >= 1 && x0 + 2 < image.width() && y0 + 2 < image.height()) {
-    const auto row = [&](int j) { return Eigen::Map<const Four>(image.pixel(x0 - 1, y0 - 1 + j)); };
+    const auto row = [&](int j) { return Eigen::Map<const Row>(image.pixel(x0 - 1, y0 - 1 + j)); };
     columns = wy[0] * row(0) + wy[1] * row(1) + wy[2] * row(2) + wy[3] * row(3);
   } else {
     columns.setZero();
@@ -66,11 +68,40 @@ Pixel sample_cubic(const ImageF& image, float x, float y) {
   return sum.max(0);  // the kernel overshoots at edges; light is never negative
 }
 
-Pixel sample_linear(const ImageF& image, float x, float y) {
-  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  const float tx = x - static_cast<float>(x0), ty = y - static_cast<float>(y0);
-  return (1 - ty) * ((1 - tx) * texel(image, x0, y0) + tx * texel(image, x0 + 1, y0)) +
-         ty * ((1 - tx) * texel(image, x0, y0 + 1) + tx * texel(image, x0 + 1, y0 + 1));
+/// The four pixels round a place.
+struct Four {
+  Four(const ImageF& image, float x, float y) {
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    tx = x - static_cast<float>(x0);
+    ty = y - static_cast<float>(y0);
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < 2; ++i) pixels[j][i] = texel(image, x0 + i, y0 + j);
+  }
+  bool clear() const { return pixels[0][0].min(pixels[0][1]).min(pixels[1][0].min(pixels[1][1]))[kClear] == 1; }
+  Pixel interpolated() const {
+    return (1 - ty) * ((1 - tx) * pixels[0][0] + tx * pixels[0][1]) +
+           ty * ((1 - tx) * pixels[1][0] + tx * pixels[1][1]);
+  }
+
+  float tx, ty;
+  Pixel pixels[2][2];
+};
+
+bool is_clear(const ImageF& image, float x, float y) {
+  return texel(image, static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f))[kClear] == 1;
+}
+
+/// Linear interpolation on the coarsest level up to `level` whose pixels there show one surface only. The full image
+/// always does, round a place that may be sampled: its pixel touches no edge.
+template <typename Levels>
+Pixel sample_own_surface(const Levels& levels, int level, float x, float y) {
+  for (; level > 0; --level) {
+    const float scale = 1.0f / static_cast<float>(1 << level);
+    const float shift = 0.5f * scale - 0.5f;  // pixel centres of a level lie between those of the finer one
+    const Four four(levels[level], x * scale + shift, y * scale + shift);
+    if (four.clear()) return four.interpolated();
+  }
+  return Four(levels[0], x, y).interpolated();
 }
 
 void halve(const ImageF& fine, ImageF& coarse) {
@@ -103,6 +134,7 @@ RadianceImage::RadianceImage(const ImageF& linear) {
   full = ImageF(linear.width(), linear.height(), 4);
   for (std::size_t i = 0; i < linear.size() / 3; ++i) std::copy_n(linear.data() + 3 * i, 3, full.data() + 4 * i);
   zero_what_is_not_finite(full);
+  for (std::size_t i = 0; i < full.size(); i += 4) full.data()[i + kClear] = 1;
   fill_coarser_levels(std::numeric_limits<float>::infinity());
 }
 
@@ -117,7 +149,13 @@ void RadianceImage::load(const Capture& capture, const SurfaceView& view) {
                 4 * static_cast<std::size_t>(box.width()));
   });
   if (capture.image.format == PixelFormat::kRGB32f) zero_what_is_not_finite(full);
-  fill_edges(view.safe_depth, box.x0, box.y0, full);
+  fill_edges(view.from_edge, box.x0, box.y0, full);
+  tbb::parallel_for(tbb::blocked_range<int>(0, full.height(), 32), [&](const tbb::blocked_range<int>& rows) {
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      const std::uint8_t* from_edge = view.from_edge.row(box.y0 + y) + box.x0;
+      for (int x = 0; x < full.width(); ++x) full.pixel(x, y)[kClear] = from_edge[x] == 2 ? 1.0f : 0.0f;
+    }
+  });
   fill_coarser_levels(*std::max_element(view.step_px.begin(), view.step_px.end()));
 }
 
@@ -139,18 +177,13 @@ Eigen::Vector3f RadianceImage::sample(const Eigen::Vector2f& pixel, float step_p
 void RadianceImage::sample(std::span<const Eigen::Vector2f> pixels, std::span<const std::uint8_t> wanted, float step_px,
                            Sampling sampling, float* rgb) const {
   int level = 0;
-  float scale = 1;
-  for (float step = kFullResolutionStep; step < step_px && level + 1 < levels_used_; step *= 2) {
-    ++level;
-    scale *= 0.5f;
-  }
+  for (float step = kFullResolutionStep; step < step_px && level + 1 < levels_used_; step *= 2) ++level;
   const bool cubic = level == 0 && sampling == Sampling::kCubic;
-  const float shift = 0.5f * scale - 0.5f;  // pixel centres of a level lie between those of the finer one
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (!wanted[i]) continue;
     const float x = pixels[i].x() - origin_.x(), y = pixels[i].y() - origin_.y();
     Eigen::Map<Pixel>{rgb} =
-        cubic ? sample_cubic(levels_[0], x, y) : sample_linear(levels_[level], x * scale + shift, y * scale + shift);
+        cubic && is_clear(levels_[0], x, y) ? sample_cubic(levels_[0], x, y) : sample_own_surface(levels_, level, x, y);
     rgb += 3;
   }
 }

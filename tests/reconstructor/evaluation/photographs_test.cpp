@@ -122,6 +122,34 @@ TEST_F(Photographs, TheGroundDoesNotBleedInAtTheRim) {
   EXPECT_GT(rim, 150u);
 }
 
+TEST_F(Photographs, AnotherSurfaceDoesNotBleedInAtItsEdge) {
+  // A white square floats over a dark one: 425 px a metre above, 340 px a metre below.
+  const auto both = std::make_shared<Mesh>(joined(square_mesh(0.1f, 0, 4), square_mesh(0.03f, 0.1f, 1)));
+  VertexRings with_floating(*both, std::vector<std::uint8_t>(both->triangles.size(), 8));
+  RingVisibility looker(*both, with_floating, {});
+  photographs = std::make_shared<PhotographSet>(both, VisibilityOptions{});
+  const auto level = [](const Eigen::Vector3d& p) { return p.z() > 0.05 ? 1.0 : 0.2; };
+  const Scene scene{analytic::nearest_of(analytic::square(0.1, 0), analytic::square(0.03, 0.1)),
+                    analytic::encoded([&](const Eigen::Vector3d& p, const Eigen::Vector3d&) {
+                      return Eigen::Vector3d(Eigen::Vector3d::Constant(level(p)));
+                    })};
+  const Capture capture = analytic::capture(scene, camera(), from(0));
+  photographs->add(capture, analytic::picture(scene, camera(), from(0)), looker.look(capture.camera, from(0), {}));
+  const std::uint32_t floating = static_cast<std::uint32_t>(both->triangles.size() - 1);
+  std::size_t seen[2] = {0, 0};
+  for (int i = 0; i < 2000; ++i) {  // the floating edge covers the floor at 0.0375 from the middle
+    const double along = -0.02 + 0.04 * (i / 5) / 399, away = 0.001 + 0.0017 * (i % 5);
+    for (const Eigen::Vector3d& p :
+         {Eigen::Vector3d(0.03 - away, along, 0.1), Eigen::Vector3d(0.0375 + away, along, 0)}) {
+      Eigen::Vector3f encoded;
+      if (!photographs->blend(p.z() > 0 ? floating : 0, p, eye_at(0), 1, encoded)) continue;
+      ++seen[p.z() > 0];
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(encoded[c], level(p), kGreyLevel) << p.transpose();
+    }
+  }
+  EXPECT_GT(std::min(seen[0], seen[1]), 1000u);
+}
+
 TEST_F(Photographs, TheNearestIsTheOneOfTheLeastAngle) {
   take(leaning_scene(), {from(-30), from(0), from(20), from(40)});
   EXPECT_NEAR(middle(*nearest, eye_at(12)), seen_from(20), kGreyLevel);

@@ -61,22 +61,28 @@ TEST(RingVisibility, ErosionKeepsAsManyPixelsMoreAway) {
   }
 }
 
-TEST(RingVisibility, WhatHidesTheSurfaceIsKeptOutOfTheKernelAndABackgroundIsNot) {
+TEST(RingVisibility, PixelsSayHowFarTheEdgeOfTheirSurfaceIs) {
   // The floor ends at pixel 299; its left part is masked to pixel 149; before it floats a square, pixels 175 to 224.
   const Mesh mesh = joined(square_mesh(0.4f, 0, 8), square_mesh(0.05f, 1, 1));
   const VertexRings rings = rings_of(mesh, 6);
   ImageU8 mask(400, 300, 1, 255);
   for (int y = 0; y < 300; ++y) std::fill_n(mask.row(y), 150, std::uint8_t{0});
-  RingVisibility visibility(mesh, rings, {});
-  const ImageF& safe = visibility.look(camera(), kFromAbove, mask).safe_depth;
-  const auto of_floor = [](int x, int y) { return std::max(std::abs(2 * x - 399), std::abs(2 * y - 299)) / 2; };
-  for (int y = 60; y < 240; ++y)
-    for (int x = 0; x < 400; ++x) {
-      const int from_middle = of_floor(x, y);  // 0 at the pixels beside the middle
-      const bool floor = from_middle >= 25 + 2 && x >= 150 + 2 && x <= 299 - 1;
-      const bool floating = from_middle <= 24 - 2;
-      EXPECT_NEAR(safe.at(x, y), floor ? 2 : floating ? 1 : 0, 1e-4f) << x << ' ' << y;
+  for (const int erosion : {0, 1, 4}) {
+    RingVisibility visibility(mesh, rings, {.erosion_px = erosion});
+    for (int repetition = 0; repetition < 2; ++repetition) {  // the second with buffers that were used
+      if (repetition == 1) visibility.look(camera(), look_at({0.3, 0.2, 1.9}, {0, 0, 0}, {0, 1, 0}), {});
+      const SurfaceView& view = visibility.look(camera(), kFromAbove, mask);
+      for (int y = 0; y < 300; ++y)
+        for (int x = 0; x < 400; ++x) {
+          const int from_middle = std::max(std::abs(2 * x - 399), std::abs(2 * y - 299)) / 2;  // 0 beside the middle
+          const bool floats = from_middle <= 24;
+          const int from_edge =
+              floats ? 24 - from_middle : std::min({from_middle - 25, x - 150, 299 - x, y - 50, 249 - y});
+          EXPECT_EQ(view.from_edge.at(x, y), std::clamp(from_edge, 0, 2)) << x << ' ' << y;
+          EXPECT_NEAR(view.safe_depth.at(x, y), from_edge < 1 + erosion ? 0 : floats ? 1 : 2, 1e-4f) << x << ' ' << y;
+        }
     }
+  }
 }
 
 TEST(RingVisibility, SamplesAreProjectedThroughTheLens) {

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "common/color.h"
+#include "tests/support/test_meshes.h"
 
 namespace sheen {
 namespace {
@@ -125,10 +126,10 @@ Capture capture_of(const ImageF& pixels) {
   return capture;
 }
 
-/// All pixels are safe.
+/// No pixel touches an edge.
 SurfaceView view_of(const ImageF& pixels, const PixelBox& box, float step) {
   SurfaceView view;
-  view.safe_depth = ImageF(pixels.width(), pixels.height(), 1, 1.0f);
+  view.from_edge = ImageU8(pixels.width(), pixels.height(), 1, 2);
   view.box = box;
   view.step_px = {step};
   return view;
@@ -189,7 +190,12 @@ TEST(RingResampler, BesideASilhouetteASampleHasTheObjectsColour) {
     ImageF pixels =
         image_of(64, 64, [&](int x, int y, int c) { return share(x, y) * colour[c] + (1 - share(x, y)) * ground; });
     for (int y = 0; y < 64; ++y)
-      for (int x = 0; x < 64; ++x) view.safe_depth.at(x, y) = share(x, y) == 1 ? 1.0f : 0.0f;
+      for (int x = 0; x < 64; ++x) {
+        float least = 1;
+        for (int j = -1; j <= 1; ++j)
+          for (int i = -1; i <= 1; ++i) least = std::min(least, share(x + i, y + j));
+        view.from_edge.at(x, y) = share(x, y) < 1 ? 0 : least < 1 ? 1 : 2;
+      }
     for (int x = 0; x < 64; ++x)
       if (share(x, 40) < 1) pixels.at(x, 40, 1) = std::numeric_limits<float>::quiet_NaN();
     for (const float step : {1.0f, 3.0f}) {  // the kernel itself, and the level of half the size
@@ -201,7 +207,7 @@ TEST(RingResampler, BesideASilhouetteASampleHasTheObjectsColour) {
         for (float y = 8; y < 56; y += 0.23f)
           for (float x = 8; x < 56; x += 0.23f) {
             const int i = static_cast<int>(x + 0.5f), j = static_cast<int>(y + 0.5f);
-            if (view.safe_depth.at(i, j) == 0) continue;  // as visibility decides
+            if (view.from_edge.at(i, j) == 0) continue;  // as visibility decides
             beside += share(i - 1, j) < 1 || share(i + 1, j) < 1 || share(i, j - 1) < 1 || share(i, j + 1) < 1;
             ASSERT_LT((image.sample({x, y}, step, sampling) - colour).cwiseAbs().maxCoeff(), 1e-5f) << x << ' ' << y;
           }
@@ -209,6 +215,80 @@ TEST(RingResampler, BesideASilhouetteASampleHasTheObjectsColour) {
       }
     }
   }
+}
+
+/// Two squares of one colour each over each other, on a glaring ground, seen through a pinhole from the side: the mean
+/// of 7 x 7 rays a pixel, met in closed form.
+struct TwoSquares {
+  static constexpr float kFloor = 0.4f, kUpper = 0.12f;  // half their sides, at z = 0 and 0.5
+  Camera camera{.width = 240, .height = 180, .fx = 300, .fy = 300, .cx = 119.5, .cy = 89.5};
+  Rigid3 camera_from_object = look_at({0.6, -0.5, 2}, {0.05, 0, 0}, {0.2, 1, 0});
+  Mesh mesh = joined(square_mesh(kFloor, 0, 8), square_mesh(kUpper, 0.5f, 3));
+
+  Eigen::Vector3f colour(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) const {
+    const auto meets = [&](double z, double half) {
+      const Eigen::Vector3d p = eye + ray * ((z - eye.z()) / ray.z());
+      return std::max(std::abs(p.x()), std::abs(p.y())) < half;
+    };
+    return meets(0.5, kUpper) ? upper_colour : meets(0, kFloor) ? floor_colour : Eigen::Vector3f::Constant(3);
+  }
+  ImageF picture() const {
+    ImageF pixels(camera.width, camera.height, 3);
+    const Rigid3 object_from_camera = camera_from_object.inverse();
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+        for (int j = -3; j <= 3; ++j)
+          for (int i = -3; i <= 3; ++i)
+            sum += colour(object_from_camera.translation,
+                          object_from_camera.rotation * Eigen::Vector3d((x + i / 7.0 - camera.cx) / camera.fx,
+                                                                        (y + j / 7.0 - camera.cy) / camera.fy, 1));
+        for (int c = 0; c < 3; ++c) pixels.at(x, y, c) = sum[c] / 49;
+      }
+    return pixels;
+  }
+
+  Eigen::Vector3f floor_colour{0.02f, 0.5f, 0.7f}, upper_colour{0.9f, 0.1f, 0};
+};
+
+TEST(RingResampler, BesideAnotherSurfaceASampleHasItsOwnColourExactly) {
+  const TwoSquares scene;
+  Capture capture = capture_of(scene.picture());
+  ImageU8 mask(240, 180, 1, 255);
+  for (int y = 0; y < 180; ++y)
+    for (int x = 0; x < 240; ++x)
+      if (std::abs(2 * x + y - 280) < 14) {  // a glaring strip across both
+        mask.at(x, y) = 0;
+        const float glare[] = {50, 50, 50};
+        std::memcpy(capture.image.bytes.data() + y * capture.image.stride + 12 * x, glare, 12);
+      }
+  // Samples 0.7 to 5 pixels apart: the kernel, and levels of half and a quarter of the size.
+  std::size_t beside[2] = {0, 0};
+  for (const int n : {3, 8, 20})
+    for (const int erosion : {0, 1})
+      for (const Sampling sampling : {Sampling::kCubic, Sampling::kLinear}) {
+        const VertexRings rings(scene.mesh,
+                                std::vector<std::uint8_t>(scene.mesh.triangles.size(), static_cast<std::uint8_t>(n)));
+        RingVisibility visibility(scene.mesh, rings, {.erosion_px = erosion});
+        const SurfaceView& view = visibility.look(scene.camera, scene.camera_from_object, mask);
+        RadianceImage image;
+        image.load(capture, view);
+        Eigen::Matrix3Xf encoded;
+        resample(image, view, rings, 1, encoded, sampling);
+        for (std::size_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+          const bool upper = scene.mesh.corner(t, 0).z() > 0;
+          const Eigen::Vector3f colour =
+              (upper ? scene.upper_colour : scene.floor_colour).unaryExpr([](float v) { return srgb_encode(v); });
+          for (std::size_t s = rings.first_sample(t); s < rings.first_sample(t + 1); ++s) {
+            if (!view.visible[s]) continue;
+            beside[upper] += view.from_edge.at(static_cast<int>(view.pixel[s].x() + 0.5f),
+                                               static_cast<int>(view.pixel[s].y() + 0.5f)) == 1;
+            ASSERT_LT((encoded.col(s) - colour).cwiseAbs().maxCoeff(), 5e-5f)
+                << n << ' ' << erosion << ' ' << view.pixel[s].transpose();
+          }
+        }
+      }
+  EXPECT_GT(std::min(beside[0], beside[1]), 400u);
 }
 
 TEST(RingResampler, LinearSamplingIsTheMeanOfTheFourPixelsRound) {
