@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 
 #include "reconstructor/numerics/batch_pca.h"
+#include "reconstructor/numerics/row_panels.h"
 #include "tests/bench/numerics_rows.h"
 #include "tests/support/plain_brand.h"
 #include "tests/support/test_rings.h"
@@ -41,6 +42,43 @@ double us_a_column(const Eigen::MatrixXf& columns, int internal_rank) {
     us.push_back(1e6 * (thread_seconds() - start) / static_cast<double>(data.cols() - kFullAfter));
   }
   return quantile(us, 0.5);
+}
+
+constexpr int kChains = 12;  // of multiply-adds that do not wait for each other: enough to fill the pipeline
+
+/// On its own, for the sums must stay in registers.
+[[gnu::noinline]] row_panels::Vector<float> multiply_and_add(float factor, int steps) {
+  row_panels::Vector<float> sums[kChains] = {};
+  for (int c = 0; c < kChains; ++c) sums[c] += static_cast<float>(c);  // alike, they would be computed once
+  for (int step = 0; step < steps; ++step)
+#pragma GCC unroll 12
+    for (int c = 0; c < kChains; ++c) sums[c] = sums[c] * factor + factor;
+  for (int c = 1; c < kChains; ++c) sums[0] += sums[c];
+  return sums[0];
+}
+
+/// Multiply-adds of single precision a microsecond of processor time, from registers alone: what this thread could
+/// reach.
+double peak_multiply_adds_per_us() {
+  constexpr int kSteps = 20000;
+  std::vector<double> rates;
+  double used = 0;  // else there would be nothing to compute
+  for (int run = 0; run < 51; ++run) {
+    const double start = thread_seconds();
+    used += row_panels::lane_sum<float>(multiply_and_add(0.999f, kSteps));
+    const double count = 1.0 * kChains * kSteps * row_panels::VectorOf<float>::kLanes;
+    rates.push_back(1e-6 * count / (thread_seconds() - start));
+  }
+  return used > 0 ? quantile(rates, 0.5) : 0;
+}
+
+/// Microseconds a column of the products with the rows at that rate: projecting a block of n columns on a basis of r
+/// (3 r n, residuals and what they have left over included), Gram matrices of residuals and, every fourth time, basis,
+/// and the turn of both (r (r + n)).
+double row_products_us(Eigen::Index rows, int r, double multiply_adds_per_us) {
+  const int n = RingFactorOptions{}.block;
+  const double a_row = 3.0 * r * n + 0.5 * n * n + 0.125 * r * r + 1.0 * r * (r + n);
+  return static_cast<double>(rows) * a_row / n / multiply_adds_per_us;
 }
 
 double brand_us_a_column(const Eigen::MatrixXf& columns, int cap) {
@@ -94,13 +132,16 @@ void measure_speed(GoalReport& report) {
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(columns.cast<double>(), Eigen::ComputeThinU | Eigen::ComputeThinV);
   const double svd_ms = 1e3 * (thread_seconds() - start);
 
+  const double peak = peak_multiply_adds_per_us();
   const double us_12 = us_a_column<float>(columns, 12), us_24 = us_a_column<float>(columns, 24);
   report.add(at_most(5, 2.5, "ring update, internal 12, in cache, 1 thread", us_12, "us",
-                     {{"brand_cap_12_us", brand_us_a_column(columns, 12)},
+                     {{"row_products_at_peak_us", row_products_us(columns.rows(), 12, peak)},
+                      {"brand_cap_12_us", brand_us_a_column(columns, 12)},
                       {"batch_svd_of_300_ms", svd_ms},
                       {"batch_gram_of_300_ms", gram_ms}}));
   report.add(at_most(10, 5.5, "ring update, internal 24, in cache, 1 thread", us_24, "us",
-                     {{"brand_cap_24_us", brand_us_a_column(columns, 24)}}));
+                     {{"row_products_at_peak_us", row_products_us(columns.rows(), 24, peak)},
+                      {"brand_cap_24_us", brand_us_a_column(columns, 24)}}));
 
   const std::vector<double> ms = ms_an_image(columns, 12, 180, true);
   const double median = quantile(ms, 0.5);
