@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -48,6 +49,12 @@ BasicRingFactor<Scalar>::BasicRingFactor(int rows, const RingFactorOptions& opti
   require(options.channels >= 1 && options.channels <= rows, "ring factor: channels must be 1..rows");
 }
 
+template <typename Scalar>
+int BasicRingFactor<Scalar>::Pending::known_rows(int rows) const {
+  for (const std::uint64_t bits : hidden) rows -= std::popcount(bits);
+  return rows;
+}
+
 /// Single columns at first, for what is imputed leans on the columns before; then folds a block apart, at counts that
 /// differ with the phase.
 template <typename Scalar>
@@ -71,7 +78,7 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(const Con
   require(weight > 0 && std::isfinite(weight), "ring factor: a weight must be positive and finite");
   if (pending_.empty() && buffer_.cols() != block_size()) buffer_.resize(row_panels::padded(rows_), block_size());
 
-  Pending pending{.weight = weight, .exponent = 0, .hidden = {}};
+  Pending pending{.weight = weight, .exponent = 0, .hidden = {}, .guessed = false};
   auto kept = buffer_.col(this->pending());
   kept.head(rows_) = column;
   kept.tail(kept.size() - rows_).setZero();

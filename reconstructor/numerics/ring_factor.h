@@ -31,7 +31,7 @@ struct ColumnReport {
   double norm = 0;           ///< ||c|| over its known rows
   double residual_norm = 0;  ///< ||p||, the part that the basis before its block did not explain (000 sec. 3.1)
   int known_rows = 0;
-  bool first = false;  ///< there was no basis to predict it from: the residual is no error of prediction
+  bool first = false;  ///< there was nothing to predict it from: the residual is no error of prediction
 };
 
 /// Online SVD of the columns of one vertex ring (000 sec. 3.1), a block at a time. A new column is only written to a
@@ -142,6 +142,8 @@ class BasicRingFactor {
     double weight;
     int exponent;                       ///< the buffered column is the given one times 2^-exponent
     std::vector<std::uint64_t> hidden;  ///< a bit a row; empty when all rows are known
+    bool guessed = false;               ///< it showed no row that was seen before: the mean of the views predicts it
+    int known_rows(int rows) const;
   };
   struct View {
     double weight;   ///< sum over its columns
@@ -158,6 +160,7 @@ class BasicRingFactor {
   Eigen::MatrixXd prior() const;  ///< covariance of a column's coefficients: G / n
   std::vector<std::uint64_t> hidden_patterns() const;
   Eigen::MatrixXd pending_projections(std::span<const std::uint64_t> hidden) const;
+  Eigen::MatrixXd foreseen(std::span<const std::uint64_t> hidden, const Eigen::MatrixXd& level);
   void reveal_rows(std::span<const double> weight, std::span<const std::uint64_t> hidden);
   template <typename Visit>
   void visit_masked_views(Visit visit) const;

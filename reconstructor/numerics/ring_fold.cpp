@@ -180,9 +180,8 @@ ColumnReport BasicRingFactor<Scalar>::report(const Pending& column, double norm2
   ColumnReport report;
   report.norm = std::ldexp(std::sqrt(norm2), column.exponent);
   report.residual_norm = std::ldexp(std::sqrt(residual2), column.exponent);
-  report.known_rows = rows_;
-  for (const std::uint64_t bits : column.hidden) report.known_rows -= std::popcount(bits);
-  report.first = rank_ == 0;
+  report.known_rows = column.known_rows(rows_);
+  report.first = rank_ == 0 || column.guessed;
   if (report.first || report.known_rows == 0) return report;
   const double variance = report.residual_norm * report.residual_norm / report.known_rows;
   row_noise_ = columns_predicted_ == 0 ? variance : std::lerp(variance, row_noise_, options_.residual_memory);

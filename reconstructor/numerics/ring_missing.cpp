@@ -23,6 +23,11 @@ constexpr double kDim = 0.04;
 /// A revealed row that outshines all others of the ring together as much as this is an event, and starts at zero.
 constexpr double kBrightest = 1e3;
 
+/// A column that shows less than this share of the energy of the basis says nothing about its coefficients.
+constexpr double kNothing = 1e-4;
+/// Of its rows; with fewer, a column that shows nothing but new ones does not tell how bright they are.
+constexpr double kFewest = 1.0 / 16;
+
 /// Rows err together (the channels of a sample, neighbours in a highlight), so this many say what one says.
 constexpr double kRowsThatErrTogether = 2;
 
@@ -131,6 +136,7 @@ template <typename Scalar>
 typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::displayed_coefficients() const {
   const int displayed = displayed_rank();
   Matrix y = coefficients_.topRows(displayed);
+  if (displayed == 0) return y;  // all is black
   const MatrixXd covariance = prior();
   const double appendix = covariance.diagonal().tail(rank_ - displayed).sum() / rows_;
   const MatrixXd precision =
@@ -143,6 +149,32 @@ typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::displayed_coef
   return y;
 }
 
+/// What the block's columns look like as far as rows that were seen before tell; a column that shows none of those
+/// looks like the mean of the views. (Taken for black, it would be a term of its own, and what lies between it and the
+/// views would be dark.) rank x pending().
+template <typename Scalar>
+MatrixXd BasicRingFactor<Scalar>::foreseen(std::span<const std::uint64_t> hidden, const MatrixXd& level) {
+  MatrixXd y = pending_projections(hidden);
+  VectorXd mean = VectorXd::Zero(rank_);
+  double weight = 0;
+  for (int v = 0; v < folded_views(); ++v) {
+    mean += views_[v].weight * coefficients_.col(v).template cast<double>();
+    weight += views_[v].weight;
+  }
+  const double mean2 = mean.squaredNorm(),
+               level2 = (level * mean).squaredNorm() * (rows_ - unseen_rows_) / level.rows();
+  if (hidden.empty() || !(mean2 > 0.5 * weight * gram_.trace() && level2 > 0.5 * mean2)) return y;
+  const MatrixXd known = known_grams(columns(basis_, rank_), hidden, pending());
+  for (int j = 0; j < pending(); ++j) {
+    Pending& column = pending_[j];
+    const bool tells = column.hidden.empty() || known.col(j).reshaped(rank_, rank_).trace() >= kNothing * rank_;
+    if (tells || column.known_rows(rows_) < kFewest * rows_) continue;
+    y.col(j) = std::ldexp(1 / weight, -column.exponent) * mean;
+    column.guessed = true;
+  }
+  return y;
+}
+
 /// Gives rows that the basis has never seen the mean row of their channel, scaled to what the block's columns show.
 template <typename Scalar>
 void BasicRingFactor<Scalar>::reveal_rows(std::span<const double> weight, std::span<const std::uint64_t> hidden) {
@@ -152,8 +184,6 @@ void BasicRingFactor<Scalar>::reveal_rows(std::span<const double> weight, std::s
     if (!(seen_[row / 64] >> (row % 64) & 1) && (hidden.empty() || hidden[row] != all)) revealed.push_back(row);
   if (revealed.empty()) return;
   if (rank_ > 0) {
-    // Until now a column's unseen rows are hidden rows: those of the basis are 0.
-    const MatrixXd y = pending_projections(hidden);
     MatrixXd level = MatrixXd::Zero(options_.channels, rank_);
     std::vector<double> rows_of_channel(options_.channels, 0);
     for (int row = 0; row < rows_; ++row) {
@@ -166,6 +196,8 @@ void BasicRingFactor<Scalar>::reveal_rows(std::span<const double> weight, std::s
       level.row(c) /= std::max(rows_of_channel[c], 1.0);
       rows_seen += rows_of_channel[c];
     }
+    // Until now a column's unseen rows are hidden rows: those of the basis are 0.
+    const MatrixXd y = foreseen(hidden, level);
     const MatrixXd expected = level * y;  // channels x columns
     for (const int row : revealed) {
       const int channel = row % options_.channels;

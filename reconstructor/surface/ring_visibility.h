@@ -17,7 +17,7 @@ namespace sheen {
 struct VisibilityOptions {
   int erosion_px = 0;       ///< kept away from edges (silhouettes, depth steps, the mask's and the image's border)
                             ///< beyond the pixels that touch one
-  double min_cosine = 0.2;  ///< of the angle between a triangle's normal and the direction to the camera
+  double min_cosine = 0.1;  ///< of the angle between a triangle's normal and the direction to the camera
   double depth_step = 8;    ///< a step between neighbouring pixels, in pixel footprints, that is an edge and no slope
   double depth_tolerance = 6;  ///< how far behind the first hit a sample may lie, in pixel footprints
 };

@@ -54,6 +54,38 @@ TEST(Missing, AStreamOfSingleRowsFromTheStartStaysSound) {
   EXPECT_LT((settled.basis() * settled.coefficients()).norm(), 4 * data.norm()) << "nothing runs away";
 }
 
+TEST(Missing, PartsThatNoColumnShowsTogetherAreNotDark) {
+  // A diffuse ring of which some columns show the first rows, others the last, and none both.
+  const MatrixXf data = ring_like_matrix(300, 24, 0, 0.01f, 2);
+  for (const int block : {1, 12}) {
+    RingFactor factor(300, {.max_rank = 6, .block = block, .tolerance = 0.05});
+    for (int j = 0; j < 24; ++j) {
+      Mask known(300, 0);
+      std::fill(known.begin() + (j % 2 ? 180 : 0), known.begin() + (j % 2 ? 300 : 120), 1);
+      factor.add(data.col(j), known);
+    }
+    const RingFactor settled = factor.settled();
+    EXPECT_EQ(settled.displayed_rank(), 1);
+    const MatrixXf completed = settled.displayed_basis() * settled.displayed_coefficients();
+    for (const int first : {0, 180}) {  // on one scale, which nothing tells exactly, each part is right in all columns
+      const MatrixXf part = completed.middleRows(first, 120), truth = data.middleRows(first, 120);
+      EXPECT_LT((part - truth).norm(), 0.2 * truth.norm()) << first;
+    }
+  }
+}
+
+TEST(Missing, WhatIsBlackWhereItIsShownHasNothingToDisplay) {
+  RingFactor factor(60, kOptions);
+  const Mask half = [] {
+    Mask known(60, 0);
+    std::fill_n(known.begin(), 30, 1);
+    return known;
+  }();
+  for (int j = 0; j < 20; ++j) factor.add(VectorXf::Zero(60), half);
+  EXPECT_EQ(factor.settled().displayed_coefficients().rows(), 0);
+  EXPECT_EQ(factor.settled().displayed_coefficients().cols(), 20);
+}
+
 TEST(Missing, NoVisibleRowAtAllIsAViewWithoutWeightOnTheBasis) {
   const MatrixXf data = ring_like_matrix(150, 40, 4, 0.01f, 3);
   RingFactor factor = trained_on(data);

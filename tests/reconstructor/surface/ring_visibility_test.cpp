@@ -123,13 +123,15 @@ TEST(RingVisibility, AnOccluderHidesExactlyItsShadowSampleBySample) {
 TEST(RingVisibility, ASphereShowsItsFrontAndNothingGrazing) {
   const Mesh mesh = sphere_mesh(0.4f, 4);
   const VertexRings rings = rings_of(mesh, 4);
-  RingVisibility visibility(mesh, rings, {});
-  const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
-  for_each_sample(mesh, rings, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
-    const float cosine = p.normalized().dot((Eigen::Vector3f(0, 0, 2) - p).normalized());
-    if (cosine > 0.35f) EXPECT_TRUE(view.visible[s]) << cosine;
-    if (cosine < 0.15f) EXPECT_FALSE(view.visible[s]) << cosine;
-  });
+  for (const double least : {VisibilityOptions{}.min_cosine, 0.2, 0.5}) {
+    RingVisibility visibility(mesh, rings, {.min_cosine = least});
+    const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
+    for_each_sample(mesh, rings, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
+      const double cosine = p.normalized().dot((Eigen::Vector3f(0, 0, 2) - p).normalized());
+      if (cosine > least + 0.15) EXPECT_TRUE(view.visible[s]) << cosine << " least " << least;
+      if (cosine < least - 0.05) EXPECT_FALSE(view.visible[s]) << cosine << " least " << least;
+    });
+  }
 }
 
 TEST(RingVisibility, BackFacesAndWhatLiesBehindThemDoNotCount) {
