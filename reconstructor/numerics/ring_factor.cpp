@@ -121,6 +121,14 @@ BasicRingFactor<Scalar> BasicRingFactor<Scalar>::settled() const {
 }
 
 template <typename Scalar>
+Scalar BasicRingFactor<Scalar>::pending_value(int column, int row) const {
+  const Pending& pending = pending_[column];
+  if (!pending.hidden.empty() && (pending.hidden[row / 64] >> (row % 64) & 1))
+    return std::numeric_limits<Scalar>::quiet_NaN();
+  return std::ldexp(buffer_(row, column), pending.exponent);
+}
+
+template <typename Scalar>
 typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::pending_coefficients() const {
   MatrixXd y = pending_projections(hidden_patterns());
   for (int j = 0; j < pending(); ++j)

@@ -113,6 +113,8 @@ class BasicRingFactor {
 
   /// A copy with all columns folded.
   BasicRingFactor settled() const;
+  /// Of a pending column, as it was added; NaN where it does not show the row.
+  Scalar pending_value(int column, int row) const;
   /// Most probable coefficients of the pending columns in the present basis: rank x pending().
   Matrix pending_coefficients() const;
 

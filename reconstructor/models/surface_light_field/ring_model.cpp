@@ -15,7 +15,8 @@ constexpr double kChoiceGrowth = 1.4;
 constexpr double kGoldenRatio = 0.6180339887498949;
 // Runs of neighbouring samples share cache lines: an eighth of the samples is an eighth of the memory.
 constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
-constexpr double kRepeatedNoise = 1.5;    // a repetition differs by its own noise and by that of the view it repeats
+// A repetition differs by its own noise and by that of the view it repeats, of which a basis has averaged a part.
+constexpr double kRepeatedNoise = 1.5, kRepeatedColumn = 2;
 constexpr float kSensorVariance = 2e-5f;  // about one grey level of 255, encoded
 
 Eigen::Matrix3Xf as_matrix(const std::vector<Eigen::Vector3f>& vectors) {
@@ -130,10 +131,15 @@ float RingModel::nearest_cosine(const Eigen::Vector3f& direction) const {
 bool RingModel::repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
                         const Eigen::Vector3f& direction) const {
   float cosine = -1;
-  const int view = nearest_view(direction, factor_.folded_views(), cosine);
+  const int view = nearest_view(direction, views(), cosine);
   if (view < 0 || options_.repeat_angle <= 0 || cosine < std::cos(static_cast<float>(options_.repeat_angle)))
     return false;
-  const auto coefficients = factor_.coefficients().col(view);
+  const int waiting = view - factor_.folded_views();  // < 0: folded
+  const Eigen::VectorXf coefficients = waiting < 0 ? factor_.coefficients().col(view) : Eigen::VectorXf();
+  const auto kept = [&](Eigen::Index row) -> float {
+    return waiting < 0 ? factor_.basis().row(row).dot(coefficients)
+                       : factor_.pending_value(waiting, static_cast<int>(row));
+  };
   double unexplained = 0;
   int rows = 0;
   for (std::size_t run = 0; run < visible.size(); run += kTestedEvery)
@@ -141,10 +147,11 @@ bool RingModel::repeats(const Eigen::VectorXf& column, std::span<const std::uint
       if (!visible[s]) continue;
       if (shown_[s] == 0) return false;
       const auto row = static_cast<Eigen::Index>(3 * s);
-      unexplained += (column.segment<3>(row) - factor_.basis().middleRows<3>(row) * coefficients).squaredNorm();
+      const Eigen::Vector3f known(kept(row), kept(row + 1), kept(row + 2));
+      unexplained += (column.segment<3>(row) - known).squaredNorm();
       rows += 3;
     }
-  return rows > 0 && unexplained <= kRepeatedNoise * factor_.row_noise() * rows;
+  return rows > 0 && unexplained <= (waiting < 0 ? kRepeatedNoise : kRepeatedColumn) * factor_.row_noise() * rows;
 }
 
 void RingModel::follow(const RingFactor::Reports& reports, Absorbed& result) {

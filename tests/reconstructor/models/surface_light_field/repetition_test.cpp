@@ -17,7 +17,6 @@ TEST(Repetition, ASessionTenTimesAsLongOverTheSameViewsCostsTheSameMemory) {
   const std::vector<Capture> images = captures(glossy_scene(), eyes(30, 0.5, 0.55));
   SurfaceLightField model(square_object().mesh, plain_options());
   ingest_all(model, images);
-  ingest_all(model, images);  // what waited to be folded is folded
   const std::size_t bytes = model.bytes();
   std::size_t updated = 0, skipped = 0;
   for (int turn = 0; turn < 8; ++turn)
@@ -36,9 +35,11 @@ TEST(Repetition, ARepeatedViewThatShowsSomethingElseIsTakenIn) {
   const std::vector<Capture> images = captures(glossy_scene(), eyes(30, 0.5, 0.55));
   SurfaceLightField model(square_object().mesh, plain_options());
   ingest_all(model, images);
-  const IngestReport same = model.ingest(images[3]);
-  EXPECT_GT(same.rings_skipped, 0u);
-  EXPECT_EQ(same.rings_updated, 0u);
+  for (const int image : {3, 29}) {  // the last one's columns wait to be folded
+    const IngestReport same = model.ingest(images[image]);
+    EXPECT_GT(same.rings_skipped, 0u) << image;
+    EXPECT_EQ(same.rings_updated, 0u) << image;
+  }
   const Scene other{square_object().surface, analytic::diffuse(0.03)};
   const IngestReport changed = model.ingest(captures(other, eyes(30, 0.5, 0.55))[3]);
   EXPECT_EQ(changed.rings_skipped, 0u);
