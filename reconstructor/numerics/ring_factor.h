@@ -47,9 +47,9 @@ struct ColumnReport {
 /// that makes the result independent of the order of the columns.
 ///
 /// Rows that a column does not show (`known` = 0) are imputed when its block is folded, with the basis before the block
-/// (see imputation.h), and again each time that a sixth of all columns is newer: early guesses do not stay. A row that
-/// no column showed so far is zero in B; the first columns that show it give it its channel's mean row, scaled to their
-/// values: a surface point seen late is taken to have varied like its ring.
+/// (see imputation.h), and again each time that the columns have grown by a tenth: early guesses do not stay. A row
+/// that no column showed so far is zero in B; the first columns that show it give it its channel's mean row, scaled to
+/// their values: a surface point seen late is taken to have varied like its ring.
 ///
 /// Views are numbered 0 .. views() - 1, in the order of their arrival: first the folded, then the pending ones. Folds
 /// depend on how many columns were added and on nothing else: looking (`settled`, `pending_coefficients`) never changes
