@@ -23,9 +23,7 @@ constexpr double kDim = 0.04;
 /// A revealed row that outshines all others of the ring together as much as this is an event, and starts at zero.
 constexpr double kBrightest = 1e3;
 
-/// A column that shows less than this share of the energy of the basis says nothing about its coefficients.
-constexpr double kNothing = 1e-4;
-/// Of its rows; with fewer, a column that shows nothing but new ones does not tell how bright they are.
+/// Of all rows; showing fewer, a column that shows none but new ones does not tell how bright they are.
 constexpr double kFewest = 1.0 / 16;
 
 /// Rows err together (the channels of a sample, neighbours in a highlight), so this many say what one says.
@@ -149,9 +147,9 @@ typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::displayed_coef
   return y;
 }
 
-/// What the block's columns look like as far as rows that were seen before tell; a column that shows none of those
-/// looks like the mean of the views. (Taken for black, it would be a term of its own, and what lies between it and the
-/// views would be dark.) rank x pending().
+/// What the block's columns look like as far as rows that were seen before tell: rank x pending(). A column that shows
+/// none of those looks like the mean of the views, where these are alike and their rows are: taken for black, it would
+/// be a term of its own, and what lies between it and the views would be dark. `level`: mean row of each channel.
 template <typename Scalar>
 MatrixXd BasicRingFactor<Scalar>::foreseen(std::span<const std::uint64_t> hidden, const MatrixXd& level) {
   MatrixXd y = pending_projections(hidden);
@@ -164,10 +162,11 @@ MatrixXd BasicRingFactor<Scalar>::foreseen(std::span<const std::uint64_t> hidden
   const double mean2 = mean.squaredNorm(),
                level2 = (level * mean).squaredNorm() * (rows_ - unseen_rows_) / level.rows();
   if (hidden.empty() || !(mean2 > 0.5 * weight * gram_.trace() && level2 > 0.5 * mean2)) return y;
-  const MatrixXd known = known_grams(columns(basis_, rank_), hidden, pending());
   for (int j = 0; j < pending(); ++j) {
     Pending& column = pending_[j];
-    const bool tells = column.hidden.empty() || known.col(j).reshaped(rank_, rank_).trace() >= kNothing * rank_;
+    bool tells = column.hidden.empty();
+    for (std::size_t word = 0; word < column.hidden.size(); ++word)
+      tells = tells || (seen_[word] & ~column.hidden[word]) != 0;
     if (tells || column.known_rows(rows_) < kFewest * rows_) continue;
     y.col(j) = std::ldexp(1 / weight, -column.exponent) * mean;
     column.guessed = true;
@@ -181,13 +180,13 @@ void BasicRingFactor<Scalar>::reveal_rows(std::span<const double> weight, std::s
   std::vector<int> revealed;
   const std::uint64_t all = (std::uint64_t{1} << pending()) - 1;
   for (int row = 0; row < rows_; ++row)
-    if (!(seen_[row / 64] >> (row % 64) & 1) && (hidden.empty() || hidden[row] != all)) revealed.push_back(row);
+    if (!seen(row) && (hidden.empty() || hidden[row] != all)) revealed.push_back(row);
   if (revealed.empty()) return;
   if (rank_ > 0) {
     MatrixXd level = MatrixXd::Zero(options_.channels, rank_);
     std::vector<double> rows_of_channel(options_.channels, 0);
     for (int row = 0; row < rows_; ++row) {
-      if (!(seen_[row / 64] >> (row % 64) & 1)) continue;
+      if (!seen(row)) continue;
       level.row(row % options_.channels) += basis_.row(row).head(rank_).template cast<double>();
       rows_of_channel[row % options_.channels] += 1;
     }
