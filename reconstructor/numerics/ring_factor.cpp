@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <type_traits>
 
 #include "reconstructor/numerics/row_panels.h"
 
@@ -20,6 +22,19 @@ constexpr int kLargestBlock = 32;
 
 void require(bool holds, const char* rule) {
   if (!holds) throw std::invalid_argument(rule);
+}
+
+/// Copies numbers and returns the largest magnitude; not finite where one of them is not.
+template <typename Scalar>
+Scalar copy_and_peak(const Scalar* from, Eigen::Index count, Scalar* to) {
+  // Magnitudes are in the order of their bits, infinity and NaN above all others.
+  using Bits = std::conditional_t<sizeof(Scalar) == sizeof(std::int32_t), std::int32_t, std::int64_t>;
+  Bits peak = 0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    peak = std::max(peak, std::bit_cast<Bits>(from[i]) & std::numeric_limits<Bits>::max());
+    to[i] = from[i];
+  }
+  return std::bit_cast<Scalar>(peak);
 }
 
 }  // namespace
@@ -80,20 +95,20 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(const Con
 
   Pending pending{.weight = weight, .exponent = 0, .hidden = {}, .guessed = false};
   auto kept = buffer_.col(this->pending());
-  kept.head(rows_) = column;
+  Scalar peak = copy_and_peak(column.data(), rows_, kept.data());
   kept.tail(kept.size() - rows_).setZero();
-  const bool finite = (column - column).sum() == 0;  // a NaN or an infinity makes this NaN
-  if (!finite || std::find(known.begin(), known.end(), 0) != known.end()) {
+  if (!std::isfinite(peak) || (!known.empty() && std::memchr(known.data(), 0, known.size()))) {
     pending.hidden.assign(seen_.size(), 0);
     for (int row = 0; row < rows_; ++row) {
       if ((known.empty() || known[row]) && std::isfinite(kept[row])) continue;
       kept[row] = 0;
       pending.hidden[row / 64] |= std::uint64_t{1} << (row % 64);
     }
+    peak = kept.cwiseAbs().maxCoeff();
   }
   // Squares of single precision neither overflow nor vanish: what is far from one is scaled by a power of two.
   constexpr int kHarmless = 24;
-  if (const Scalar peak = kept.cwiseAbs().maxCoeff(); peak > 0 && std::abs(std::ilogb(peak)) > kHarmless) {
+  if (peak > 0 && std::abs(std::ilogb(peak)) > kHarmless) {
     pending.exponent = std::ilogb(peak);
     kept = kept.unaryExpr([&](Scalar x) { return std::ldexp(x, -pending.exponent); }).eval();
   }

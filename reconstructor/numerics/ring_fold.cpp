@@ -122,9 +122,7 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
   if (unseen_rows_ > 0) reveal_rows({block.weight.data(), static_cast<std::size_t>(block.count)}, hidden);
 
   // y = B^T c, p = c - B y (000 sec. 3.1), with the hidden rows of c at their most probable values B y: p is 0 there.
-  block.norm2.resize(block.count);
-  for (int j = 0; j < block.count; ++j)
-    block.norm2[j] = row_panels::squared_norm(buffer_.col(j).data(), buffer_.rows());
+  block.norm2 = row_panels::squared_norms(columns(buffer_, block.count), buffer_.rows());
   const Matrix y = pending_projections(hidden).template cast<Scalar>();
   block.inside = y.template cast<double>();
   if (rank_ > 0)
@@ -148,12 +146,11 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::split_residua
   Reports reports(count);
   block.overlap = row_panels::inner_products(columns(basis_, rank_), columns(buffer_, count), buffer_.rows());
   block.inside += block.overlap;
-  block.residual2.resize(count);
+  block.residual2 = row_panels::squared_norms(columns(buffer_, count), buffer_.rows());
   double energy_after = energy();
   for (int j = 0; j < count; ++j) {
-    const double p2 = row_panels::squared_norm(buffer_.col(j).data(), buffer_.rows());
     double& residual2 = block.residual2[j];
-    residual2 = std::max(0.0, p2 - block.overlap.col(j).squaredNorm());
+    residual2 = std::max(0.0, residual2 - block.overlap.col(j).squaredNorm());
     if (residual2 <= kNoise<Scalar> * kNoise<Scalar> * block.norm2[j]) residual2 = 0;
     block.lost += block.weight[j] * residual2;
     energy_after += block.weight[j] * (residual2 + block.inside.col(j).squaredNorm());
@@ -356,8 +353,7 @@ void BasicRingFactor<Scalar>::append_views(const Block& block, const MatrixXd& c
   views_.reserve(views_.size() + static_cast<std::size_t>(block.count));  // no more than that: there are many rings
   for (int j = 0; j < block.count; ++j) {
     const int exponent = pending_[j].exponent;
-    coefficients_.col(before + j) =
-        coordinates.col(j).unaryExpr([&](double y) { return std::ldexp(y, exponent); }).template cast<Scalar>();
+    coefficients_.col(before + j) = (std::ldexp(1.0, exponent) * coordinates.col(j)).template cast<Scalar>();
     const double inside = (block.inside.col(j).squaredNorm() + block.residual2[j]) - coordinates.col(j).squaredNorm();
     views_.push_back({.weight = pending_[j].weight,
                       .lost = std::ldexp(std::max(0.0, inside), 2 * exponent),

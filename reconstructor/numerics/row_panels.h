@@ -4,8 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <vector>
+#include <utility>
 
 /// Products of tall, skinny matrices (thousands of rows, tens of columns), on columns whose length is padded to a
 /// multiple of `kPadding` with zeros. Written for registers of any width; the compiler's vector extension picks the
@@ -19,21 +18,22 @@ inline constexpr Eigen::Index padded(Eigen::Index rows) {
 
 #if defined(__AVX512F__)
 inline constexpr int kVectorBytes = 64;
-inline constexpr int kDotA = 6, kDotB = 4;               // register tile of inner products
-inline constexpr int kCombineRows = 4, kCombineOut = 6;  // and of combinations: vectors x columns
+inline constexpr int kDotA = 4, kDotB = 4;               // register tile of inner products
+inline constexpr int kCombineRows = 4, kCombineOut = 4;  // and of combinations: vectors x columns
 #elif defined(__AVX__)
 inline constexpr int kVectorBytes = 32;
 inline constexpr int kDotA = 4, kDotB = 3;
 inline constexpr int kCombineRows = 2, kCombineOut = 6;
 #else
 inline constexpr int kVectorBytes = 16;
-inline constexpr int kDotA = 4, kDotB = 3;
-inline constexpr int kCombineRows = 2, kCombineOut = 6;
+inline constexpr int kDotA = 3, kDotB = 3;
+inline constexpr int kCombineRows = 2, kCombineOut = 4;
 #endif
 
 template <typename T>
 struct VectorOf {
   typedef T type __attribute__((vector_size(kVectorBytes)));
+  typedef T in_memory __attribute__((vector_size(kVectorBytes), may_alias, aligned(sizeof(T))));
   static constexpr int kLanes = kVectorBytes / static_cast<int>(sizeof(T));
 };
 template <typename T>
@@ -41,13 +41,21 @@ using Vector = typename VectorOf<T>::type;
 
 template <typename T>
 inline Vector<T> load(const T* from) {
-  Vector<T> v;
-  std::memcpy(&v, from, sizeof(v));
-  return v;
+  return *reinterpret_cast<const typename VectorOf<T>::in_memory*>(from);
 }
 template <typename T>
 inline void store(T* to, const Vector<T>& v) {
-  std::memcpy(to, &v, sizeof(v));
+  *reinterpret_cast<typename VectorOf<T>::in_memory*>(to) = v;
+}
+/// The same, for a value that is used several times: left alone, gcc reads it from memory for every use, and the loads
+/// take longer than the arithmetic.
+template <typename T>
+inline Vector<T> load_once(const T* from) {
+  Vector<T> v = load(from);
+#if defined(__x86_64__)
+  asm("" : "+v"(v));
+#endif
+  return v;
 }
 
 /// Columns side by side, `stride` apart.
@@ -64,51 +72,74 @@ Columns<const typename Derived::Scalar> columns(const Eigen::PlainObjectBase<Der
   return {m.data(), m.rows(), count};
 }
 
-/// Sum of the lanes, in double.
-template <typename T>
-inline double lane_sum(const Vector<T>& v) {
-  constexpr int lanes = VectorOf<T>::kLanes;
-  typedef double Wide __attribute__((vector_size(lanes * sizeof(double))));
-  const Wide wide = __builtin_convertvector(v, Wide);
-  double lane[lanes];
-  std::memcpy(lane, &wide, sizeof(lane));
-  for (int half = lanes / 2; half > 0; half /= 2)
-    for (int l = 0; l < half; ++l) lane[l] += lane[l + half];
-  return lane[0];
+/// Half as many lanes in double, each the sum of two.
+inline Vector<double> widened(const Vector<double>& v) {
+  return v;
+}
+inline Vector<double> widened(const Vector<float>& v) {
+  constexpr int half = VectorOf<double>::kLanes;
+  typedef float Half __attribute__((vector_size(half * sizeof(float))));
+  return [&]<int... Lane>(std::integer_sequence<int, Lane...>) {
+    const Half low = __builtin_shufflevector(v, v, Lane...), high = __builtin_shufflevector(v, v, (half + Lane)...);
+    return __builtin_convertvector(low, Vector<double>) + __builtin_convertvector(high, Vector<double>);
+  }
+  (std::make_integer_sequence<int, half>());
+}
+
+/// Sums of neighbouring lanes, those of x before those of y.
+inline Vector<double> pairwise_sums(const Vector<double>& x, const Vector<double>& y) {
+  return [&]<int... Lane>(std::integer_sequence<int, Lane...>) {
+    return __builtin_shufflevector(x, y, (2 * Lane)...) + __builtin_shufflevector(x, y, (2 * Lane + 1)...);
+  }
+  (std::make_integer_sequence<int, VectorOf<double>::kLanes>());
+}
+
+/// sums[k] += all lanes of v[k], in double.
+template <typename T, int Count>
+inline void add_lanes(const Vector<T> (&v)[Count], double* sums) {
+  constexpr int lanes = VectorOf<double>::kLanes;
+  for (int first = 0; first < Count; first += lanes) {
+    Vector<double> wide[lanes] = {};
+    for (int k = 0; k < lanes && first + k < Count; ++k) wide[k] = widened(v[first + k]);
+    for (int left = lanes / 2; left > 0; left /= 2)
+      for (int k = 0; k < left; ++k) wide[k] = pairwise_sums(wide[2 * k], wide[2 * k + 1]);
+    for (int k = 0; k < lanes && first + k < Count; ++k) sums[first + k] += wide[0][k];
+  }
 }
 
 /// A lane sums this many products in the columns' own precision; those sums are added up in double.
 inline constexpr int kLaneProducts = 256;
 
 template <typename T, int A, int B>
-void inner_tile(const T* const* a, const T* const* b, Eigen::Index rows, double* out, Eigen::Index out_stride) {
+void inner_tile(const Columns<const T>& a, const Columns<const T>& b, Eigen::Index rows, double* out,
+                Eigen::Index out_stride) {
   constexpr int lanes = VectorOf<T>::kLanes;
-  for (int i = 0; i < A; ++i)
-    for (int j = 0; j < B; ++j) out[i + j * out_stride] = 0;
+  double sums[A * B] = {};
   for (Eigen::Index first = 0; first < rows; first += kLaneProducts * lanes) {
     const Eigen::Index last = std::min<Eigen::Index>(rows, first + kLaneProducts * lanes);
-    Vector<T> acc[A][B] = {};
+    Vector<T> acc[A * B] = {};
     for (Eigen::Index r = first; r < last; r += lanes) {
       Vector<T> vb[B];
-      for (int j = 0; j < B; ++j) vb[j] = load(b[j] + r);
+      for (int j = 0; j < B; ++j) vb[j] = load_once(b.column(j) + r);
       for (int i = 0; i < A; ++i) {
-        const Vector<T> va = load(a[i] + r);
-        for (int j = 0; j < B; ++j) acc[i][j] += va * vb[j];
+        const Vector<T> va = load_once(a.column(i) + r);
+        for (int j = 0; j < B; ++j) acc[i + j * A] += va * vb[j];
       }
     }
-    for (int i = 0; i < A; ++i)
-      for (int j = 0; j < B; ++j) out[i + j * out_stride] += lane_sum<T>(acc[i][j]);
+    add_lanes<T>(acc, sums);
   }
+  for (int j = 0; j < B; ++j)
+    for (int i = 0; i < A; ++i) out[i + j * out_stride] = sums[i + j * A];
 }
 
 template <typename T, int A, int B>
-void inner_remainder(int a_count, int b_count, const T* const* a, const T* const* b, Eigen::Index rows, double* out,
+void inner_remainder(const Columns<const T>& a, const Columns<const T>& b, Eigen::Index rows, double* out,
                      Eigen::Index out_stride) {
   if constexpr (A > 1) {
-    if (a_count < A) return inner_remainder<T, A - 1, B>(a_count, b_count, a, b, rows, out, out_stride);
+    if (a.count < A) return inner_remainder<T, A - 1, B>(a, b, rows, out, out_stride);
   }
   if constexpr (B > 1) {
-    if (b_count < B) return inner_remainder<T, A, B - 1>(a_count, b_count, a, b, rows, out, out_stride);
+    if (b.count < B) return inner_remainder<T, A, B - 1>(a, b, rows, out, out_stride);
   }
   inner_tile<T, A, B>(a, b, rows, out, out_stride);
 }
@@ -121,12 +152,8 @@ Eigen::MatrixXd inner_products(const Columns<const T>& a, const Columns<const T>
   for (int i = 0; i < a.count; i += kDotA)
     for (int j = 0; j < b.count; j += kDotB) {
       if (symmetric && j + kDotB <= i) continue;
-      const int na = std::min(kDotA, a.count - i), nb = std::min(kDotB, b.count - j);
-      std::array<const T*, kDotA> pa;
-      std::array<const T*, kDotB> pb;
-      for (int k = 0; k < na; ++k) pa[k] = a.column(i + k);
-      for (int k = 0; k < nb; ++k) pb[k] = b.column(j + k);
-      inner_remainder<T, kDotA, kDotB>(na, nb, pa.data(), pb.data(), rows, &out(i, j), out.rows());
+      inner_remainder<T, kDotA, kDotB>({a.column(i), a.stride, a.count - i}, {b.column(j), b.stride, b.count - j}, rows,
+                                       &out(i, j), out.rows());
     }
   if (symmetric)
     for (int j = 0; j < b.count; ++j)
@@ -134,73 +161,98 @@ Eigen::MatrixXd inner_products(const Columns<const T>& a, const Columns<const T>
   return out;
 }
 
+/// ||column||^2 of each.
 template <typename T>
-double squared_norm(const T* column, Eigen::Index rows) {
-  double out;
-  inner_tile<T, 1, 1>(&column, &column, rows, &out, 1);
+Eigen::VectorXd squared_norms(const Columns<const T>& columns, Eigen::Index rows) {
+  constexpr int lanes = VectorOf<T>::kLanes, at_once = 4;
+  Eigen::VectorXd out(columns.count);
+  for (int j = 0; j < columns.count; j += at_once) {
+    const int count = std::min(at_once, columns.count - j);
+    const T* column[at_once];
+    for (int k = 0; k < at_once; ++k) column[k] = columns.column(j + std::min(k, count - 1));
+    double sums[at_once] = {};
+    for (Eigen::Index first = 0; first < rows; first += kLaneProducts * lanes) {
+      const Eigen::Index last = std::min<Eigen::Index>(rows, first + kLaneProducts * lanes);
+      Vector<T> acc[at_once] = {};
+      for (Eigen::Index r = first; r < last; r += lanes)
+        for (int k = 0; k < at_once; ++k) {
+          const Vector<T> v = load_once(column[k] + r);
+          acc[k] += v * v;
+        }
+      add_lanes<T>(acc, sums);
+    }
+    std::copy_n(sums, count, out.data() + j);
+  }
   return out;
 }
 
+/// R vectors of rows of J columns. (Unrolled early, or gcc 12 keeps the sums in memory.)
 template <typename T, int R, int J>
-void combine_tile(const T* const* a, int count, Eigen::Index row, const T* m, const T* const* plus, T* out,
-                  Eigen::Index out_stride) {
+void combine_tile(const Columns<const T> a, const Columns<const T> p, const T* m, Eigen::Index m_stride,
+                  const Columns<T> out, bool add) {
   constexpr int lanes = VectorOf<T>::kLanes;
   Vector<T> acc[J][R] = {};
-  if (plus)
+  if (add)
+#pragma GCC unroll 16
     for (int j = 0; j < J; ++j)
-      for (int v = 0; v < R; ++v) acc[j][v] = load(plus[j] + row + v * lanes);
-  for (int i = 0; i < count; ++i) {
-    Vector<T> va[R];
-    for (int v = 0; v < R; ++v) va[v] = load(a[i] + row + v * lanes);
-    for (int j = 0; j < J; ++j)
-      for (int v = 0; v < R; ++v) acc[j][v] += va[v] * m[i * kCombineOut + j];
-  }
+#pragma GCC unroll 16
+      for (int v = 0; v < R; ++v) acc[j][v] = load(out.column(j) + v * lanes);
+  for (const Columns<const T>* from : {&a, &p})
+    for (int i = 0; i < from->count; ++i, ++m) {
+      Vector<T> va[R];
+#pragma GCC unroll 16
+      for (int v = 0; v < R; ++v) va[v] = load_once(from->column(i) + v * lanes);
+#pragma GCC unroll 16
+      for (int j = 0; j < J; ++j)
+#pragma GCC unroll 16
+        for (int v = 0; v < R; ++v) acc[j][v] += va[v] * m[j * m_stride];
+    }
+#pragma GCC unroll 16
   for (int j = 0; j < J; ++j)
-    for (int v = 0; v < R; ++v) store(out + j * out_stride + v * lanes, acc[j][v]);
+#pragma GCC unroll 16
+    for (int v = 0; v < R; ++v) store(out.column(j) + v * lanes, acc[j][v]);
 }
 
 template <typename T, int R, int J>
-void combine_remainder(int j_count, const T* const* a, int count, Eigen::Index row, const T* m, const T* const* plus,
-                       T* out, Eigen::Index out_stride) {
+void combine_remainder(const Columns<const T>& a, const Columns<const T>& p, const T* m, Eigen::Index m_stride,
+                       const Columns<T>& out, bool add) {
   if constexpr (J > 1) {
-    if (j_count < J) return combine_remainder<T, R, J - 1>(j_count, a, count, row, m, plus, out, out_stride);
+    if (out.count < J) return combine_remainder<T, R, J - 1>(a, p, m, m_stride, out, add);
   }
-  combine_tile<T, R, J>(a, count, row, m, plus, out, out_stride);
+  combine_tile<T, R, J>(a, p, m, m_stride, out, add);
 }
 
-/// out = [A P] M, or out += [A P] M. `out` may be the same memory as A or P.
+/// R vectors of rows of all columns. `scratch`: as many.
+template <typename T, int R>
+void combine_panel(const Columns<const T>& a, const Columns<const T>& p,
+                   const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>& m, const Columns<T>& out, bool add,
+                   T* scratch) {
+  constexpr int lanes = VectorOf<T>::kLanes;
+  const Columns<T> to = add ? out : Columns<T>{scratch, R * lanes, out.count};
+  for (int j = 0; j < out.count; j += kCombineOut)
+    combine_remainder<T, R, kCombineOut>(a, p, m.data() + j * m.rows(), m.rows(),
+                                         {to.column(j), to.stride, out.count - j}, add);
+  if (add) return;
+  for (int j = 0; j < out.count; ++j)
+    for (int v = 0; v < R; ++v) store(out.column(j) + v * lanes, load(to.column(j) + v * lanes));
+}
+
+/// out = [A P] M, where `out` may be the same memory as A or P; or out += [A P] M, where it may not.
 template <typename T>
 void combine(const Columns<const T>& a, const Columns<const T>& p,
              const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>& m, Eigen::Index rows, const Columns<T>& out,
              bool add = false) {
   constexpr int lanes = VectorOf<T>::kLanes;
   constexpr int panel = kCombineRows * lanes;
-  const int count = a.count + p.count, tiles = (out.count + kCombineOut - 1) / kCombineOut;
-  std::vector<const T*> from(count), plus(tiles * kCombineOut, nullptr);
-  for (int i = 0; i < count; ++i) from[i] = i < a.count ? a.column(i) : p.column(i - a.count);
-  std::vector<T> packed(static_cast<std::size_t>(tiles) * count * kCombineOut, T(0));
-  for (int j = 0; j < out.count; ++j) {
-    plus[j] = out.column(j);
-    for (int i = 0; i < count; ++i) packed[(j / kCombineOut * count + i) * kCombineOut + j % kCombineOut] = m(i, j);
-  }
-  std::vector<T> result(static_cast<std::size_t>(tiles) * kCombineOut * panel);
-  for (Eigen::Index row = 0; row < rows; row += panel) {
-    const bool whole = row + panel <= rows;
-    for (Eigen::Index part = row; part < std::min<Eigen::Index>(rows, row + panel); part += whole ? panel : lanes)
-      for (int t = 0; t < tiles; ++t) {
-        const int j = t * kCombineOut, n = std::min(kCombineOut, out.count - j);
-        const T* tile = packed.data() + static_cast<std::size_t>(t) * count * kCombineOut;
-        const T* const* addend = add ? plus.data() + j : nullptr;
-        T* to = result.data() + static_cast<std::size_t>(j) * panel + (part - row);
-        if (whole)
-          combine_remainder<T, kCombineRows, kCombineOut>(n, from.data(), count, part, tile, addend, to, panel);
-        else
-          combine_remainder<T, 1, kCombineOut>(n, from.data(), count, part, tile, addend, to, panel);
-      }
-    const auto length = static_cast<std::size_t>(std::min<Eigen::Index>(panel, rows - row));
-    for (int j = 0; j < out.count; ++j)
-      std::memcpy(out.column(j) + row, result.data() + static_cast<std::size_t>(j) * panel, length * sizeof(T));
-  }
+  Eigen::Matrix<T, Eigen::Dynamic, 1> scratch(panel * out.count);
+  const auto from = [](const auto& columns, Eigen::Index row) {
+    return std::decay_t<decltype(columns)>{columns.data + row, columns.stride, columns.count};
+  };
+  Eigen::Index row = 0;
+  for (; row + panel <= rows; row += panel)
+    combine_panel<T, kCombineRows>(from(a, row), from(p, row), m, from(out, row), add, scratch.data());
+  for (; row < rows; row += lanes)
+    combine_panel<T, 1>(from(a, row), from(p, row), m, from(out, row), add, scratch.data());
 }
 
 }  // namespace sheen::row_panels
