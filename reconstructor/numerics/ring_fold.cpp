@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a block of columns joins the online SVD; the class is in ring_factor.h.
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <bit>
@@ -10,6 +9,7 @@
 
 #include "reconstructor/numerics/ring_factor.h"
 #include "reconstructor/numerics/row_panels.h"
+#include "reconstructor/numerics/symmetric_eigen.h"
 
 namespace sheen {
 namespace {
@@ -246,13 +246,13 @@ typename BasicRingFactor<Scalar>::Turn BasicRingFactor<Scalar>::singular_turn(co
   core.noalias() += z * block.weight.asDiagonal() * z.transpose();
 
   Turn turn;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(core);  // ascending
-  turn.spectrum = eigen.eigenvalues().reverse().cwiseMax(0);
+  const SymmetricEigen eigen = symmetric_eigen(core);
+  turn.spectrum = eigen.values.cwiseMax(0);
   choose_rank(turn.spectrum, lost_ + block.lost, turn);
   turn.spectrum.conservativeResize(turn.rank);
   turn.coordinates = std::move(z);
   turn.core = std::move(core);
-  turn.from_core = eigen.eigenvectors().rightCols(turn.rank).rowwise().reverse();
+  turn.from_core = eigen.vectors.leftCols(turn.rank);
   return turn;
 }
 
