@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a block of columns joins the online SVD; the class is in ring_factor.h.
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -48,37 +47,49 @@ Orthonormalised orthonormalise(MatrixXd gram, const VectorXd& norm2, double smal
   const VectorXd scale = (norm2.array() > 0).select(norm.cwiseInverse(), 0.0);
   gram = (scale.asDiagonal() * gram * scale.asDiagonal()).eval();
   std::vector<int> order;
-  MatrixXd upper = MatrixXd::Zero(count, count);  // upper.topRows(n)^T upper.topRows(n) -> gram
+  MatrixXd lower = MatrixXd::Zero(count, count);  // lower.leftCols(n) lower.leftCols(n)^T -> gram
   VectorXd left = gram.diagonal();
   for (Eigen::Index n = 0; n < count; ++n) {
     Eigen::Index next;
     const double pivot = left.maxCoeff(&next);
     if (!(pivot > smallest_pivot)) break;
-    upper.row(n) = gram.row(next);
-    upper.row(n).noalias() -= upper.col(next).head(n).transpose() * upper.topRows(n);
-    upper.row(n) /= std::sqrt(pivot);
-    for (const int earlier : order) upper(n, earlier) = 0;
-    left -= upper.row(n).transpose().cwiseAbs2();
+    auto column = lower.col(n);
+    column = gram.col(next);
+    column.noalias() -= lower.leftCols(n) * lower.row(next).head(n).transpose();
+    column /= std::sqrt(pivot);
+    for (const int earlier : order) column[earlier] = 0;
+    left -= column.cwiseAbs2();
     order.push_back(static_cast<int>(next));
     for (const int done : order) left[done] = -1;
   }
   const auto directions = static_cast<Eigen::Index>(order.size());
-  const MatrixXd triangle = upper.topRows(directions)(Eigen::all, order);
+  const MatrixXd upper = lower.leftCols(directions).transpose();
+  const MatrixXd triangle = upper(Eigen::all, order);
   const MatrixXd inverse = triangle.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(directions, directions));
-  Orthonormalised result{MatrixXd::Zero(count, directions), upper.topRows(directions) * norm.asDiagonal()};
+  Orthonormalised result{MatrixXd::Zero(count, directions), upper * norm.asDiagonal()};
   for (Eigen::Index i = 0; i < directions; ++i) result.to_directions.row(order[i]) = scale[order[i]] * inverse.row(i);
   return result;
 }
 
-/// The rotation of the first columns of `leading` that moves the old displayed frame (the first coordinates) least.
+/// The rotation of the first columns of `leading` that moves the old displayed frame (the first coordinates) least: the
+/// orthogonal factor of their overlap, by Householder's reflections.
 MatrixXd aligning_rotation(const MatrixXd& leading, Eigen::Index old_displayed) {
   const Eigen::Index size = leading.cols(), common = std::min(size, old_displayed);
-  if (common == 0) return MatrixXd::Identity(size, size);
-  const Eigen::HouseholderQR<MatrixXd> qr(leading.topRows(common).transpose());
-  MatrixXd rotation = qr.householderQ() * MatrixXd::Identity(size, size);
+  MatrixXd reflected(common + size, size);  // transposed, for long columns: the triangle above the reflections
+  reflected << leading.topRows(common), MatrixXd::Identity(size, size);
+  VectorXd v, image;
+  for (Eigen::Index i = 0; i < common; ++i) {
+    v = reflected.row(i).tail(size - i);
+    v[0] += std::copysign(v.norm(), v[0]);
+    const double norm2 = v.squaredNorm();
+    if (!(norm2 > 0)) continue;
+    auto left = reflected.rightCols(size - i);
+    image.noalias() = left * v;
+    left.noalias() -= image * (2 / norm2 * v).transpose();
+  }
   for (Eigen::Index i = 0; i < common; ++i)
-    if (qr.matrixQR()(i, i) < 0) rotation.col(i) = -rotation.col(i);
-  return rotation;
+    if (reflected(i, i) < 0) reflected.col(i) = -reflected.col(i);
+  return reflected.bottomRows(size);
 }
 
 }  // namespace

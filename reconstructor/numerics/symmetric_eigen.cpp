@@ -30,10 +30,22 @@ void combine_columns(const MatrixXd& a, Index first, const VectorXd& factor, Ind
     Lanes chain[kChains] = {};
     const double* from = &a(row, first);
     Index j = first;
-    for (; j + kChains <= cols; j += kChains)
-      for (int k = 0; k < kChains; ++k, from += stride) chain[k] += load(from) * times[j + k];
+    for (; j + kChains <= cols; j += kChains, from += kChains * stride)
+#pragma GCC unroll 4
+      for (int k = 0; k < kChains; ++k) chain[k] += load(from + k * stride) * times[j + k];
     for (; j < cols; ++j, from += stride) chain[0] += load(from) * times[j];
     store(&sum[row], (chain[0] + chain[1]) + (chain[2] + chain[3]));
+  }
+}
+
+/// a -= v w^T in columns [first, cols), whole vectors of rows from `row` on.
+void subtract_outer_product(const VectorXd& v, const VectorXd& w, Index first, Index row, MatrixXd& a) {
+  const double* times = w.data();
+  const Index cols = a.cols(), stride = a.rows();
+  for (; row < stride; row += kLanes) {
+    const Lanes left = load(&v[row]);
+    double* to = &a(row, first);
+    for (Index j = first; j < cols; ++j, to += stride) store(to, load(to) - left * times[j]);
   }
 }
 
@@ -83,15 +95,11 @@ class Solver {
       w.head(i + 1).setZero();
       w *= tau;
       w -= (0.5 * tau * w.dot(v)) * v;
-      for (Index r = row; r < a_.rows(); r += kLanes) {
-        const Lanes vr = load(&v[r]), wr = load(&w[r]);
-        for (Index j = i + 1; j < size_; ++j) store(&a_(r, j), load(&a_(r, j)) - vr * w[j] - wr * v[j]);
-      }
+      subtract_outer_product(v, w, i + 1, row, a_);
+      subtract_outer_product(w, v, i + 1, row, a_);
       combine_columns(vectors_, i + 1, v, 0, moved);
-      for (Index r = 0; r < a_.rows(); r += kLanes) {
-        const Lanes mr = tau * load(&moved[r]);
-        for (Index j = i + 1; j < size_; ++j) store(&vectors_(r, j), load(&vectors_(r, j)) - mr * v[j]);
-      }
+      moved *= tau;
+      subtract_outer_product(moved, v, i + 1, 0, vectors_);
     }
     if (size_ > 0) diagonal_[size_ - 1] = a_(size_ - 1, size_ - 1);
   }
