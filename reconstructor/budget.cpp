@@ -105,7 +105,8 @@ double largest_bytes(const Mesh& mesh, const Capture& first, const SurfaceLightF
     if (rings.ring_samples(v) == 0) continue;
     bytes += sizeof(RingModel) + sizeof(float) * (rows * (terms + factor.block) + terms * views) +
              2 * sizeof(double) * terms * terms + views * (sizeof(Eigen::Vector3f) + 8 * sizeof(double)) + rows +
-             views * (rows / 8 + sizeof(double));  // a bit a row that a view hides
+             views * (rows / 8 + sizeof(double)) +  // a bit a row that a view hides
+             views * (sizeof(float) * factor.witnesses(3 * rings.ring_samples(v)) + 8 * sizeof(double));
   }
   return bytes;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <random>
 
@@ -94,13 +95,18 @@ Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const 
   }
   Figure figure{.number = 11, .title = "Order of the images"};
   figure.paper = "Random orders have more error than PCA and differ; the one sorted by norm is the worst.";
+  const std::string errors =
+      rings.empty() ? "No ring is seen whole by 16 images."
+                    : format("Error over PCA's in the worst: %.3f with the same rank inside, %.4f with twice.",
+                             worst_capped / best, worst_error / best);
+  const double behind = batch.psnr_db - worst_psnr;
   figure.ours = format(
-      "Rank %d, %zu orders. Error over PCA's in the worst: %.3f with the same rank inside, %.4f with twice. Held-out "
-      "PSNR %.2f to %.2f dB, PCA %.2f dB: the worst order loses %.2f dB (goal: at most 0.1).",
-      options.rank, orders.size(), worst_capped / best, worst_error / best, worst_psnr, best_psnr, batch.psnr_db,
-      batch.psnr_db - worst_psnr);
-  figure.holds = batch.psnr_db - worst_psnr <= 0.1;
-  figure.plots.push_back({"figure_11_orders_error", std::move(error)});
+      "Rank %d, %zu orders. %s Held-out PSNR %.2f to %.2f dB, PCA %.2f dB: the worst order is %.2f dB %s (goal: at "
+      "most 0.1 dB behind).",
+      options.rank, orders.size(), errors.c_str(), worst_psnr, best_psnr, batch.psnr_db, std::abs(behind),
+      behind > 0 ? "behind" : "ahead");
+  figure.holds = behind <= 0.1;
+  if (!rings.empty()) figure.plots.push_back({"figure_11_orders_error", std::move(error)});
   figure.plots.push_back({"figure_11_orders_psnr", std::move(worth)});
   return figure;
 }

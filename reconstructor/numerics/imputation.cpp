@@ -150,8 +150,9 @@ Eigen::VectorXd most_probable_coefficients(const Eigen::Ref<const MatrixXd>& kno
                                            const MatrixXd& precision) {
   MatrixXd normal = known + precision;
   normal.diagonal().array() += std::max(1e-9 * normal.diagonal().mean(), 1e-300);
-  const Eigen::VectorXd y = normal.ldlt().solve(projection);
-  if (y.allFinite()) return y;
+  const Eigen::LLT<MatrixXd> cholesky(normal);
+  if (cholesky.info() == Eigen::Success)
+    if (const Eigen::VectorXd y = cholesky.solve(projection); y.allFinite()) return y;
   return Eigen::VectorXd::Zero(projection.size());
 }
 

@@ -19,6 +19,7 @@ using Eigen::MatrixXd;
 using row_panels::columns;
 
 constexpr int kLargestBlock = 32;
+constexpr int kWitnessesPerTerm = 12;  // rows: of a column that hides most, the others still outnumber the terms
 
 void require(bool holds, const char* rule) {
   if (!holds) throw std::invalid_argument(rule);
@@ -44,6 +45,10 @@ int RingFactorOptions::terms_kept() const {
   return std::max(max_rank, std::min(32, std::max(2 * max_rank, max_rank + 8)));
 }
 
+int RingFactorOptions::witnesses(int rows) const {
+  return std::min(rows / channels, kWitnessesPerTerm * terms_kept() / channels + 1) * channels;
+}
+
 RingFactorOptions RingFactorOptions::limited_to(int most_displayed, int most_kept, int most_in_block) const {
   RingFactorOptions limited = *this;
   limited.internal_rank = std::min(terms_kept(), most_kept);
@@ -62,6 +67,7 @@ BasicRingFactor<Scalar>::BasicRingFactor(int rows, const RingFactorOptions& opti
   require(options.block >= 1 && options.block <= kLargestBlock, "ring factor: block must be 1..32");
   require(options.tolerance >= 0 && options.tolerance < 1, "ring factor: tolerance must be in [0, 1)");
   require(options.channels >= 1 && options.channels <= rows, "ring factor: channels must be 1..rows");
+  witnesses_ = options.witnesses(rows);
 }
 
 template <typename Scalar>
@@ -138,8 +144,7 @@ BasicRingFactor<Scalar> BasicRingFactor<Scalar>::settled() const {
 template <typename Scalar>
 Scalar BasicRingFactor<Scalar>::pending_value(int column, int row) const {
   const Pending& pending = pending_[column];
-  if (!pending.hidden.empty() && (pending.hidden[row / 64] >> (row % 64) & 1))
-    return std::numeric_limits<Scalar>::quiet_NaN();
+  if (!pending.hidden.empty() && bit(pending.hidden, row)) return std::numeric_limits<Scalar>::quiet_NaN();
   return std::ldexp(buffer_(row, column), pending.exponent);
 }
 
@@ -190,13 +195,7 @@ void BasicRingFactor<Scalar>::merge_views(int kept, int removed) {
   a.scatter += b.scatter + w * d.squaredNorm();
   a.lost += share * (b.lost - a.lost);
   a.weight += b.weight;
-  if (a.hidden && b.hidden) {
-    auto either = std::make_shared<std::vector<std::uint64_t>>(*a.hidden);
-    for (std::size_t word = 0; word < either->size(); ++word) (*either)[word] |= (*b.hidden)[word];
-    a.hidden = std::move(either);
-  } else if (b.hidden) {
-    a.hidden = b.hidden;
-  }
+  a.shown = shown_by_both(kept, removed, static_cast<Scalar>(share));
   coefficients_.col(kept) += static_cast<Scalar>(share) * apart;
   erase_view(removed);
 }
@@ -242,6 +241,7 @@ void BasicRingFactor<Scalar>::take_from(int view, const ConstVectorRef& column, 
   from.scatter = std::max(0.0, from.scatter - w * apart.squaredNorm());
   lost_ = std::max(0.0, lost_ - weight * from.lost);
   from.weight = left;
+  if (from.shown) from.shown = without(from, column, static_cast<Scalar>(weight / left));
   coefficients_.col(view) = mean.template cast<Scalar>();
   rediagonalise();
 }
@@ -271,7 +271,9 @@ std::size_t BasicRingFactor<Scalar>::bytes() const {
                       sizeof(std::uint64_t) * seen_.capacity() + sizeof(View) * views_.capacity() +
                       sizeof(Pending) * pending_.capacity();
   for (const View& view : views_)
-    if (view.hidden) bytes += sizeof(*view.hidden) + sizeof(std::uint64_t) * view.hidden->capacity();
+    if (view.shown)
+      bytes += sizeof(*view.shown) + sizeof(std::uint64_t) * view.shown->hidden.capacity() +
+               sizeof(Scalar) * view.shown->sketch.capacity();
   for (const Pending& pending : pending_) bytes += sizeof(std::uint64_t) * pending.hidden.capacity();
   return bytes;
 }

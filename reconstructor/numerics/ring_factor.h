@@ -22,6 +22,8 @@ struct RingFactorOptions {
   double residual_memory = 0.8;  ///< of the running mean of what the basis leaves unexplained a row (`row_noise`)
 
   int terms_kept() const;
+  /// Of the rows of a factor: those of which every view that hides rows remembers what it showed.
+  int witnesses(int rows) const;
   /// These, with at most so many terms and columns a block.
   RingFactorOptions limited_to(int most_displayed, int most_kept, int most_in_block) const;
 };
@@ -47,7 +49,8 @@ struct ColumnReport {
 /// that makes the result independent of the order of the columns.
 ///
 /// Rows that a column does not show (`known` = 0) are imputed when its block is folded, with the basis before the block
-/// (see imputation.h), and again each time that the columns have grown by a tenth: early guesses do not stay. A row
+/// (see imputation.h), and again each time that the columns have grown by a tenth: early guesses do not stay. What such
+/// a column showed of some rows (`sketch`) is remembered for it, so that the basis may find more in it later. A row
 /// that no column showed so far is zero in B; the first columns that show it give it its channel's mean row, scaled to
 /// their values: a surface point seen late is taken to have varied like its ring.
 ///
@@ -140,6 +143,11 @@ class BasicRingFactor {
   }
 
  private:
+  /// What a view that hides rows showed.
+  struct Shown {
+    std::vector<std::uint64_t> hidden;  ///< a bit a row; one of its columns hides it
+    std::vector<Scalar> sketch;         ///< values of the witness rows that it showed, in their order
+  };
   struct Pending {
     double weight;
     int exponent;                       ///< the buffered column is the given one times 2^-exponent
@@ -148,22 +156,28 @@ class BasicRingFactor {
     int known_rows(int rows) const;
   };
   struct View {
-    double weight;   ///< sum over its columns
-    double lost;     ///< ||c||^2 - ||y||^2, weighted mean over its columns
-    double scatter;  ///< trace of its part of `scatter_`
-    /// A bit a row that one of its columns did not show; null when all rows are known.
-    std::shared_ptr<const std::vector<std::uint64_t>> hidden;
+    double weight;                       ///< sum over its columns
+    double lost;                         ///< ||c||^2 - ||y||^2, weighted mean over its columns
+    double scatter;                      ///< trace of its part of `scatter_`
+    std::shared_ptr<const Shown> shown;  ///< null when all rows are known
   };
   struct Block;  // one fold, in ring_fold.cpp
   struct Turn;
 
   int block_size() const;
-  bool seen(int row) const { return seen_[row / 64] >> (row % 64) & 1; }
+  static bool bit(const std::vector<std::uint64_t>& bits, int row) { return bits[row / 64] >> (row % 64) & 1; }
+  bool seen(int row) const { return bit(seen_, row); }
   Eigen::MatrixXd prior() const;  ///< covariance of a column's coefficients: G / n
   std::vector<std::uint64_t> hidden_patterns() const;
   Eigen::MatrixXd pending_projections(std::span<const std::uint64_t> hidden) const;
   Eigen::MatrixXd foreseen(std::span<const std::uint64_t> hidden, const Eigen::MatrixXd& level);
   void reveal_rows(std::span<const double> weight, std::span<const std::uint64_t> hidden);
+  template <typename Visit>
+  void visit_witnesses(Visit visit) const;
+  std::shared_ptr<const Shown> shown_by(int column) const;
+  std::shared_ptr<const Shown> shown_by_both(int kept, int removed, Scalar share) const;
+  std::shared_ptr<const Shown> without(const View& view, const ConstVectorRef& column, Scalar share) const;
+  Matrix missed_projections(std::span<const int> views) const;
   template <typename Visit>
   void visit_masked_views(Visit visit) const;
   void impute_again_when_due();
@@ -185,6 +199,7 @@ class BasicRingFactor {
   RingFactorOptions options_;
   int rows_;
   unsigned phase_;
+  int witnesses_;  ///< rows that sketches remember
   int rank_ = 0, displayed_ = 0;
   int unseen_rows_;
   std::int64_t turns_ = 0;  ///< of the basis

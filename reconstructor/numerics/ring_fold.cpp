@@ -107,6 +107,7 @@ struct BasicRingFactor<Scalar>::Block {
   MatrixXd overlap;           ///< rank x count: B^T P, what projecting once left behind
   MatrixXd to_directions;     ///< count x directions
   MatrixXd loss;              ///< E = B^T B - I; empty when the basis will not turn
+  std::vector<std::shared_ptr<const Shown>> shown;  ///< a column
 };
 
 /// New basis = Q from_core: the leading singular directions of all columns, in core coordinates.
@@ -128,7 +129,10 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
   Block block;
   block.count = pending();
   block.weight.resize(block.count);
-  for (int j = 0; j < block.count; ++j) block.weight[j] = std::ldexp(pending_[j].weight, 2 * pending_[j].exponent);
+  for (int j = 0; j < block.count; ++j) {
+    block.weight[j] = std::ldexp(pending_[j].weight, 2 * pending_[j].exponent);
+    block.shown.push_back(shown_by(j));
+  }
   const std::vector<std::uint64_t> hidden = hidden_patterns();
   if (unseen_rows_ > 0) reveal_rows({block.weight.data(), static_cast<std::size_t>(block.count)}, hidden);
 
@@ -369,9 +373,7 @@ void BasicRingFactor<Scalar>::append_views(const Block& block, const MatrixXd& c
     views_.push_back({.weight = pending_[j].weight,
                       .lost = std::ldexp(std::max(0.0, inside), 2 * exponent),
                       .scatter = 0,
-                      .hidden = nullptr});
-    if (!pending_[j].hidden.empty())
-      views_.back().hidden = std::make_shared<const std::vector<std::uint64_t>>(std::move(pending_[j].hidden));
+                      .shown = std::move(block.shown[j])});
   }
 }
 

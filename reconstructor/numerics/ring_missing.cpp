@@ -26,7 +26,8 @@ constexpr double kBrightest = 1e3;
 /// Of all rows; showing fewer, a column that shows none but new ones does not tell how bright they are.
 constexpr double kFewest = 1.0 / 16;
 
-/// Rows err together (the channels of a sample, neighbours in a highlight), so this many say what one says.
+/// Where what is imputed teaches the basis: rows err together (the channels of a sample, neighbours in a highlight), so
+/// this many say what one says.
 constexpr double kRowsThatErrTogether = 2;
 
 // Between two imputations of the same hidden rows, the columns grow by this factor: the basis has learnt something, and
@@ -87,20 +88,109 @@ typename BasicRingFactor<Scalar>::Vector BasicRingFactor<Scalar>::estimate(const
       .template cast<Scalar>();
 }
 
-/// Calls visit(view, B_known^T B_known) for the folded views that hide rows.
+/// Calls visit(row) for the witness rows: groups of `channels` neighbouring rows, evenly spread over all.
+template <typename Scalar>
+template <typename Visit>
+void BasicRingFactor<Scalar>::visit_witnesses(Visit visit) const {
+  constexpr int kFraction = 32;  // bits
+  const int groups = witnesses_ / options_.channels;
+  const std::int64_t step = (std::int64_t{rows_ / options_.channels} << kFraction) / groups;
+  for (std::int64_t at = 0, group = 0; group < groups; ++group, at += step)
+    for (int c = 0; c < options_.channels; ++c) visit(static_cast<int>(at >> kFraction) * options_.channels + c);
+}
+
+/// Of a pending column; null when it shows all rows.
+template <typename Scalar>
+std::shared_ptr<const typename BasicRingFactor<Scalar>::Shown> BasicRingFactor<Scalar>::shown_by(int column) const {
+  const Pending& pending = pending_[column];
+  if (pending.hidden.empty()) return nullptr;
+  Shown shown{.hidden = pending.hidden, .sketch = {}};
+  visit_witnesses([&](int row) {
+    if (!bit(shown.hidden, row)) shown.sketch.push_back(std::ldexp(buffer_(row, column), pending.exponent));
+  });
+  shown.sketch.shrink_to_fit();
+  return std::make_shared<const Shown>(std::move(shown));
+}
+
+/// Of the mean of two views. `share`: of the removed one.
+template <typename Scalar>
+std::shared_ptr<const typename BasicRingFactor<Scalar>::Shown> BasicRingFactor<Scalar>::shown_by_both(
+    int kept, int removed, Scalar share) const {
+  const Shown *a = views_[kept].shown.get(), *b = views_[removed].shown.get();
+  if (!a && !b) return nullptr;
+  Shown both;
+  both.hidden.resize(seen_.size());
+  for (std::size_t word = 0; word < both.hidden.size(); ++word)
+    both.hidden[word] = (a ? a->hidden[word] : 0) | (b ? b->hidden[word] : 0);
+  std::size_t next_a = 0, next_b = 0;
+  visit_witnesses([&](int row) {
+    const bool in_a = !a || !bit(a->hidden, row), in_b = !b || !bit(b->hidden, row);
+    const auto explained = [&](int view) { return basis_.row(row).head(rank_).dot(coefficients_.col(view)); };
+    if (in_a && in_b)
+      both.sketch.push_back((1 - share) * (a ? a->sketch[next_a] : explained(kept)) +
+                            share * (b ? b->sketch[next_b] : explained(removed)));
+    next_a += in_a;
+    next_b += in_b;
+  });
+  both.sketch.shrink_to_fit();
+  return std::make_shared<const Shown>(std::move(both));
+}
+
+/// Of a view that hides rows, when a column is taken out of it. `share`: weight of the column over that of the others.
+template <typename Scalar>
+std::shared_ptr<const typename BasicRingFactor<Scalar>::Shown> BasicRingFactor<Scalar>::without(
+    const View& view, const ConstVectorRef& column, Scalar share) const {
+  Shown left = *view.shown;
+  auto value = left.sketch.begin();
+  visit_witnesses([&](int row) {
+    if (bit(left.hidden, row)) return;
+    *value += share * (*value - column[row]);
+    ++value;
+  });
+  return std::make_shared<const Shown>(std::move(left));
+}
+
+/// B_known^T r of views that hide rows, a column each, where r is what B y misses of the witness rows that they showed.
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::missed_projections(std::span<const int> views) const {
+  const auto count = static_cast<Eigen::Index>(views.size());
+  Matrix basis(witnesses_, rank_), y(rank_, count);
+  std::vector<int> rows;
+  rows.reserve(static_cast<std::size_t>(witnesses_));
+  visit_witnesses([&](int row) { rows.push_back(row); });
+  for (int k = 0; k < rank_; ++k)
+    for (int w = 0; w < witnesses_; ++w) basis(w, k) = basis_(rows[w], k);
+  for (Eigen::Index j = 0; j < count; ++j) y.col(j) = coefficients_.col(views[j]);
+  Matrix missed = -basis * y;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const Shown& shown = *views_[views[j]].shown;
+    auto value = shown.sketch.begin();
+    for (int w = 0; w < witnesses_; ++w) missed(w, j) = bit(shown.hidden, rows[w]) ? 0 : missed(w, j) + *value++;
+  }
+  return basis.transpose() * missed;
+}
+
+/// Calls visit(view, known, projection) for the folded views that hide rows: B_known^T B_known and B_known^T c_known.
+/// Of the witness rows of a view its sketch knows c, of others B y has to do.
 template <typename Scalar>
 template <typename Visit>
 void BasicRingFactor<Scalar>::visit_masked_views(Visit visit) const {
   std::vector<int> masked;
   for (int v = 0; v < folded_views(); ++v)
-    if (views_[v].hidden) masked.push_back(v);
+    if (views_[v].shown) masked.push_back(v);
   for (std::size_t first = 0; first < masked.size() && rank_ > 0; first += kPatternColumns) {
     const int count = static_cast<int>(std::min<std::size_t>(kPatternColumns, masked.size() - first));
     std::vector<std::uint64_t> patterns(rows_, 0);
-    for (int j = 0; j < count; ++j) mark_hidden(*views_[masked[first + j]].hidden, j, patterns);
-    const MatrixXd known = known_grams(columns(basis_, rank_), patterns, count);
-    for (int j = 0; j < count; ++j)
-      visit(masked[first + j], Eigen::Map<const MatrixXd>(known.col(j).data(), rank_, rank_));
+    for (int j = 0; j < count; ++j) mark_hidden(views_[masked[first + j]].shown->hidden, j, patterns);
+    const Matrix missed = missed_projections(std::span(masked).subspan(first, count));
+    const MatrixXd grams = known_grams(columns(basis_, rank_), patterns, count);
+    for (int j = 0; j < count; ++j) {
+      const int v = masked[first + j];
+      const Eigen::Map<const MatrixXd> known(grams.col(j).data(), rank_, rank_);
+      const VectorXd projection =
+          known * coefficients_.col(v).template cast<double>() + missed.col(j).template cast<double>();
+      visit(v, known, projection);
+    }
   }
 }
 
@@ -113,19 +203,21 @@ void BasicRingFactor<Scalar>::impute_again_when_due() {
 }
 
 /// The hidden rows of the folded views anew, from what the basis has learnt since: one step of expectation
-/// maximisation, in which B_known y stands for what a view showed. What that changes in its known rows is lost.
+/// maximisation.
 template <typename Scalar>
 void BasicRingFactor<Scalar>::impute_again() {
+  if (std::none_of(views_.begin(), views_.end(), [](const View& view) { return view.shown != nullptr; })) return;
   const MatrixXd precision = prior_precision(prior(), kRowsThatErrTogether * row_noise());
-  visit_masked_views([&](int v, const Eigen::Map<const MatrixXd>& known) {
+  visit_masked_views([&](int v, const Eigen::Map<const MatrixXd>& known, const VectorXd& projection) {
     const VectorXd before = coefficients_.col(v).template cast<double>();
-    const VectorXd after = most_probable_coefficients(known, known * before, precision);
+    const VectorXd after = most_probable_coefficients(known, projection, precision);
     const VectorXd change = after - before;
-    const double missed = std::max(0.0, change.dot(known * change));
     View& view = views_[v];
     gram_.noalias() += view.weight * (after * after.transpose() - before * before.transpose());
-    lost_ += view.weight * missed;
-    view.lost += missed;
+    // Of ||c_known - B_known y||^2.
+    const double lost = std::max(-view.lost, change.dot(known * (after + before) - 2 * projection));
+    lost_ = std::max(0.0, lost_ + view.weight * lost);
+    view.lost += lost;
     coefficients_.col(v) = after.template cast<Scalar>();
   });
 }
@@ -137,12 +229,11 @@ typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::displayed_coef
   if (displayed == 0) return y;  // all is black
   const MatrixXd covariance = prior();
   const double appendix = covariance.diagonal().tail(rank_ - displayed).sum() / rows_;
-  const MatrixXd precision =
-      prior_precision(covariance.topLeftCorner(displayed, displayed), kRowsThatErrTogether * (row_noise() + appendix));
-  visit_masked_views([&](int v, const Eigen::Map<const MatrixXd>& known) {
-    const VectorXd projection = known.topRows(displayed) * coefficients_.col(v).template cast<double>();
-    y.col(v) = most_probable_coefficients(known.topLeftCorner(displayed, displayed), projection, precision)
-                   .template cast<Scalar>();
+  const MatrixXd precision = prior_precision(covariance.topLeftCorner(displayed, displayed), row_noise() + appendix);
+  visit_masked_views([&](int v, const Eigen::Map<const MatrixXd>& known, const VectorXd& projection) {
+    y.col(v) =
+        most_probable_coefficients(known.topLeftCorner(displayed, displayed), projection.head(displayed), precision)
+            .template cast<Scalar>();
   });
   return y;
 }
@@ -233,6 +324,12 @@ template BasicRingFactor<float>::Vector BasicRingFactor<float>::estimate(const C
 template BasicRingFactor<float>::Matrix BasicRingFactor<float>::displayed_coefficients() const;
 template void BasicRingFactor<float>::reveal_rows(std::span<const double>, std::span<const std::uint64_t>);
 template void BasicRingFactor<float>::impute_again_when_due();
+template std::shared_ptr<const BasicRingFactor<float>::Shown> BasicRingFactor<float>::shown_by(int) const;
+template std::shared_ptr<const BasicRingFactor<float>::Shown> BasicRingFactor<float>::shown_by_both(int, int,
+                                                                                                    float) const;
+template std::shared_ptr<const BasicRingFactor<float>::Shown> BasicRingFactor<float>::without(const View&,
+                                                                                              const ConstVectorRef&,
+                                                                                              float) const;
 template std::vector<std::uint64_t> BasicRingFactor<double>::hidden_patterns() const;
 template MatrixXd BasicRingFactor<double>::pending_projections(std::span<const std::uint64_t>) const;
 template BasicRingFactor<double>::Vector BasicRingFactor<double>::estimate(const ConstVectorRef&,
@@ -240,5 +337,11 @@ template BasicRingFactor<double>::Vector BasicRingFactor<double>::estimate(const
 template BasicRingFactor<double>::Matrix BasicRingFactor<double>::displayed_coefficients() const;
 template void BasicRingFactor<double>::reveal_rows(std::span<const double>, std::span<const std::uint64_t>);
 template void BasicRingFactor<double>::impute_again_when_due();
+template std::shared_ptr<const BasicRingFactor<double>::Shown> BasicRingFactor<double>::shown_by(int) const;
+template std::shared_ptr<const BasicRingFactor<double>::Shown> BasicRingFactor<double>::shown_by_both(int, int,
+                                                                                                      double) const;
+template std::shared_ptr<const BasicRingFactor<double>::Shown> BasicRingFactor<double>::without(const View&,
+                                                                                                const ConstVectorRef&,
+                                                                                                double) const;
 
 }  // namespace sheen

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/numerics/view_kriging.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -25,17 +26,19 @@ MatrixXf covariances(const MatrixXf& angles, const ViewKernel& kernel) {
   return (1 + t) * (-t).exp();
 }
 
-/// Inverse of a positive definite matrix, which is a row and column at a time exchanged for its own (sweep operator):
-/// for some tens of rows quicker than a factorization.
+/// Inverse of a positive definite matrix, of which a few rows and columns at a time are exchanged for their own (sweep
+/// operator): for some tens of rows quicker than a factorization.
 MatrixXd inverse(MatrixXd m) {
-  for (Eigen::Index k = 0; k < m.cols(); ++k) {
-    const VectorXd column = m.col(k);
-    const double pivot = column[k];
-    const VectorXd swept = column / pivot;
-    m.noalias() -= swept * column.transpose();
-    m.col(k) = swept;
-    m.row(k) = swept.transpose();
-    m(k, k) = -1 / pivot;
+  constexpr Eigen::Index kAtOnce = 8;
+  for (Eigen::Index first = 0; first < m.cols(); first += kAtOnce) {
+    const Eigen::Index count = std::min(kAtOnce, m.cols() - first);
+    const MatrixXd columns = m.middleCols(first, count);
+    const MatrixXd pivot = columns.middleRows(first, count).llt().solve(MatrixXd::Identity(count, count));
+    const MatrixXd swept = columns * pivot;
+    m.noalias() -= swept * columns.transpose();
+    m.middleCols(first, count) = swept;
+    m.middleRows(first, count) = swept.transpose();
+    m.block(first, first, count, count) = -pivot;
   }
   return -m;
 }

@@ -17,7 +17,7 @@ namespace sheen {
 
 struct RingModelOptions {
   RingFactorOptions factor;
-  int max_views = 64;            ///< directions kept a ring; beyond it the two nearest ones become one
+  int max_views = 96;            ///< directions kept a ring; beyond it the two nearest ones become one
   double min_visible = 0.1;      ///< share of a ring's samples that an image must show
   double repeat_angle = 0.0175;  ///< rad from a kept view within which an image may be a repetition of it; 0 = none is
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -167,6 +168,62 @@ TEST(Missing, TwoPercentOfTheRowsCompleteAColumnBetterThanLeastSquares) {
   EXPECT_LT(errors[20], 0.45);
   EXPECT_LT(errors[39], 0.8) << "the worst one, too";
   EXPECT_GT(least_squares[20], 1.5 * errors[20]) << "what it is compared with";
+}
+
+/// Columns of three terms; the third is a fiftieth of the first two in the early columns, which hide half of the rows,
+/// and as strong as they are later.
+struct LateTerm {
+  static constexpr int kRows = 180, kEarly = 12, kLater = 48;
+  MatrixXf columns{kRows, kEarly + kLater};
+  Mask known = Mask(kRows, 1);  ///< rows that the early columns show
+
+  LateTerm() {
+    std::mt19937 engine(5);
+    std::normal_distribution<float> normal;
+    const auto random = [&](auto) { return normal(engine); };
+    const MatrixXf terms = MatrixXf::NullaryExpr(kRows, 3, [&](auto, auto) { return normal(engine); });
+    for (int j = 0; j < columns.cols(); ++j) {
+      Eigen::Vector3f y = Eigen::Vector3f::NullaryExpr(random);
+      if (j < kEarly) y[2] = j % 2 == 0 ? 0.02f : -0.02f;
+      columns.col(j) = terms * y;
+    }
+    for (int row = 0; row < kRows; ++row) known[row] = row % 20 < 10;
+  }
+  /// Of the known rows: what the displayed view leaves of a column, relative to what there was of the third term.
+  double left_of(const RingFactor& factor, int view, const VectorXf& column) const {
+    VectorXf left = column - factor.displayed_basis() * factor.displayed_coefficients().col(view);
+    for (int row = 0; row < kRows; ++row)
+      if (!known[row]) left[row] = 0;
+    return left.norm() / (0.02 * std::sqrt(kRows / 2.0));
+  }
+};
+
+TEST(Missing, WhatWasDroppedOfAPartlyHiddenViewIsFoundAgainWhenTheBasisHasLearntIt) {
+  const LateTerm scene;
+  RingFactor factor(LateTerm::kRows, {.max_rank = 8, .tolerance = 0.06});
+  for (int j = 0; j < LateTerm::kEarly; ++j) factor.add(scene.columns.col(j), scene.known);
+  factor.fold();
+  ASSERT_EQ(factor.rank(), 2) << "the third term was not worth keeping";
+  EXPECT_GT(scene.left_of(factor, 3, scene.columns.col(3)), 0.8);
+  for (int j = LateTerm::kEarly; j < scene.columns.cols(); ++j) factor.add(scene.columns.col(j));
+  factor.fold();
+  ASSERT_EQ(factor.rank(), 3);
+  for (int j = 0; j < LateTerm::kEarly; ++j) EXPECT_LT(scene.left_of(factor, j, scene.columns.col(j)), 0.1) << j;
+  EXPECT_EQ(broken_invariants(factor), "");
+}
+
+TEST(Missing, WhatMergedViewsShowedIsTheirMeanAndOneCanBeTakenOut) {
+  const LateTerm scene;
+  RingFactor factor(LateTerm::kRows, {.max_rank = 8, .tolerance = 0.06});
+  for (int j = 0; j < LateTerm::kEarly; ++j) factor.add(scene.columns.col(j), scene.known, j == 2 ? 3 : 1);
+  factor.fold();
+  factor.merge_views(0, 2);  // both have +0.02 of the third term
+  for (int j = LateTerm::kEarly; j < scene.columns.cols(); ++j) factor.add(scene.columns.col(j));
+  factor.fold();
+  EXPECT_LT(scene.left_of(factor, 0, 0.25f * scene.columns.col(0) + 0.75f * scene.columns.col(2)), 0.1);
+  factor.take_from(0, scene.columns.col(2), scene.known, 3);
+  EXPECT_LT(scene.left_of(factor, 0, scene.columns.col(0)), 0.1);
+  EXPECT_EQ(broken_invariants(factor), "");
 }
 
 TEST(Missing, AnOccludedStreamIsNearlyAsGoodAsAFullOne) {
