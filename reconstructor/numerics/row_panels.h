@@ -245,8 +245,9 @@ void combine(const Columns<const T>& a, const Columns<const T>& p,
   constexpr int lanes = VectorOf<T>::kLanes;
   constexpr int panel = kCombineRows * lanes;
   Eigen::Matrix<T, Eigen::Dynamic, 1> scratch(panel * out.count);
-  const auto from = [](const auto& columns, Eigen::Index row) {
-    return std::decay_t<decltype(columns)>{columns.data + row, columns.stride, columns.count};
+  const auto from = [](auto columns, Eigen::Index row) {
+    if (columns.count > 0) columns.data += row;  // none may be nowhere
+    return columns;
   };
   Eigen::Index row = 0;
   for (; row + panel <= rows; row += panel)
