@@ -106,6 +106,7 @@ double largest_bytes(const Mesh& mesh, const Capture& first, const SurfaceLightF
     bytes += sizeof(RingModel) + sizeof(float) * (rows * (terms + factor.block) + terms * views) +
              2 * sizeof(double) * terms * terms + views * (sizeof(Eigen::Vector3f) + 8 * sizeof(double)) + rows +
              views * (rows / 8 + sizeof(double)) +  // a bit a row that a view hides
+             // what it showed of the witness rows
              views * (sizeof(float) * factor.witnesses(3 * rings.ring_samples(v)) + 8 * sizeof(double));
   }
   return bytes;
