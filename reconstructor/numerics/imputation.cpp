@@ -148,11 +148,14 @@ MatrixXd prior_precision(const MatrixXd& prior, double noise) {
 Eigen::VectorXd most_probable_coefficients(const Eigen::Ref<const MatrixXd>& known,
                                            const Eigen::Ref<const Eigen::VectorXd>& projection,
                                            const MatrixXd& precision) {
+  // b^2 of the dimmest row that still tells how bright its column is: y = c / b then, from a projection b c.
+  constexpr double kDimmest = 1e-6;
   MatrixXd normal = known + precision;
   normal.diagonal().array() += std::max(1e-9 * normal.diagonal().mean(), 1e-300);
   const Eigen::LLT<MatrixXd> cholesky(normal);
   if (cholesky.info() == Eigen::Success)
-    if (const Eigen::VectorXd y = cholesky.solve(projection); y.allFinite()) return y;
+    if (const Eigen::VectorXd y = cholesky.solve(projection); y.allFinite())
+      return std::min(1.0, projection.norm() / (kDimmest * std::max(y.norm(), 1e-300))) * y;
   return Eigen::VectorXd::Zero(projection.size());
 }
 

@@ -27,9 +27,18 @@ Eigen::MatrixXd prior_precision(const Eigen::MatrixXd& prior, double noise);
 
 /// Most probable coefficients of a column that shows only some rows (maximum a posteriori): minimises
 /// ||c_known - B_known y||^2 + y^T precision y. `known`: B_known^T B_known, rank x rank; `projection`: B_known^T
-/// c_known.
+/// c_known. Known rows that show next to nothing of what they ask for do not make a column brighter than a thousand
+/// times themselves.
 Eigen::VectorXd most_probable_coefficients(const Eigen::Ref<const Eigen::MatrixXd>& known,
                                            const Eigen::Ref<const Eigen::VectorXd>& projection,
                                            const Eigen::MatrixXd& precision);
+
+/// Coefficients as they are stored. What known rows promise of hidden ones may lie beyond single precision: it ends
+/// before, at 1e37.
+template <typename Scalar, typename Derived>
+auto stored(const Eigen::MatrixBase<Derived>& coefficients) {
+  constexpr double kLargest = 1e37;
+  return coefficients.cwiseMax(-kLargest).cwiseMin(kLargest).template cast<Scalar>();
+}
 
 }  // namespace sheen

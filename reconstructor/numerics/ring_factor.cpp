@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "reconstructor/numerics/imputation.h"
 #include "reconstructor/numerics/row_panels.h"
 
 namespace sheen {
@@ -68,6 +69,7 @@ BasicRingFactor<Scalar>::BasicRingFactor(int rows, const RingFactorOptions& opti
   require(options.tolerance >= 0 && options.tolerance < 1, "ring factor: tolerance must be in [0, 1)");
   require(options.channels >= 1 && options.channels <= rows, "ring factor: channels must be 1..rows");
   witnesses_ = options.witnesses(rows);
+  basis_.resize(row_panels::padded(rows), 0);
 }
 
 template <typename Scalar>
@@ -151,9 +153,8 @@ Scalar BasicRingFactor<Scalar>::pending_value(int column, int row) const {
 template <typename Scalar>
 typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::pending_coefficients() const {
   MatrixXd y = pending_projections(hidden_patterns());
-  for (int j = 0; j < pending(); ++j)
-    y.col(j) = y.col(j).unaryExpr([&](double value) { return std::ldexp(value, pending_[j].exponent); }).eval();
-  return y.template cast<Scalar>();
+  for (int j = 0; j < pending(); ++j) y.col(j) *= std::ldexp(1.0, pending_[j].exponent);
+  return stored<Scalar>(y);
 }
 
 template <typename Scalar>

@@ -185,9 +185,10 @@ class BasicRingFactor {
   void restore_orthonormality();
   Reports split_residuals(Block& block);
   ColumnReport report(const Pending& column, double norm2, double residual2);
-  void orthonormalise_again(Block& block);
+  Eigen::VectorXd orthonormalise_again(Block& block);
   void choose_rank(const Eigen::VectorXd& descending, double lost, Turn& turn) const;
   Turn singular_turn(const Block& block) const;
+  double growth(const Block& block, const Eigen::VectorXd& norm2, const Turn& turn) const;
   void absorb(Block& block);
   void apply(Turn& turn, const Block& block);
   void forget_directions(const Turn& turn, const Block& block);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "reconstructor/numerics/imputation.h"
 #include "reconstructor/numerics/ring_factor.h"
 #include "reconstructor/numerics/row_panels.h"
 #include "reconstructor/numerics/symmetric_eigen.h"
@@ -25,8 +26,10 @@ constexpr double kNoise = 50 * std::numeric_limits<Scalar>::epsilon();
 template <typename Scalar>
 constexpr double kSmallestPivot = 16 * std::numeric_limits<Scalar>::epsilon();
 // Rounding in the Gram matrix of the residuals reaches the basis magnified by this much at most; beyond it, they are
-// orthogonalised once more ("twice is enough").
-constexpr double kLargestGrowth = 4;
+// orthogonalised once more. "Twice is enough" where the first time leaves a correct digit; where it leaves rounding
+// alone, as of residuals that lie in the basis but for the last digits, the third time is.
+constexpr double kLargestGrowth = 1.5;
+constexpr int kMostPasses = 3;
 
 // A turn of the basis costs it about one unit of rounding of orthonormality, and a polish gives it back.
 constexpr int kTurnsBetweenPolishes = 4;
@@ -225,9 +228,9 @@ void BasicRingFactor<Scalar>::choose_rank(const VectorXd& descending, double los
   }
 }
 
-/// Orthonormalises the directions of the block once more, now as columns of their own.
+/// Orthonormalises the directions of the block once more, now as columns of their own, whose squared norms it returns.
 template <typename Scalar>
-void BasicRingFactor<Scalar>::orthonormalise_again(Block& block) {
+VectorXd BasicRingFactor<Scalar>::orthonormalise_again(Block& block) {
   const auto columns_before = static_cast<int>(block.to_directions.rows());
   const auto directions = static_cast<int>(block.to_directions.cols());
   Matrix m(rank_ + columns_before, directions);
@@ -237,11 +240,13 @@ void BasicRingFactor<Scalar>::orthonormalise_again(Block& block) {
   const auto residuals = columns(buffer_, directions);
   block.overlap = row_panels::inner_products(columns(basis_, rank_), residuals, buffer_.rows());
   MatrixXd gram = row_panels::inner_products(residuals, residuals, buffer_.rows(), true);
+  const VectorXd norm2 = gram.diagonal();
   gram.noalias() -= block.overlap.transpose() * block.overlap;
   const Orthonormalised once_more = orthonormalise(gram, gram.diagonal().cwiseMax(0), kSmallestPivot<Scalar>);
   block.to_directions = once_more.to_directions;
   block.inside += block.overlap * block.outside;
   block.outside = once_more.coefficients * block.outside;
+  return norm2;
 }
 
 template <typename Scalar>
@@ -271,6 +276,15 @@ typename BasicRingFactor<Scalar>::Turn BasicRingFactor<Scalar>::singular_turn(co
   return turn;
 }
 
+/// What rounding in the inner products of the residuals, times their norms, is magnified by on its way to the basis.
+template <typename Scalar>
+double BasicRingFactor<Scalar>::growth(const Block& block, const VectorXd& norm2, const Turn& turn) const {
+  if (turn.rank == 0) return 0;
+  const MatrixXd reach =
+      norm2.cwiseSqrt().asDiagonal() * block.to_directions * turn.from_core.bottomRows(block.outside.rows());
+  return reach.colwise().squaredNorm().maxCoeff();
+}
+
 /// Adds the block to Y and G, and turns the basis to the new singular directions.
 template <typename Scalar>
 void BasicRingFactor<Scalar>::absorb(Block& block) {
@@ -290,12 +304,10 @@ void BasicRingFactor<Scalar>::absorb(Block& block) {
     return;
   }
   if (grows) {
-    // Rounding in the inner products of the residuals P, of norm 1 each, reaches the new basis times this. (Those of
-    // columns with hidden rows may lie mostly within B.)
-    const VectorXd norm = (block.residual2 + block.overlap.colwise().squaredNorm().transpose()).cwiseSqrt();
-    const MatrixXd reach = norm.asDiagonal() * block.to_directions * turn.from_core.bottomRows(block.outside.rows());
-    if (turn.rank > 0 && reach.colwise().squaredNorm().maxCoeff() > kLargestGrowth) {
-      orthonormalise_again(block);
+    // Those of columns with hidden rows may lie mostly within B.
+    VectorXd norm2 = block.residual2 + block.overlap.colwise().squaredNorm().transpose();
+    for (int pass = 1; pass < kMostPasses && growth(block, norm2, turn) > kLargestGrowth; ++pass) {
+      norm2 = orthonormalise_again(block);
       turn = singular_turn(block);
     }
   }
@@ -306,7 +318,7 @@ void BasicRingFactor<Scalar>::absorb(Block& block) {
 template <typename Scalar>
 void BasicRingFactor<Scalar>::forget_directions(const Turn& turn, const Block& block) {
   for (int v = 0; v < folded_views(); ++v)
-    if (rank_ > 0) views_[v].lost += static_cast<double>(coefficients_.col(v).squaredNorm());
+    if (rank_ > 0) views_[v].lost += coefficients_.col(v).template cast<double>().squaredNorm();
   basis_.resize(row_panels::padded(rows_), 0);
   coefficients_.resize(0, folded_views());
   gram_.resize(0, 0);
@@ -345,9 +357,9 @@ void BasicRingFactor<Scalar>::apply(Turn& turn, const Block& block) {
   }
 
   const Matrix turned = (from_basis + half).transpose().template cast<Scalar>() * coefficients_;
-  for (Eigen::Index v = 0; v < turned.cols(); ++v)
-    views_[v].lost += std::max(0.0, static_cast<double>(coefficients_.col(v).squaredNorm()) -
-                                        static_cast<double>(turned.col(v).squaredNorm()));
+  for (Eigen::Index v = 0; v < turned.cols(); ++v)  // in double: coefficients have the scale of their columns
+    views_[v].lost += std::max(0.0, coefficients_.col(v).template cast<double>().squaredNorm() -
+                                        turned.col(v).template cast<double>().squaredNorm());
   coefficients_ = turned;
   if (scatter_.size() > 0) scatter_ = ((from_basis + half).transpose() * scatter_ * (from_basis + half)).eval();
   gram_ = turn.spectrum.asDiagonal();
@@ -368,7 +380,7 @@ void BasicRingFactor<Scalar>::append_views(const Block& block, const MatrixXd& c
   views_.reserve(views_.size() + static_cast<std::size_t>(block.count));  // no more than that: there are many rings
   for (int j = 0; j < block.count; ++j) {
     const int exponent = pending_[j].exponent;
-    coefficients_.col(before + j) = (std::ldexp(1.0, exponent) * coordinates.col(j)).template cast<Scalar>();
+    coefficients_.col(before + j) = stored<Scalar>(std::ldexp(1.0, exponent) * coordinates.col(j));
     const double inside = (block.inside.col(j).squaredNorm() + block.residual2[j]) - coordinates.col(j).squaredNorm();
     views_.push_back({.weight = pending_[j].weight,
                       .lost = std::ldexp(std::max(0.0, inside), 2 * exponent),

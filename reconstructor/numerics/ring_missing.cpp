@@ -84,8 +84,8 @@ typename BasicRingFactor<Scalar>::Vector BasicRingFactor<Scalar>::estimate(const
   const MatrixXd y = row_panels::inner_products(columns(basis_, rank_), columns(shown, 1), shown.rows());
   if (all_known || rank_ == 0) return y.col(0).template cast<Scalar>();
   const MatrixXd gram = known_grams(columns(basis_, rank_), hidden, 1);
-  return most_probable_coefficients(gram.reshaped(rank_, rank_), y.col(0), prior_precision(prior(), noise))
-      .template cast<Scalar>();
+  return stored<Scalar>(
+      most_probable_coefficients(gram.reshaped(rank_, rank_), y.col(0), prior_precision(prior(), noise)));
 }
 
 /// Calls visit(row) for the witness rows: groups of `channels` neighbouring rows, evenly spread over all.
@@ -218,8 +218,9 @@ void BasicRingFactor<Scalar>::impute_again() {
     const double lost = std::max(-view.lost, change.dot(known * (after + before) - 2 * projection));
     lost_ = std::max(0.0, lost_ + view.weight * lost);
     view.lost += lost;
-    coefficients_.col(v) = after.template cast<Scalar>();
+    coefficients_.col(v) = stored<Scalar>(after);
   });
+  gram_ = (0.5 * (gram_ + gram_.transpose())).eval();  // rounding of what is gone again, in two orders
 }
 
 template <typename Scalar>
@@ -231,9 +232,8 @@ typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::displayed_coef
   const double appendix = covariance.diagonal().tail(rank_ - displayed).sum() / rows_;
   const MatrixXd precision = prior_precision(covariance.topLeftCorner(displayed, displayed), row_noise() + appendix);
   visit_masked_views([&](int v, const Eigen::Map<const MatrixXd>& known, const VectorXd& projection) {
-    y.col(v) =
-        most_probable_coefficients(known.topLeftCorner(displayed, displayed), projection.head(displayed), precision)
-            .template cast<Scalar>();
+    y.col(v) = stored<Scalar>(
+        most_probable_coefficients(known.topLeftCorner(displayed, displayed), projection.head(displayed), precision));
   });
   return y;
 }

@@ -101,7 +101,7 @@ void run(Input in) {
 
   std::vector<Column> columns;  // a view; meaningless once `exact` is false
   double largest = 0;           // sum of energies ever held: the size of what rounding can leave behind
-  bool exact = true;            // nothing missing, nothing merged: the energy is known
+  bool exact = true;            // nothing missing, nothing merged, no digits lost: the energy is known
   Eigen::VectorXf column = Eigen::VectorXf::Ones(rows);
   while (!in.rest.empty()) {
     const std::uint8_t act = in.byte();
@@ -115,7 +115,9 @@ void run(Input in) {
           const int first = in.byte() % rows, shown = in.byte() % (rows + 1);
           for (int i = 0; i < shown; ++i) known[(first + i) % rows] = 1;
         }
-        exact = exact && known.empty() && column.allFinite();
+        constexpr float kFewDigits = 1e-39f;  // denormals: coefficients of that size have no more of them either
+        const float peak = column.cwiseAbs().maxCoeff();
+        exact = exact && known.empty() && column.allFinite() && (peak == 0 || peak > kFewDigits);
         columns.push_back({weight, column.cast<double>().squaredNorm()});
         largest += std::isfinite(columns.back().energy) ? weight * columns.back().energy : 0;
         factor.add(column.cast<Scalar>(), known, weight);

@@ -55,6 +55,43 @@ TEST(Missing, AStreamOfSingleRowsFromTheStartStaysSound) {
   EXPECT_LT((settled.basis() * settled.coefficients()).norm(), 4 * data.norm()) << "nothing runs away";
 }
 
+TEST(Missing, ResidualsThatLieInTheBasisButForTheirLastDigits) {
+  // One direction is left, and what columns that hide rows say of it drowns in what the basis explains.
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    std::mt19937 random(seed);
+    const int rows = 4 + static_cast<int>(seed % 5);
+    RingFactor factor(rows, {.max_rank = rows, .block = 1 + static_cast<int>(seed % 11), .tolerance = 0});
+    MatrixXf data = gaussian_matrix(rows, rows - 1, seed) * gaussian_matrix(rows - 1, 40, seed + 1);
+    data += 1e-5f * gaussian_matrix(rows, 40, seed + 2);
+    for (int j = 0; j < 40; ++j) {
+      Mask known(rows, 1);
+      if (j > rows) known[random() % rows] = 0;
+      factor.add((j % 3 == 0 ? 1e3f : 1.0f) * data.col(j), known);
+      ASSERT_EQ(broken_invariants(factor), "") << "seed " << seed << ", column " << j;
+    }
+  }
+}
+
+TEST(Missing, AColumnOfWhichOnlyADimRowIsKnownIsNotBrighterThanAThousandTimesIt) {
+  constexpr int kRows = 40;
+  VectorXf dim = VectorXf::Ones(kRows);
+  dim[7] = 6e-6f;
+  for (const float scale : {1.0f, 1e30f, 1e36f}) {
+    RingFactor factor(kRows, {.max_rank = 2, .tolerance = 0});
+    for (int j = 0; j < 20; ++j) factor.add(scale * dim);
+    Mask known(kRows, 0);
+    known[7] = 1;
+    VectorXf bright = VectorXf::Zero(kRows);
+    bright[7] = scale;
+    for (int j = 0; j < 20; ++j) factor.add(bright, known);
+    const RingFactor settled = factor.settled();
+    EXPECT_EQ(broken_invariants(settled), "") << scale;
+    const MatrixXf filled = settled.displayed_basis() * (settled.displayed_coefficients() / scale);
+    EXPECT_LT(filled.cwiseAbs().maxCoeff(), 1e3f) << scale;
+    EXPECT_TRUE(filled.allFinite()) << scale;
+  }
+}
+
 TEST(Missing, PartsThatNoColumnShowsTogetherAreNotDark) {
   // A diffuse ring of which some columns show the first rows, others the last, and none both.
   const MatrixXf data = ring_like_matrix(300, 24, 0, 0.01f, 2);

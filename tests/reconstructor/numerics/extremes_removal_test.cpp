@@ -33,18 +33,20 @@ TEST(Removal, OfAStrangerLongAfterLeavesNoTrace) {
 }
 
 TEST(Removal, OfEverythingLeavesAnEmptyFactorThatWorks) {
-  const MatrixXf data = ring_like_matrix(90, 40, 5, 0.01f, 2);
-  RingFactor factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
-  for (int left = 40; left > 0; --left) {
-    factor.remove((left * 7) % left);
-    ASSERT_EQ(broken_invariants(factor), "") << left;
+  for (const float scale : {1e-25f, 1.0f, 1e25f}) {
+    const MatrixXf data = scale * ring_like_matrix(90, 40, 5, 0.01f, 2);
+    RingFactor factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
+    for (int left = 40; left > 0; --left) {
+      factor.remove((left * 7) % left);
+      ASSERT_EQ(broken_invariants(factor), "") << left;
+    }
+    EXPECT_EQ(factor.views(), 0);
+    EXPECT_LT(factor.energy(), 1e-6 * data.cast<double>().squaredNorm()) << scale;
+    for (int j = 0; j < 40; ++j) factor.add(data.col(j));
+    factor.fold();
+    EXPECT_EQ(broken_invariants(factor), "");
+    EXPECT_LT(displayed_model_error(factor, data), 1.02 * batch_pca(data, 6).relative_error) << scale;
   }
-  EXPECT_EQ(factor.views(), 0);
-  EXPECT_LT(factor.energy(), 1e-6 * data.squaredNorm());
-  for (int j = 0; j < 40; ++j) factor.add(data.col(j));
-  factor.fold();
-  EXPECT_EQ(broken_invariants(factor), "");
-  EXPECT_LT(displayed_model_error(factor, data), 1.02 * batch_pca(data, 6).relative_error);
 }
 
 TEST(Removal, OfTheOnlyColumnInItsDirectionGivesTheRankBack) {
