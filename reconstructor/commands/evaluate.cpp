@@ -19,7 +19,7 @@ namespace sheen {
 namespace {
 
 struct EvaluateArguments {
-  std::string model, dataset, json;
+  std::string model, dataset, truth, json;
   bool baselines = false;
 };
 
@@ -43,6 +43,7 @@ void evaluate(const EvaluateArguments& arguments) {
       const bool held_out = unseen.empty() ? capture.purpose == Purpose::kHeldOut : unseen.contains(capture.name);
       if (held_out) {
         views.push_back(make_held_out_view(capture, 1, painter));
+        if (!arguments.truth.empty()) take_truth_from(arguments.truth, views.back());
       } else if (capture.pose.usable()) {
         const SurfaceView& view =
             visibility.look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
@@ -84,6 +85,8 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("dataset", arguments->dataset, "the images it was built from, and the held-out ones")->required();
   command->add_flag("--baselines", arguments->baselines,
                     "score constant colour, nearest photograph and unstructured lumigraph on the same pixels");
+  command->add_option("--truth", arguments->truth,
+                      "score against NAME.exr of this folder (linear radiance without noise), not against the images");
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { evaluate(*arguments); });
 }

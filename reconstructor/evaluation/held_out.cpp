@@ -6,11 +6,13 @@
 #include <limits>
 
 #include "common/color.h"
+#include "common/errors.h"
+#include "common/exr.h"
 
 namespace sheen {
 namespace {
 
-constexpr int kErosionWithoutMask = 3;
+constexpr int kEdge = 3;  // pixels: what a mesh or a mask is off by, and the reach of a pixel's filters
 
 ImageF scaled(const ImageF& linear, float gain) {
   if (gain == 1) return linear;
@@ -61,15 +63,29 @@ HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPain
   ImageU8 silhouette(view.camera.width, view.camera.height, 1);
   for (std::size_t i = 0; i < hits.size(); ++i) silhouette.data()[i] = hits[i] && hits[i].front ? 255 : 0;
   if (capture.mask.empty()) {
-    view.object = erode(silhouette, kErosionWithoutMask);
+    view.object = erode(silhouette, kEdge);
   } else {
     view.object = std::move(silhouette);
     for (std::size_t i = 0; i < view.object.size(); ++i)
       if (capture.mask.data()[i] == 0) view.object.data()[i] = 0;
   }
+  view.inside = capture.mask.empty() ? view.object : erode(view.object, kEdge);
   for (std::size_t i = 0; i < view.object.size(); ++i)
-    if (!Eigen::Map<const Eigen::Array3f>(linear.data() + 3 * i).allFinite()) view.object.data()[i] = 0;
+    if (!Eigen::Map<const Eigen::Array3f>(linear.data() + 3 * i).allFinite())
+      view.object.data()[i] = view.inside.data()[i] = 0;
   return view;
+}
+
+void take_truth_from(const std::filesystem::path& folder, HeldOutView& view) {
+  const std::filesystem::path file = folder / std::filesystem::path(view.name).stem().concat(".exr");
+  const ExrFile exr = read_exr(file);
+  const ImageF& radiance = exr.parts.front().image;
+  if (radiance.width() != view.truth.width() || radiance.height() != view.truth.height() || radiance.channels() != 3)
+    throw FileError(file, "is " + std::to_string(radiance.width()) + "x" + std::to_string(radiance.height()) +
+                              " with " + std::to_string(radiance.channels()) + " channels; the image " + view.name +
+                              " asks for " + std::to_string(view.truth.width()) + "x" +
+                              std::to_string(view.truth.height()) + " and R, G, B");
+  view.truth = to_srgb8(radiance);
 }
 
 ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter) {
@@ -79,6 +95,7 @@ ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPa
   score.error = squared_error(picture, view.truth, view.object);
   score.psnr_db = score.error.psnr_db();
   score.ssim = ssim(picture, view.truth, view.object);
+  score.psnr_inside_db = squared_error(picture, view.truth, view.inside).psnr_db();
   score.psnr_gain_aligned_db = gain_aligned_psnr(painted.beauty, view.truth, view.object);
   score.full_psnr_db = squared_error(picture, view.truth, {}).psnr_db();
   score.full_ssim = ssim(picture, view.truth, {});
@@ -95,8 +112,8 @@ Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, 
   Scores scores;
   if (views.empty()) {  // nothing was judged, which is not the same as a score of 0
     const double none = std::numeric_limits<double>::quiet_NaN();
-    scores.psnr_db = scores.ssim = scores.psnr_gain_aligned_db = scores.psnr_pooled_db = none;
-    scores.full_psnr_db = scores.full_ssim = scores.uncovered = none;
+    scores.psnr_db = scores.ssim = scores.psnr_inside_db = scores.psnr_gain_aligned_db = none;
+    scores.psnr_pooled_db = scores.full_psnr_db = scores.full_ssim = scores.uncovered = none;
     return scores;
   }
   SquaredError pooled;
@@ -105,6 +122,7 @@ Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, 
     const double share = 1.0 / double(views.size());
     scores.psnr_db += share * s.psnr_db;
     scores.ssim += share * s.ssim;
+    scores.psnr_inside_db += share * s.psnr_inside_db;
     scores.psnr_gain_aligned_db += share * s.psnr_gain_aligned_db;
     scores.full_psnr_db += share * s.full_psnr_db;
     scores.full_ssim += share * s.full_ssim;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -22,14 +23,20 @@ struct HeldOutView {
   ImageU8 truth;   ///< RGB
   ImageU8 object;  ///< pixels of the object: first hit a front face, and inside the mask, or eroded by 3 without one;
                    ///< pixels that are NaN or infinite do not count
+  ImageU8 inside;  ///< of these, eroded by 3 with a mask too: none that mixes the object with what is behind it
 };
 /// `gain`: how much brighter the image is than the model's level; the truth is divided by it.
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter);
+
+/// Replaces the photograph, which has noise, by a picture of linear radiance that has none (or less) and the same
+/// scale: `folder`/NAME.exr, where NAME is the view's without folder and extension. Throws FileError.
+void take_truth_from(const std::filesystem::path& folder, HeldOutView& view);
 
 struct ViewScore {
   std::string name;
   double psnr_db = 0;               ///< object pixels, 8-bit sRGB
   double ssim = 0;                  ///< object pixels
+  double psnr_inside_db = 0;        ///< the object's pixels but for those at its edge
   double psnr_gain_aligned_db = 0;  ///< after the one gain of linear radiance that fits the object's pixels best
   double full_psnr_db = 0;          ///< the whole picture; where there is no surface it is black
   double full_ssim = 0;
@@ -41,7 +48,7 @@ ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPa
 /// Means over views, as published figures are; `psnr_pooled_db` from the pooled squared error.
 struct Scores {
   std::vector<ViewScore> views;
-  double psnr_db = 0, ssim = 0, psnr_gain_aligned_db = 0, psnr_pooled_db = 0;
+  double psnr_db = 0, ssim = 0, psnr_inside_db = 0, psnr_gain_aligned_db = 0, psnr_pooled_db = 0;
   double full_psnr_db = 0, full_ssim = 0, uncovered = 0;
 };
 Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "reconstructor/numerics/imputation.h"
+#include "reconstructor/numerics/orthonormal.h"
 #include "reconstructor/numerics/ring_factor.h"
 #include "reconstructor/numerics/row_panels.h"
 #include "reconstructor/numerics/symmetric_eigen.h"
@@ -35,65 +36,6 @@ constexpr int kMostPasses = 3;
 constexpr int kTurnsBetweenPolishes = 4;
 // What is dropped on the way may be missed later: it takes this share of the budget, the displayed rank the whole.
 constexpr double kShareOfBudgetOnTheWay = 0.5;
-
-/// R = P to_directions is orthonormal, and R coefficients = P but for what rounding hides.
-struct Orthonormalised {
-  MatrixXd to_directions;  ///< columns x directions
-  MatrixXd coefficients;   ///< directions x columns
-};
-
-/// Cholesky factorisation with pivoting of the Gram matrix of some columns, of which those of norm 0 are left out.
-Orthonormalised orthonormalise(MatrixXd gram, const VectorXd& norm2, double smallest_pivot) {
-  const Eigen::Index count = gram.rows();
-  // Residuals differ in size by orders of magnitude; scaled to one norm, none is lost beside another.
-  const VectorXd norm = norm2.cwiseSqrt();
-  const VectorXd scale = (norm2.array() > 0).select(norm.cwiseInverse(), 0.0);
-  gram = (scale.asDiagonal() * gram * scale.asDiagonal()).eval();
-  std::vector<int> order;
-  MatrixXd lower = MatrixXd::Zero(count, count);  // lower.leftCols(n) lower.leftCols(n)^T -> gram
-  VectorXd left = gram.diagonal();
-  for (Eigen::Index n = 0; n < count; ++n) {
-    Eigen::Index next;
-    const double pivot = left.maxCoeff(&next);
-    if (!(pivot > smallest_pivot)) break;
-    auto column = lower.col(n);
-    column = gram.col(next);
-    column.noalias() -= lower.leftCols(n) * lower.row(next).head(n).transpose();
-    column /= std::sqrt(pivot);
-    for (const int earlier : order) column[earlier] = 0;
-    left -= column.cwiseAbs2();
-    order.push_back(static_cast<int>(next));
-    for (const int done : order) left[done] = -1;
-  }
-  const auto directions = static_cast<Eigen::Index>(order.size());
-  const MatrixXd upper = lower.leftCols(directions).transpose();
-  const MatrixXd triangle = upper(Eigen::all, order);
-  const MatrixXd inverse = triangle.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(directions, directions));
-  Orthonormalised result{MatrixXd::Zero(count, directions), upper * norm.asDiagonal()};
-  for (Eigen::Index i = 0; i < directions; ++i) result.to_directions.row(order[i]) = scale[order[i]] * inverse.row(i);
-  return result;
-}
-
-/// The rotation of the first columns of `leading` that moves the old displayed frame (the first coordinates) least: the
-/// orthogonal factor of their overlap, by Householder's reflections.
-MatrixXd aligning_rotation(const MatrixXd& leading, Eigen::Index old_displayed) {
-  const Eigen::Index size = leading.cols(), common = std::min(size, old_displayed);
-  MatrixXd reflected(common + size, size);  // transposed, for long columns: the triangle above the reflections
-  reflected << leading.topRows(common), MatrixXd::Identity(size, size);
-  VectorXd v, image;
-  for (Eigen::Index i = 0; i < common; ++i) {
-    v = reflected.row(i).tail(size - i);
-    v[0] += std::copysign(v.norm(), v[0]);
-    const double norm2 = v.squaredNorm();
-    if (!(norm2 > 0)) continue;
-    auto left = reflected.rightCols(size - i);
-    image.noalias() = left * v;
-    left.noalias() -= image * (2 / norm2 * v).transpose();
-  }
-  for (Eigen::Index i = 0; i < common; ++i)
-    if (reflected(i, i) < 0) reflected.col(i) = -reflected.col(i);
-  return reflected.bottomRows(size);
-}
 
 }  // namespace
 

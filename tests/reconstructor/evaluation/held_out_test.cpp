@@ -8,8 +8,11 @@
 #include <limits>
 
 #include "common/color.h"
+#include "common/errors.h"
+#include "common/exr.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/plain_model.h"
+#include "tests/support/temp_folder.h"
 #include "tests/support/test_meshes.h"
 
 namespace sheen {
@@ -143,6 +146,39 @@ TEST_F(HeldOut, ObjectPixelsAreTheSilhouetteInsideTheMask) {
   const ImageU8 whole = silhouette();
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 120; ++x) ASSERT_EQ(view.object.at(x, y) != 0, whole.at(x, y) && mask.at(x, y));
+}
+
+TEST_F(HeldOut, InsideAreTheObjectPixelsThreeAwayFromItsEdge) {
+  // The mask ends a pixel before the silhouette, and what it ends on is half the background, as of a camera.
+  const PlainModel model(mesh, Eigen::Vector3f::Constant(level(120)));
+  const ImageU8 mask = erode(silhouette(), 1), core = erode(mask, 3);
+  Capture capture = uniform_capture(0, mask);
+  ImageF pixels(120, 90, 3, level(124));
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (!core.data()[i]) std::fill_n(pixels.data() + 3 * i, 3, level(180));
+  capture.image = analytic::float_image(pixels);
+  const HeldOutView view = make_held_out_view(capture, 1, painter);
+  EXPECT_EQ(count(view.inside), count(core));
+  const ViewScore result = score(view, model, painter);
+  EXPECT_NEAR(result.psnr_inside_db, 20 * std::log10(255.0 / 4), 1e-9);
+  EXPECT_LT(result.psnr_db, result.psnr_inside_db - 5);
+  EXPECT_EQ(score({view}, model, painter).psnr_inside_db, result.psnr_inside_db);
+
+  const HeldOutView unmasked = make_held_out_view(uniform_capture(1), 1, painter);
+  EXPECT_EQ(count(unmasked.inside), count(unmasked.object)) << "is away from the edge already";
+}
+
+TEST_F(HeldOut, ThePictureWithoutNoiseTakesThePlaceOfThePhotograph) {
+  const TempFolder folder;
+  HeldOutView view = make_held_out_view(uniform_capture(level(90)), 1, painter);
+  view.name = "images/view_03.png";
+  EXPECT_THROW(take_truth_from(folder.path(), view), FileError) << "there is none";
+  write_exr(folder.path() / "view_03.exr", ImageF(60, 90, 3, level(125)));
+  EXPECT_THROW(take_truth_from(folder.path(), view), FileError) << "of another size";
+  write_exr(folder.path() / "view_03.exr", ImageF(120, 90, 3, level(125)));
+  take_truth_from(folder.path(), view);
+  const PlainModel model(mesh, Eigen::Vector3f::Constant(level(120)));
+  EXPECT_NEAR(score(view, model, painter).psnr_db, 20 * std::log10(255.0 / 5), 1e-9);
 }
 
 TEST_F(HeldOut, PixelsThatAreNoNumbersDoNotCount) {
