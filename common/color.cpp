@@ -21,9 +21,11 @@ inline float power_5_12(float x) {
            z +
        1.442693f) *
       z;
-  const float power = (exponent + log2) * (5.0f / 12);
-  const auto whole = static_cast<std::int32_t>(power + 128) - 128;  // floor: power > -128
-  const float part = power - static_cast<float>(whole);
+  // 5/12 in two parts, of which the first times an exponent is exact: far from 1, the digits behind the point count.
+  constexpr float kCoarse = 213.0f / 512, kRest = static_cast<float>(5.0 / 12 - 213.0 / 512);
+  const float coarse = kCoarse * exponent, fine = kRest * exponent + (5.0f / 12) * log2;
+  const auto whole = static_cast<std::int32_t>(coarse + fine + 128) - 128;  // floor: it is above -128
+  const float part = (coarse - static_cast<float>(whole)) + fine;
   const float exp2 =
       ((((0.001893754f * part + 0.00894959f) * part + 0.05586034f) * part + 0.24014182f) * part + 0.6931545f) * part +
       0.9999999f;

@@ -60,7 +60,7 @@ class RowGrams {
       for (int k = 0; k < basis_.count; ++k)
         for (std::size_t i = 0; i < count; ++i) picked_[i * stride_ + k] = basis_.column(k)[rows[i]];
       for (int i = 0; i < basis_.count; i += kLanes)
-        for (int j = i; j < basis_.count; j += kTile) add_tile(count, i, j, packed);
+        for (int j = i - i % kTile; j < basis_.count; j += kTile) add_tile(count, i, j, packed);  // within the stride
     }
   }
 

@@ -168,7 +168,7 @@ template <typename Scalar>
 void BasicRingFactor<Scalar>::restore_orthonormality() {
   const auto b = columns(basis_, rank_);
   for (int pass = 0; pass < 2; ++pass) {  // the first leaves rounding times the condition of the rows' Gram matrix
-    const Eigen::LLT<MatrixXd> cholesky(row_panels::inner_products(b, b, basis_.rows(), true));
+    const Eigen::LLT<MatrixXd> cholesky(row_panels::gram(b, basis_.rows()));
     if (cholesky.info() != Eigen::Success) return;
     // B <- B R^-1, Y <- R Y
     const MatrixXd r = cholesky.matrixU();

@@ -120,7 +120,7 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::split_residua
   block.to_directions = MatrixXd::Zero(count, 0);
   if (lost_ + block.lost <= kShareOfBudgetOnTheWay * options_.tolerance * options_.tolerance * energy_after)
     return reports;
-  MatrixXd gram = row_panels::inner_products(columns(buffer_, count), columns(buffer_, count), buffer_.rows(), true);
+  MatrixXd gram = row_panels::gram(columns(buffer_, count), buffer_.rows());
   gram.noalias() -= block.overlap.transpose() * block.overlap;
   Orthonormalised residuals = orthonormalise(std::move(gram), block.residual2, kSmallestPivot<Scalar>);
   block.to_directions = std::move(residuals.to_directions);
@@ -181,7 +181,7 @@ VectorXd BasicRingFactor<Scalar>::orthonormalise_again(Block& block) {
                               {buffer_.data(), buffer_.rows(), directions});
   const auto residuals = columns(buffer_, directions);
   block.overlap = row_panels::inner_products(columns(basis_, rank_), residuals, buffer_.rows());
-  MatrixXd gram = row_panels::inner_products(residuals, residuals, buffer_.rows(), true);
+  MatrixXd gram = row_panels::gram(residuals, buffer_.rows());
   const VectorXd norm2 = gram.diagonal();
   gram.noalias() -= block.overlap.transpose() * block.overlap;
   const Orthonormalised once_more = orthonormalise(gram, gram.diagonal().cwiseMax(0), kSmallestPivot<Scalar>);
@@ -232,7 +232,7 @@ template <typename Scalar>
 void BasicRingFactor<Scalar>::absorb(Block& block) {
   const bool grows = block.outside.rows() > 0;
   const auto polish = [&] {
-    block.loss = row_panels::inner_products(columns(basis_, rank_), columns(basis_, rank_), basis_.rows(), true);
+    block.loss = row_panels::gram(columns(basis_, rank_), basis_.rows());
     block.loss.diagonal().array() -= 1;
   };
   const bool turns = grows || rank_ > displayed_ || block.count == 0;

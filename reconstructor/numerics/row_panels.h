@@ -161,28 +161,39 @@ Eigen::MatrixXd inner_products(const Columns<const T>& a, const Columns<const T>
   return out;
 }
 
-/// ||column||^2 of each.
+/// ||column||^2 of each, to a few units of rounding: a bright row and many dim ones, whose squares would be rounded
+/// alike beside its own, are a highlight.
 template <typename T>
 Eigen::VectorXd squared_norms(const Columns<const T>& columns, Eigen::Index rows) {
-  constexpr int lanes = VectorOf<T>::kLanes, at_once = 4;
+  constexpr int lanes = VectorOf<T>::kLanes, at_once = 4, in_short = 4;  // products, in the columns' own precision
   Eigen::VectorXd out(columns.count);
   for (int j = 0; j < columns.count; j += at_once) {
     const int count = std::min(at_once, columns.count - j);
     const T* column[at_once];
     for (int k = 0; k < at_once; ++k) column[k] = columns.column(j + std::min(k, count - 1));
-    double sums[at_once] = {};
-    for (Eigen::Index first = 0; first < rows; first += kLaneProducts * lanes) {
-      const Eigen::Index last = std::min<Eigen::Index>(rows, first + kLaneProducts * lanes);
+    Vector<double> sums[at_once] = {};
+    for (Eigen::Index first = 0; first < rows; first += in_short * lanes) {
+      const Eigen::Index last = std::min<Eigen::Index>(rows, first + in_short * lanes);
       Vector<T> acc[at_once] = {};
       for (Eigen::Index r = first; r < last; r += lanes)
         for (int k = 0; k < at_once; ++k) {
           const Vector<T> v = load_once(column[k] + r);
           acc[k] += v * v;
         }
-      add_lanes<T>(acc, sums);
+      for (int k = 0; k < at_once; ++k) sums[k] += widened(acc[k]);
     }
-    std::copy_n(sums, count, out.data() + j);
+    double all[at_once] = {};
+    add_lanes<double>(sums, all);
+    std::copy_n(all, count, out.data() + j);
   }
+  return out;
+}
+
+/// A^T A, in double.
+template <typename T>
+Eigen::MatrixXd gram(const Columns<const T>& a, Eigen::Index rows) {
+  Eigen::MatrixXd out = inner_products(a, a, rows, true);
+  out.diagonal() = squared_norms(a, rows);
   return out;
 }
 

@@ -92,10 +92,11 @@ double energy_of(const std::vector<Column>& columns) {
 
 template <typename Scalar>
 void run(Input in) {
-  const int rows = 1 + in.byte() % 40;
+  int rows = 1 + in.byte() % 40;
   RingFactorOptions options{.max_rank = 1 + in.byte() % 10, .block = 1 + in.byte() % 14};
   const std::uint8_t choice = in.byte();
   options.tolerance = choice % 4 == 0 ? 0 : std::pow(10.0, -(choice % 4));
+  if (choice & 32) rows *= 8;  // more than one panel of rows
   if (choice & 16) options.internal_rank = options.max_rank + choice / 64;
   BasicRingFactor<Scalar> factor(rows, options, in.byte());
 
