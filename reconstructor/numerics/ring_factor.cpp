@@ -261,8 +261,9 @@ void BasicRingFactor<Scalar>::rediagonalise() {
 template <typename Scalar>
 double BasicRingFactor<Scalar>::displayed_error() const {
   const double all = energy();
-  const int appendix = rank_ - displayed_rank();
-  return all > 0 ? std::sqrt((lost_ + gram_.diagonal().tail(appendix).sum()) / all) : 0;
+  double unshown = lost_;
+  for (int i = displayed_rank(); i < rank_; ++i) unshown += gram_(i, i);
+  return all > 0 ? std::sqrt(unshown / all) : 0;
 }
 
 template <typename Scalar>

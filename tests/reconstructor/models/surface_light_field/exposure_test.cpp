@@ -117,7 +117,8 @@ TEST(Exposure, GainsWithoutRhymeAreTakenOutOfTheModel) {
   SurfaceLightField model(object.mesh, options_with(ExposureCompensation::kEstimate));
   ingest_all(model, images);
   EXPECT_GT(share_of_rank_up_to(model, 1), 0.9);
-  const auto shader = model.snapshot()->shader_for({0.1, 0.1, 0.45});
+  const auto snapshot = model.snapshot();
+  const auto shader = snapshot->shader_for({0.1, 0.1, 0.45});
   const float exposure = model.light_field_snapshot()->exposure().at({0.1, 0.1, 0.45});
   for (std::uint32_t t = 0; t < object.mesh->triangles.size(); ++t) {
     const Eigen::Vector3f a = object.mesh->corner(t, 0), b = object.mesh->corner(t, 1), c = object.mesh->corner(t, 2);

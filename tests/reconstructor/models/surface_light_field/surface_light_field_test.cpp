@@ -79,7 +79,8 @@ TEST(SurfaceLightField, TheConstantColourIsTheMeanOfWhatWasShown) {
   const std::vector<Eigen::Vector3d> from = training_eyes(9);
   SurfaceLightField model(object.mesh, plain_options());
   ingest_all(model, captures(scene, from));
-  const auto shader = model.constant_colour()->shader_for({0, 0, 1});
+  const auto snapshot = model.constant_colour();
+  const auto shader = snapshot->shader_for({0, 0, 1});
   double mean = 0;
   for (const Eigen::Vector3d& eye : from) mean += level(eye.x() / kDistance) / 9;
   const std::uint32_t middle = 2 * (4 * 8 + 4);  // at the origin, where distance to the eye is exact
