@@ -34,10 +34,10 @@ Eigen::VectorXd most_probable_coefficients(const Eigen::Ref<const Eigen::MatrixX
                                            const Eigen::MatrixXd& precision);
 
 /// Coefficients as they are stored. What known rows promise of hidden ones may lie beyond single precision: it ends
-/// before, at 1e37.
+/// before, at 5e37.
 template <typename Scalar, typename Derived>
 auto stored(const Eigen::MatrixBase<Derived>& coefficients) {
-  constexpr double kLargest = 1e37;
+  constexpr double kLargest = 5e37;  // the root of 32 terms below what overflows: they may be turned into one
   return coefficients.cwiseMax(-kLargest).cwiseMin(kLargest).template cast<Scalar>();
 }
 
