@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <vector>
 
 #include "common/color.h"
+#include "common/demosaic.h"
 
 namespace sheen {
 namespace {
@@ -24,45 +26,11 @@ std::array<int, 2> red_site(PixelFormat f) {
   }
 }
 
-/// Reflects a coordinate at the border so that the colour of the site is kept.
+/// Reflects a coordinate at the borders, as often as it takes, so that the colour of the site is kept.
 int mirror(int i, int n) {
-  if (i < 0) i = -i;
-  if (i >= n) i = 2 * n - 2 - i;
-  return std::clamp(i, 0, n - 1);
-}
-
-/// Gradient-corrected linear interpolation (Malvar, He, Cutler 2004) of one row of `n` sites. `rows[2]` is the row,
-/// rows[0..4] reach from two above to two below, each readable from -2 to n + 1. A row has green sites and sites of one
-/// other colour, "own": those where (i + phase) is even. `opposite` is the third colour.
-void interpolate_row(const float* const rows[5], int n, int phase, float* __restrict own, float* __restrict green,
-                     float* __restrict opposite) {
-  const float *up2 = rows[0], *up = rows[1], *row = rows[2], *down = rows[3], *down2 = rows[4];
-  for (int i = 0; i < n; ++i) {
-    const float c = row[i];
-    const float beside = row[i - 1] + row[i + 1], beside2 = row[i - 2] + row[i + 2];
-    const float above = up[i] + down[i], above2 = up2[i] + down2[i];
-    const float diagonal = up[i - 1] + up[i + 1] + down[i - 1] + down[i + 1];
-    const float cross2 = beside2 + above2;
-    const float green_here = (4 * c + 2 * (beside + above) - cross2) / 8;
-    const float opposite_here = (6 * c + 2 * diagonal - 1.5f * cross2) / 8;
-    const float along_row = (5 * c + 4 * beside - diagonal - beside2 + 0.5f * above2) / 8;
-    const float along_column = (5 * c + 4 * above - diagonal - above2 + 0.5f * beside2) / 8;
-    const bool own_site = ((i + phase) & 1) == 0;
-    own[i] = std::max(own_site ? c : along_row, 0.0f);
-    green[i] = std::max(own_site ? green_here : c, 0.0f);
-    opposite[i] = std::max(own_site ? opposite_here : along_column, 0.0f);
-  }
-}
-
-template <int kChannels>
-void interleave(const float* r, const float* g, const float* b, const float balance[3], int n, float* __restrict out) {
-  const float br = balance[0], bg = balance[1], bb = balance[2];
-  for (int i = 0; i < n; ++i) {
-    out[kChannels * i] = br * r[i];
-    out[kChannels * i + 1] = bg * g[i];
-    out[kChannels * i + 2] = bb * b[i];
-    if constexpr (kChannels == 4) out[kChannels * i + 3] = 0;
-  }
+  if (n == 1) return 0;
+  const int period = 2 * (n - 1), within = std::abs(i) % period;
+  return std::min(within, period - within);
 }
 
 }  // namespace
@@ -75,6 +43,7 @@ LinearReader::LinearReader(const RawImage& image, float black_level, const float
     const float v = i / 255.0f;
     const float linear = image.transfer == Transfer::kSrgb ? srgb_decode(v) : v;
     linear_[i] = std::max(0.0f, (linear - black_level) / (1 - black_level));
+    if (is_bayer(image.format)) linear_[i] = root_encode(linear_[i]);
   }
 }
 
@@ -96,32 +65,35 @@ void LinearReader::read(const PixelBox& box, int channels, float* out, std::size
 }
 
 void LinearReader::read_bayer(const PixelBox& box, int channels, float* out, std::size_t stride) const {
+  if (box.empty()) return;
+  // The cells of 2x2 sites, red first, that the box lies in.
   const auto [red_x, red_y] = red_site(image_.format);
-  const int n = box.width();
-  const std::size_t length = n + 4;
-  std::vector<float> linear(5 * length), planes(3 * static_cast<std::size_t>(n));
-  const auto load = [&](int y) {  // the row, two more pixels at both ends, into its place among five
-    const std::uint8_t* in = image_.bytes.data() + mirror(y, image_.height) * image_.stride;
-    float* row = linear.data() + (y + 5) % 5 * length;
-    for (int i = 0; i < n + 4; ++i) {
-      const int x = box.x0 - 2 + i;
-      row[i] = linear_[in[i < 2 || i >= n + 2 ? mirror(x, image_.width) : x]];
-    }
+  const int before_x = (box.x0 - red_x) & 1, before_y = (box.y0 - red_y) & 1;
+  const auto even = [](int size) { return size + (size & 1); };
+  const int width = even(before_x + box.width()), height = even(before_y + box.height());
+  const int left = box.x0 - before_x, top = box.y0 - before_y;
+
+  std::vector<int> column(width + 2 * kDemosaicReach);
+  for (int i = 0; i < static_cast<int>(column.size()); ++i) column[i] = mirror(left - kDemosaicReach + i, image_.width);
+  const auto load = [&](int y, std::span<float> sites) {
+    const std::uint8_t* in = image_.bytes.data() + mirror(top + y, image_.height) * image_.stride;
+    for (std::size_t i = 0; i < sites.size(); ++i) sites[i] = linear_[in[column[i]]];
   };
-  for (int y = box.y0 - 2; y < box.y0 + 2; ++y) load(y);
-  for (int y = box.y0; y < box.y1; ++y, out += stride) {
-    load(y + 2);
-    const float* rows[5];
-    for (int k = -2; k <= 2; ++k) rows[k + 2] = linear.data() + (y + k + 5) % 5 * length + 2;
-    const bool red_row = ((y - red_y) & 1) == 0;
-    const int phase = (box.x0 - red_x + (red_row ? 0 : 1)) & 1;
-    float *first = planes.data(), *green = first + n, *third = green + n;
-    interpolate_row(rows, n, phase, red_row ? first : third, green, red_row ? third : first);
-    if (channels == 4)
-      interleave<4>(first, green, third, balance_, n, out);
-    else
-      interleave<3>(first, green, third, balance_, n, out);
-  }
+  const auto take = [&](int y, const float* r, const float* g, const float* b) {
+    if (y < before_y || y >= before_y + box.height()) return;
+    float* row = out + (y - before_y) * stride;
+    const auto interleave = [&]<int kChannels>() {
+      for (int i = 0; i < box.width(); ++i) {
+        float* pixel = row + kChannels * i;
+        pixel[0] = balance_[0] * root_decode(r[before_x + i]);
+        pixel[1] = balance_[1] * root_decode(g[before_x + i]);
+        pixel[2] = balance_[2] * root_decode(b[before_x + i]);
+        if constexpr (kChannels == 4) pixel[3] = 0;
+      }
+    };
+    channels == 4 ? interleave.template operator()<4>() : interleave.template operator()<3>();
+  };
+  demosaic(width, height, load, take);
 }
 
 }  // namespace sheen

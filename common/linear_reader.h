@@ -25,7 +25,7 @@ class LinearReader {
 
   const RawImage& image_;
   float balance_[3];
-  float linear_[256];  ///< of an 8-bit value
+  float linear_[256];  ///< of an 8-bit value; of a mosaic's site as `demosaic` takes it
 };
 
 }  // namespace sheen

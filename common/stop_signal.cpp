@@ -3,13 +3,17 @@
 
 #include <signal.h>
 
+#include <atomic>
+
 namespace sheen {
 namespace {
 
-volatile sig_atomic_t g_stop = 0;
+// Written in a signal handler, read by other threads: only a lock-free atomic may be both.
+std::atomic<bool> g_stop = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 void on_signal(int) {
-  g_stop = 1;
+  g_stop = true;
 }
 
 }  // namespace
@@ -24,7 +28,7 @@ void install_stop_signals() {
 }
 
 bool stop_requested() {
-  return g_stop != 0;
+  return g_stop;
 }
 
 }  // namespace sheen

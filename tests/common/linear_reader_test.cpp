@@ -47,21 +47,36 @@ TEST(LinearReader, ABoxIsWhatTheWholeImageHasThere) {
   }
 }
 
-// A site keeps its own value; green at a red site is Malvar, He and Cutler's filter written out.
-TEST(LinearReader, DemosaicIsTheFilterOfItsAuthors) {
-  const RawImage raw = noise(PixelFormat::kBayerRG8, 12, 10);
-  const ImageF rgb = to_linear_rgb(raw);
-  const auto at = [&](int x, int y) { return raw.bytes[y * raw.stride + x] / 255.0; };
-  for (int y = 2; y < 8; ++y)
-    for (int x = 2; x < 10; ++x) {
-      const int own = y % 2 == 0 && x % 2 == 0 ? 0 : y % 2 == 1 && x % 2 == 1 ? 2 : 1;
-      EXPECT_NEAR(rgb.at(x, y, own), at(x, y), 1e-6);
-      if (own == 1) continue;
-      const double green = (4 * at(x, y) + 2 * (at(x - 1, y) + at(x + 1, y) + at(x, y - 1) + at(x, y + 1)) -
-                            at(x - 2, y) - at(x + 2, y) - at(x, y - 2) - at(x, y + 2)) /
-                           8;
-      EXPECT_NEAR(rgb.at(x, y, 1), std::max(green, 0.0), 1e-6);
+TEST(LinearReader, ASiteOfAMosaicKeepsItsOwnValue) {
+  for (const PixelFormat format :
+       {PixelFormat::kBayerRG8, PixelFormat::kBayerGR8, PixelFormat::kBayerGB8, PixelFormat::kBayerBG8}) {
+    const RawImage raw = noise(format, 13, 11);
+    const ImageF rgb = to_linear_rgb(raw);
+    const int red_x = format == PixelFormat::kBayerGR8 || format == PixelFormat::kBayerBG8;
+    const int red_y = format == PixelFormat::kBayerGB8 || format == PixelFormat::kBayerBG8;
+    for (int y = 0; y < 11; ++y)
+      for (int x = 0; x < 13; ++x) {
+        const int own = (x + red_x) % 2 + (y + red_y) % 2;
+        EXPECT_NEAR(rgb.at(x, y, own), raw.bytes[y * raw.stride + x] / 255.0, 1e-6) << pfnc_name(format);
+      }
+  }
+}
+
+// Smaller than what demosaicing looks at: the picture is mirrored as often as it takes, each site's colour with it.
+TEST(LinearReader, AFlatMosaicIsFlatHoweverSmall) {
+  for (const int size : {1, 2, 3, 5, 8}) {
+    RawImage raw{.format = PixelFormat::kBayerRG8, .width = size, .height = size, .stride = std::size_t(size)};
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) raw.bytes.push_back(static_cast<std::uint8_t>(60 * (x % 2 + y % 2 + 1)));
+    const ImageF rgb = to_linear_rgb(raw);
+    if (size == 1) {  // one colour is all that there is
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb.at(0, 0, c), 60 / 255.0, 1e-6);
+      continue;
     }
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x)
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb.at(x, y, c), 60 * (c + 1) / 255.0, 1e-6) << size;
+  }
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ namespace sheen {
 namespace {
 
 constexpr int kBlock = 8;  // pixels of the full image that a pixel of the coarsest level covers
+constexpr int kStrip = 128;  // rows that are decoded at once: demosaicing looks at rows beyond them again
 // Up to this distance between samples the full image is read: the cubic kernel itself passes little beyond it.
 constexpr float kFullResolutionStep = 1.6f;
 constexpr float kCubicA = -0.6f;
@@ -144,7 +145,7 @@ void RadianceImage::load(const Capture& capture, const SurfaceView& view) {
   const LinearReader reader(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
   ImageF& full = levels_[0];
   full.resize(box.width(), box.height(), 4);
-  tbb::parallel_for(tbb::blocked_range<int>(box.y0, box.y1, 32), [&](const tbb::blocked_range<int>& rows) {
+  tbb::parallel_for(tbb::blocked_range<int>(box.y0, box.y1, kStrip), [&](const tbb::blocked_range<int>& rows) {
     reader.read({box.x0, rows.begin(), box.x1, rows.end()}, 4, full.row(rows.begin() - box.y0),
                 4 * static_cast<std::size_t>(box.width()));
   });
