@@ -49,7 +49,7 @@ PixelFormat pixel_format_from_pfnc(std::string_view name);  ///< kUnspecified wh
 /// Empty when sizes, stride and format agree, else which field is wrong.
 std::string validation_error(const RawImage& image);
 
-/// Linear RGB radiance, 3 channels, 1.0 = white level. Bayer is demosaiced (edge-aware, Malvar-He-Cutler),
+/// Linear RGB radiance, 3 channels, 1.0 = white level. Bayer is interpolated by `demosaic`,
 /// `black_level` (0..1 of full scale) subtracted and the rest rescaled, each channel multiplied by its white balance.
 ImageF to_linear_rgb(const RawImage& image, float black_level = 0, const float white_balance[3] = nullptr);
 

@@ -4,42 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/simulation/procedural_noise.h"
+#include "common/simulation/texture.h"
 
 namespace sheen {
-namespace {
-
-using Color = Eigen::Array3f;
-
-float smooth_step(float from, float to, float x) {
-  const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
-}
-
-Color blend(const Color& a, const Color& b, float t) {
-  return a + (b - a) * t;
-}
-
-Material blend(const Material& a, const Material& b, float t) {
-  return {blend(a.albedo, b.albedo, t), blend(a.normal_reflectance, b.normal_reflectance, t),
-          a.roughness + (b.roughness - a.roughness) * t};
-}
-
-/// 1 on the spots, `rim` 1 on the ring round them; lengths in units of the scattered points' cells.
-struct Spots {
-  float inside, rim;
-};
-Spots spots(const Eigen::Vector3f& p, float smallest, float largest, float edge) {
-  const ScatteredPoint point = nearest_scattered_point(p);
-  const float radius = smallest + (largest - smallest) * point.name;
-  const float inside = 1 - smooth_step(radius - edge, radius + edge, point.distance);
-  const float outer = radius + 2.5f * edge;
-  return {inside, (1 - smooth_step(outer - edge, outer + edge, point.distance)) * (1 - inside)};
-}
-
-}  // namespace
-
 Material Glaze::operator()(const Eigen::Vector3f& point) const {
+  using Color = Eigen::Array3f;
   const Eigen::Vector3f mm = 1000 * point;
   const float warp = fractal_noise(mm / 28, 3);
   const float height = std::clamp((point.z() - foot_height) / (top_height - foot_height), 0.0f, 1.0f);

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "common/errors.h"
+#include "common/simulation/bronze.h"
 #include "common/simulation/glaze.h"
 #include "common/simulation/implicit_surface.h"
 
@@ -105,6 +106,13 @@ TestObject make_demo_object() {
   return object;
 }
 
+TestObject make_bronze_object() {
+  TestObject object = make_demo_object();
+  object.name = "bronze";
+  object.material = Bronze{};
+  return object;
+}
+
 TestObject make_sphere(const Material& material, double radius_m, const Eigen::Vector3d& centre, int subdivisions) {
   const float g = (1 + std::sqrt(5.0f)) / 2;
   std::vector<Eigen::Vector3f> directions = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
@@ -144,8 +152,9 @@ TestObject make_demo_sphere() {
 
 TestObject make_test_object(const std::string& name) {
   if (name == "demo") return make_demo_object();
+  if (name == "bronze") return make_bronze_object();
   if (name == "sphere") return make_demo_sphere();
-  throw ConfigError("there is no object \"" + name + "\"; use \"demo\" or \"sphere\"");
+  throw ConfigError("there is no object \"" + name + "\"; use \"demo\", \"bronze\" or \"sphere\"");
 }
 
 }  // namespace sheen

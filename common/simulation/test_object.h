@@ -23,6 +23,9 @@ struct TestObject {
 /// textured down to a millimetre and glossy with a gloss that varies; spout, handle, knob and foot hide one another.
 TestObject make_demo_object();
 
+/// The same teapot of bronze: hardly any light but what it reflects like a dull mirror (`simulate --object bronze`).
+TestObject make_bronze_object();
+
 /// The demo's object as a closed mesh of about this many triangles (500 or more); finer detail is rounded off, and
 /// sheets that are closer than a triangle may touch.
 Mesh make_demo_mesh(int triangles);
@@ -33,7 +36,7 @@ TestObject make_sphere(const Material& material, double radius_m, const Eigen::V
 /// The textured glossy sphere of `simulate --object sphere`, 90 mm across.
 TestObject make_demo_sphere();
 
-/// "demo" or "sphere". Throws ConfigError for any other name.
+/// "demo", "bronze" or "sphere". Throws ConfigError for any other name.
 TestObject make_test_object(const std::string& name);
 
 }  // namespace sheen

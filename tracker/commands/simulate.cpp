@@ -114,7 +114,7 @@ void add_simulate_command(CLI::App& app) {
   command->add_option("--size", arguments->size, "Size of a frame, WIDTHxHEIGHT in pixels")->capture_default_str();
   command->add_option("--seed", arguments->rig.seed, "Seed of the camera's path and of the noise")
       ->capture_default_str();
-  command->add_option("--object", arguments->rig.object, "demo or sphere")->capture_default_str();
+  command->add_option("--object", arguments->rig.object, "demo, bronze or sphere")->capture_default_str();
   command->add_flag("--truth", arguments->rig.truth, "Also write each frame's linear radiance as OpenEXR");
   command->add_option("--serve", arguments->serve, "Recording to serve as a GigE Vision camera, until Ctrl-C");
   command->add_option("--interface", arguments->server.address, "Loopback address to serve on")->capture_default_str();

@@ -134,6 +134,22 @@ TEST(DemoObject, TextureHasDetailDownToAMillimetre) {
   EXPECT_GT(near, 0.2 * far);
 }
 
+TEST(BronzeObject, ShowsLittleButWhatItReflects) {
+  const TestObject bronze = make_test_object("bronze");
+  EXPECT_EQ(bronze.mesh.vertices, demo().mesh.vertices);
+  double metal = 0, patina = 0;
+  for (std::size_t t = 0; t < bronze.mesh.triangles.size(); ++t) {
+    const Material m = bronze.material(bronze.mesh.corner(t, 0));
+    ASSERT_GE(m.albedo.minCoeff(), 0);
+    ASSERT_LE((m.albedo + m.normal_reflectance).maxCoeff(), 1) << "no more leaves than arrives";
+    metal += m.normal_reflectance.maxCoeff() > 10 * m.albedo.maxCoeff() && phong_exponent(m.roughness) >= 15;
+    patina += m.albedo[1] > 2 * m.albedo[0] && m.normal_reflectance.maxCoeff() < 0.1f;
+  }
+  EXPECT_GT(metal, 0.6 * double(bronze.mesh.triangles.size()));
+  EXPECT_GT(patina, 0.02 * double(bronze.mesh.triangles.size()));
+  EXPECT_LT(patina, 0.3 * double(bronze.mesh.triangles.size()));
+}
+
 TEST(DemoObject, IsTheSameEveryTime) {
   const TestObject again = make_demo_object();
   EXPECT_EQ(again.mesh.vertices, demo().mesh.vertices);
