@@ -29,7 +29,8 @@ class Rows {
   std::vector<float> values_;
 };
 
-/// Products of what two colours do at each cell, `both`, and of one of them with itself, `alone`.
+/// Products of what two colours do at each cell (differences or curvatures), `both`, and of one of them with itself,
+/// `alone`.
 struct Products {
   explicit Products(int cells) : both(cells), alone(cells) {}
 
@@ -67,9 +68,9 @@ struct Colour {
         on_green(cells),
         green_slope(cells) {}
 
-  /// Differences to the four neighbours, those of green from the means of the sites on both sides: across the
+  /// Of the differences to the four neighbours: those of green from the means of the sites on both sides: across the
   /// direction of the difference, since along it a mean would blur.
-  void compare_with_green(int j, int from, int to) {
+  void compare_differences(int j, int from, int to) {
     const float *up = site[j - 1], *here = site[j], *down = site[j + 1];
     const float *top = above[j + before], *bottom = above[j + before + 1];
     const float *up_left = beside[j - 1] + before, *left = beside[j] + before, *down_left = beside[j + 1] + before;
@@ -107,8 +108,8 @@ struct Colour {
     }
   }
 
-  /// Curvatures, now that green is known at the colour's own sites: it is the fine detail that is to be foretold.
-  void compare_with_itself(int j, int from, int to) {
+  /// Of curvatures, now that green is known at the colour's own sites: it is the fine detail that is to be foretold.
+  void compare_curvatures(int j, int from, int to) {
     const float *up = site[j - 1], *here = site[j], *down = site[j + 1];
     const float *green_up = green[j - 1], *green_here = green[j], *green_down = green[j + 1];
     float *both = on_green.both[j], *alone = on_green.alone[j];
@@ -172,7 +173,6 @@ void demosaic(int width, int height, const std::function<void(int y, std::span<f
   };
   const auto emit = [&](int y, const auto& even_rgb, const auto& odd_rgb) {
     float *r = pixels.data(), *g = r + width, *b = g + width;
-#pragma GCC ivdep
     for (int i = 0; i < width / 2; ++i) {
       even_rgb(i + kReach, r[2 * i], g[2 * i], b[2 * i]);
       odd_rgb(i + kReach, r[2 * i + 1], g[2 * i + 1], b[2 * i + 1]);
@@ -185,13 +185,14 @@ void demosaic(int width, int height, const std::function<void(int y, std::span<f
     split(2 * j, red.site[j], green_of_red_row[j]);
     split(2 * j + 1, green_of_blue_row[j], blue.site[j]);
     for (Colour* c : {&red, &blue}) {
-      if (j - 1 >= 1 - kReach) c->compare_with_green(j - 1, 1, cells - 1);
+      if (j - 1 >= 1 - kReach) c->compare_differences(j - 1, 1, cells - 1);
       if (j - 2 >= 2 - kReach) c->find_green(j - 2, 2, cells - 2);
-      if (j - 3 >= 3 - kReach) c->compare_with_itself(j - 3, 3, cells - 3);
+      if (j - 3 >= 3 - kReach) c->compare_curvatures(j - 3, 3, cells - 3);
       if (j - 4 >= 4 - kReach) c->fit(j - 4, 4, cells - 4);
     }
     const int k = j - 5;
     if (k < 0 || k >= rows) continue;
+    // Of a cell's sites, 00 is red, 10 the green right of it, 01 the green below, 11 blue.
     const Between r10 = between(red, k, k, 0, 1), r01 = between(red, k, k + 1, 0, 0),
                   r11 = between(red, k, k + 1, 0, 1);
     const Between b10 = between(blue, k - 1, k, 0, 0), b01 = between(blue, k, k, -1, 0),
