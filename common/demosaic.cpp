@@ -38,7 +38,6 @@ struct Products {
   void slope(int j, int from, int to, float* out) {
     const float *b0 = both[j - 1], *b1 = both[j], *b2 = both[j + 1];
     const float *a0 = alone[j - 1], *a1 = alone[j], *a2 = alone[j + 1];
-#pragma GCC ivdep
     for (int i = from; i < to; ++i) {
       const float sum_both =
           b0[i - 1] + b0[i] + b0[i + 1] + b1[i - 1] + b1[i] + b1[i + 1] + b2[i - 1] + b2[i] + b2[i + 1];
@@ -75,7 +74,6 @@ struct Colour {
     const float *top = above[j + before], *bottom = above[j + before + 1];
     const float *up_left = beside[j - 1] + before, *left = beside[j] + before, *down_left = beside[j + 1] + before;
     float *both = on_colour.both[j], *alone = on_colour.alone[j];
-#pragma GCC ivdep
     for (int i = from; i < to; ++i) {
       const float to_left = here[i - 1] - here[i], to_right = here[i + 1] - here[i];
       const float to_up = up[i] - here[i], to_down = down[i] - here[i];
@@ -84,6 +82,10 @@ struct Colour {
                         to_right * (top[i + 1] + bottom[i + 1] - green_in_column) +
                         to_up * (up_left[i] + up_left[i + 1] - green_in_row) +
                         to_down * (down_left[i] + down_left[i + 1] - green_in_row));
+    }
+    for (int i = from; i < to; ++i) {  // on its own: loops with two results are not vectorised
+      const float to_left = here[i - 1] - here[i], to_right = here[i + 1] - here[i];
+      const float to_up = up[i] - here[i], to_down = down[i] - here[i];
       alone[i] = to_left * to_left + to_right * to_right + to_up * to_up + to_down * to_down;
     }
   }
@@ -95,7 +97,6 @@ struct Colour {
     const float *up = site[j - 1], *here = site[j], *down = site[j + 1];
     const float *left = beside[j] + before, *top = above[j + before], *bottom = above[j + before + 1];
     float* out = green[j];
-#pragma GCC ivdep
     for (int i = from; i < to; ++i) {
       const float row_curvature = green_slope[i] * (2 * here[i] - here[i - 1] - here[i + 1]);
       const float column_curvature = green_slope[i] * (2 * here[i] - up[i] - down[i]);
@@ -113,11 +114,13 @@ struct Colour {
     const float *up = site[j - 1], *here = site[j], *down = site[j + 1];
     const float *green_up = green[j - 1], *green_here = green[j], *green_down = green[j + 1];
     float *both = on_green.both[j], *alone = on_green.alone[j];
-#pragma GCC ivdep
     for (int i = from; i < to; ++i) {
       const float colour = 4 * here[i] - here[i - 1] - here[i + 1] - up[i] - down[i];
       const float guide = 4 * green_here[i] - green_here[i - 1] - green_here[i + 1] - green_up[i] - green_down[i];
       both[i] = 0.25f * guide * colour;
+    }
+    for (int i = from; i < to; ++i) {
+      const float guide = 4 * green_here[i] - green_here[i - 1] - green_here[i + 1] - green_up[i] - green_down[i];
       alone[i] = 0.25f * guide * guide;
     }
   }
@@ -127,7 +130,6 @@ struct Colour {
     float *slopes = slope[j], *offsets = offset[j];
     on_green.slope(j, from, to, slopes);
     const float *own = site[j], *greens = green[j];
-#pragma GCC ivdep
     for (int i = from; i < to; ++i) offsets[i] = own[i] - slopes[i] * greens[i];
   }
 
