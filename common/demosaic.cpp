@@ -156,7 +156,7 @@ Between between(Colour& c, int j0, int j1, int di0, int di1) {
 }  // namespace
 
 float root_encode(float linear) {
-  return std::sqrt(linear + 1e-3f) - std::sqrt(1e-3f);
+  return std::sqrt(linear + kRootAtBlack * kRootAtBlack) - kRootAtBlack;
 }
 
 void demosaic(int width, int height, const std::function<void(int y, std::span<float> sites)>& load,

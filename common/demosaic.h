@@ -22,11 +22,11 @@ void demosaic(int width, int height, const std::function<void(int y, std::span<f
 
 /// Square root that is steady at black: the noise of a sensor, whose variance grows with the light, is nearly alike.
 float root_encode(float linear);
+inline constexpr float kRootAtBlack = 0.032f;  ///< the root there, before it is taken off
 /// Inverse; below black is black.
 inline float root_decode(float encoded) {
-  constexpr float kBlack = 1e-3f, kRootOfBlack = 0.0316227766f;
-  const float root = encoded > 0 ? encoded + kRootOfBlack : kRootOfBlack;
-  return root * root - kBlack;
+  const float root = encoded > 0 ? encoded + kRootAtBlack : kRootAtBlack;
+  return root * root - kRootAtBlack * kRootAtBlack;
 }
 
 }  // namespace sheen
