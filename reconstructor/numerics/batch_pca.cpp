@@ -156,7 +156,7 @@ BatchPca batch_pca_missing(const Eigen::MatrixXf& columns, const KnownValues& kn
   const MatrixXd values = (known != 0).select(columns.cast<double>(), 0.0);
   if (!values.allFinite()) throw std::invalid_argument("batch_pca: a known value is not finite");
 
-  const BatchPca start = factorize(filled_with_means(values, is_known, w), rank, root);
+  BatchPca start = factorize(filled_with_means(values, is_known, w), rank, root);
   const double energy = (values.cwiseAbs2() * w).sum();
   if (!(energy > 0)) return start;
   const double count = (is_known * w).sum();

@@ -182,7 +182,7 @@ VectorXd BasicRingFactor<Scalar>::orthonormalise_again(Block& block) {
   const auto residuals = columns(buffer_, directions);
   block.overlap = row_panels::inner_products(columns(basis_, rank_), residuals, buffer_.rows());
   MatrixXd gram = row_panels::gram(residuals, buffer_.rows());
-  const VectorXd norm2 = gram.diagonal();
+  VectorXd norm2 = gram.diagonal();
   gram.noalias() -= block.overlap.transpose() * block.overlap;
   const Orthonormalised once_more = orthonormalise(gram, gram.diagonal().cwiseMax(0), kSmallestPivot<Scalar>);
   block.to_directions = once_more.to_directions;
