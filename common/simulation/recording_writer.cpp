@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kRendererVersion = 2;  // counts up when the same options give other pixels
+constexpr int kRendererVersion = 3;  // counts up when the same options give other pixels
 constexpr int kHoldOutEvery = 8;
 constexpr double kExposureSeconds = 0.001;
 
