@@ -67,7 +67,7 @@ struct Colour {
         on_green(cells),
         green_slope(cells) {}
 
-  /// Of the differences to the four neighbours: those of green from the means of the sites on both sides: across the
+  /// Of the differences to the four neighbours. Those of green are between means of the sites on both sides, across the
   /// direction of the difference, since along it a mean would blur.
   void compare_differences(int j, int from, int to) {
     const float *up = site[j - 1], *here = site[j], *down = site[j + 1];

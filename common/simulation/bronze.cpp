@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/simulation/bronze.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "common/simulation/procedural_noise.h"
 #include "common/simulation/texture.h"
 
 namespace sheen {

@@ -4,9 +4,26 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/simulation/procedural_noise.h"
 #include "common/simulation/texture.h"
 
 namespace sheen {
+namespace {
+
+/// 1 on the spots, `rim` 1 on the ring round them; lengths in units of the scattered points' cells.
+struct Spots {
+  float inside, rim;
+};
+Spots spots(const Eigen::Vector3f& p, float smallest, float largest, float edge) {
+  const ScatteredPoint point = nearest_scattered_point(p);
+  const float radius = smallest + (largest - smallest) * point.name;
+  const float inside = 1 - smooth_step(radius - edge, radius + edge, point.distance);
+  const float outer = radius + 2.5f * edge;
+  return {inside, (1 - smooth_step(outer - edge, outer + edge, point.distance)) * (1 - inside)};
+}
+
+}  // namespace
+
 Material Glaze::operator()(const Eigen::Vector3f& point) const {
   using Color = Eigen::Array3f;
   const Eigen::Vector3f mm = 1000 * point;

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 
-#include "common/simulation/procedural_noise.h"
 #include "common/simulation/reflectance.h"
 
 namespace sheen {
@@ -23,18 +22,6 @@ inline Eigen::Array3f blend(const Eigen::Array3f& a, const Eigen::Array3f& b, fl
 inline Material blend(const Material& a, const Material& b, float t) {
   return {blend(a.albedo, b.albedo, t), blend(a.normal_reflectance, b.normal_reflectance, t),
           a.roughness + (b.roughness - a.roughness) * t};
-}
-
-/// 1 on the spots, `rim` 1 on the ring round them; lengths in units of the scattered points' cells.
-struct Spots {
-  float inside, rim;
-};
-inline Spots spots(const Eigen::Vector3f& p, float smallest, float largest, float edge) {
-  const ScatteredPoint point = nearest_scattered_point(p);
-  const float radius = smallest + (largest - smallest) * point.name;
-  const float inside = 1 - smooth_step(radius - edge, radius + edge, point.distance);
-  const float outer = radius + 2.5f * edge;
-  return {inside, (1 - smooth_step(outer - edge, outer + edge, point.distance)) * (1 - inside)};
 }
 
 }  // namespace sheen

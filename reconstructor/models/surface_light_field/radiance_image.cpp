@@ -16,7 +16,7 @@
 namespace sheen {
 namespace {
 
-constexpr int kBlock = 8;  // pixels of the full image that a pixel of the coarsest level covers
+constexpr int kBlock = 8;    // pixels of the full image that a pixel of the coarsest level covers
 constexpr int kStrip = 128;  // rows that are decoded at once: demosaicing looks at rows beyond them again
 // Up to this distance between samples the full image is read: the cubic kernel itself passes little beyond it.
 constexpr float kFullResolutionStep = 1.6f;

@@ -196,7 +196,7 @@ struct ViewerWindow::Impl {
   void show(const ViewerState& state) {
     int width = 0, height = 0;
     glfwGetFramebufferSize(window.get(), &width, &height);
-    if (library.display_lost) return;  // the size is then any number
+    if (library.display_lost) return;     // the size is then any number
     if (width < 1 || height < 1) return;  // minimised
     make_target(width, height);
     scene.draw(state, controls, current_news(), *target);
