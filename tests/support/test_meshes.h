@@ -50,6 +50,17 @@ inline Mesh sphere_mesh(float radius, int levels) {
   return mesh;
 }
 
+/// Every triangle has vertices of its own, as in a file that lists triangles only.
+inline Mesh triangle_soup(const Mesh& mesh) {
+  Mesh soup;
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::uint32_t v : triangle) soup.vertices.push_back(mesh.vertices[v]);
+    const auto end = static_cast<std::uint32_t>(soup.vertices.size());
+    soup.triangles.push_back({end - 3, end - 2, end - 1});
+  }
+  return soup;
+}
+
 /// Both meshes in one.
 inline Mesh joined(Mesh a, const Mesh& b) {
   const auto offset = static_cast<std::uint32_t>(a.vertices.size());

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <deque>
+#include <numeric>
+#include <tuple>
 
 namespace sheen {
 namespace {
@@ -28,6 +30,23 @@ std::shared_ptr<const RingSnapshot> flat_copy(const RingSnapshot& neighbour, int
   // All samples count as seen while the guess spreads; the caller marks them unseen at the end.
   flat->shown.assign(static_cast<std::size_t>(samples), 255);
   return flat;
+}
+
+/// For each vertex another one at the same place, in a circle through all that are there; itself where it is alone.
+std::vector<std::uint32_t> next_at_place(const Mesh& mesh) {
+  std::vector<std::uint32_t> order(mesh.vertices.size()), next(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto place = [&](std::uint32_t v) {
+    const Eigen::Vector3f& at = mesh.vertices[v];
+    return std::tuple(at.x(), at.y(), at.z());
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+  for (std::size_t first = 0, i = 0; i < order.size(); ++i) {
+    const bool last = i + 1 == order.size() || place(order[i + 1]) != place(order[i]);
+    next[order[i]] = order[last ? first : i + 1];
+    if (last) first = i + 1;
+  }
+  return next;
 }
 
 }  // namespace
@@ -67,16 +86,19 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightF
   for (std::uint32_t v = 0; v < rings.size(); ++v)
     if (rings[v] && rings[v]->rank() > 0) front.push_back(v);
   std::vector<std::uint32_t> guessed;
+  const std::vector<std::uint32_t> same_place = next_at_place(mesh);
   while (!front.empty()) {
     const std::uint32_t v = front.front();
     front.pop_front();
+    const auto spread_to = [&](std::uint32_t next) {
+      if (rings[next] && rings[next]->rank() > 0) return;
+      rings[next] = flat_copy(*rings[v], snapshot.rings().ring_samples(next));
+      guessed.push_back(next);
+      front.push_back(next);
+    };
+    for (std::uint32_t next = same_place[v]; next != v; next = same_place[next]) spread_to(next);
     for (const RingTriangle& member : snapshot.rings().ring(v))
-      for (const std::uint32_t next : mesh.triangles[member.triangle]) {
-        if (rings[next] && rings[next]->rank() > 0) continue;
-        rings[next] = flat_copy(*rings[v], snapshot.rings().ring_samples(next));
-        guessed.push_back(next);
-        front.push_back(next);
-      }
+      for (const std::uint32_t next : mesh.triangles[member.triangle]) spread_to(next);
   }
   for (const std::uint32_t v : guessed) {
     auto marked = std::make_shared<RingSnapshot>(*rings[v]);

@@ -14,7 +14,8 @@ namespace sheen {
 void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution);
 
 /// The snapshot with a guess for the rings that no image reached, for pictures that must have no holes: each takes the
-/// mean colour, with its view dependence, of the nearest ring along the mesh. What was not seen stays marked as such
+/// mean colour, with its view dependence, of the nearest ring along the mesh, also where its triangles meet at several
+/// vertices of one place (a texture's seam). What was not seen stays marked as such
 /// (`RingSnapshot::shown`).
 std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightFieldSnapshot& snapshot);
 

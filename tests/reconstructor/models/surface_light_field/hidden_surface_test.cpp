@@ -159,8 +159,7 @@ TEST(HiddenSurface, ASliverThatOnlyTheNeighbouringRingTookInIsNotDarkened) {
     }
 }
 
-TEST(HiddenSurface, TheFilledSnapshotHasNoHolesAndSaysWhatItGuessed) {
-  const Object object = sphere_object();
+void expect_filled(const Object& object) {
   const Scene scene{object.surface, analytic::encoded([](const Eigen::Vector3d&, const Eigen::Vector3d&) {
                       return Eigen::Vector3d(0.3, 0.5, 0.7);
                     })};
@@ -178,6 +177,15 @@ TEST(HiddenSurface, TheFilledSnapshotHasNoHolesAndSaysWhatItGuessed) {
     }
   }
   EXPECT_GT(guessed, object.mesh->triangles.size() / 2);
+}
+
+TEST(HiddenSurface, TheFilledSnapshotHasNoHolesAndSaysWhatItGuessed) {
+  expect_filled(sphere_object());
+}
+
+TEST(HiddenSurface, AGuessSpreadsOverVerticesOfOnePlace) {
+  const Object object = sphere_object();
+  expect_filled({std::make_shared<Mesh>(triangle_soup(*object.mesh)), object.surface});
 }
 
 }  // namespace
