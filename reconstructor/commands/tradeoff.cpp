@@ -12,6 +12,7 @@
 #include "common/stop_signal.h"
 #include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/evaluation/patches.h"
 #include "reconstructor/evaluation/plot.h"
 #include "reconstructor/evaluation/precision.h"
 #include "reconstructor/evaluation/tradeoff.h"
@@ -147,6 +148,27 @@ nlohmann::json precision_to_json(const PrecisionStudy& study) {
           {"psnr_half_db", study.psnr_half_db}};
 }
 
+void print_patches(const PatchStudy& study) {
+  std::printf("\n%-34s %9s %12s %9s %9s %7s %6s\n", "a patch a", "patches", "factorize ms", "MB", "PSNR dB", "SSIM",
+              "seam");
+  for (const PatchRow* row : {&study.ring, &study.triangle})
+    std::printf("%-34s %9zu %12.1f %9.1f %9.2f %7.4f %6.3f\n", row->name, row->patches, row->factorize_ms,
+                row->bytes / 1e6, row->psnr_db, row->ssim, row->seam);
+}
+
+nlohmann::json patches_to_json(const PatchStudy& study) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const PatchRow* row : {&study.ring, &study.triangle})
+    rows.push_back({{"patch", row->name},
+                    {"patches", row->patches},
+                    {"factorize_ms", row->factorize_ms},
+                    {"bytes", row->bytes},
+                    {"psnr_db", row->psnr_db},
+                    {"ssim", row->ssim},
+                    {"seam", row->seam}});
+  return rows;
+}
+
 nlohmann::json point_to_json(const TradeoffPoint& p) {
   return {{"setting", p.setting.name}, {"part", p.setting.part}, {"image_ms", p.image_ms},
           {"cpu_ms", p.cpu_ms},        {"bytes", p.bytes},       {"mean_rank", p.mean_rank},
@@ -187,14 +209,19 @@ void tradeoff(const TradeoffArguments& arguments) {
 
   const Frontiers frontiers(points);
   print_table(points, frontiers);
-  const PrecisionStudy precision =
-      study_precision(experiment, base, *build_online(experiment, experiment.in_order(), base).model);
-  print_precision(precision);
-  if (!arguments.out.empty()) write_plots(points, frontiers, arguments.dataset, arguments.out);
   nlohmann::json report{{"training_images", experiment.training.size()},
                         {"held_out_views", experiment.held_out.size()},
-                        {"precision", precision_to_json(precision)},
                         {"points", nlohmann::json::array()}};
+  if (!stop_requested()) {
+    const OnlineRun light_field = build_online(experiment.mesh, experiment.in_order(), base);
+    const PrecisionStudy precision = study_precision(experiment, base, *light_field.model);
+    print_precision(precision);
+    report["precision"] = precision_to_json(precision);
+    const PatchStudy patches = study_patches(experiment, base, light_field);
+    print_patches(patches);
+    report["patches"] = patches_to_json(patches);
+  }
+  if (!arguments.out.empty()) write_plots(points, frontiers, arguments.dataset, arguments.out);
   for (std::size_t i = 0; i < points.size(); ++i) {
     nlohmann::json point = point_to_json(points[i]);
     point["frontier_time"] = contains(frontiers.by_time, i);

@@ -107,10 +107,10 @@ double OnlineRun::total_s() const {
   return shown_s + finish_s + 1e-3 * std::accumulate(image_ms.begin(), image_ms.end(), 0.0);
 }
 
-OnlineRun build_online(const Experiment& experiment, std::span<const Capture* const> captures,
-                       SurfaceLightFieldOptions options) {
+OnlineRun build_online(std::shared_ptr<const Mesh> mesh, std::span<const Capture* const> captures,
+                       const SurfaceLightFieldOptions& options) {
   OnlineRun run;
-  SurfaceLightField model(experiment.mesh, options);
+  SurfaceLightField model(std::move(mesh), options);
   const double cpu = process_cpu_s();
   for (const Capture* capture : captures) {
     if (capture == captures.back()) {
@@ -119,8 +119,10 @@ OnlineRun build_online(const Experiment& experiment, std::span<const Capture* co
       run.shown_s = seconds_since(before);
     }
     const auto start = std::chrono::steady_clock::now();
-    model.ingest(*capture);
+    const IngestReport report = model.ingest(*capture);
     run.image_ms.push_back(1e3 * seconds_since(start));
+    if (const auto stage = report.stage_ms.find("factorize"); stage != report.stage_ms.end())
+      run.factorize_ms += stage->second / static_cast<double>(captures.size());
   }
   const auto start = std::chrono::steady_clock::now();
   run.model = model.light_field_snapshot();

@@ -44,18 +44,19 @@ Experiment load_experiment(std::shared_ptr<const Mesh> mesh, std::size_t count,
 struct OnlineRun {
   std::shared_ptr<const SurfaceLightFieldSnapshot> model;  ///< without a guess for rings that no image reached
   std::vector<double> image_ms;                            ///< wall time of folding each image in, snapshots apart
-  double cpu_s = 0;       ///< processor time of all images and of the model at the end, all threads
-  double shown_s = 0;     ///< wall time of the model before the last image: a capture is watched while it grows
-  double finish_s = 0;    ///< wall time from the last image to the model
-  std::size_t bytes = 0;  ///< of the rings' state
-  double mean_rank = 0;   ///< over rings that an image reached
+  double factorize_ms = 0;  ///< mean wall time an image of folding columns into the rings and choosing kernels
+  double cpu_s = 0;         ///< processor time of all images and of the model at the end, all threads
+  double shown_s = 0;       ///< wall time of the model before the last image: a capture is watched while it grows
+  double finish_s = 0;      ///< wall time from the last image to the model
+  std::size_t bytes = 0;    ///< of the rings' state
+  double mean_rank = 0;     ///< over rings that an image reached
   double median_ms() const;
   double total_s() const;  ///< wall time of all images and of the model at the end
 };
 
 /// Folds the captures in, one after the other. What the options say of held-out images has no meaning here.
-OnlineRun build_online(const Experiment& experiment, std::span<const Capture* const> captures,
-                       SurfaceLightFieldOptions options);
+OnlineRun build_online(std::shared_ptr<const Mesh> mesh, std::span<const Capture* const> captures,
+                       const SurfaceLightFieldOptions& options);
 
 /// Processor time of this process, all threads, seconds.
 double process_cpu_s();

@@ -15,7 +15,7 @@ constexpr double kGoalLoss = 0.1;  // dB, of held-out PSNR
 }  // namespace
 
 Figure figure_online_and_batch(const Experiment& experiment, const BatchRun& batch, const FigureOptions& options) {
-  const OnlineRun online = build_online(experiment, experiment.in_order(), options.model);
+  const OnlineRun online = build_online(experiment.mesh, experiment.in_order(), options.model);
   const auto online_model = fill_unseen(*online.model), batch_model = fill_unseen(*batch.model);
   Figure figure{.number = 8, .title = "Online and batch, side by side"};
   figure.paper = "PSNR between the pictures of PCA and of the online SVD: 33.2 dB, with some artifacts to be seen.";

@@ -50,7 +50,7 @@ Figure figure_imputation(const Experiment& experiment, const FigureOptions& opti
   for (std::size_t i = 0; i < kWays.size(); ++i) {
     SurfaceLightFieldOptions model = options.model;
     model.ring.min_visible = kWays[i].min_visible;
-    const OnlineRun run = build_online(experiment, experiment.in_order(), model);
+    const OnlineRun run = build_online(experiment.mesh, experiment.in_order(), model);
     missing[i] = share_missing(experiment, *run.model);
     psnr[i] = mean_psnr_db(experiment.held_out, *fill_unseen(*run.model), *experiment.painter);
     const HeldOutView& view = experiment.held_out[experiment.held_out.size() / 2];

@@ -86,7 +86,7 @@ Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const 
 
     std::vector<const Capture*> captures;
     for (const std::uint32_t i : orders[k].images) captures.push_back(&experiment.training[i]);
-    const OnlineRun run = build_online(experiment, captures, options.model);
+    const OnlineRun run = build_online(experiment.mesh, captures, options.model);
     const double psnr = mean_psnr_db(experiment.held_out, *fill_unseen(*run.model), *experiment.painter);
     worth.series[0].add(at, psnr);
     worth.series[0].labels.push_back(label);

@@ -34,7 +34,7 @@ Figure figure_time(const Experiment& experiment, const std::vector<NamedMesh>& m
                                .painter = std::make_shared<RayPainter>(*meshes[i].mesh),
                                .training = experiment.training,
                                .held_out = experiment.held_out};
-    const OnlineRun online = build_online(with_mesh, with_mesh.in_order(), options.model);
+    const OnlineRun online = build_online(with_mesh.mesh, with_mesh.in_order(), options.model);
     const double online_after = online.finish_s + 1e-3 * online.image_ms.back();
     const BatchRun batch = build_batch(with_mesh, options);
     const double at = static_cast<double>(i), batch_total = batch.collect_s + batch.factorize_s;

@@ -72,7 +72,7 @@ std::vector<Setting> tradeoff_settings(const SurfaceLightFieldOptions& base, boo
 }
 
 TradeoffPoint measure_setting(const Experiment& experiment, const Setting& setting) {
-  const OnlineRun run = build_online(experiment, experiment.in_order(), setting.options);
+  const OnlineRun run = build_online(experiment.mesh, experiment.in_order(), setting.options);
   const Scores scores = score(experiment.held_out, *fill_unseen(*run.model), *experiment.painter);
   return {.setting = setting,
           .image_ms = run.median_ms(),

@@ -28,6 +28,11 @@ TEST(Tradeoff, MeasuresPlotsAndChooses) {
   EXPECT_EQ(json["training_images"], 14);
   EXPECT_EQ(json["held_out_views"], 2);
   EXPECT_GT(json["points"].size(), 10u);
+  ASSERT_EQ(json["patches"].size(), 2u);
+  for (const auto& patch : json["patches"]) {
+    EXPECT_GT(patch["psnr_db"].get<double>(), 15);
+    EXPECT_GT(patch["seam"].get<double>(), 0);
+  }
   int best = 0;
   for (const auto& point : json["points"]) {
     EXPECT_GT(point["psnr_db"].get<double>(), 15);

@@ -72,13 +72,15 @@ TEST(Experiment, WhatShowsNothingIsLeftOut) {
 
 TEST(Experiment, ARunIsTheModelThatIngestMakes) {
   const Experiment experiment = load(square_captures(9));
-  const OnlineRun run = build_online(experiment, experiment.in_order(), {});
+  const OnlineRun run = build_online(experiment.mesh, experiment.in_order(), {});
   SurfaceLightField model(experiment.mesh, {});
   for (const Capture& capture : experiment.training) model.ingest(capture);
   expect_same_rings(*run.model, *model.light_field_snapshot());
   EXPECT_EQ(run.image_ms.size(), 8u);
   EXPECT_EQ(run.bytes, model.bytes());
   EXPECT_GE(run.mean_rank, 1);
+  EXPECT_GT(run.factorize_ms, 0);
+  EXPECT_LT(run.factorize_ms * 8, 1e3 * run.total_s()) << "a part of it";
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ TEST(Precision, EachFormatRoundsAsItsDigitsSay) {
   const Experiment experiment =
       load_experiment(square_object().mesh, all.size(), [&](std::size_t i) { return all[i]; }, {});
   const SurfaceLightFieldOptions options = plain_options();
-  const OnlineRun run = build_online(experiment, experiment.in_order(), options);
+  const OnlineRun run = build_online(experiment.mesh, experiment.in_order(), options);
   const PrecisionStudy study = study_precision(experiment, options, *run.model);
   EXPECT_GT(study.rings, 0u);
   EXPECT_GE(study.columns, study.rings);
