@@ -143,6 +143,22 @@ void print_baselines(const Scores& light_field, const BaselineScores& baselines)
               light_field.psnr_gain_aligned_db - lumigraph.psnr_gain_aligned_db);
 }
 
+json foretelling_report(const Foretelling& foretelling) {
+  return {{"foretold_psnr_db", number(foretelling.foretold_psnr_db)},
+          {"psnr_db", number(foretelling.psnr_db)},
+          {"rank_correlation", number(foretelling.rank_correlation)},
+          {"paper_rank_correlation", number(foretelling.paper_rank_correlation)}};
+}
+
+void print_foretelling(const Foretelling& foretelling) {
+  std::printf(
+      "foretold of these views, inside the object: %.2f dB, measured %.2f dB; rank correlation with the errors of "
+      "their triangles: %.2f (the paper's "
+      "heuristic: %.2f)\n",
+      foretelling.foretold_psnr_db, foretelling.psnr_db, foretelling.rank_correlation,
+      foretelling.paper_rank_correlation);
+}
+
 void print_summary(const json& report) {
   const bool built = report.contains("held_out");
   const json& model = built ? report["held_out"] : report["object"];

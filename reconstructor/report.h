@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
+#include "reconstructor/evaluation/foretelling.h"
 #include "reconstructor/reconstruction.h"
 
 namespace sheen {
@@ -25,6 +26,10 @@ struct BaselineScores {
 nlohmann::json baselines_report(const BaselineScores& baselines);
 /// A table for a person: a line a baseline, one for the light field, and what that is above the lumigraph.
 void print_baselines(const Scores& light_field, const BaselineScores& baselines);
+
+nlohmann::json foretelling_report(const Foretelling& foretelling);
+/// A line for a person: what the model said of its errors, and whether it was so.
+void print_foretelling(const Foretelling& foretelling);
 
 /// One line for a person: held-out figures beside the constant colour's.
 void print_summary(const nlohmann::json& report);

@@ -7,6 +7,7 @@
 #include "common/progress.h"
 #include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/evaluation/foretelling.h"
 #include "reconstructor/evaluation/held_out.h"
 #include "reconstructor/evaluation/photographs.h"
 #include "reconstructor/exchange/model_files.h"
@@ -66,6 +67,9 @@ void evaluate(const EvaluateArguments& arguments) {
   const Scores light_field = score(views, *model, painter), constant_scores = score(views, *constant, painter);
   nlohmann::json report = evaluation_report(light_field, constant_scores);
   print_summary(report);
+  const Foretelling foretelling = judge_foretelling(views, *model, painter);
+  report["foretelling"] = foretelling_report(foretelling);
+  print_foretelling(foretelling);
   if (arguments.baselines) {
     const BaselineScores baselines{
         constant_scores, score(views, *PhotographSet::nearest_photograph(photographs, constant), painter),

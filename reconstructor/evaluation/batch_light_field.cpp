@@ -11,6 +11,7 @@
 #include "reconstructor/models/surface_light_field/ring_resampler.h"
 #include "reconstructor/models/surface_light_field/view_interpolation.h"
 #include "reconstructor/surface/map_resolution.h"
+#include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
 namespace {
@@ -78,21 +79,15 @@ std::shared_ptr<const RingSnapshot> ring_snapshot(const Factored& ring, const Vi
   auto snapshot = std::make_shared<RingSnapshot>();
   snapshot->basis = ring.basis;
   snapshot->directions = ring.matrix.directions;
-  const Eigen::VectorXf drift =
-      interpolation.drift ? drift_of_views(ring, reflection.get(), frame.row(2)) : Eigen::VectorXf();
-  ViewInterpolant interpolant =
-      krige(snapshot->directions, ring.coefficients, ring.reliability, interpolation.kernel, drift);
-  snapshot->drift = std::move(interpolant.drift);
-  if (snapshot->drift.size() > 0) snapshot->reflection = reflection;
-  snapshot->weights = std::move(interpolant.weights);
-  snapshot->mean = std::move(interpolant.mean);
-  snapshot->kernel = interpolation.kernel;
   snapshot->frame = frame;
-  snapshot->views = triangulate_views(frame, snapshot->directions);
   snapshot->shown.resize(static_cast<std::size_t>(ring.matrix.known.rows() / 3));
   for (std::size_t s = 0; s < snapshot->shown.size(); ++s)
     snapshot->shown[s] = shown_share(
         static_cast<int>((ring.matrix.known.row(static_cast<Eigen::Index>(3 * s)) != 0).count()), ring.matrix.views());
+  snapshot->set_interpolation(
+      krige(snapshot->directions, ring.coefficients, ring.reliability, interpolation.kernel,
+            interpolation.drift ? drift_of_views(ring, reflection.get(), frame.row(2)) : Eigen::VectorXf()),
+      interpolation.kernel, reflection);
   snapshot->residual = static_cast<float>(ring.residual);
   snapshot->best_cosine = ring.matrix.cosines.maxCoeff();
   snapshot->views_folded = ring.matrix.views();

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "reconstructor/evaluation/figure.h"
+#include "reconstructor/evaluation/paper_heuristic.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/models/surface_light_field/image_worth.h"
 
@@ -55,16 +56,15 @@ std::size_t most(const std::vector<std::size_t>& left, const std::function<doubl
   return best;
 }
 
-std::size_t by_heuristic(const std::vector<Candidate>& all, const std::vector<std::size_t>&,
-                         const std::vector<std::size_t>& left, SurfaceLightField& model) {
+std::size_t by_paper_heuristic(const std::vector<Candidate>& all, const std::vector<std::size_t>&,
+                               const std::vector<std::size_t>& left, SurfaceLightField& model) {
   const auto snapshot = model.light_field_snapshot();
-  std::vector<float> heuristic;
-  std::vector<QualityReason> reason;
+  const PaperHeuristic heuristic(*snapshot);
   return most(left, [&](std::size_t i) {
-    snapshot->quality_for(all[i].eye, heuristic, reason);
+    const std::vector<float> of_triangle = heuristic.seen_from(all[i].eye);
     double sum = 0, pixels = 0;
     for (const auto& [triangle, count] : all[i].seen) {
-      sum += count * heuristic[triangle];
+      sum += count * of_triangle[triangle];
       pixels += count;
     }
     return pixels > 0 ? sum / pixels : 0;
@@ -129,7 +129,7 @@ Figure figure_view_choice(const Experiment& experiment, const FigureOptions& opt
   const auto mean_of = [](const std::vector<double>& v) {
     return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
   };
-  const std::vector<double> heuristic = mean_over_starts([](int) { return by_heuristic; });
+  const std::vector<double> heuristic = mean_over_starts([](int) { return by_paper_heuristic; });
   const std::vector<double> worth = mean_over_starts([](int) { return by_worth; });
   const std::vector<double> spread = mean_over_starts([](int) { return farthest; });
   const std::vector<double> random = mean_over_starts([&](int s) -> Choice {

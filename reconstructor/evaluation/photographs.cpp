@@ -31,8 +31,7 @@ class PhotographShader : public ViewShader {
       return {where_unseen_->shade(triangle, u, v).rgb, SampleState::kUnseen};
     return {encoded.unaryExpr(&srgb_decode), SampleState::kMeasured};
   }
-  float heuristic(std::uint32_t) const override { return 0; }
-  QualityReason reason(std::uint32_t) const override { return QualityReason::kGood; }
+  SurfaceQuality quality(std::uint32_t) const override { return {true, 0, 1, 1}; }  // it claims nothing
 
  private:
   std::shared_ptr<const PhotographSet> photographs_;

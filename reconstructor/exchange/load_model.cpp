@@ -166,6 +166,7 @@ Rings read_ring_list(const Description& description, const VertexRings& vertex_r
   const auto scale = description.list<float>(json, "kernel_scale_rad", count, 1e-6, 1e6);
   const auto nugget = description.list<float>(json, "kernel_nugget", count, 0, 1e6);
   const auto shape = description.list<int>(json, "kernel_shape", count, 0, 1);
+  const auto sill = description.list<float>(json, "sill", count, 0, 1e6);
   const auto residual = description.list<float>(json, "residual", count, 0, 1e6);
   const auto cosine = description.list<float>(json, "best_cosine", count, -2, 2);
   Rings rings;
@@ -177,6 +178,7 @@ Rings read_ring_list(const Description& description, const VertexRings& vertex_r
     rings.layout.add(vertex[i], samples, rank[i], views[i]);
     auto ring = std::make_shared<RingSnapshot>();
     ring->kernel = {scale[i], nugget[i], static_cast<KernelShape>(shape[i])};
+    ring->sill = sill[i];
     ring->residual = residual[i];
     ring->best_cosine = cosine[i];
     ring->views_folded = folded[i];
@@ -311,11 +313,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& fold
   MapsReader(folder / kMapsFile, rings).read(description.text("id"));
 
   std::vector<std::shared_ptr<const RingSnapshot>> ring_data(mesh->vertices.size());
-  tbb::parallel_for(std::size_t(0), rings.data.size(), [&](std::size_t i) {
-    RingSnapshot& ring = *rings.data[i];
-    ring.views = triangulate_views(ring.frame, ring.directions);
-    ring_data[rings.layout.rings[i].vertex] = rings.data[i];
-  });
+  for (std::size_t i = 0; i < rings.data.size(); ++i) ring_data[rings.layout.rings[i].vertex] = rings.data[i];
   return std::make_shared<SurfaceLightFieldSnapshot>(mesh, vertex_rings, std::move(ring_data), kOnlySnapshot,
                                                      read_exposure(description));
 }

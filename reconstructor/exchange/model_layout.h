@@ -10,8 +10,8 @@
 
 namespace sheen {
 
-/// 2: kernels have a shape; rings a drift. Version 1 was written in several ways, and is refused.
-inline constexpr int kModelVersion = 2;
+/// 2: kernels have a shape; rings a drift. 3: rings a sill. Earlier versions are refused.
+inline constexpr int kModelVersion = 3;
 inline constexpr const char* kModelFormat = "sheen surface light field";
 inline constexpr const char* kModelIdAttribute = "sheen.model";
 inline constexpr const char* kMeshFile = "mesh.ply";

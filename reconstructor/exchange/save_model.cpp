@@ -82,7 +82,7 @@ Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& l
   json["lattice_resolution"] = std::move(resolution);
   Json& rings = json["rings"];
   for (const char* field : {"vertex", "rank", "views", "views_folded", "kernel_scale_rad", "kernel_nugget",
-                            "kernel_shape", "residual", "best_cosine"})
+                            "kernel_shape", "sill", "residual", "best_cosine"})
     rings[field] = Json::array();
   for (const RingEntry& entry : layout.rings) {
     const RingSnapshot& ring = *model.ring_data()[entry.vertex];
@@ -93,6 +93,7 @@ Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& l
     rings["kernel_scale_rad"].push_back(ring.kernel.scale_rad);
     rings["kernel_nugget"].push_back(ring.kernel.nugget);
     rings["kernel_shape"].push_back(static_cast<int>(ring.kernel.shape));
+    rings["sill"].push_back(ring.sill);
     rings["residual"].push_back(ring.residual);
     rings["best_cosine"].push_back(ring.best_cosine);
   }

@@ -43,6 +43,19 @@ enum class QualityReason : std::uint8_t {
 };
 const char* to_string(QualityReason reason);
 
+/// What is known of a part of the surface from one direction.
+struct SurfaceQuality {
+  bool seen = false;
+  float error =
+      0.14f;  ///< RMS of encoded values by which the model is expected to be wrong from there; 0.14 of a guess
+  float nearest_cosine = -1;  ///< of the angle to the nearest image's direction
+  float best_cosine = 0;      ///< of the most frontal image; 0..1
+
+  /// The quality heuristic, 0 = well known .. 1 = not at all: the error over 0.1 (20 dB); 1 where nothing was seen.
+  float heuristic() const;
+  QualityReason reason() const;
+};
+
 /// What the colour of a surface sample rests on.
 enum class SampleState : std::uint8_t {
   kUnseen = 0,    ///< no image shows the sample: its colour is a guess
@@ -62,9 +75,7 @@ class ViewShader {
   virtual ~ViewShader() = default;
   /// Radiance towards the eye at barycentric (u, v) of a triangle.
   virtual SurfaceSample shade(std::uint32_t triangle, float u, float v) const = 0;
-  /// The quality heuristic of a triangle for this eye, 0 = well known .. 1 = not at all (000 sec. 3.3).
-  virtual float heuristic(std::uint32_t triangle) const = 0;
-  virtual QualityReason reason(std::uint32_t triangle) const = 0;
+  virtual SurfaceQuality quality(std::uint32_t triangle) const = 0;
 };
 
 /// A model at one moment; immutable, shared between threads. It keeps alive all that it refers to.

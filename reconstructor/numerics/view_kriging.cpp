@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 namespace sheen {
 namespace {
@@ -78,13 +80,16 @@ class Kriging {
 
   /// Sum over views of their reliability times the squared error of predicting each from the others.
   double leave_one_out() const {
-    constexpr double kLeastDiagonal = 1e-9;  // of a view that alone decides: nothing is left to predict it from
     return (reliability_.array() * weights_.colwise().squaredNorm().transpose().array() /
             diagonal_.array().max(kLeastDiagonal).square())
         .sum();
   }
+  /// That over its expectation with a sill of 1: the variance of such a prediction is 1 / Z_ii.
+  double sill() const { return leave_one_out() / (reliability_.array() / diagonal_.array().max(kLeastDiagonal)).sum(); }
 
  private:
+  static constexpr double kLeastDiagonal = 1e-9;  // of a view that alone decides: nothing is left to predict it from
+
   MatrixXd y_;
   VectorXd reliability_;
   MatrixXd q_;
@@ -129,6 +134,7 @@ ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const
   if (n == 1) return result;
   result.weights = kriging.weights().cast<float>();
   result.leave_one_out = kriging.leave_one_out();
+  result.sill = kriging.sill();
   return result;
 }
 
@@ -143,6 +149,33 @@ LeaveOneOut leave_one_out(const MatrixXf& angles, const Eigen::Ref<const MatrixX
   if (angles.cols() >= kFewestViewsWithDrift && drift.size() > 0 && kriging.project_out(drift))
     errors.with_drift = kriging.leave_one_out();
   return errors;
+}
+
+float prediction_variance(const Eigen::Matrix3Xf& directions, const ViewKernel& kernel,
+                          const Eigen::Vector3f& direction) {
+  constexpr Eigen::Index kMostNearest = 6;
+  constexpr float kLeastNugget = 1e-6f;  // views may coincide
+  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostNearest, kMostNearest>;
+  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostNearest, 1>;
+  const VectorXf cosines = directions.transpose() * direction;
+  const Eigen::Index n = std::min(kMostNearest, directions.cols());
+  std::vector<Eigen::Index> nearest(static_cast<std::size_t>(directions.cols()));
+  std::iota(nearest.begin(), nearest.end(), Eigen::Index{0});
+  std::partial_sort(nearest.begin(), nearest.begin() + n, nearest.end(),
+                    [&](Eigen::Index a, Eigen::Index b) { return cosines[a] > cosines[b]; });
+  Small among(n, n);
+  SmallVector across(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Vector3f view = directions.col(nearest[static_cast<std::size_t>(i)]);
+    across[i] = evaluate(kernel, angle_between(view, direction));
+    for (Eigen::Index j = 0; j <= i; ++j)
+      among(i, j) = evaluate(kernel, angle_between(view, directions.col(nearest[static_cast<std::size_t>(j)])));
+    among(i, i) += std::max(kernel.nugget, kLeastNugget);
+  }
+  const Eigen::LLT<Small> factor(among);
+  const SmallVector one = SmallVector::Ones(n), by_one = factor.solve(one), by_across = factor.solve(across);
+  const double missed = 1 - by_across.sum();
+  return static_cast<float>(1 + kernel.nugget - across.dot(by_across) + missed * missed / by_one.sum());
 }
 
 VectorXf interpolate(const ViewInterpolant& interpolant, const Eigen::Matrix3Xf& directions, const ViewKernel& kernel,

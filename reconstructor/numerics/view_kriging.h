@@ -42,6 +42,9 @@ struct ViewInterpolant {
   Eigen::VectorXf drift;    ///< rank; empty without a drift
   /// Sum over views of their reliability times the squared error of predicting each from the others (closed form).
   double leave_one_out = 0;
+  /// Scale of the covariance, summed over terms: mean over views of that squared error, each over what the kernel lets
+  /// expect of it (`prediction_variance`). 0 with one view.
+  double sill = 0;
 };
 
 /// With fewer views a drift explains too much.
@@ -65,6 +68,12 @@ struct LeaveOneOut {
 LeaveOneOut leave_one_out(const Eigen::MatrixXf& angles, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
                           const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
                           const Eigen::VectorXf& drift);
+
+/// Variance of what is seen from a unit direction, given the views, in units of the sill: 1 + nugget - k^T Q k + (1 -
+/// 1^T Q k)^2 / (1^T Q 1), Q being the inverse of the covariance of the six nearest views (no more change it to speak
+/// of). At least one view.
+float prediction_variance(const Eigen::Matrix3Xf& directions, const ViewKernel& kernel,
+                          const Eigen::Vector3f& direction);
 
 /// h(d) of an interpolant without drift for a unit direction.
 Eigen::VectorXf interpolate(const ViewInterpolant& interpolant, const Eigen::Matrix3Xf& directions,

@@ -41,7 +41,7 @@ PaintedView RayPainter::paint(const ModelSnapshot& snapshot, const Camera& camer
   const std::vector<Hit> hits = cast(camera, camera_from_object);
   const std::unique_ptr<ViewShader> shader = snapshot.shader_for(camera_centre(camera_from_object));
   const int w = camera.width, h = camera.height;
-  PaintedView view{ImageF(w, h, 3), ImageU8(w, h, 1), ImageF(w, h, 1), ImageU8(w, h, 1)};
+  PaintedView view{ImageF(w, h, 3), ImageU8(w, h, 1), ImageF(w, h, 1), ImageF(w, h, 1), ImageU8(w, h, 1)};
   tbb::parallel_for(0, h, [&](int y) {
     for (int x = 0; x < w; ++x) {
       const Hit& hit = hits[std::size_t(y) * w + x];
@@ -49,8 +49,10 @@ PaintedView RayPainter::paint(const ModelSnapshot& snapshot, const Camera& camer
       const SurfaceSample sample = shader->shade(hit.triangle, hit.u, hit.v);
       for (int c = 0; c < 3; ++c) view.beauty.at(x, y, c) = sample.rgb[c];
       view.coverage.at(x, y) = coverage_of(sample.state);
-      view.heuristic.at(x, y) = shader->heuristic(hit.triangle);
-      view.reason.at(x, y) = static_cast<std::uint8_t>(shader->reason(hit.triangle)) + 1;
+      const SurfaceQuality quality = shader->quality(hit.triangle);
+      view.foretold.at(x, y) = quality.error;
+      view.heuristic.at(x, y) = quality.heuristic();
+      view.reason.at(x, y) = static_cast<std::uint8_t>(quality.reason()) + 1;
     }
   });
   return view;

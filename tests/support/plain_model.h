@@ -34,8 +34,7 @@ class PlainModel : public ModelSnapshot {
                                                              : model_.imputed.contains(t) ? SampleState::kImputed
                                                                                           : SampleState::kMeasured};
     }
-    float heuristic(std::uint32_t) const override { return 0.5f; }
-    QualityReason reason(std::uint32_t) const override { return QualityReason::kOblique; }
+    SurfaceQuality quality(std::uint32_t) const override { return {true, 0.05f, 1, 0.2f}; }  // 0.5, oblique
 
    private:
     const PlainModel& model_;

@@ -41,8 +41,7 @@ class ConstantColourShader : public ViewShader {
     const Eigen::Vector3f radiance(srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z()));
     return {exposure_ * radiance, measured ? SampleState::kMeasured : SampleState::kUnseen};
   }
-  float heuristic(std::uint32_t) const override { return 0; }
-  QualityReason reason(std::uint32_t) const override { return QualityReason::kGood; }
+  SurfaceQuality quality(std::uint32_t) const override { return {true, 0, 1, 1}; }  // it claims nothing
 
  private:
   const ConstantColourSnapshot& model_;

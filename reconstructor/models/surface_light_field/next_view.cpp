@@ -58,8 +58,9 @@ ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eig
     const Eigen::Vector3f direction = (best.eye.cast<float>() - mesh.vertices[v]).normalized();
     const double facing = normals[v].dot(direction);
     if (facing < 0.2) continue;
-    RingQuality quality;
-    if (const RingSnapshot* ring = snapshot.ring_data()[v].get()) quality = assess_ring(*ring, direction);
+    SurfaceQuality quality;
+    if (const RingSnapshot* ring = snapshot.ring_data()[v].get())
+      quality = assess_ring(*ring, direction, snapshot.common_sill());
     sum += facing * quality.heuristic();
     weight += facing;
     by_reason[static_cast<std::size_t>(quality.reason())] += facing * quality.heuristic();

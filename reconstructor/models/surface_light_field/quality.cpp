@@ -9,41 +9,42 @@
 namespace sheen {
 namespace {
 
-// A view-map triangle as large as this says that no image is near: views about 40 degrees apart.
-constexpr float kSparseArea = 0.25f;
-// A ring whose new images still bring this share of their norm that the model did not know is as bad as can be.
-constexpr float kHighResidual = 0.25f;
+constexpr float kWorstError = 0.1f;
+constexpr float kGoodHeuristic = 0.25f;  // 32 dB
 constexpr float kObliqueCosine = 0.35f;
-constexpr float kGoodHeuristic = 0.25f;
+constexpr float kFarCosine = 0.94f;  // 20 degrees: an image from there would say something new
+constexpr float kCommonViews = 1;    // images that the other rings' sills count for
 
 }  // namespace
 
-float RingQuality::heuristic() const {
-  if (!seen) return 1;
-  return std::min(1.0f, std::sqrt(0.5f * (projection * projection + hemisphere * hemisphere)));
+float SurfaceQuality::heuristic() const {
+  return seen ? std::min(1.0f, error / kWorstError) : 1;
 }
 
-QualityReason RingQuality::reason() const {
+QualityReason SurfaceQuality::reason() const {
   if (!seen) return QualityReason::kUnseen;
   if (best_cosine < kObliqueCosine) return QualityReason::kOblique;
   if (heuristic() < kGoodHeuristic) return QualityReason::kGood;
-  return hemisphere >= projection ? QualityReason::kSparseDirections : QualityReason::kHighResidual;
+  return nearest_cosine < kFarCosine ? QualityReason::kSparseDirections : QualityReason::kHighResidual;
 }
 
-RingQuality assess_ring(const RingSnapshot& ring, const Eigen::Vector3f& direction) {
-  RingQuality quality;
-  if (ring.rank() == 0) return quality;
+SurfaceQuality assess_ring(const RingSnapshot& ring, const Eigen::Vector3f& direction, float common_sill) {
+  SurfaceQuality quality;
+  const auto shown = [](std::uint8_t share) { return share > 0; };
+  if (ring.rank() == 0 || std::none_of(ring.shown.begin(), ring.shown.end(), shown)) return quality;
   quality.seen = true;
-  quality.projection = std::min(1.0f, ring.residual / kHighResidual);
-  const ViewTriangulation::Location at = ring.views.locate(hemisphere_point(ring.frame, direction));
-  quality.hemisphere = at.triangle < 0 ? 1.0f : std::min(1.0f, ring.views.area(at.triangle) / kSparseArea);
+  const auto views = static_cast<float>(ring.directions.cols());
+  const float sill = (views * ring.sill + kCommonViews * common_sill) / (views + kCommonViews);
+  quality.error = std::sqrt(sill * prediction_variance(ring.directions, ring.kernel, direction));
+  quality.nearest_cosine = (ring.directions.transpose() * direction).maxCoeff();
   quality.best_cosine = ring.best_cosine;
   return quality;
 }
 
-RingQuality combine(const RingQuality& a, const RingQuality& b, const RingQuality& c) {
-  return {a.seen && b.seen && c.seen, (a.projection + b.projection + c.projection) / 3,
-          (a.hemisphere + b.hemisphere + c.hemisphere) / 3, std::max({a.best_cosine, b.best_cosine, c.best_cosine})};
+SurfaceQuality combine(const SurfaceQuality& a, const SurfaceQuality& b, const SurfaceQuality& c) {
+  if (!a.seen || !b.seen || !c.seen) return {};
+  return {true, (a.error + b.error + c.error) / 3, std::max({a.nearest_cosine, b.nearest_cosine, c.nearest_cosine}),
+          std::max({a.best_cosine, b.best_cosine, c.best_cosine})};
 }
 
 }  // namespace sheen

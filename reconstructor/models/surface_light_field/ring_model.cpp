@@ -332,20 +332,14 @@ std::shared_ptr<const RingSnapshot> RingModel::settled_snapshot(const Eigen::Mat
   auto snapshot = std::make_shared<RingSnapshot>();
   snapshot->basis = factor_.displayed_basis();
   snapshot->directions = as_matrix(directions_);
-  const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
-  const Eigen::Vector3f normal = frame.row(2);
-  ViewInterpolant interpolant =
-      krige(snapshot->directions, factor_.displayed_coefficients(), reliability, interpolation_.kernel,
-            interpolation_.drift ? drift_of_views(normal) : Eigen::VectorXf());
-  snapshot->drift = std::move(interpolant.drift);
-  if (snapshot->drift.size() > 0) snapshot->reflection = reflection_;
-  snapshot->weights = std::move(interpolant.weights);
-  snapshot->mean = std::move(interpolant.mean);
-  snapshot->kernel = interpolation_.kernel;
   snapshot->frame = frame;
-  snapshot->views = triangulate_views(frame, snapshot->directions);
   snapshot->shown.resize(shown_.size());
   for (std::size_t s = 0; s < shown_.size(); ++s) snapshot->shown[s] = shown_share(shown_[s], images_);
+  const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
+  snapshot->set_interpolation(
+      krige(snapshot->directions, factor_.displayed_coefficients(), reliability, interpolation_.kernel,
+            interpolation_.drift ? drift_of_views(frame.row(2)) : Eigen::VectorXf()),
+      interpolation_.kernel, reflection_);
   snapshot->residual = residual_;
   snapshot->best_cosine = best_cosine_;
   snapshot->views_folded = images_;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/snapshot.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,9 +21,8 @@ class LightFieldShader : public ViewShader {
         rings_(snapshot.shared_rings()),
         ring_data_(snapshot.ring_data()),
         coefficients_(snapshot.coefficients_for(eye)),
-        exposure_(snapshot.exposure().at(eye)) {
-    snapshot.quality_for(eye, heuristic_, reason_);
-  }
+        exposure_(snapshot.exposure().at(eye)),
+        quality_(snapshot.quality_for(eye)) {}
 
   SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
     const float beta[3] = {1 - u - v, u, v};
@@ -48,8 +50,7 @@ class LightFieldShader : public ViewShader {
     const Eigen::Vector3f radiance(srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z()));
     return {exposure_ * radiance, state};
   }
-  float heuristic(std::uint32_t triangle) const override { return heuristic_[triangle]; }
-  QualityReason reason(std::uint32_t triangle) const override { return reason_[triangle]; }
+  SurfaceQuality quality(std::uint32_t triangle) const override { return quality_[triangle]; }
 
  private:
   std::shared_ptr<const Mesh> mesh_;
@@ -57,9 +58,20 @@ class LightFieldShader : public ViewShader {
   std::vector<std::shared_ptr<const RingSnapshot>> ring_data_;
   Eigen::MatrixXf coefficients_;
   float exposure_;
-  std::vector<float> heuristic_;
-  std::vector<QualityReason> reason_;
+  std::vector<SurfaceQuality> quality_;
 };
+
+/// Over the images of all rings; before any image two of them is a guess.
+float mean_sill(const std::vector<std::shared_ptr<const RingSnapshot>>& rings) {
+  constexpr double kGuess = 0.02;  // what no other image confirms may be anything: a heuristic near 1
+  double sum = kGuess, views = 1;
+  for (const auto& ring : rings) {
+    if (!ring || ring->directions.cols() < 2) continue;
+    sum += ring->sill * static_cast<double>(ring->directions.cols());
+    views += static_cast<double>(ring->directions.cols());
+  }
+  return static_cast<float>(sum / views);
+}
 
 }  // namespace
 
@@ -79,6 +91,17 @@ float ExposureField::at(const Eigen::Vector3d& eye) const {
   return std::exp(interpolate(log_gain, directions, kernel, (eye.cast<float>() - centre).normalized())[0]);
 }
 
+void RingSnapshot::set_interpolation(ViewInterpolant interpolant, const ViewKernel& view_kernel,
+                                     std::shared_ptr<const ReflectionDrift> shared) {
+  kernel = view_kernel;
+  mean = std::move(interpolant.mean);
+  weights = std::move(interpolant.weights);
+  drift = std::move(interpolant.drift);
+  if (drift.size() > 0) reflection = std::move(shared);
+  const auto samples = std::count_if(shown.begin(), shown.end(), [](std::uint8_t share) { return share > 0; });
+  sill = static_cast<float>(interpolant.sill / (3.0 * static_cast<double>(std::max<std::ptrdiff_t>(samples, 1))));
+}
+
 Eigen::VectorXf RingSnapshot::coefficients(const Eigen::Vector3f& direction) const {
   Eigen::VectorXf k(directions.cols());
   for (Eigen::Index j = 0; j < k.size(); ++j) k[j] = evaluate(kernel, angle_between(directions.col(j), direction));
@@ -95,7 +118,8 @@ SurfaceLightFieldSnapshot::SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh>
       rings_(std::move(rings)),
       ring_data_(std::move(ring_data)),
       version_(version),
-      exposure_(std::move(exposure)) {}
+      exposure_(std::move(exposure)),
+      common_sill_(mean_sill(ring_data_)) {}
 
 std::unique_ptr<ViewShader> SurfaceLightFieldSnapshot::shader_for(const Eigen::Vector3d& eye) const {
   return std::make_unique<LightFieldShader>(*this, eye);
@@ -119,21 +143,16 @@ Eigen::MatrixXf SurfaceLightFieldSnapshot::coefficients_for(const Eigen::Vector3
   return coefficients;
 }
 
-void SurfaceLightFieldSnapshot::quality_for(const Eigen::Vector3d& eye, std::vector<float>& heuristic,
-                                            std::vector<QualityReason>& reason) const {
-  const std::size_t triangles = mesh_->triangles.size();
-  heuristic.resize(triangles);
-  reason.resize(triangles);
-  std::vector<RingQuality> ring_quality(ring_data_.size());
-  for (std::size_t v = 0; v < ring_data_.size(); ++v)
-    if (ring_data_[v])
-      ring_quality[v] = assess_ring(*ring_data_[v], (eye.cast<float>() - mesh_->vertices[v]).normalized());
-  for (std::size_t t = 0; t < triangles; ++t) {
-    const auto& [a, b, c] = mesh_->triangles[t];
-    const RingQuality quality = combine(ring_quality[a], ring_quality[b], ring_quality[c]);
-    heuristic[t] = quality.heuristic();
-    reason[t] = quality.reason();
-  }
+std::vector<SurfaceQuality> SurfaceLightFieldSnapshot::quality_for(const Eigen::Vector3d& eye) const {
+  std::vector<SurfaceQuality> rings(ring_data_.size()), triangles;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rings.size(), 64), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v)
+      if (ring_data_[v])
+        rings[v] = assess_ring(*ring_data_[v], (eye.cast<float>() - mesh_->vertices[v]).normalized(), common_sill_);
+  });
+  triangles.reserve(mesh_->triangles.size());
+  for (const auto& [a, b, c] : mesh_->triangles) triangles.push_back(combine(rings[a], rings[b], rings[c]));
+  return triangles;
 }
 
 const char* to_string(QualityReason reason) {

@@ -10,7 +10,6 @@
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/numerics/view_kriging.h"
 #include "reconstructor/surface/vertex_ring.h"
-#include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
 
@@ -46,11 +45,16 @@ struct RingSnapshot {
   std::shared_ptr<const ReflectionDrift> reflection;  ///< null where `drift` is empty
   ViewKernel kernel;
   Eigen::Matrix3f frame;            ///< of the vertex's hemisphere
-  ViewTriangulation views;          ///< of `directions` on the view map
   std::vector<std::uint8_t> shown;  ///< a sample: share of the ring's images that showed it (`shown_share`)
+  float sill = 0;                   ///< mean square a value: how much it varies with the view (`ViewInterpolant::sill`)
   float residual = 0;               ///< psi_p: smoothed relative projection error of new images, 0..1
   float best_cosine = 0;            ///< of the most frontal view: cos of the angle to the vertex normal
   int views_folded = 0;             ///< images folded in, thinned ones included
+
+  /// Takes over mean, weights, drift and sill. The basis and `shown` must be there already. `shared`: the reflection
+  /// that the interpolant's drift is of, if it has one.
+  void set_interpolation(ViewInterpolant interpolant, const ViewKernel& view_kernel,
+                         std::shared_ptr<const ReflectionDrift> shared);
 
   int rank() const { return static_cast<int>(basis.cols()); }
   SampleState state(int sample) const { return sample_state(shown[sample]); }
@@ -75,12 +79,12 @@ class SurfaceLightFieldSnapshot : public ModelSnapshot {
   const std::vector<std::shared_ptr<const RingSnapshot>>& ring_data() const { return ring_data_; }
   std::uint64_t version() const { return version_; }  ///< counts up with every snapshot of a model
   const ExposureField& exposure() const { return exposure_; }
+  float common_sill() const { return common_sill_; }  ///< mean of the rings' sills
   int max_rank() const;
 
   /// View coefficients of every ring for this eye: max_rank() x vertices, zero-padded. What a GPU needs a frame.
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const;
-  /// The quality heuristic a triangle for this eye, and its reason (000 sec. 3.3).
-  void quality_for(const Eigen::Vector3d& eye, std::vector<float>& heuristic, std::vector<QualityReason>& reason) const;
+  std::vector<SurfaceQuality> quality_for(const Eigen::Vector3d& eye) const;  ///< a triangle
 
  private:
   std::shared_ptr<const Mesh> mesh_;
@@ -88,6 +92,7 @@ class SurfaceLightFieldSnapshot : public ModelSnapshot {
   std::vector<std::shared_ptr<const RingSnapshot>> ring_data_;
   std::uint64_t version_;
   ExposureField exposure_;
+  float common_sill_;
 };
 
 }  // namespace sheen

@@ -20,6 +20,7 @@
 #include "reconstructor/models/surface_light_field/ring_resampler.h"
 #include "reconstructor/models/surface_light_field/stage_clock.h"
 #include "reconstructor/surface/map_resolution.h"
+#include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
 namespace {

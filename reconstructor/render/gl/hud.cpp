@@ -223,9 +223,9 @@ void Hud::draw_legend(OverlayPainter& overlay) const {
                     {rgba(reason_color(QualityReason::kHighResidual)), "images still bring news"},
                     {{43, 43, 43, 255}, "well known"}};
       } else {
-        swatches = {{{255, 15, 10, 255}, "needs images most"},
-                    {{149, 29, 27, 255}, "needs some"},
-                    {{43, 43, 43, 255}, "well known"}};
+        swatches = {{{255, 15, 10, 255}, "needs images: 20 dB expected"},
+                    {{149, 29, 27, 255}, "needs some: 26 dB"},
+                    {{43, 43, 43, 255}, "well known: no error expected"}};
       }
       if (controls.mode == ViewMode::kSplit && controls.states)
         swatches.insert(swatches.begin(), states.begin(), states.end());

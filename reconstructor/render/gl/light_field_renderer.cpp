@@ -177,11 +177,9 @@ void LightFieldRenderer::upload_coefficients(const Eigen::Vector3d& eye) {
 
 void LightFieldRenderer::upload_quality(const Eigen::Vector3d& eye) {
   if (quality_eye_ == eye) return;
-  std::vector<float> heuristic;
-  std::vector<QualityReason> reason;
-  shown_->quality_for(eye, heuristic, reason);
   std::vector<Eigen::Vector2f> quality;
-  for (std::size_t t = 0; t < heuristic.size(); ++t) quality.emplace_back(heuristic[t], static_cast<float>(reason[t]));
+  for (const SurfaceQuality& q : shown_->quality_for(eye))
+    quality.emplace_back(q.heuristic(), static_cast<float>(q.reason()));
   quality_.assign(quality.size(), quality.data());
   quality_eye_ = eye;
 }

@@ -23,7 +23,7 @@ struct Panel {
 
 enum class SurfaceShading {
   kLightField,  ///< what the camera would see; striped where no image reached: dark, or a guess
-  kHeuristic,   ///< the brighter the red, the more images are needed (000 sec. 3.3)
+  kHeuristic,   ///< the brighter the red, the more images are needed
   kReasons,     ///< a colour a reason, as bright as the need: see `reason_color`
   kStates,      ///< kLightField, tinted where samples are imputed or unseen: see `state_color`
 };

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "common/files.h"
+#include "reconstructor/surface/view_hemisphere.h"
 #include "support/expect_error.h"
 #include "support/temp_folder.h"
 
@@ -47,8 +48,8 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
       ring->reflection = reflection;
     }
     ring->kernel = kViewKernels[v + 1];  // of both shapes
-    ring->views = triangulate_views(ring->frame, ring->directions);
     for (int s = 0; s < samples; ++s) ring->shown.push_back(static_cast<std::uint8_t>(random()));
+    ring->sill = 0.001f * v;
     ring->residual = 0.1f * v;
     ring->best_cosine = 1.0f / (1 + v);
     ring->views_folded = 10 + v;
@@ -61,8 +62,9 @@ void expect_same_pictures(const SurfaceLightFieldSnapshot& a, const SurfaceLight
   for (const Eigen::Vector3d& eye : {Eigen::Vector3d(1, 0.3, 0.2), {-0.2, 0.4, 0.9}, {0.1, -1, -0.3}}) {
     const auto shader_a = a.shader_for(eye), shader_b = b.shader_for(eye);
     for (std::uint32_t t = 0; t < a.mesh().triangles.size(); ++t) {
-      EXPECT_EQ(shader_a->heuristic(t), shader_b->heuristic(t));
-      EXPECT_EQ(shader_a->reason(t), shader_b->reason(t));
+      const SurfaceQuality quality_a = shader_a->quality(t), quality_b = shader_b->quality(t);
+      EXPECT_EQ(quality_a.error, quality_b.error);
+      EXPECT_EQ(quality_a.reason(), quality_b.reason());
       for (float u = 0; u <= 1; u += 0.125f)
         for (float v = 0; u + v <= 1; v += 0.125f) {
           const SurfaceSample sa = shader_a->shade(t, u, v), sb = shader_b->shade(t, u, v);
@@ -91,6 +93,7 @@ TEST(ModelFiles, AReopenedModelIsTheSameBitForBit) {
     EXPECT_EQ(a.frame, b.frame);
     EXPECT_EQ(a.kernel, b.kernel);
     EXPECT_EQ(a.shown, b.shown);
+    EXPECT_EQ(a.sill, b.sill);
     EXPECT_EQ(a.residual, b.residual);
     EXPECT_EQ(a.best_cosine, b.best_cosine);
     EXPECT_EQ(a.views_folded, b.views_folded);
@@ -166,11 +169,13 @@ void expect_refused(Change change, const std::vector<std::string>& words) {
 }
 
 TEST(ModelFiles, ANewerVersionIsRefusedNamingBoth) {
-  expect_refused([](Json& json) { json["version"] = 3; },
-                 {"model.json", "version 3", "reads version 2", "newer Sheen"});
+  expect_refused([](Json& json) { json["version"] = 4; },
+                 {"model.json", "version 4", "reads version 3", "newer Sheen"});
   expect_refused([](Json& json) { json["version"] = std::int64_t(1) << 33; },
-                 {"version 8589934592", "reads version 2"});
-  expect_refused([](Json& json) { json["version"] = 1; }, {"model.json", "version 1", "reads version 2", "anew"});
+                 {"version 8589934592", "reads version 3"});
+  for (const int version : {1, 2})
+    expect_refused([&](Json& json) { json["version"] = version; },
+                   {"model.json", "version " + std::to_string(version), "reads version 3", "anew"});
   expect_refused([](Json& json) { json["version"] = 0; }, {"model.json", "version"});
   expect_refused([](Json& json) { json["version"] = "1"; }, {"model.json", "version", "whole number"});
 }
@@ -196,6 +201,7 @@ TEST(ModelFiles, EveryWrongFieldIsNamed) {
   expect_refused([](Json& json) { json["rings"]["views"][2] = -1; }, {"views", "entry 2"});
   expect_refused([](Json& json) { json["rings"]["views"][2] = 1000000000; }, {"views", "entry 2"});
   expect_refused([](Json& json) { json["rings"]["kernel_scale_rad"][2] = 0; }, {"kernel_scale_rad", "entry 2"});
+  expect_refused([](Json& json) { json["rings"]["sill"][2] = -1; }, {"sill", "entry 2"});
   expect_refused([](Json& json) { json["rings"]["residual"][2] = nullptr; }, {"residual", "entry 2"});
   expect_refused([](Json& json) { json.erase("reflection"); }, {"reflection", "must be a list"});
   expect_refused([](Json& json) { json["reflection"].push_back(1); }, {"reflection", "50", "49"});

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 
 #include "tests/support/test_matrices.h"
@@ -130,6 +132,74 @@ TEST(ViewKriging, LeaveOneOutWithDriftMatchesLeavingOneOut) {
     const LeaveOneOut both = leave_one_out(angles_between(directions), y, reliability, kernel, f);
     EXPECT_NEAR(both.with_drift, by_hand, 1e-3 * by_hand);
     EXPECT_NEAR(both.ordinary, krige(directions, y, reliability, kernel).leave_one_out, 1e-9 * by_hand);
+  }
+}
+
+/// Of universal kriging, by its equations with a Lagrange multiplier (Cressie 1993, sec. 3.2).
+double variance_by_hand(const Eigen::Matrix3Xf& directions, const ViewKernel& kernel, const Eigen::Vector3f& at) {
+  const Eigen::Index n = directions.cols();
+  Eigen::MatrixXd system = Eigen::MatrixXd::Ones(n + 1, n + 1);
+  Eigen::VectorXd right = Eigen::VectorXd::Ones(n + 1);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j)
+      system(i, j) = evaluate(kernel, angle_between(directions.col(i), directions.col(j))) + (i == j) * kernel.nugget;
+    right[i] = evaluate(kernel, angle_between(directions.col(i), at));
+  }
+  system(n, n) = 0;
+  return 1 + kernel.nugget - right.dot(system.fullPivLu().solve(right));
+}
+
+TEST(PredictionVariance, IsThatOfTheKrigingEquations) {
+  const Eigen::Matrix3Xf elsewhere = some_directions(8, 12);
+  for (const int n : {1, 2, 6})
+    for (const ViewKernel& kernel : kViewKernels) {
+      const Eigen::Matrix3Xf directions = some_directions(n, 11);
+      for (int i = 0; i < 8; ++i) {
+        const double by_hand = variance_by_hand(directions, kernel, elsewhere.col(i));
+        EXPECT_NEAR(prediction_variance(directions, kernel, elsewhere.col(i)), by_hand, 1e-4 * by_hand);
+      }
+    }
+}
+
+TEST(PredictionVariance, OfManyViewsTheNearestDecide) {
+  const Eigen::Matrix3Xf directions = some_directions(40, 11), elsewhere = some_directions(20, 12);
+  for (const ViewKernel& kernel : kViewKernels) {
+    if (kernel.nugget > 0.5f) continue;  // there all views together make a mean
+    for (int i = 0; i < 20; ++i) {
+      const double by_hand = variance_by_hand(directions, kernel, elsewhere.col(i));
+      EXPECT_NEAR(prediction_variance(directions, kernel, elsewhere.col(i)) / by_hand, 1, 0.15);
+    }
+  }
+}
+
+TEST(PredictionVariance, OfViewsAtOnePlaceIsFinite) {
+  const Eigen::Matrix3Xf same = Eigen::Vector3f(0, 0, 1).replicate(1, 30);
+  const float there = prediction_variance(same, {0.3f, 0}, {0, 0, 1}),
+              far = prediction_variance(same, {0.3f, 0}, {1, 0, 0});
+  EXPECT_NEAR(there, 0, 1e-3);
+  EXPECT_GT(far, 1);
+  EXPECT_LT(far, 3);
+}
+
+TEST(ViewKriging, TheSillOfDrawnViewsIsTheirOwn) {
+  // Views drawn from the very covariance, times 0.3: the mean over many draws of what is estimated.
+  constexpr int kViews = 14, kTerms = 3, kDraws = 400;
+  const Eigen::Matrix3Xf directions = some_directions(kViews, 21);
+  Eigen::VectorXf reliability = Eigen::VectorXf::Ones(kViews);
+  reliability.head<4>().setConstant(0.3f);
+  for (const ViewKernel& kernel : {kViewKernels[0], kViewKernels[2], kViewKernels[4]}) {
+    Eigen::MatrixXd covariance(kViews, kViews);
+    for (int i = 0; i < kViews; ++i)
+      for (int j = 0; j < kViews; ++j)
+        covariance(i, j) = evaluate(kernel, angle_between(directions.col(i), directions.col(j))) +
+                           (i == j) * kernel.nugget / reliability[i];
+    const Eigen::MatrixXf root = Eigen::MatrixXd(covariance.llt().matrixL()).cast<float>();
+    double sum = 0;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      const Eigen::MatrixXf y = std::sqrt(0.3f) * gaussian_matrix(kTerms, kViews, 100 + draw) * root.transpose();
+      sum += krige(directions, (y.array() + 5).matrix(), reliability, kernel).sill / kDraws;
+    }
+    EXPECT_NEAR(sum, kTerms * 0.3, 0.06 * kTerms * 0.3);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "reconstructor/models/surface_light_field/next_view.h"
+#include "reconstructor/surface/view_hemisphere.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
 namespace sheen {
@@ -23,7 +24,7 @@ double mean_heuristic(const ModelSnapshot& model, const Eigen::Vector3d& eye) {
   const auto shader = model.shader_for(eye);
   const std::size_t triangles = model.mesh().triangles.size();
   double sum = 0;
-  for (std::uint32_t t = 0; t < triangles; ++t) sum += shader->heuristic(t);
+  for (std::uint32_t t = 0; t < triangles; ++t) sum += shader->quality(t).heuristic();
   return sum / static_cast<double>(triangles);
 }
 
@@ -31,63 +32,73 @@ double share_of(const ModelSnapshot& model, const Eigen::Vector3d& eye, QualityR
   const auto shader = model.shader_for(eye);
   const std::size_t triangles = model.mesh().triangles.size();
   int count = 0;
-  for (std::uint32_t t = 0; t < triangles; ++t) count += shader->reason(t) == reason;
+  for (std::uint32_t t = 0; t < triangles; ++t) count += shader->quality(t).reason() == reason;
   return static_cast<double>(count) / static_cast<double>(triangles);
 }
 
-TEST(Quality, TheHeuristicIsTheRootOfTheMeanOfBothSquares) {
-  EXPECT_EQ(RingQuality{}.heuristic(), 1);
-  EXPECT_EQ((RingQuality{.seen = false, .projection = 0, .hemisphere = 0}.heuristic()), 1)
-      << "what is unseen is unknown";
-  EXPECT_EQ((RingQuality{.seen = true, .projection = 0, .hemisphere = 0}.heuristic()), 0);
-  EXPECT_NEAR((RingQuality{.seen = true, .projection = 0.6f, .hemisphere = 0.8f}.heuristic()), std::sqrt(0.5), 1e-6);
-  EXPECT_NEAR((RingQuality{.seen = true, .projection = 1, .hemisphere = 1}.heuristic()), 1, 1e-6);
+TEST(Quality, TheHeuristicIsTheErrorOverATenth) {
+  EXPECT_EQ(SurfaceQuality{}.heuristic(), 1);
+  EXPECT_EQ((SurfaceQuality{.seen = false, .error = 0}.heuristic()), 1) << "what is unseen is unknown";
+  EXPECT_EQ((SurfaceQuality{.seen = true, .error = 0}.heuristic()), 0);
+  EXPECT_NEAR((SurfaceQuality{.seen = true, .error = 0.03f}.heuristic()), 0.3, 1e-6);
+  EXPECT_EQ((SurfaceQuality{.seen = true, .error = 0.3f}.heuristic()), 1);
 }
 
 TEST(Quality, TheReasonIsTheWorstThatHolds) {
-  EXPECT_EQ(RingQuality{}.reason(), QualityReason::kUnseen);
-  EXPECT_EQ((RingQuality{true, 0.9f, 0.2f, 0.9f}.reason()), QualityReason::kHighResidual);
-  EXPECT_EQ((RingQuality{true, 0.2f, 0.9f, 0.9f}.reason()), QualityReason::kSparseDirections);
-  EXPECT_EQ((RingQuality{true, 0.1f, 0.1f, 0.9f}.reason()), QualityReason::kGood);
-  EXPECT_EQ((RingQuality{true, 0.1f, 0.1f, 0.2f}.reason()), QualityReason::kOblique);
+  EXPECT_EQ(SurfaceQuality{}.reason(), QualityReason::kUnseen);
+  EXPECT_EQ((SurfaceQuality{true, 0.09f, 0.99f, 0.9f}.reason()), QualityReason::kHighResidual);
+  EXPECT_EQ((SurfaceQuality{true, 0.09f, 0.8f, 0.9f}.reason()), QualityReason::kSparseDirections);
+  EXPECT_EQ((SurfaceQuality{true, 0.01f, 0.8f, 0.9f}.reason()), QualityReason::kGood);
+  EXPECT_EQ((SurfaceQuality{true, 0.01f, 0.8f, 0.2f}.reason()), QualityReason::kOblique);
 }
 
 TEST(Quality, ATriangleIsKnownAsTheMeanOfItsRingsAndUnseenWithAnyOfThem) {
-  const RingQuality a{true, 0.3f, 0.6f, 0.5f}, b{true, 0.6f, 0, 0.9f}, c{true, 0, 0.3f, 0.1f};
-  const RingQuality mean = combine(a, b, c);
+  const SurfaceQuality a{true, 0.03f, 0.6f, 0.5f}, b{true, 0.06f, 0.9f, 0.9f}, c{true, 0, 0.3f, 0.1f};
+  const SurfaceQuality mean = combine(a, b, c);
   EXPECT_TRUE(mean.seen);
-  EXPECT_NEAR(mean.projection, 0.3f, 1e-6);
-  EXPECT_NEAR(mean.hemisphere, 0.3f, 1e-6);
+  EXPECT_NEAR(mean.error, 0.03f, 1e-7);
+  EXPECT_EQ(mean.nearest_cosine, 0.9f);
   EXPECT_EQ(mean.best_cosine, 0.9f);
-  EXPECT_EQ(combine(a, RingQuality{}, c).heuristic(), 1);
+  EXPECT_EQ(combine(a, SurfaceQuality{}, c).heuristic(), 1);
 }
 
-TEST(Quality, ARingIsJudgedByItsResidualAndTheViewsRoundTheDirection) {
+/// A ring of three views close round the normal.
+RingSnapshot ring_of_three() {
   RingSnapshot ring;
   ring.frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
-  EXPECT_EQ(assess_ring(ring, Eigen::Vector3f::UnitZ()).heuristic(), 1) << "a ring without a basis is unseen";
   ring.basis = Eigen::MatrixXf::Ones(3, 1);
-  ring.residual = 0.05f;
+  ring.shown = {255};
   ring.best_cosine = 0.8f;
-  // Three views close round the normal, and nothing elsewhere: a small triangle on the map, and large ones.
+  ring.kernel = kViewKernels[0];
+  ring.sill = 0.004f;
   ring.directions.resize(3, 3);
   for (int j = 0; j < 3; ++j) {
     const float angle = 2.0f * j;
     ring.directions.col(j) = Eigen::Vector3f(0.2f * std::cos(angle), 0.2f * std::sin(angle), 1).normalized();
   }
-  ring.views = triangulate_views(ring.frame, ring.directions);
-  const RingQuality near = assess_ring(ring, Eigen::Vector3f::UnitZ());
-  const RingQuality far = assess_ring(ring, Eigen::Vector3f(0.9f, 0, 0.4f).normalized());
-  EXPECT_TRUE(near.seen && far.seen);
-  EXPECT_NEAR(near.projection, 0.2f, 1e-5) << "a quarter of the norm counts as not known at all";
-  EXPECT_EQ(near.projection, far.projection);
-  const auto at = [&](int j) {
-    return Eigen::Vector2d(hemisphere_point(ring.frame, ring.directions.col(j)).cast<double>());
-  };
-  const Eigen::Vector2d u = at(1) - at(0), v = at(2) - at(0);
-  EXPECT_NEAR(near.hemisphere, 0.5 * std::abs(u.x() * v.y() - u.y() * v.x()) / 0.25, 2e-3);
-  EXPECT_EQ(far.hemisphere, 1);
+  return ring;
+}
+
+TEST(Quality, TheErrorOfARingIsKrigings) {
+  const RingSnapshot ring = ring_of_three();
+  constexpr float kCommon = 0.012f;  // counts for one view beside the three
+  const Eigen::Vector3f far = Eigen::Vector3f(0.9f, 0, 0.4f).normalized();
+  const SurfaceQuality near = assess_ring(ring, Eigen::Vector3f::UnitZ(), kCommon),
+                       aside = assess_ring(ring, far, kCommon);
+  EXPECT_TRUE(near.seen && aside.seen);
+  EXPECT_NEAR(near.error,
+              std::sqrt(0.006f * prediction_variance(ring.directions, ring.kernel, Eigen::Vector3f::UnitZ())), 1e-6);
+  EXPECT_NEAR(aside.error, std::sqrt(0.006f * prediction_variance(ring.directions, ring.kernel, far)), 1e-6);
+  EXPECT_GT(aside.error, 2 * near.error) << "no image is near there";
+  EXPECT_NEAR(near.nearest_cosine, 1 / std::sqrt(1.04), 1e-6);
   EXPECT_EQ(near.best_cosine, 0.8f);
+}
+
+TEST(Quality, AGuessIsUnseen) {
+  RingSnapshot ring = ring_of_three();
+  ring.shown = {0};
+  EXPECT_FALSE(assess_ring(ring, Eigen::Vector3f::UnitZ(), 0.01f).seen) << "its colour is a neighbour's";
+  EXPECT_FALSE(assess_ring(RingSnapshot(), Eigen::Vector3f::UnitZ(), 0.01f).seen) << "a ring without a basis";
 }
 
 TEST(Quality, FallsFromOneAsImagesCome) {
@@ -150,7 +161,18 @@ TEST(NextView, PointsToTheSideThatNoImageShows) {
   EXPECT_LT(advice.eye.x(), -0.25);
   EXPECT_GT(advice.eye.z(), 0) << "above the stage";
   EXPECT_NEAR(advice.eye.norm(), eye.norm(), 1e-3) << "as far from the object as now";
-  EXPECT_GT(advice.heuristic, 0.8);
+  // What is diffuse and was seen is known from everywhere, so that the share of the rest remains.
+  double unseen = 0, all = 0;
+  for (const Eigen::Vector3f& vertex : object.mesh->vertices) {
+    const Eigen::Vector3d place = vertex.cast<double>(), normal = place.normalized();
+    const auto facing = [&](const Eigen::Vector3d& from) { return normal.dot((from - place).normalized()); };
+    if (facing(advice.eye) < 0.2) continue;
+    all += facing(advice.eye);
+    if (std::none_of(half.begin(), half.end(), [&](const Eigen::Vector3d& from) { return facing(from) > 0.1; }))
+      unseen += facing(advice.eye);
+  }
+  EXPECT_NEAR(advice.heuristic, unseen / all, 0.1);
+  EXPECT_GT(unseen / all, 0.3);
   EXPECT_NEAR(advice.turn_deg, std::acos(eye.normalized().dot(advice.eye.normalized())) * 180 / M_PI, 0.01);
   EXPECT_THAT(advice.reason, testing::HasSubstr("not seen"));
 }

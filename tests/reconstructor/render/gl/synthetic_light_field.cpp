@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "reconstructor/surface/view_hemisphere.h"
+
 namespace sheen {
 namespace {
 
@@ -80,14 +82,13 @@ std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t v
     const Eigen::Vector3f local(std::sin(lean) * std::cos(turn), std::sin(lean) * std::sin(turn), std::cos(lean));
     ring->directions.col(j) = ring->frame.transpose() * local;
   }
-  ring->views = triangulate_views(ring->frame, ring->directions);
   ring->kernel = {0.6f, 0.05f};
   ring->mean = Eigen::VectorXf::Constant(rank, 0.2f);
   ring->mean[0] = 1;
   ring->weights.resize(rank, kViews);
   for (int r = 0; r < rank; ++r)
     for (int j = 0; j < kViews; ++j) ring->weights(r, j) = r == 0 ? 0.0f : 0.6f * std::cos(1.1f * (r + 1) * (j + 1));
-  ring->residual = 0.12f + 0.12f * std::sin(40 * mesh_->vertices[vertex].x());
+  ring->sill = 0.006f + 0.006f * std::sin(40 * mesh_->vertices[vertex].x());
   ring->best_cosine = mesh_->vertices[vertex].y() > 0.05f ? 0.2f : 0.9f;
   ring->views_folded = kViews;
   return ring;

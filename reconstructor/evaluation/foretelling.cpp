@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/evaluation/foretelling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "common/color.h"
+#include "reconstructor/evaluation/paper_heuristic.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kFewestPixels = 4;
+
+/// Ranks minus their mean; equal values share theirs.
+std::vector<double> centred_ranks(std::span<const double> values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return values[i] < values[j]; });
+  std::vector<double> ranks(values.size());
+  const double mean = (static_cast<double>(values.size()) - 1) / 2;
+  for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+    while (last < order.size() && values[order[last]] == values[order[first]]) ++last;
+    for (std::size_t i = first; i < last; ++i) ranks[order[i]] = static_cast<double>(first + last - 1) / 2 - mean;
+  }
+  return ranks;
+}
+
+/// Squared error of encoded values, summed over channels and pixels.
+struct TriangleError {
+  double sum = 0;
+  int pixels = 0;
+  double rms() const { return std::sqrt(sum / (3.0 * pixels)); }
+};
+
+}  // namespace
+
+double rank_correlation(std::span<const double> a, std::span<const double> b) {
+  const std::vector<double> x = centred_ranks(a), y = centred_ranks(b);
+  const double xx = std::inner_product(x.begin(), x.end(), x.begin(), 0.0);
+  const double yy = std::inner_product(y.begin(), y.end(), y.begin(), 0.0);
+  return std::inner_product(x.begin(), x.end(), y.begin(), 0.0) / std::sqrt(xx * yy);
+}
+
+Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const SurfaceLightFieldSnapshot& model,
+                              const RayPainter& painter) {
+  const PaperHeuristic paper(model);
+  std::vector<double> foretold, by_paper, measured;
+  Foretelling result;
+  for (const HeldOutView& view : views) {
+    const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
+    const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object);
+    const ImageU8 picture = to_srgb8(painted.beauty);
+    const std::vector<float> heuristic = paper.seen_from(camera_centre(view.camera_from_object));
+    std::vector<TriangleError> errors(model.mesh().triangles.size());
+    std::vector<double> expected(errors.size());
+    double foretold_sum = 0;
+    std::size_t pixels = 0;
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      if (!view.inside.data()[i] || !hits[i]) continue;
+      const double error = painted.foretold.data()[i];
+      foretold_sum += error * error;
+      ++pixels;
+      TriangleError& triangle = errors[hits[i].triangle];
+      ++triangle.pixels;
+      expected[hits[i].triangle] = error;
+      for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
+        const double difference = (double(picture.data()[c]) - double(view.truth.data()[c])) / 255;
+        triangle.sum += difference * difference;
+      }
+    }
+    const double share = 1.0 / static_cast<double>(views.size());
+    result.foretold_psnr_db -= share * 10 * std::log10(foretold_sum / static_cast<double>(pixels));
+    result.psnr_db += share * squared_error(picture, view.truth, view.inside).psnr_db();
+    for (std::size_t t = 0; t < errors.size(); ++t) {
+      if (errors[t].pixels < kFewestPixels) continue;
+      foretold.push_back(expected[t]);
+      by_paper.push_back(heuristic[t]);
+      measured.push_back(errors[t].rms());
+    }
+  }
+  result.rank_correlation = rank_correlation(foretold, measured);
+  result.paper_rank_correlation = rank_correlation(by_paper, measured);
+  return result;
+}
+
+}  // namespace sheen

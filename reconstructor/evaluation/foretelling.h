@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "reconstructor/evaluation/held_out.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
+
+namespace sheen {
+
+/// How far what a model says of its own errors (`SurfaceQuality::error`) is true of views that it never saw.
+struct Foretelling {
+  double foretold_psnr_db = 0;  ///< by the errors foretold of the object's pixels, encoded; mean over views
+  double psnr_db = 0;           ///< what it is; mean over views
+  /// Spearman's correlation of the error foretold of a triangle in a view with the RMS error there, over all that show
+  /// four pixels or more away from the edge of the object; NaN where there are none.
+  double rank_correlation = 0;
+  double paper_rank_correlation = 0;  ///< the same of the paper's heuristic (000 sec. 3.3)
+};
+Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const SurfaceLightFieldSnapshot& model,
+                              const RayPainter& painter);
+
+/// Of two lists of the same length, equal values sharing their ranks; NaN where one of them does not vary.
+double rank_correlation(std::span<const double> a, std::span<const double> b);
+
+}  // namespace sheen

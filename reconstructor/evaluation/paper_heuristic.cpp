@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/evaluation/paper_heuristic.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheen {
+namespace {
+
+// A view-map triangle as large as this says that no image is near: views about 40 degrees apart.
+constexpr float kSparseArea = 0.25f;
+// A ring whose new images still bring this share of their norm that the model did not know is as bad as can be.
+constexpr float kHighResidual = 0.25f;
+
+struct Terms {
+  float projection = 1, hemisphere = 1;
+  bool seen = false;
+};
+
+Terms assess(const RingSnapshot& ring, const ViewTriangulation& views, const Eigen::Vector3f& direction) {
+  const ViewTriangulation::Location at = views.locate(hemisphere_point(ring.frame, direction));
+  return {.projection = std::min(1.0f, ring.residual / kHighResidual),
+          .hemisphere = at.triangle < 0 ? 1.0f : std::min(1.0f, views.area(at.triangle) / kSparseArea),
+          .seen = true};
+}
+
+}  // namespace
+
+PaperHeuristic::PaperHeuristic(const SurfaceLightFieldSnapshot& snapshot)
+    : snapshot_(snapshot), views_(snapshot.ring_data().size()) {
+  tbb::parallel_for(std::size_t{0}, views_.size(), [&](std::size_t v) {
+    const RingSnapshot* ring = snapshot_.ring_data()[v].get();
+    if (ring && ring->rank() > 0) views_[v] = triangulate_views(ring->frame, ring->directions);
+  });
+}
+
+std::vector<float> PaperHeuristic::seen_from(const Eigen::Vector3d& eye) const {
+  const Mesh& mesh = snapshot_.mesh();
+  std::vector<Terms> rings(views_.size());
+  tbb::parallel_for(std::size_t{0}, rings.size(), [&](std::size_t v) {
+    const RingSnapshot* ring = snapshot_.ring_data()[v].get();
+    if (ring && ring->rank() > 0)
+      rings[v] = assess(*ring, views_[v], (eye.cast<float>() - mesh.vertices[v]).normalized());
+  });
+  std::vector<float> heuristic;
+  heuristic.reserve(mesh.triangles.size());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const float projection = (rings[a].projection + rings[b].projection + rings[c].projection) / 3;
+    const float hemisphere = (rings[a].hemisphere + rings[b].hemisphere + rings[c].hemisphere) / 3;
+    const bool seen = rings[a].seen && rings[b].seen && rings[c].seen;
+    heuristic.push_back(seen ? std::sqrt(0.5f * (projection * projection + hemisphere * hemisphere)) : 1.0f);
+  }
+  return heuristic;
+}
+
+}  // namespace sheen

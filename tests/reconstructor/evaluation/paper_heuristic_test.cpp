@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/evaluation/paper_heuristic.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "tests/support/test_meshes.h"
+
+namespace sheen {
+namespace {
+
+/// Three views close round the normal: a small triangle on the view map, and large ones.
+std::shared_ptr<RingSnapshot> ring_of_three(float residual) {
+  auto ring = std::make_shared<RingSnapshot>();
+  ring->frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
+  ring->basis = Eigen::MatrixXf::Ones(3, 1);
+  ring->residual = residual;
+  ring->directions.resize(3, 3);
+  for (int j = 0; j < 3; ++j) {
+    const float angle = 2.0f * static_cast<float>(j);
+    ring->directions.col(j) = Eigen::Vector3f(0.2f * std::cos(angle), 0.2f * std::sin(angle), 1).normalized();
+  }
+  return ring;
+}
+
+/// A square of two triangles whose corners have these residuals; negative: no image showed the ring.
+std::vector<float> heuristic(const std::array<float, 4>& residuals, const Eigen::Vector3d& eye) {
+  const auto mesh = std::make_shared<Mesh>(square_mesh(1e-3f, 0, 1));
+  const auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>(2, 2));
+  std::vector<std::shared_ptr<const RingSnapshot>> data(4);
+  for (std::size_t v = 0; v < 4; ++v)
+    if (residuals[v] >= 0) data[v] = ring_of_three(residuals[v]);
+  const SurfaceLightFieldSnapshot snapshot(mesh, rings, data, 1);
+  return PaperHeuristic(snapshot).seen_from(eye);
+}
+
+/// Of the three views, over what counts as no view near.
+float small_area() {
+  const auto ring = ring_of_three(0);
+  const auto at = [&](int j) { return hemisphere_point(ring->frame, ring->directions.col(j)); };
+  const Eigen::Vector2f u = at(1) - at(0), v = at(2) - at(0);
+  return 0.5f * std::abs(u.x() * v.y() - u.y() * v.x()) / 0.25f;
+}
+
+TEST(PaperHeuristic, IsTheRootOfTheMeanOfBothSquares) {
+  const std::vector<float> above = heuristic({0.15f, 0.15f, 0.15f, 0.15f}, {0, 0, 100});
+  ASSERT_EQ(above.size(), 2u);
+  EXPECT_NEAR(above[0], std::sqrt(0.5 * (0.6 * 0.6 + small_area() * small_area())), 2e-3)
+      << "a quarter of the norm counts as not known at all";
+  const std::vector<float> aside = heuristic({0.15f, 0.15f, 0.15f, 0.15f}, {90, 0, 40});
+  EXPECT_NEAR(aside[0], std::sqrt(0.5 * (0.6 * 0.6 + 1)), 1e-5) << "no view near";
+  EXPECT_NEAR(heuristic({1, 1, 1, 1}, {90, 0, 40})[0], 1, 1e-6);
+}
+
+TEST(PaperHeuristic, OfATriangleIsOfTheMeanOfItsRingsAndOneWithAnUnseenOne) {
+  const auto mesh = square_mesh(1e-3f, 0, 1);
+  const auto& [a, b, c] = mesh.triangles[0];
+  std::array<float, 4> residuals{0, 0, 0, 0};
+  residuals[a] = 0.05f;
+  residuals[b] = 0.1f;
+  residuals[c] = 0.15f;  // 0.2, 0.4, 0.6 of what counts
+  EXPECT_NEAR(heuristic(residuals, {90, 0, 40})[0], std::sqrt(0.5 * (0.4 * 0.4 + 1)), 1e-5);
+  residuals[b] = -1;
+  EXPECT_EQ(heuristic(residuals, {0, 0, 100})[0], 1);
+}
+
+}  // namespace
+}  // namespace sheen
