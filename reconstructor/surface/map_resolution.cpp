@@ -3,14 +3,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sheen {
+namespace {
+
+constexpr int kLargest = std::numeric_limits<std::uint8_t>::max();
+
+}  // namespace
 
 std::vector<std::uint8_t> map_resolution(const Mesh& mesh, const Camera& camera, const Rigid3& camera_from_object,
                                          const MapResolutionOptions& options) {
   if (options.fixed > 0)
     return std::vector<std::uint8_t>(
-        mesh.triangles.size(), static_cast<std::uint8_t>(std::max(std::lround(options.scale * options.fixed), 2l)));
+        mesh.triangles.size(),
+        static_cast<std::uint8_t>(std::clamp<long>(std::lround(options.scale * options.fixed), 2, kLargest)));
   const BoundingSphere bounds = bounding_sphere(mesh);
   const double distance = std::max((camera_centre(camera_from_object) - bounds.centre).norm(), 1e-9);
   const double pixels_per_metre = std::sqrt(camera.fx * camera.fy) / distance;
@@ -19,7 +26,9 @@ std::vector<std::uint8_t> map_resolution(const Mesh& mesh, const Camera& camera,
     const Eigen::Vector3f a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
     const double edge = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     const int side = static_cast<int>(std::lround(options.scale * edge * pixels_per_metre)) + 1;
-    resolution[t] = static_cast<std::uint8_t>(std::clamp(side, options.smallest, options.largest));
+    // A large triangle is not to blur: two pixels a sample at least.
+    const int largest = std::min(std::max(options.largest, (side + 1) / 2), kLargest);
+    resolution[t] = static_cast<std::uint8_t>(std::clamp(side, options.smallest, largest));
   }
   return resolution;
 }

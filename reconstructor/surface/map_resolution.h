@@ -12,7 +12,7 @@ namespace sheen {
 
 struct MapResolutionOptions {
   int fixed = 0;                   ///< the same side for every triangle; 0 = from the footprint of a pixel
-  int smallest = 4, largest = 24;  ///< bounds of the choice by footprint
+  int smallest = 4, largest = 24;  ///< bounds of the choice by footprint; but at least a sample for two pixels, to 255
   double scale = 1;                ///< of the side, fixed or chosen
 };
 

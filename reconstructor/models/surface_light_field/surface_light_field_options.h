@@ -17,7 +17,7 @@ enum class ExposureCompensation {
 struct SurfaceLightFieldOptions {
   /// Side of a triangle's surface map; 0 = from the footprint of a pixel in the first image.
   int surface_map = 0;
-  int min_surface_map = 4, max_surface_map = 24;  ///< bounds of the choice by footprint
+  int min_surface_map = 4, max_surface_map = 24;  ///< bounds of the choice by footprint (MapResolutionOptions)
   double map_scale = 1;                           ///< of the side, given or chosen
   Sampling sampling = Sampling::kCubic;
   int hold_out_every = 8;  ///< every Nth image of a source is held out; 0 = none

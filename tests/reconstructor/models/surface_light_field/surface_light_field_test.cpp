@@ -48,6 +48,14 @@ TEST(SurfaceLightField, ADiffuseSphereHasRankOneAndIsReproduced) {
   EXPECT_GT(compare(*model.snapshot(), scene, unseen_eyes()).psnr_db(), 40);
 }
 
+TEST(SurfaceLightField, APrintOnTwoLargeTrianglesIsNotBlurred) {
+  const Object two{std::make_shared<Mesh>(square_mesh(0.1f, 0, 1)), analytic::square(0.1, 0)};
+  const Scene print{two.surface, analytic::diffuse(0.02)};  // waves of ten pixels, on edges of a hundred and more
+  SurfaceLightField model(two.mesh, plain_options());
+  ingest_all(model, captures(print, training_eyes()));
+  EXPECT_GT(compare(*model.snapshot(), print, unseen_eyes()).psnr_db(), 30);
+}
+
 TEST(SurfaceLightField, TwoTermsOfViewDependenceAreRecovered) {
   const Object object = square_object();
   const Scene scene{object.surface, analytic::two_terms(0.2)};
