@@ -46,8 +46,7 @@ const char* to_string(QualityReason reason);
 /// What is known of a part of the surface from one direction.
 struct SurfaceQuality {
   bool seen = false;
-  float error =
-      0.14f;  ///< RMS of encoded values by which the model is expected to be wrong from there; 0.14 of a guess
+  float error = 0.14f;        ///< RMS of encoded values by which it is expected to be wrong; 0.14 of a guess
   float nearest_cosine = -1;  ///< of the angle to the nearest image's direction
   float best_cosine = 0;      ///< of the most frontal image; 0..1
 

@@ -31,7 +31,8 @@ QualityReason SurfaceQuality::reason() const {
 SurfaceQuality assess_ring(const RingSnapshot& ring, const Eigen::Vector3f& direction, float common_sill) {
   SurfaceQuality quality;
   const auto shown = [](std::uint8_t share) { return share > 0; };
-  if (ring.rank() == 0 || std::none_of(ring.shown.begin(), ring.shown.end(), shown)) return quality;
+  if (ring.rank() == 0 || ring.directions.cols() == 0 || std::none_of(ring.shown.begin(), ring.shown.end(), shown))
+    return quality;
   quality.seen = true;
   const auto views = static_cast<float>(ring.directions.cols());
   const float sill = (views * ring.sill + kCommonViews * common_sill) / (views + kCommonViews);

@@ -99,7 +99,9 @@ void RingSnapshot::set_interpolation(ViewInterpolant interpolant, const ViewKern
   drift = std::move(interpolant.drift);
   if (drift.size() > 0) reflection = std::move(shared);
   const auto samples = std::count_if(shown.begin(), shown.end(), [](std::uint8_t share) { return share > 0; });
-  sill = static_cast<float>(interpolant.sill / (3.0 * static_cast<double>(std::max<std::ptrdiff_t>(samples, 1))));
+  const double values = 3.0 * static_cast<double>(std::max<std::ptrdiff_t>(samples, 1));
+  constexpr double kMostSill = 1e6;  // of images without bounds: what files hold, and as bad as can be
+  sill = static_cast<float>(std::min(interpolant.sill / values, kMostSill));
 }
 
 Eigen::VectorXf RingSnapshot::coefficients(const Eigen::Vector3f& direction) const {

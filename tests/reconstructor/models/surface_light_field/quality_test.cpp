@@ -99,6 +99,18 @@ TEST(Quality, AGuessIsUnseen) {
   ring.shown = {0};
   EXPECT_FALSE(assess_ring(ring, Eigen::Vector3f::UnitZ(), 0.01f).seen) << "its colour is a neighbour's";
   EXPECT_FALSE(assess_ring(RingSnapshot(), Eigen::Vector3f::UnitZ(), 0.01f).seen) << "a ring without a basis";
+  ring = ring_of_three();
+  ring.directions.resize(3, 0);
+  EXPECT_FALSE(assess_ring(ring, Eigen::Vector3f::UnitZ(), 0.01f).seen) << "a ring without views";
+}
+
+TEST(Quality, ASillWithoutBoundsIsAsBadAsCanBeAndFitsAFile) {
+  RingSnapshot ring = ring_of_three();
+  ViewInterpolant interpolant;
+  interpolant.sill = 1e80;
+  ring.set_interpolation(interpolant, ring.kernel, nullptr);
+  EXPECT_EQ(ring.sill, 1e6f);
+  EXPECT_EQ(assess_ring(ring, Eigen::Vector3f::UnitZ(), ring.sill).heuristic(), 1);
 }
 
 TEST(Quality, FallsFromOneAsImagesCome) {
