@@ -35,7 +35,7 @@ ImageU8 thumbnail(const ImageU8& image, int width) {
 }
 
 TrackerLink link_of(const LoopStatus& status, const std::optional<MonitorState::Clock::time_point>& last) {
-  if (status.link.ended) return TrackerLink::kNone;
+  if (status.link.ended) return TrackerLink::kEnded;
   if (!last) return TrackerLink::kWaiting;
   const bool fresh = MonitorState::Clock::now() - *last < kStaleAfter;
   return status.link.connected && fresh ? TrackerLink::kConnected : TrackerLink::kStale;

@@ -73,6 +73,8 @@ Line tracker_line(TrackerLink link) {
       return {"tracker", "connected", kGreen};
     case TrackerLink::kStale:
       return {"tracker", "STALE: no sign of it", kRed};
+    case TrackerLink::kEnded:
+      return {"tracker", "the capture has ended", kDim};
     case TrackerLink::kNone:
       break;
   }

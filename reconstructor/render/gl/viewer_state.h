@@ -18,6 +18,7 @@ enum class TrackerLink {
   kWaiting,    ///< listening; no tracker has come yet
   kConnected,  ///< frames or heartbeats arrive
   kStale,      ///< the tracker fell silent: what is on the screen is old
+  kEnded,      ///< the capture has ended: no more images come
 };
 
 /// Counts and figures of a running capture. Refusals have the short words of `IngestReport::reason` as keys.
