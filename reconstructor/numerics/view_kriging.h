@@ -42,8 +42,8 @@ struct ViewInterpolant {
   Eigen::VectorXf drift;    ///< rank; empty without a drift
   /// Sum over views of their reliability times the squared error of predicting each from the others (closed form).
   double leave_one_out = 0;
-  /// Scale of the covariance, summed over terms: mean over views of that squared error, each over what the kernel lets
-  /// expect of it (`prediction_variance`). 0 with one view.
+  /// Scale of the covariance, summed over terms: that error over what the kernel lets expect of it, the same sum of the
+  /// variances of such predictions. 0 with one view.
   double sill = 0;
 };
 
