@@ -145,17 +145,16 @@ void print_baselines(const Scores& light_field, const BaselineScores& baselines)
 
 json foretelling_report(const Foretelling& foretelling) {
   return {{"foretold_psnr_db", number(foretelling.foretold_psnr_db)},
-          {"psnr_db", number(foretelling.psnr_db)},
           {"rank_correlation", number(foretelling.rank_correlation)},
           {"paper_rank_correlation", number(foretelling.paper_rank_correlation)}};
 }
 
-void print_foretelling(const Foretelling& foretelling) {
+void print_foretelling(const Foretelling& foretelling, const Scores& measured) {
   std::printf(
       "foretold of these views, inside the object: %.2f dB, measured %.2f dB; rank correlation with the errors of "
       "their triangles: %.2f (the paper's "
       "heuristic: %.2f)\n",
-      foretelling.foretold_psnr_db, foretelling.psnr_db, foretelling.rank_correlation,
+      foretelling.foretold_psnr_db, measured.psnr_inside_db, foretelling.rank_correlation,
       foretelling.paper_rank_correlation);
 }
 

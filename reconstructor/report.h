@@ -29,7 +29,7 @@ void print_baselines(const Scores& light_field, const BaselineScores& baselines)
 
 nlohmann::json foretelling_report(const Foretelling& foretelling);
 /// A line for a person: what the model said of its errors, and whether it was so.
-void print_foretelling(const Foretelling& foretelling);
+void print_foretelling(const Foretelling& foretelling, const Scores& measured);
 
 /// One line for a person: held-out figures beside the constant colour's.
 void print_summary(const nlohmann::json& report);

@@ -69,7 +69,7 @@ void evaluate(const EvaluateArguments& arguments) {
   print_summary(report);
   const Foretelling foretelling = judge_foretelling(views, *model, painter);
   report["foretelling"] = foretelling_report(foretelling);
-  print_foretelling(foretelling);
+  print_foretelling(foretelling, light_field);
   if (arguments.baselines) {
     const BaselineScores baselines{
         constant_scores, score(views, *PhotographSet::nearest_photograph(photographs, constant), painter),

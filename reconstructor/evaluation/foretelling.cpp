@@ -70,9 +70,8 @@ Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const Surfa
         triangle.sum += difference * difference;
       }
     }
-    const double share = 1.0 / static_cast<double>(views.size());
-    result.foretold_psnr_db -= share * 10 * std::log10(foretold_sum / static_cast<double>(pixels));
-    result.psnr_db += share * squared_error(picture, view.truth, view.inside).psnr_db();
+    result.foretold_psnr_db -=
+        10 * std::log10(foretold_sum / static_cast<double>(pixels)) / static_cast<double>(views.size());
     for (std::size_t t = 0; t < errors.size(); ++t) {
       if (errors[t].pixels < kFewestPixels) continue;
       foretold.push_back(expected[t]);
