@@ -5,9 +5,12 @@
 #include <stdlib.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <stop_token>
+#include <thread>
 
 #include "common/image_io.h"
 #include "reconstructor/monitor/monitor_server.h"
@@ -55,6 +58,24 @@ std::string browse(const std::string& arguments) {
   return output;
 }
 
+/// Publishes a state again and again, as a reconstructor does: a browser may take longer to start than the few seconds
+/// after which a reconstructor that says nothing is called stalled.
+class Publisher {
+ public:
+  Publisher(MonitorServer& server, const MonitorState& state) {
+    server.publish(state);
+    thread_ = std::jthread([&server, state](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        server.publish(state);
+      }
+    });
+  }
+
+ private:
+  std::jthread thread_;
+};
+
 std::string element(const std::string& id, const std::string& text) {
   return "id=\"" + id + "\">" + text + "<";
 }
@@ -83,7 +104,7 @@ TEST_F(MonitorPage, ShowsWhatWasPublished) {
   MonitorState state = sample_monitor_state();
   state.preview_jpeg = std::make_shared<const std::string>(jpeg_of(200, 120, 60));
   state.links.push_back({"viewer", "tcp://192.0.2.7:7411", false, true, "refused: unknown key"});
-  server.publish(state);
+  const Publisher publisher(server, state);
 
   const std::string page = browse("--dump-dom " + server.url());
   EXPECT_THAT(page, HasSubstr("data-state=\"disconnected\""));
@@ -106,7 +127,7 @@ TEST_F(MonitorPage, TextFromElsewhereStaysText) {
   MonitorState state = sample_monitor_state();
   state.refused = {{"<img src=x onerror=\"document.title='taken'\">", 4}};
   state.links[0].last_error = "<script>document.title='taken'</script>";
-  server.publish(state);
+  const Publisher publisher(server, state);
   const std::string page = browse("--dump-dom '" + server.url() + "?token=0123456789abcdef'");
   EXPECT_THAT(page, HasSubstr("&lt;img src=x"));
   EXPECT_THAT(page, HasSubstr("&lt;script&gt;document.title"));
@@ -132,7 +153,7 @@ TEST_F(MonitorPage, DrawsTheCurve) {
   state.preview_jpeg = std::make_shared<const std::string>(jpeg_of(200, 120, 60));
   state.camera_jpeg = std::make_shared<const std::string>(jpeg_of(180, 130, 80));
   const auto screenshot = [&](const std::string& name) {
-    server.publish(state);
+    const Publisher publisher(server, state);
     const std::filesystem::path file = folder / name;
     browse("--window-size=1280,1560 --screenshot='" + file.string() + "' " + server.url());
     return accent_pixels(file);
