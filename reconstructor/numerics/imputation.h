@@ -2,24 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
-#include <span>
-
-#include "reconstructor/numerics/row_panels.h"
 
 namespace sheen {
-
-inline constexpr int kPatternColumns = 64;  ///< that one word a row speaks of
-
-/// B_known^T B_known of columns that show only some rows: rank^2 x columns, a matrix a column.
-///
-/// basis: orthonormal columns. hidden: a row; bit j is set when column j does not show it.
-///
-/// Rows that are hidden in the same columns are summed once, so it costs one Gram matrix of the basis and a product
-/// with the patterns; over the hidden rows of a column (I minus) or its known ones, whichever are fewer.
-template <typename Scalar>
-Eigen::MatrixXd known_grams(const row_panels::Columns<const Scalar>& basis, std::span<const std::uint64_t> hidden,
-                            int columns);
 
 /// noise * prior^-1. `prior`: rank x rank, covariance of the coefficients of a column; directions that have hardly been
 /// used are given a little. `noise`: variance of a known row, in units of `prior`.

@@ -106,7 +106,8 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::split_residua
   Reports reports(count);
   block.overlap = row_panels::inner_products(columns(basis_, rank_), columns(buffer_, count), buffer_.rows());
   block.inside += block.overlap;
-  block.residual2 = row_panels::squared_norms(columns(buffer_, count), buffer_.rows());
+  const VectorXd norm2 = row_panels::squared_norms(columns(buffer_, count), buffer_.rows());
+  block.residual2 = norm2;
   double energy_after = energy();
   for (int j = 0; j < count; ++j) {
     double& residual2 = block.residual2[j];
@@ -120,7 +121,7 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::split_residua
   block.to_directions = MatrixXd::Zero(count, 0);
   if (lost_ + block.lost <= kShareOfBudgetOnTheWay * options_.tolerance * options_.tolerance * energy_after)
     return reports;
-  MatrixXd gram = row_panels::gram(columns(buffer_, count), buffer_.rows());
+  MatrixXd gram = row_panels::gram(columns(buffer_, count), buffer_.rows(), norm2);
   gram.noalias() -= block.overlap.transpose() * block.overlap;
   Orthonormalised residuals = orthonormalise(std::move(gram), block.residual2, kSmallestPivot<Scalar>);
   block.to_directions = std::move(residuals.to_directions);
@@ -298,11 +299,11 @@ void BasicRingFactor<Scalar>::apply(Turn& turn, const Block& block) {
     basis_ = std::move(turned);
   }
 
-  const Matrix turned = (from_basis + half).transpose().template cast<Scalar>() * coefficients_;
+  Matrix turned = (from_basis + half).transpose().template cast<Scalar>() * coefficients_;
   for (Eigen::Index v = 0; v < turned.cols(); ++v)  // in double: coefficients have the scale of their columns
     views_[v].lost += std::max(0.0, coefficients_.col(v).template cast<double>().squaredNorm() -
                                         turned.col(v).template cast<double>().squaredNorm());
-  coefficients_ = turned;
+  coefficients_ = std::move(turned);
   if (scatter_.size() > 0) scatter_ = ((from_basis + half).transpose() * scatter_ * (from_basis + half)).eval();
   gram_ = turn.spectrum.asDiagonal();
   gram_.topLeftCorner(displayed, displayed) =

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "reconstructor/numerics/imputation.h"
+#include "reconstructor/numerics/known_grams.h"
 #include "reconstructor/numerics/ring_factor.h"
 #include "reconstructor/numerics/row_panels.h"
 

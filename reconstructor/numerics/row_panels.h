@@ -65,6 +65,7 @@ struct Columns {
   Eigen::Index stride;
   int count;
   T* column(int j) const { return data + j * stride; }
+  Columns from(int j) const { return {column(j), stride, count - j}; }
 };
 
 template <typename Derived>
@@ -110,7 +111,8 @@ inline void add_lanes(const Vector<T> (&v)[Count], double* sums) {
 /// A lane sums this many products in the columns' own precision; those sums are added up in double.
 inline constexpr int kLaneProducts = 256;
 
-template <typename T, int A, int B>
+/// `Above`: of a square of A^T A, only what is above the diagonal; the rest of `out` is left as it is.
+template <typename T, int A, int B, bool Above = false>
 void inner_tile(const Columns<const T>& a, const Columns<const T>& b, Eigen::Index rows, double* out,
                 Eigen::Index out_stride) {
   constexpr int lanes = VectorOf<T>::kLanes;
@@ -123,13 +125,13 @@ void inner_tile(const Columns<const T>& a, const Columns<const T>& b, Eigen::Ind
       for (int j = 0; j < B; ++j) vb[j] = load_once(b.column(j) + r);
       for (int i = 0; i < A; ++i) {
         const Vector<T> va = load_once(a.column(i) + r);
-        for (int j = 0; j < B; ++j) acc[i + j * A] += va * vb[j];
+        for (int j = Above ? i + 1 : 0; j < B; ++j) acc[i + j * A] += va * vb[j];
       }
     }
     add_lanes<T>(acc, sums);
   }
   for (int j = 0; j < B; ++j)
-    for (int i = 0; i < A; ++i) out[i + j * out_stride] = sums[i + j * A];
+    for (int i = 0; i < (Above ? j : A); ++i) out[i + j * out_stride] = sums[i + j * A];
 }
 
 template <typename T, int A, int B>
@@ -144,20 +146,13 @@ void inner_remainder(const Columns<const T>& a, const Columns<const T>& b, Eigen
   inner_tile<T, A, B>(a, b, rows, out, out_stride);
 }
 
-/// A^T B, in double. `symmetric`: A and B are the same columns.
+/// A^T B, in double.
 template <typename T>
-Eigen::MatrixXd inner_products(const Columns<const T>& a, const Columns<const T>& b, Eigen::Index rows,
-                               bool symmetric = false) {
+Eigen::MatrixXd inner_products(const Columns<const T>& a, const Columns<const T>& b, Eigen::Index rows) {
   Eigen::MatrixXd out(a.count, b.count);
   for (int i = 0; i < a.count; i += kDotA)
-    for (int j = 0; j < b.count; j += kDotB) {
-      if (symmetric && j + kDotB <= i) continue;
-      inner_remainder<T, kDotA, kDotB>({a.column(i), a.stride, a.count - i}, {b.column(j), b.stride, b.count - j}, rows,
-                                       &out(i, j), out.rows());
-    }
-  if (symmetric)
-    for (int j = 0; j < b.count; ++j)
-      for (int i = j + 1; i < a.count; ++i) out(i, j) = out(j, i);
+    for (int j = 0; j < b.count; j += kDotB)
+      inner_remainder<T, kDotA, kDotB>(a.from(i), b.from(j), rows, &out(i, j), out.rows());
   return out;
 }
 
@@ -189,12 +184,32 @@ Eigen::VectorXd squared_norms(const Columns<const T>& columns, Eigen::Index rows
   return out;
 }
 
-/// A^T A, in double.
+/// A^T A above its diagonal, of the first A columns or of all if they are fewer.
+template <typename T, int A>
+void products_above_diagonal(const Columns<const T>& a, Eigen::Index rows, double* out, Eigen::Index out_stride) {
+  if constexpr (A > 1) {
+    if (a.count < A) return products_above_diagonal<T, A - 1>(a, rows, out, out_stride);
+    inner_tile<T, A, A, true>(a, a, rows, out, out_stride);
+  }
+}
+
+/// A^T A, in double. `norms2`: the squared norms of its columns.
+template <typename T>
+Eigen::MatrixXd gram(const Columns<const T>& a, Eigen::Index rows, const Eigen::VectorXd& norms2) {
+  Eigen::MatrixXd out(a.count, a.count);
+  for (int i = 0; i < a.count; i += kDotB) {
+    products_above_diagonal<T, kDotB>(a.from(i), rows, &out(i, i), out.rows());
+    for (int j = i + kDotB; j < a.count; j += kDotB)
+      inner_remainder<T, kDotB, kDotB>(a.from(i), a.from(j), rows, &out(i, j), out.rows());
+  }
+  out.diagonal() = norms2;
+  for (int j = 0; j < a.count; ++j)
+    for (int i = j + 1; i < a.count; ++i) out(i, j) = out(j, i);
+  return out;
+}
 template <typename T>
 Eigen::MatrixXd gram(const Columns<const T>& a, Eigen::Index rows) {
-  Eigen::MatrixXd out = inner_products(a, a, rows, true);
-  out.diagonal() = squared_norms(a, rows);
-  return out;
+  return gram(a, rows, squared_norms(a, rows));
 }
 
 /// R vectors of rows of J columns. (Unrolled early, or gcc 12 keeps the sums in memory.)
@@ -248,23 +263,28 @@ void combine_panel(const Columns<const T>& a, const Columns<const T>& p,
     for (int v = 0; v < R; ++v) store(out.column(j) + v * lanes, load(to.column(j) + v * lanes));
 }
 
+/// Whole panels of R vectors of rows from `row` on, then what is left in smaller ones.
+template <typename T, int R>
+void combine_rows(const Columns<const T>& a, const Columns<const T>& p,
+                  const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>& m, Eigen::Index row, Eigen::Index rows,
+                  const Columns<T>& out, bool add, T* scratch) {
+  constexpr int panel = R * VectorOf<T>::kLanes;
+  const auto from = [](auto columns, Eigen::Index first) {
+    if (columns.count > 0) columns.data += first;  // none may be nowhere
+    return columns;
+  };
+  for (; row + panel <= rows; row += panel)
+    combine_panel<T, R>(from(a, row), from(p, row), m, from(out, row), add, scratch);
+  if constexpr (R > 1) combine_rows<T, R / 2>(a, p, m, row, rows, out, add, scratch);
+}
+
 /// out = [A P] M, where `out` may be the same memory as A or P; or out += [A P] M, where it may not.
 template <typename T>
 void combine(const Columns<const T>& a, const Columns<const T>& p,
              const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>& m, Eigen::Index rows, const Columns<T>& out,
              bool add = false) {
-  constexpr int lanes = VectorOf<T>::kLanes;
-  constexpr int panel = kCombineRows * lanes;
-  Eigen::Matrix<T, Eigen::Dynamic, 1> scratch(panel * out.count);
-  const auto from = [](auto columns, Eigen::Index row) {
-    if (columns.count > 0) columns.data += row;  // none may be nowhere
-    return columns;
-  };
-  Eigen::Index row = 0;
-  for (; row + panel <= rows; row += panel)
-    combine_panel<T, kCombineRows>(from(a, row), from(p, row), m, from(out, row), add, scratch.data());
-  for (; row < rows; row += lanes)
-    combine_panel<T, 1>(from(a, row), from(p, row), m, from(out, row), add, scratch.data());
+  Eigen::Matrix<T, Eigen::Dynamic, 1> scratch(kCombineRows * VectorOf<T>::kLanes * out.count);
+  combine_rows<T, kCombineRows>(a, p, m, 0, rows, out, add, scratch.data());
 }
 
 }  // namespace sheen::row_panels

@@ -7,8 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <utility>
 #include <vector>
+
+#include "reconstructor/numerics/row_panels.h"
 
 namespace sheen {
 namespace {
@@ -19,7 +20,7 @@ using Eigen::VectorXd;
 using Eigen::VectorXf;
 
 /// A drift that the views hardly tell from a constant cannot be fitted.
-constexpr double kLeastDrift = 1e-6;
+constexpr float kLeastDrift = 1e-6;
 
 /// `evaluate` of each angle.
 MatrixXf covariances(const MatrixXf& angles, const ViewKernel& kernel) {
@@ -28,33 +29,57 @@ MatrixXf covariances(const MatrixXf& angles, const ViewKernel& kernel) {
   return (1 + t) * (-t).exp();
 }
 
-/// Inverse of a positive definite matrix, of which a few rows and columns at a time are exchanged for their own (sweep
-/// operator): for some tens of rows quicker than a factorization.
-MatrixXd inverse(MatrixXd m) {
-  constexpr Eigen::Index kAtOnce = 8;
-  for (Eigen::Index first = 0; first < m.cols(); first += kAtOnce) {
-    const Eigen::Index count = std::min(kAtOnce, m.cols() - first);
-    const MatrixXd columns = m.middleCols(first, count);
-    const MatrixXd pivot = columns.middleRows(first, count).llt().solve(MatrixXd::Identity(count, count));
-    const MatrixXd swept = columns * pivot;
-    m.noalias() -= swept * columns.transpose();
-    m.middleCols(first, count) = swept;
-    m.middleRows(first, count) = swept.transpose();
-    m.block(first, first, count, count) = -pivot;
+template <typename Scalar>
+using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+template <typename Scalar>
+using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+
+/// Inverse of a small positive definite matrix: rows and columns are exchanged for their own one after the other.
+template <typename Scalar, int Size>
+Eigen::Matrix<Scalar, Size, Size> small_inverse(Eigen::Matrix<Scalar, Size, Size> m) {
+  for (int k = 0; k < Size; ++k) {
+    const Eigen::Matrix<Scalar, Size, 1> column = m.col(k), swept = column / column[k];
+    m.noalias() -= swept * column.transpose();
+    m.col(k) = swept;
+    m.row(k) = swept.transpose();
+    m(k, k) = -1 / column[k];
   }
   return -m;
 }
 
+/// The same for some tens of rows, a few at a time: quicker than a factorization.
+template <typename Scalar>
+Matrix<Scalar> inverse(const Matrix<Scalar>& positive) {
+  constexpr int kAtOnce = 8;
+  using Columns = Eigen::Matrix<Scalar, Eigen::Dynamic, kAtOnce>;
+  const Eigen::Index n = positive.cols(), whole = (n + kAtOnce - 1) / kAtOnce * kAtOnce;
+  Matrix<Scalar> m = Matrix<Scalar>::Identity(row_panels::padded(n), whole);  // what is added is its own inverse
+  m.topLeftCorner(n, n) = positive;
+  for (Eigen::Index first = 0; first < whole; first += kAtOnce) {
+    const Columns columns = m.middleCols(first, kAtOnce);
+    const auto pivot = small_inverse<Scalar, kAtOnce>(columns.template middleRows<kAtOnce>(first));
+    const Columns swept = columns.lazyProduct(pivot);
+    const Matrix<Scalar> minus_swept = -swept.topRows(whole).transpose();
+    row_panels::combine<Scalar>(row_panels::columns(columns, kAtOnce), {}, minus_swept, m.rows(),
+                                {m.data(), m.rows(), static_cast<int>(whole)}, true);
+    m.middleCols(first, kAtOnce) = swept;
+    m.middleRows(first, kAtOnce) = -minus_swept;
+    m.block(first, first, kAtOnce, kAtOnce) = -pivot;
+  }
+  return -m.topLeftCorner(n, n);
+}
+
 /// Kriging in matrices: Q is the inverse of the covariance of the views, and Z = Q - Q 1 1^T Q / (1^T Q 1). With a
 /// drift f it is projected out as well: Z - Z f f^T Z / (f^T Z f). The error of view i left out is (Y Z)_i / Z_ii.
+template <typename Scalar>
 class Kriging {
  public:
   Kriging(const MatrixXf& angles, const Eigen::Ref<const MatrixXf>& coefficients,
           const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel)
-      : y_(coefficients.cast<double>()), reliability_(reliability.cast<double>()) {
-    MatrixXd covariance = covariances(angles, kernel).cast<double>();
+      : y_(coefficients.template cast<Scalar>()), reliability_(reliability.template cast<Scalar>()) {
+    Matrix<Scalar> covariance = covariances(angles, kernel).template cast<Scalar>();
     covariance.diagonal() += (kernel.nugget * reliability_.cwiseInverse());
-    q_ = inverse(std::move(covariance));
+    q_ = inverse(covariance);
     row_sums_ = q_.rowwise().sum();
     total_ = row_sums_.sum();
     diagonal_ = q_.diagonal() - row_sums_.cwiseAbs2() / total_;
@@ -63,9 +88,10 @@ class Kriging {
 
   /// Takes the drift into account. False where it says nothing that a constant does not: nothing is done then.
   bool project_out(const VectorXf& drift) {
-    const VectorXd f = drift.cast<double>();
-    const VectorXd zf = q_ * f - row_sums_ * (row_sums_.dot(f) / total_);
-    const double power = f.dot(zf);
+    const Vector<Scalar> f = drift.template cast<Scalar>();
+    const Vector<Scalar> varying = f.array() - f.mean();  // Z takes a constant out, but for what rounding leaves of it
+    const Vector<Scalar> zf = q_ * varying - row_sums_ * (row_sums_.dot(varying) / total_);
+    const Scalar power = varying.dot(zf);
     if (!(power > kLeastDrift)) return false;
     factor_ = y_ * zf / power;
     weights_ -= factor_ * zf.transpose();
@@ -74,28 +100,29 @@ class Kriging {
     return true;
   }
 
-  const VectorXd& factor() const { return factor_; }    ///< of the drift: rank; empty without
-  const MatrixXd& weights() const { return weights_; }  ///< Y Z: rank x views
-  VectorXd mean() const { return y_ * row_sums_ / total_; }
+  const Vector<Scalar>& factor() const { return factor_; }    ///< of the drift: rank; empty without
+  const Matrix<Scalar>& weights() const { return weights_; }  ///< Y Z: rank x views
+  Vector<Scalar> mean() const { return y_ * row_sums_ / total_; }
 
   /// Sum over views of their reliability times the squared error of predicting each from the others.
-  double leave_one_out() const {
+  Scalar leave_one_out() const {
     return (reliability_.array() * weights_.colwise().squaredNorm().transpose().array() /
             diagonal_.array().max(kLeastDiagonal).square())
         .sum();
   }
   /// That over its expectation with a sill of 1: the variance of such a prediction is 1 / Z_ii.
-  double sill() const { return leave_one_out() / (reliability_.array() / diagonal_.array().max(kLeastDiagonal)).sum(); }
+  Scalar sill() const { return leave_one_out() / (reliability_.array() / diagonal_.array().max(kLeastDiagonal)).sum(); }
 
  private:
-  static constexpr double kLeastDiagonal = 1e-9;  // of a view that alone decides: nothing is left to predict it from
+  // Of a view that alone decides: nothing is left to predict it from, but for what rounding leaves.
+  static constexpr Scalar kLeastDiagonal = std::max<Scalar>(Scalar(1e-9), 100 * std::numeric_limits<Scalar>::epsilon());
 
-  MatrixXd y_;
-  VectorXd reliability_;
-  MatrixXd q_;
-  VectorXd diagonal_, row_sums_, factor_;
-  double total_;
-  MatrixXd weights_;
+  Matrix<Scalar> y_;
+  Vector<Scalar> reliability_;
+  Matrix<Scalar> q_;
+  Vector<Scalar> diagonal_, row_sums_, factor_;
+  Scalar total_;
+  Matrix<Scalar> weights_;
 };
 
 }  // namespace
@@ -128,7 +155,7 @@ ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const
   result.weights = MatrixXf::Zero(coefficients.rows(), n);
   if (n == 0) return result;
 
-  Kriging kriging(angles_between(directions), coefficients, reliability, kernel);
+  Kriging<double> kriging(angles_between(directions), coefficients, reliability, kernel);
   if (n > 2 && drift.size() > 0 && kriging.project_out(drift)) result.drift = kriging.factor().cast<float>();
   result.mean = kriging.mean().cast<float>();
   if (n == 1) return result;
@@ -138,18 +165,24 @@ ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const
   return result;
 }
 
+template <typename Scalar>
 LeaveOneOut leave_one_out(const MatrixXf& angles, const Eigen::Ref<const MatrixXf>& coefficients,
                           const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel,
                           const VectorXf& drift) {
   LeaveOneOut errors;
   errors.with_drift = std::numeric_limits<double>::infinity();
   if (angles.cols() < 2) return errors;
-  Kriging kriging(angles, coefficients, reliability, kernel);
+  Kriging<Scalar> kriging(angles, coefficients, reliability, kernel);
   errors.ordinary = kriging.leave_one_out();
   if (angles.cols() >= kFewestViewsWithDrift && drift.size() > 0 && kriging.project_out(drift))
     errors.with_drift = kriging.leave_one_out();
   return errors;
 }
+
+template LeaveOneOut leave_one_out<float>(const MatrixXf&, const Eigen::Ref<const MatrixXf>&,
+                                          const Eigen::Ref<const VectorXf>&, const ViewKernel&, const VectorXf&);
+template LeaveOneOut leave_one_out<double>(const MatrixXf&, const Eigen::Ref<const MatrixXf>&,
+                                           const Eigen::Ref<const VectorXf>&, const ViewKernel&, const VectorXf&);
 
 float prediction_variance(const Eigen::Matrix3Xf& directions, const ViewKernel& kernel,
                           const Eigen::Vector3f& direction) {

@@ -247,8 +247,9 @@ RingModel::Foretold RingModel::foretell(const Eigen::VectorXf& column, std::span
   if (rank() == 0) return foretold;
   const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
   const Eigen::Matrix3Xf directions = as_matrix(directions_);
-  const ViewInterpolant interpolant = krige(directions, all_coefficients(), reliability, interpolation_.kernel,
-                                            interpolation_.drift ? drift_of_views(normal) : Eigen::VectorXf());
+  const ViewInterpolant interpolant =
+      krige(directions, with_pending(factor_.displayed_coefficients()), reliability, interpolation_.kernel,
+            interpolation_.drift ? drift_of_views(normal) : Eigen::VectorXf());
   Eigen::VectorXf h = interpolate(interpolant, directions, interpolation_.kernel, direction);
   if (interpolant.drift.size() > 0) h += reflection_->at(direction, normal) * interpolant.drift;
   for (std::size_t s = 0; s < visible.size(); ++s) {
@@ -265,11 +266,17 @@ bool RingModel::can_choose_interpolation() const {
   return views() >= kFirstChoice;
 }
 
-/// Of all views, pending ones included: rank x views.
-Eigen::MatrixXf RingModel::all_coefficients() const {
+/// Those of the folded views, and of the pending ones: rank x views.
+Eigen::MatrixXf RingModel::with_pending(const Eigen::Ref<const Eigen::MatrixXf>& folded) const {
   Eigen::MatrixXf coefficients(rank(), views());
-  coefficients << factor_.displayed_coefficients(), factor_.pending_coefficients().topRows(rank());
+  coefficients << folded, factor_.pending_coefficients().topRows(rank());
   return coefficients;
+}
+
+/// Of all views. To tell how the ring varies, those that are at hand do: the ones that a picture is made of
+/// (`displayed_coefficients`) differ for views that hide rows alone, and cost as much again as all the comparing.
+Eigen::MatrixXf RingModel::known_coefficients() const {
+  return with_pending(factor_.coefficients().topRows(rank()));
 }
 
 /// Empty without a shared reflection.
@@ -281,7 +288,7 @@ Eigen::VectorXf RingModel::drift_of_views(const Eigen::Vector3f& normal) const {
 
 InterpolationErrors RingModel::interpolation_errors(const Eigen::Vector3f& normal) const {
   const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
-  return sheen::interpolation_errors(as_matrix(directions_), all_coefficients(), reliability, drift_of_views(normal));
+  return sheen::interpolation_errors(as_matrix(directions_), known_coefficients(), reliability, drift_of_views(normal));
 }
 
 void RingModel::set_interpolation(const ViewInterpolation& interpolation) {
@@ -305,7 +312,7 @@ RingLevels RingModel::levels(const Eigen::Vector3f& normal) const {
       mean += factor_.displayed_basis().middleRows<3>(static_cast<Eigen::Index>(3 * s));
       ++seen;
     }
-  return {normal, as_matrix(directions_), mean / static_cast<float>(std::max(seen, 1)) * all_coefficients(),
+  return {normal, as_matrix(directions_), mean / static_cast<float>(std::max(seen, 1)) * known_coefficients(),
           Eigen::Map<const Eigen::VectorXf>(reliability_.data(), views())};
 }
 

@@ -94,7 +94,8 @@ class RingModel {
 
   std::shared_ptr<const RingSnapshot> settled_snapshot(const Eigen::Matrix3f& frame,
                                                        std::span<const int> resolution) const;
-  Eigen::MatrixXf all_coefficients() const;
+  Eigen::MatrixXf with_pending(const Eigen::Ref<const Eigen::MatrixXf>& folded) const;
+  Eigen::MatrixXf known_coefficients() const;
   Eigen::VectorXf drift_of_views(const Eigen::Vector3f& normal) const;
   int choice_after(int images) const;
   int nearest_view(const Eigen::Vector3f& direction, int views, float& cosine) const;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -12,10 +13,12 @@ namespace {
 constexpr std::size_t kKernels = kViewKernels.size();
 
 constexpr double kOwnWeight = 3;  // of a ring and its neighbours against all rings
+// What single precision may leave of a squared error that is none, of coefficients that reach 1: such are alike.
+constexpr double kRounding = 1e-12;
 
 template <typename Errors>
 double least(const Errors& errors) {
-  return std::max<double>(*std::min_element(errors.begin(), errors.end()), 1e-30);
+  return *std::min_element(errors.begin(), errors.end());
 }
 
 /// A ring that could not try the drift says nothing for it nor against it.
@@ -30,16 +33,18 @@ InterpolationErrors interpolation_errors(const Eigen::Matrix3Xf& directions,
                                          const Eigen::Ref<const Eigen::VectorXf>& reliability,
                                          const Eigen::VectorXf& drift) {
   const Eigen::MatrixXf angles = angles_between(directions);
+  const float peak = std::max(coefficients.lpNorm<Eigen::Infinity>(), std::numeric_limits<float>::min());
+  const Eigen::MatrixXf scaled = coefficients / peak;  // whose squares neither overflow nor vanish
   std::array<double, 2 * kKernels> errors{};
   for (std::size_t k = 0; k < kKernels; ++k) {
-    const LeaveOneOut error = leave_one_out(angles, coefficients, reliability, kViewKernels[k], drift);
+    const LeaveOneOut error = leave_one_out<float>(angles, scaled, reliability, kViewKernels[k], drift);
     errors[k] = error.ordinary;
     errors[kKernels + k] = error.with_drift;
   }
   const double best = least(errors);
   InterpolationErrors relative{};
   std::transform(errors.begin(), errors.end(), relative.begin(),
-                 [&](double e) { return static_cast<float>(e / best); });
+                 [&](double e) { return static_cast<float>((e + kRounding) / (best + kRounding)); });
   return relative;
 }
 

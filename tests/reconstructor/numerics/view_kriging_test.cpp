@@ -135,6 +135,39 @@ TEST(ViewKriging, LeaveOneOutWithDriftMatchesLeavingOneOut) {
   }
 }
 
+TEST(ViewKriging, SinglePrecisionComparesKernelsAsDoubleDoes) {
+  for (const int n : {9, 40, 96}) {
+    Eigen::Matrix3Xf directions = some_directions(n, 4);
+    directions.col(1) = directions.col(0);  // the worst that the nugget has to hold apart
+    const Eigen::MatrixXf angles = angles_between(directions), y = gaussian_matrix(6, n, 5);
+    Eigen::VectorXf reliability = Eigen::VectorXf::Ones(n);
+    reliability[2] = 0.01f;
+    const Eigen::VectorXf varying = some_drift(directions);
+    const Eigen::VectorXf hardly = (0.5f + 0.01f * varying.array()).matrix();
+    for (const ViewKernel& kernel : kViewKernels)
+      for (const Eigen::VectorXf& f : {varying, hardly}) {
+        const LeaveOneOut exact = leave_one_out<double>(angles, y, reliability, kernel, f);
+        const LeaveOneOut quick = leave_one_out<float>(angles, y, reliability, kernel, f);
+        EXPECT_NEAR(quick.ordinary, exact.ordinary, 1e-5 * exact.ordinary);
+        EXPECT_NEAR(quick.with_drift, exact.with_drift, 1e-3 * exact.with_drift);
+      }
+  }
+}
+
+TEST(ViewKriging, AViewThatAloneTellsTheDriftDoesNotOutweighAllOthersInSinglePrecision) {
+  for (const int n : {6, 12, 40}) {
+    const Eigen::Matrix3Xf directions = some_directions(n, 4);
+    const Eigen::MatrixXf angles = angles_between(directions), y = gaussian_matrix(6, n, 5);
+    const Eigen::VectorXf ones = Eigen::VectorXf::Ones(n);
+    Eigen::VectorXf f = Eigen::VectorXf::Constant(n, 0.3f);
+    f[3] = 0.9f;
+    for (const ViewKernel& kernel : kViewKernels) {
+      const LeaveOneOut quick = leave_one_out<float>(angles, y, ones, kernel, f);
+      EXPECT_LT(quick.with_drift, 3 * quick.ordinary);
+    }
+  }
+}
+
 /// Of universal kriging, by its equations with a Lagrange multiplier (Cressie 1993, sec. 3.2).
 double variance_by_hand(const Eigen::Matrix3Xf& directions, const ViewKernel& kernel, const Eigen::Vector3f& at) {
   const Eigen::Index n = directions.cols();

@@ -26,6 +26,17 @@ InterpolationErrors best_at(std::size_t kernel, float others = 1.5f) {
   return errors;
 }
 
+/// Of views in a row, 0.1 rad apart.
+InterpolationErrors errors_of_row(const Eigen::MatrixXf& coefficients) {
+  const Eigen::Index n = coefficients.cols();
+  Eigen::Matrix3Xf directions(3, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const float angle = 0.1f * static_cast<float>(j);
+    directions.col(j) = Eigen::Vector3f(std::sin(angle), 0, std::cos(angle));
+  }
+  return interpolation_errors(directions, coefficients, Eigen::VectorXf::Constant(n, 0.05f), Eigen::VectorXf());
+}
+
 /// Vertices 0 .. 8 in rows of three; 4 is in the middle.
 Mesh small_square() {
   return square_mesh(0.1f, 0, 2);
@@ -61,6 +72,29 @@ TEST(InterpolationChoice, ClearedItKnowsNothingOfBefore) {
   choice.clear();
   for (InterpolationChoice* c : {&choice, &fresh}) c->count(4, best_at(1, 1.01f));
   EXPECT_EQ(choice.choose(4), fresh.choose(4));
+}
+
+TEST(InterpolationErrors, OfViewsThatAreAlikeAreAlike) {
+  for (const int n : {1, 2, 7, 40})
+    for (const float value : {0.0f, 1e-30f, 0.37f, 3e37f}) {
+      const InterpolationErrors errors = errors_of_row(Eigen::MatrixXf::Constant(6, n, value));
+      for (std::size_t k = 0; k < kKernels; ++k) EXPECT_NEAR(errors[k], 1, 0.1) << n << " views of " << value;
+    }
+}
+
+TEST(InterpolationErrors, DoNotDependOnTheScaleOfTheCoefficients) {
+  const Eigen::MatrixXf y = gaussian_matrix(3, 20, 7);
+  const InterpolationErrors expected = errors_of_row(y);
+  EXPECT_EQ(*std::min_element(expected.begin(), expected.end()), 1);
+  for (const float scale : {1e-30f, 1e30f}) {
+    const InterpolationErrors errors = errors_of_row(scale * y);
+    for (std::size_t k = 0; k < kKernels; ++k) EXPECT_NEAR(errors[k], expected[k], 1e-4 * expected[k]);
+  }
+}
+
+TEST(InterpolationErrors, OfARingWithoutTermsAreAlike) {
+  for (const float error : errors_of_row(Eigen::MatrixXf(0, 9)))
+    if (std::isfinite(error)) EXPECT_EQ(error, 1);
 }
 
 TEST(InterpolationSchedule, EveryImageHasItsShareOfTheChoices) {
