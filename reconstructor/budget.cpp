@@ -17,9 +17,9 @@ constexpr std::array<double, 7> kShares{1, 0.75, 0.5, 0.35, 0.25, 0.15, 0.08};
 constexpr int kTimedBeforeLess = 3;   // images over the budget before less is done
 constexpr int kTimedBeforeMore = 12;  // images with room before more is done
 constexpr double kRoom = 0.7;         // of the budget: the next share up costs up to 1.5 times as much
-constexpr double kMostLoss_dB =
-    0.3;                         // of a rung that is taken for its time: beyond it, a share of the rings loses less
-constexpr double kMargin = 0.9;  // of the budget, when a rung is chosen: later images cost a little more
+constexpr double kMargin = 0.9;       // of the budget, when a rung is chosen: later images cost a little more
+// Of a rung that is taken for its time: beyond it, a share of the rings loses less.
+constexpr double kMostLoss_dB = 0.2;
 
 bool is_record(std::istream& in) {
   return in.eof() || (in >> std::ws).eof();
@@ -45,11 +45,11 @@ double parse_tolerance(const std::string& word) {
 std::span<const Rung> effort_ladder() {
   static constexpr std::array<Rung, 6> kLadder{{
       {1, 64, 0, 1, 0},
-      {0.8, 64, 0, 0.80, 0},
-      {0.65, 16, 0, 0.66, 0.02},
-      {0.65, 12, 4.0 / 3, 0.59, 0.07},
-      {0.5, 12, 4.0 / 3, 0.54, 0.12},
-      {0.4, 12, 4.0 / 3, 0.50, 0.44},
+      {0.8, 64, 0, 0.93, 0.03},
+      {0.65, 16, 0, 0.73, 0.11},
+      {0.65, 12, 4.0 / 3, 0.63, 0.14},
+      {0.5, 12, 4.0 / 3, 0.57, 0.28},
+      {0.4, 12, 4.0 / 3, 0.53, 0.86},
   }};
   return kLadder;
 }
