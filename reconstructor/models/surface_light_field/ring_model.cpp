@@ -11,7 +11,8 @@ namespace sheen {
 namespace {
 
 constexpr int kFirstChoice = 5;  // views; fewer say nothing about how fast a ring varies
-constexpr double kChoiceGrowth = 1.4;
+constexpr double kChoiceGrowth = 1.4, kLateChoiceGrowth = 2;
+constexpr double kLateChoice = 32;  // images; a choice costs the cube of its views, and changes less and less
 constexpr double kGoldenRatio = 0.6180339887498949;
 // Runs of neighbouring samples share cache lines: an eighth of the samples is an eighth of the memory.
 constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
@@ -237,7 +238,7 @@ void RingModel::limit_terms(int max_rank, int internal_rank, int block) {
 int RingModel::choice_after(int images) const {
   if (images < kFirstChoice) return kFirstChoice;
   double due = kFirstChoice * std::pow(kChoiceGrowth, choice_phase_);
-  while (std::ceil(due) <= images) due *= kChoiceGrowth;
+  while (std::ceil(due) <= images) due *= due < kLateChoice ? kChoiceGrowth : kLateChoiceGrowth;
   return static_cast<int>(std::ceil(due));
 }
 
