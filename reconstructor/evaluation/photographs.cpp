@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "common/color.h"
-#include "reconstructor/numerics/view_kriging.h"
+#include "reconstructor/numerics/view_kernel.h"
 #include "reconstructor/surface/edge_fill.h"
 
 namespace sheen {

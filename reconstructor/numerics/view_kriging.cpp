@@ -22,13 +22,6 @@ using Eigen::VectorXf;
 /// A drift that the views hardly tell from a constant cannot be fitted.
 constexpr float kLeastDrift = 1e-6;
 
-/// `evaluate` of each angle.
-MatrixXf covariances(const MatrixXf& angles, const ViewKernel& kernel) {
-  if (kernel.shape == KernelShape::kExponential) return (angles.array() / -kernel.scale_rad).exp();
-  const Eigen::ArrayXXf t = angles.array() * (std::sqrt(3.0f) / kernel.scale_rad);
-  return (1 + t) * (-t).exp();
-}
-
 template <typename Scalar>
 using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 template <typename Scalar>
@@ -77,7 +70,7 @@ class Kriging {
   Kriging(const MatrixXf& angles, const Eigen::Ref<const MatrixXf>& coefficients,
           const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel)
       : y_(coefficients.template cast<Scalar>()), reliability_(reliability.template cast<Scalar>()) {
-    Matrix<Scalar> covariance = covariances(angles, kernel).template cast<Scalar>();
+    Matrix<Scalar> covariance = covariances(kernel, angles).template cast<Scalar>();
     covariance.diagonal() += (kernel.nugget * reliability_.cwiseInverse());
     q_ = inverse(covariance);
     row_sums_ = q_.rowwise().sum();
@@ -126,26 +119,6 @@ class Kriging {
 };
 
 }  // namespace
-
-float angle_between(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
-  // Only where they are opposite is it less accurate, 1e-3: no kernel tells angles apart there.
-  return 2 * std::asin(std::min(1.0f, 0.5f * (a - b).norm()));
-}
-
-float evaluate(const ViewKernel& kernel, float angle) {
-  if (kernel.shape == KernelShape::kExponential) return std::exp(-angle / kernel.scale_rad);
-  const float t = std::sqrt(3.0f) * angle / kernel.scale_rad;
-  return (1 + t) * std::exp(-t);
-}
-
-MatrixXf angles_between(const Eigen::Matrix3Xf& directions) {
-  const Eigen::Index n = directions.cols();
-  MatrixXf angles = MatrixXf::Zero(n, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < i; ++j)
-      angles(i, j) = angles(j, i) = angle_between(directions.col(i), directions.col(j));
-  return angles;
-}
 
 ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const MatrixXf>& coefficients,
                       const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel, const VectorXf& drift) {
@@ -213,9 +186,7 @@ float prediction_variance(const Eigen::Matrix3Xf& directions, const ViewKernel& 
 
 VectorXf interpolate(const ViewInterpolant& interpolant, const Eigen::Matrix3Xf& directions, const ViewKernel& kernel,
                      const Eigen::Vector3f& direction) {
-  VectorXf k(directions.cols());
-  for (Eigen::Index j = 0; j < k.size(); ++j) k[j] = evaluate(kernel, angle_between(directions.col(j), direction));
-  return interpolant.mean + interpolant.weights * k;
+  return interpolant.mean + interpolant.weights * covariances(kernel, directions, direction);
 }
 
 }  // namespace sheen

@@ -2,35 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
+
+#include "reconstructor/numerics/view_kernel.h"
 
 namespace sheen {
-
-/// Saved models name them by these numbers.
-enum class KernelShape {
-  kMatern = 0,       ///< Matern 3/2, k(t) = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale): smooth lobes
-  kExponential = 1,  ///< k(t) = exp(-t / scale): kinks as at shadows and parallax, and long tails
-};
-
-/// Covariance of view coefficients over the angle t between two view directions; `nugget` is added on the diagonal.
-struct ViewKernel {
-  float scale_rad = 0.3f;
-  float nugget = 0.1f;
-  KernelShape shape = KernelShape::kMatern;
-  bool operator==(const ViewKernel&) const = default;
-};
-float evaluate(const ViewKernel& kernel, float angle_rad);
-
-/// Angle between two unit vectors, accurate for small ones.
-float angle_between(const Eigen::Vector3f& a, const Eigen::Vector3f& b);
-
-/// The kernels that a ring chooses from.
-inline constexpr std::array<ViewKernel, 6> kViewKernels{{{0.3f, 0.02f},
-                                                         {0.6f, 0.05f},
-                                                         {0.6f, 1.0f},
-                                                         {0.6f, 0.02f, KernelShape::kExponential},
-                                                         {1.2f, 0.02f, KernelShape::kExponential},
-                                                         {1.2f, 0.1f, KernelShape::kExponential}}};
 
 /// Kriging of coefficients over view directions, in its dual form: h(d) = mean + drift * f(d) + weights * k(d), with
 /// k(d)_j = k(angle(d, d_j)) and f a known function of the direction, the external drift: what is left of the
@@ -56,9 +31,6 @@ inline constexpr int kFewestViewsWithDrift = 6;
 ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
                       const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
                       const Eigen::VectorXf& drift = {});
-
-/// Angles between unit directions: views x views.
-Eigen::MatrixXf angles_between(const Eigen::Matrix3Xf& directions);
 
 /// `ViewInterpolant::leave_one_out` without the interpolant, from one factorization for both: the second is infinite
 /// where the views are too few or the drift does not vary. angles: between the views' directions. In single precision,

@@ -105,9 +105,7 @@ void RingSnapshot::set_interpolation(ViewInterpolant interpolant, const ViewKern
 }
 
 Eigen::VectorXf RingSnapshot::coefficients(const Eigen::Vector3f& direction) const {
-  Eigen::VectorXf k(directions.cols());
-  for (Eigen::Index j = 0; j < k.size(); ++j) k[j] = evaluate(kernel, angle_between(directions.col(j), direction));
-  Eigen::VectorXf h = mean + weights * k;
+  Eigen::VectorXf h = mean + weights * covariances(kernel, directions, direction);
   if (reflection) h += reflection->at(direction, frame.row(2)) * drift;
   return h;
 }
@@ -136,12 +134,14 @@ int SurfaceLightFieldSnapshot::max_rank() const {
 
 Eigen::MatrixXf SurfaceLightFieldSnapshot::coefficients_for(const Eigen::Vector3d& eye) const {
   Eigen::MatrixXf coefficients = Eigen::MatrixXf::Zero(max_rank(), static_cast<Eigen::Index>(ring_data_.size()));
-  for (std::size_t v = 0; v < ring_data_.size(); ++v) {
-    const RingSnapshot* ring = ring_data_[v].get();
-    if (!ring || ring->rank() == 0) continue;
-    const Eigen::Vector3f direction = (eye.cast<float>() - mesh_->vertices[v]).normalized();
-    coefficients.col(static_cast<Eigen::Index>(v)).head(ring->rank()) = ring->coefficients(direction);
-  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ring_data_.size(), 64), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      const RingSnapshot* ring = ring_data_[v].get();
+      if (!ring || ring->rank() == 0) continue;
+      const Eigen::Vector3f direction = (eye.cast<float>() - mesh_->vertices[v]).normalized();
+      coefficients.col(static_cast<Eigen::Index>(v)).head(ring->rank()) = ring->coefficients(direction);
+    }
+  });
   return coefficients;
 }
 

@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kKernels = kViewKernels.size();
 
 constexpr double kOwnWeight = 3;  // of a ring and its neighbours against all rings
-// What single precision may leave of a squared error that is none, of coefficients that reach 1: such are alike.
-constexpr double kRounding = 1e-12;
+// What single precision may leave of a squared error that is none, a coefficient that reaches 1: such are alike.
+constexpr double kRounding = 1e-13;
 
 template <typename Errors>
 double least(const Errors& errors) {
@@ -41,10 +41,10 @@ InterpolationErrors interpolation_errors(const Eigen::Matrix3Xf& directions,
     errors[k] = error.ordinary;
     errors[kKernels + k] = error.with_drift;
   }
-  const double best = least(errors);
+  const double best = least(errors), rounding = kRounding * static_cast<double>(1 + coefficients.size());
   InterpolationErrors relative{};
   std::transform(errors.begin(), errors.end(), relative.begin(),
-                 [&](double e) { return static_cast<float>((e + kRounding) / (best + kRounding)); });
+                 [&](double e) { return static_cast<float>((e + rounding) / (best + rounding)); });
   return relative;
 }
 

@@ -25,15 +25,6 @@ Eigen::VectorXf predict(const ViewInterpolant& interpolant, const Eigen::Matrix3
   return interpolant.mean + interpolant.weights * k;
 }
 
-TEST(ViewKriging, KernelsHaveTheirClosedForms) {
-  const ViewKernel matern{0.5f, 0}, exponential{0.5f, 0, KernelShape::kExponential};
-  for (const float angle : {0.0f, 0.1f, 0.5f, 2.0f}) {
-    const double t = angle / 0.5;
-    EXPECT_NEAR(evaluate(matern, angle), (1 + std::sqrt(3.0) * t) * std::exp(-std::sqrt(3.0) * t), 1e-6);
-    EXPECT_NEAR(evaluate(exponential, angle), std::exp(-t), 1e-6);
-  }
-}
-
 TEST(ViewKriging, AnExponentialKernelLooksNoFartherThanTheNextViews) {
   // Along a line it is the covariance of a Markov process: what lies behind the next views says nothing more, but for
   // the mean, which many alike views fix.
