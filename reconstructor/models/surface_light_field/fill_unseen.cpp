@@ -49,6 +49,13 @@ std::vector<std::uint32_t> next_at_place(const Mesh& mesh) {
   return next;
 }
 
+Eigen::Matrix3Xf places_of(const Mesh& mesh, const std::vector<std::uint32_t>& vertices) {
+  Eigen::Matrix3Xf places(3, static_cast<Eigen::Index>(vertices.size()));
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    places.col(static_cast<Eigen::Index>(i)) = mesh.vertices[vertices[i]];
+  return places;
+}
+
 }  // namespace
 
 void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution) {
@@ -82,24 +89,39 @@ void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution) {
 std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightFieldSnapshot& snapshot) {
   const Mesh& mesh = snapshot.mesh();
   std::vector<std::shared_ptr<const RingSnapshot>> rings = snapshot.ring_data();
-  std::deque<std::uint32_t> front;  // breadth first from what is known
+  const auto has_colour = [&](std::uint32_t v) { return rings[v] && rings[v]->rank() > 0; };
+  std::vector<std::uint32_t> seen, guessed;
   for (std::uint32_t v = 0; v < rings.size(); ++v)
-    if (rings[v] && rings[v]->rank() > 0) front.push_back(v);
-  std::vector<std::uint32_t> guessed;
+    if (has_colour(v)) seen.push_back(v);
+
+  std::deque<std::uint32_t> front(seen.begin(), seen.end());  // breadth first from what is known
+  const auto guess = [&](std::uint32_t from, std::uint32_t to) {
+    if (has_colour(to)) return;
+    rings[to] = flat_copy(*rings[from], snapshot.rings().ring_samples(to));
+    guessed.push_back(to);
+    front.push_back(to);
+  };
   const std::vector<std::uint32_t> same_place = next_at_place(mesh);
-  while (!front.empty()) {
-    const std::uint32_t v = front.front();
-    front.pop_front();
-    const auto spread_to = [&](std::uint32_t next) {
-      if (rings[next] && rings[next]->rank() > 0) return;
-      rings[next] = flat_copy(*rings[v], snapshot.rings().ring_samples(next));
-      guessed.push_back(next);
-      front.push_back(next);
-    };
-    for (std::uint32_t next = same_place[v]; next != v; next = same_place[next]) spread_to(next);
-    for (const RingTriangle& member : snapshot.rings().ring(v))
-      for (const std::uint32_t next : mesh.triangles[member.triangle]) spread_to(next);
+  const auto spread = [&] {
+    for (; !front.empty(); front.pop_front()) {
+      const std::uint32_t v = front.front();
+      for (std::uint32_t next = same_place[v]; next != v; next = same_place[next]) guess(v, next);
+      for (const RingTriangle& member : snapshot.rings().ring(v))
+        for (const std::uint32_t next : mesh.triangles[member.triangle]) guess(v, next);
+    }
+  };
+  spread();
+  if (!seen.empty()) {
+    const Eigen::Matrix3Xf places = places_of(mesh, seen);
+    for (std::uint32_t v = 0; v < rings.size(); ++v) {  // parts of the mesh of which nothing was seen
+      if (has_colour(v) || snapshot.rings().ring(v).empty()) continue;
+      Eigen::Index nearest = 0;
+      (places.colwise() - mesh.vertices[v]).colwise().squaredNorm().minCoeff(&nearest);
+      guess(seen[static_cast<std::size_t>(nearest)], v);
+      spread();
+    }
   }
+
   for (const std::uint32_t v : guessed) {
     auto marked = std::make_shared<RingSnapshot>(*rings[v]);
     std::fill(marked->shown.begin(), marked->shown.end(), std::uint8_t{0});

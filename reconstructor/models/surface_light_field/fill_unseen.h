@@ -15,8 +15,8 @@ void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution);
 
 /// The snapshot with a guess for the rings that no image reached, for pictures that must have no holes: each takes the
 /// mean colour, with its view dependence, of the nearest ring along the mesh, also where its triangles meet at several
-/// vertices of one place (a texture's seam). What was not seen stays marked as such
-/// (`RingSnapshot::shown`).
+/// vertices of one place (a texture's seam). A part of the mesh that touches nothing seen takes that of the nearest in
+/// space. What was not seen stays marked as such (`RingSnapshot::shown`).
 std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightFieldSnapshot& snapshot);
 
 }  // namespace sheen

@@ -188,5 +188,12 @@ TEST(HiddenSurface, AGuessSpreadsOverVerticesOfOnePlace) {
   expect_filled({std::make_shared<Mesh>(triangle_soup(*object.mesh)), object.surface});
 }
 
+TEST(HiddenSurface, APartThatTouchesNothingSeenGetsAGuess) {
+  const Object object = sphere_object();
+  Mesh inside = *object.mesh;  // where no image shows it
+  for (Eigen::Vector3f& vertex : inside.vertices) vertex *= 0.3f;
+  expect_filled({std::make_shared<Mesh>(joined(*object.mesh, inside)), object.surface});
+}
+
 }  // namespace
 }  // namespace sheen
