@@ -11,7 +11,8 @@
 
 namespace sheen::testing {
 
-inline constexpr std::chrono::seconds kPatience{20};  ///< for what takes a second on an idle machine
+/// For what takes seconds on an idle machine: only what hangs is to be ended by it.
+inline constexpr std::chrono::seconds kPatience{60};
 
 using Words = std::vector<std::string>;
 Words operator+(Words a, const Words& b);
