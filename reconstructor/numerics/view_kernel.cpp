@@ -39,6 +39,16 @@ Angles of_angles(const ViewKernel& kernel, const Angles& angles) {
   return (1 + t) * (-t).exp();
 }
 
+/// What `value` makes of the angles between a direction and all of `directions`, some at a time.
+template <typename Value>
+void of_each_angle(const Eigen::Matrix3Xf& directions, const Eigen::Vector3f& direction, const Value& value,
+                   Eigen::Ref<Eigen::VectorXf> out) {
+  for (Eigen::Index first = 0; first < out.size(); first += kAtOnce) {
+    const Eigen::Index count = std::min(kAtOnce, out.size() - first);
+    out.segment(first, count) = value(angles(squared_half_chords(directions, first, direction))).head(count);
+  }
+}
+
 }  // namespace
 
 float angle_between(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
@@ -47,12 +57,10 @@ float angle_between(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
 }
 
 Eigen::MatrixXf angles_between(const Eigen::Matrix3Xf& directions) {
-  const Eigen::Index n = directions.cols();
-  Eigen::MatrixXf result(n, n);
-  for (Eigen::Index j = 0; j < n; ++j)
-    for (Eigen::Index first = 0; first < n; first += kAtOnce)
-      result.col(j).segment(first, std::min(kAtOnce, n - first)) =
-          angles(squared_half_chords(directions, first, directions.col(j))).head(std::min(kAtOnce, n - first));
+  Eigen::MatrixXf result(directions.cols(), directions.cols());
+  for (Eigen::Index j = 0; j < directions.cols(); ++j)
+    of_each_angle(
+        directions, directions.col(j), [](const Some& some) { return some; }, result.col(j));
   return result;
 }
 
@@ -66,11 +74,9 @@ Eigen::MatrixXf covariances(const ViewKernel& kernel, const Eigen::MatrixXf& ang
 
 Eigen::VectorXf covariances(const ViewKernel& kernel, const Eigen::Matrix3Xf& directions,
                             const Eigen::Vector3f& direction) {
-  const Eigen::Index n = directions.cols();
-  Eigen::VectorXf k(n);
-  for (Eigen::Index first = 0; first < n; first += kAtOnce)
-    k.segment(first, std::min(kAtOnce, n - first)) =
-        of_angles(kernel, angles(squared_half_chords(directions, first, direction))).head(std::min(kAtOnce, n - first));
+  Eigen::VectorXf k(directions.cols());
+  of_each_angle(
+      directions, direction, [&](const Some& some) { return of_angles(kernel, some); }, k);
   return k;
 }
 
