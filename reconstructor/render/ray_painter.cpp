@@ -45,11 +45,13 @@ PaintedView RayPainter::paint(const ModelSnapshot& snapshot, const Camera& camer
   tbb::parallel_for(0, h, [&](int y) {
     for (int x = 0; x < w; ++x) {
       const Hit& hit = hits[std::size_t(y) * w + x];
-      if (!hit || !hit.front) continue;
-      const SurfaceSample sample = shader->shade(hit.triangle, hit.u, hit.v);
+      if (!hit) continue;
+      SurfaceSample sample = shader->shade(hit.triangle, hit.u, hit.v);
+      // No image shows the back of a triangle: the colour of its front is the guess.
+      if (!hit.front) sample.state = SampleState::kUnseen;
       for (int c = 0; c < 3; ++c) view.beauty.at(x, y, c) = sample.rgb[c];
       view.coverage.at(x, y) = coverage_of(sample.state);
-      const SurfaceQuality quality = shader->quality(hit.triangle);
+      const SurfaceQuality quality = hit.front ? shader->quality(hit.triangle) : SurfaceQuality{};
       view.foretold.at(x, y) = quality.error;
       view.heuristic.at(x, y) = quality.heuristic();
       view.reason.at(x, y) = static_cast<std::uint8_t>(quality.reason()) + 1;

@@ -9,7 +9,7 @@
 
 namespace sheen {
 
-// What `PaintedView::coverage` says of a pixel whose first hit is a front face; 0 elsewhere.
+// `PaintedView::coverage`; 0 where there is no surface. A triangle's back is unseen: its colour is that of its front.
 inline constexpr std::uint8_t kCoverageUnseen = 128, kCoverageImputed = 192, kCoverageMeasured = 255;
 
 /// A picture of a model with what is known about each pixel.

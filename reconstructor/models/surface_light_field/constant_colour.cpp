@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
 
 #include "common/color.h"
+#include "reconstructor/surface/nearest_seen.h"
 
 namespace sheen {
 namespace {
@@ -58,39 +58,29 @@ float log_ratio(float encoded_seen, float encoded_expected) {
   return std::log(srgb_decode(encoded_seen) / srgb_decode(encoded_expected));
 }
 
-/// Where no image showed the surface: the mean of the triangle's seen samples, or of the nearest triangle's that has
-/// any.
+/// Where no image showed the surface: the mean of the triangle's seen samples, or, where it has none, that of the
+/// triangles round the seen vertex that is nearest to its first corner.
 void fill_unseen(ConstantColourSnapshot& snapshot) {
   const std::size_t triangles = snapshot.shape->triangles.size();
-  std::vector<Eigen::Vector3f> mean(triangles);
-  std::vector<std::uint8_t> has_mean(triangles, 0);
-  std::deque<std::uint32_t> front;
-  for (std::uint32_t t = 0; t < triangles; ++t) {
-    const std::size_t first = snapshot.rings->first_sample(t), end = snapshot.rings->first_sample(t + 1);
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    int seen = 0;
-    for (std::size_t s = first; s < end; ++s)
-      if (snapshot.known[s]) {
-        sum += snapshot.colour.col(static_cast<Eigen::Index>(s));
-        ++seen;
-      }
-    if (seen == 0) continue;
-    mean[t] = sum / static_cast<float>(seen);
-    has_mean[t] = 1;
-    front.push_back(t);
-  }
-  while (!front.empty()) {  // breadth first along the mesh
-    const std::uint32_t t = front.front();
-    front.pop_front();
+  Eigen::Matrix4Xf in_triangle = Eigen::Matrix4Xf::Zero(4, static_cast<Eigen::Index>(triangles));  // sum, seen samples
+  Eigen::Matrix4Xf in_ring = Eigen::Matrix4Xf::Zero(4, static_cast<Eigen::Index>(snapshot.rings->size()));
+  for (std::size_t t = 0; t < triangles; ++t) {
+    auto sum = in_triangle.col(static_cast<Eigen::Index>(t));
     for (std::size_t s = snapshot.rings->first_sample(t); s < snapshot.rings->first_sample(t + 1); ++s)
-      if (!snapshot.known[s]) snapshot.colour.col(static_cast<Eigen::Index>(s)) = mean[t];
-    for (const std::uint32_t v : snapshot.shape->triangles[t])
-      for (const RingTriangle& member : snapshot.rings->ring(v))
-        if (!has_mean[member.triangle]) {
-          mean[member.triangle] = mean[t];
-          has_mean[member.triangle] = 1;
-          front.push_back(member.triangle);
-        }
+      if (snapshot.known[s]) sum += snapshot.colour.col(static_cast<Eigen::Index>(s)).homogeneous();
+    for (const std::uint32_t v : snapshot.shape->triangles[t]) in_ring.col(v) += sum;
+  }
+  std::vector<std::uint8_t> seen(snapshot.rings->size());
+  for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = in_ring(3, static_cast<Eigen::Index>(v)) > 0;
+  const std::vector<std::uint32_t> source = nearest_seen(*snapshot.shape, *snapshot.rings, seen);
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const std::uint32_t nearest = source[snapshot.shape->triangles[t][0]];
+    if (nearest == kNoVertex) return;  // no image shows anything
+    const Eigen::Vector4f sum = in_triangle(3, static_cast<Eigen::Index>(t)) > 0
+                                    ? in_triangle.col(static_cast<Eigen::Index>(t))
+                                    : in_ring.col(nearest);
+    for (std::size_t s = snapshot.rings->first_sample(t); s < snapshot.rings->first_sample(t + 1); ++s)
+      if (!snapshot.known[s]) snapshot.colour.col(static_cast<Eigen::Index>(s)) = sum.head<3>() / sum[3];
   }
 }
 

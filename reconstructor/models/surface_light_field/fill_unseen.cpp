@@ -2,9 +2,8 @@
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 #include <algorithm>
-#include <deque>
-#include <numeric>
-#include <tuple>
+
+#include "reconstructor/surface/nearest_seen.h"
 
 namespace sheen {
 namespace {
@@ -23,37 +22,12 @@ Eigen::MatrixXf mean_rows(const RingSnapshot& ring) {
   return mean / static_cast<float>(std::max(seen, 1));
 }
 
-/// A ring of `samples` that has the neighbour's mean colour everywhere.
-std::shared_ptr<const RingSnapshot> flat_copy(const RingSnapshot& neighbour, int samples) {
-  auto flat = std::make_shared<RingSnapshot>(neighbour);
-  flat->basis = mean_rows(neighbour).replicate(samples, 1);
-  // All samples count as seen while the guess spreads; the caller marks them unseen at the end.
-  flat->shown.assign(static_cast<std::size_t>(samples), 255);
-  return flat;
-}
-
-/// For each vertex another one at the same place, in a circle through all that are there; itself where it is alone.
-std::vector<std::uint32_t> next_at_place(const Mesh& mesh) {
-  std::vector<std::uint32_t> order(mesh.vertices.size()), next(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto place = [&](std::uint32_t v) {
-    const Eigen::Vector3f& at = mesh.vertices[v];
-    return std::tuple(at.x(), at.y(), at.z());
-  };
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
-  for (std::size_t first = 0, i = 0; i < order.size(); ++i) {
-    const bool last = i + 1 == order.size() || place(order[i + 1]) != place(order[i]);
-    next[order[i]] = order[last ? first : i + 1];
-    if (last) first = i + 1;
-  }
-  return next;
-}
-
-Eigen::Matrix3Xf places_of(const Mesh& mesh, const std::vector<std::uint32_t>& vertices) {
-  Eigen::Matrix3Xf places(3, static_cast<Eigen::Index>(vertices.size()));
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    places.col(static_cast<Eigen::Index>(i)) = mesh.vertices[vertices[i]];
-  return places;
+/// A ring of `samples` unseen samples that has the seen ring's mean colour everywhere.
+std::shared_ptr<const RingSnapshot> guess_from(const RingSnapshot& seen, int samples) {
+  auto guess = std::make_shared<RingSnapshot>(seen);
+  guess->basis = mean_rows(seen).replicate(samples, 1);
+  guess->shown.assign(static_cast<std::size_t>(samples), 0);
+  return guess;
 }
 
 }  // namespace
@@ -87,46 +61,12 @@ void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution) {
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightFieldSnapshot& snapshot) {
-  const Mesh& mesh = snapshot.mesh();
   std::vector<std::shared_ptr<const RingSnapshot>> rings = snapshot.ring_data();
-  const auto has_colour = [&](std::uint32_t v) { return rings[v] && rings[v]->rank() > 0; };
-  std::vector<std::uint32_t> seen, guessed;
-  for (std::uint32_t v = 0; v < rings.size(); ++v)
-    if (has_colour(v)) seen.push_back(v);
-
-  std::deque<std::uint32_t> front(seen.begin(), seen.end());  // breadth first from what is known
-  const auto guess = [&](std::uint32_t from, std::uint32_t to) {
-    if (has_colour(to)) return;
-    rings[to] = flat_copy(*rings[from], snapshot.rings().ring_samples(to));
-    guessed.push_back(to);
-    front.push_back(to);
-  };
-  const std::vector<std::uint32_t> same_place = next_at_place(mesh);
-  const auto spread = [&] {
-    for (; !front.empty(); front.pop_front()) {
-      const std::uint32_t v = front.front();
-      for (std::uint32_t next = same_place[v]; next != v; next = same_place[next]) guess(v, next);
-      for (const RingTriangle& member : snapshot.rings().ring(v))
-        for (const std::uint32_t next : mesh.triangles[member.triangle]) guess(v, next);
-    }
-  };
-  spread();
-  if (!seen.empty()) {
-    const Eigen::Matrix3Xf places = places_of(mesh, seen);
-    for (std::uint32_t v = 0; v < rings.size(); ++v) {  // parts of the mesh of which nothing was seen
-      if (has_colour(v) || snapshot.rings().ring(v).empty()) continue;
-      Eigen::Index nearest = 0;
-      (places.colwise() - mesh.vertices[v]).colwise().squaredNorm().minCoeff(&nearest);
-      guess(seen[static_cast<std::size_t>(nearest)], v);
-      spread();
-    }
-  }
-
-  for (const std::uint32_t v : guessed) {
-    auto marked = std::make_shared<RingSnapshot>(*rings[v]);
-    std::fill(marked->shown.begin(), marked->shown.end(), std::uint8_t{0});
-    rings[v] = std::move(marked);
-  }
+  std::vector<std::uint8_t> seen(rings.size());
+  for (std::size_t v = 0; v < rings.size(); ++v) seen[v] = rings[v] && rings[v]->rank() > 0;
+  const std::vector<std::uint32_t> source = nearest_seen(snapshot.mesh(), snapshot.rings(), seen);
+  for (std::size_t v = 0; v < rings.size(); ++v)
+    if (!seen[v] && source[v] != kNoVertex) rings[v] = guess_from(*rings[source[v]], snapshot.rings().ring_samples(v));
   return std::make_shared<SurfaceLightFieldSnapshot>(snapshot.shared_mesh(), snapshot.shared_rings(), std::move(rings),
                                                      snapshot.version(), snapshot.exposure());
 }

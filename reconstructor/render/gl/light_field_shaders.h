@@ -113,19 +113,16 @@ vec3 light_field() {
     total += beta[c];
   }
   if (total < 1e-4) return shading == 3 ? marked(unknown_color(), 0) : unknown_color();
-  return marked(exposed(sum / total), state);
+  // No image shows the back of a triangle: the colour of its front is the guess.
+  return marked(exposed(sum / total), gl_FrontFacing ? state : 0);
 }
 
 void main() {
-  if (!gl_FrontFacing) {
-    color = vec4(vec3(0.42) * (0.4 + 0.6 * facing()), 1);
-    return;
-  }
   if (shading == 0 || shading == 3) {
     color = vec4(light_field(), 1);
     return;
   }
-  vec2 need = texelFetch(quality, gl_PrimitiveID).xy;
+  vec2 need = gl_FrontFacing ? texelFetch(quality, gl_PrimitiveID).xy : vec2(1, 1);  // the back: not at all, unseen
   float shape = 0.65 + 0.35 * facing();  // a hint of it: brightness means need
   vec3 hue = shading == 1 ? vec3(1.0, 0.06, 0.04) : reason_colors[int(need.y + 0.5)];
   color = vec4(mix(vec3(0.17), hue, need.x) * shape, 1);

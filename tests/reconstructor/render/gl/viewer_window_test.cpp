@@ -206,6 +206,28 @@ TEST_F(Window, TheHeuristicIsThePaintersInRed) {
   EXPECT_LT(sum / count, 0.05) << "8 bits of a dark green leave that much";
 }
 
+TEST_F(Window, TheBackOfTheSurfaceIsAStripedGuessAsInTheRayPainter) {
+  const SyntheticLightField light_field({.unseen = 0});
+  const auto snapshot = light_field.snapshot();
+  ViewControls& controls = window_->controls();
+  controls.frame(snapshot->shared_mesh());
+  controls.orbit.place({0.06, 0, 0});  // inside the tube of the ring
+  const Viewpoint view = controls.orbit.viewpoint(kWidth, kHeight);
+  const PaintedView truth = RayPainter(snapshot->mesh()).paint(*snapshot, view.camera, view.camera_from_object);
+  const ImageU8 expected = to_srgb8(truth.beauty), actual = draw(snapshot);
+  int backs = 0, striped = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      ASSERT_EQ(truth.coverage.at(x, y), kCoverageUnseen);
+      int change = 0;
+      for (int c = 0; c < 3; ++c) change = std::max(change, std::abs(actual.at(x, y, c) - expected.at(x, y, c)));
+      striped += change > 8;
+      ++backs;
+    }
+  EXPECT_GT(striped, 0.3 * backs) << "guesses are marked";
+  EXPECT_LT(striped, 0.7 * backs) << "and have the painter's colour between the stripes";
+}
+
 TEST_F(Window, IncrementalUploadEqualsAFullOne) {
   const SyntheticLightField light_field({});
   // Small buffers and a small budget: several buffers, several calls, growth, and maps that change their size.
