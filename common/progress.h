@@ -4,9 +4,14 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <string>
 
 namespace sheen {
+
+/// Told now and then by a long piece of work how many of its steps are done. What it throws ends the work and goes to
+/// whoever began it. Empty: nobody is told.
+using StepsDone = std::function<void(std::size_t done, std::size_t steps)>;
 
 /// A progress bar on a terminal: share done, rate, time left. Where `stream` is no terminal (a pipe, a file) it writes
 /// nothing. The line is cleared at the end.

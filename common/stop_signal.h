@@ -3,8 +3,12 @@
 
 namespace sheen {
 
-/// From here on SIGINT and SIGTERM set a flag instead of ending the process; a second one ends it at once.
-void install_stop_signals();
+/// From here on SIGINT, SIGTERM and SIGHUP (unless it is ignored, as under nohup) are counted instead of ending the
+/// process; the one after the first `graceful` ends it at once.
+void install_stop_signals(int graceful = 1);
+
+/// How many of them have arrived.
+int stop_signals();
 
 /// Whether one of them has arrived. Loops look at it at least every 100 ms, so that Ctrl-C ends a daemon cleanly.
 bool stop_requested();

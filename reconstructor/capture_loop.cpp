@@ -42,18 +42,20 @@ CaptureLoop::~CaptureLoop() {
 }
 
 void CaptureLoop::start() {
-  receive_thread_ = std::jthread([this](std::stop_token stop) { receive(stop); });
-  ingest_thread_ = std::jthread([this](std::stop_token stop) { ingest(stop); });
+  receive_thread_ = std::jthread([this] { receive(stop_receiving_.get_token()); });
+  ingest_thread_ = std::jthread([this] { ingest(stop_ingesting_.get_token()); });
 }
 
-void CaptureLoop::stop_receiving() {
-  receive_thread_.request_stop();
+void CaptureLoop::finish() {
+  stop_receiving_.request_stop();
   if (receive_thread_.joinable()) receive_thread_.join();
+  const std::lock_guard lock(mutex_);
+  finishing_ = true;
 }
 
 void CaptureLoop::stop() {
-  receive_thread_.request_stop();
-  ingest_thread_.request_stop();
+  stop_receiving_.request_stop();
+  stop_ingesting_.request_stop();
   journaled_changed_.notify_all();
   if (receive_thread_.joinable()) receive_thread_.join();
   if (ingest_thread_.joinable()) ingest_thread_.join();
@@ -101,7 +103,7 @@ void CaptureLoop::ingest(std::stop_token stop) {
         last_change = Clock::now();
       }
       const Waited waited = wait_for_capture(next, stop);
-      const bool ended = waited == Waited::kSourceEnded;
+      const bool over = waited == Waited::kOver, ended = over || waited == Waited::kSourceEnded;
       if (waited == Waited::kArrived) {
         take_in(journal, next++);
         changed = true;
@@ -119,7 +121,7 @@ void CaptureLoop::ingest(std::stop_token stop) {
         judge_live();
         last_judged = Clock::now();
       }
-      if (ended && options_.stop_when_source_ends) break;
+      if (over) break;
     }
   } catch (const std::exception& error) {
     return fail(error.what());
@@ -131,6 +133,7 @@ CaptureLoop::Waited CaptureLoop::wait_for_capture(std::uint64_t index, std::stop
   std::unique_lock lock(mutex_);
   journaled_changed_.wait_for(lock, stop, kPoll, [&] { return status_.journaled > index; });
   if (status_.journaled > index) return Waited::kArrived;
+  if (finishing_ || (status_.link.ended && options_.stop_when_source_ends)) return Waited::kOver;
   return status_.link.ended ? Waited::kSourceEnded : Waited::kNothing;
 }
 
@@ -226,8 +229,8 @@ void CaptureLoop::fail(const std::string& what) {
     const std::lock_guard lock(mutex_);
     status_.error = what;
   }
-  receive_thread_.request_stop();
-  ingest_thread_.request_stop();
+  stop_receiving_.request_stop();
+  stop_ingesting_.request_stop();
   finished_ = true;
 }
 

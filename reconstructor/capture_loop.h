@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -30,6 +31,8 @@ struct LoopStatus {
   std::uint64_t journaled = 0;   ///< captures that are durable
   std::uint64_t ingested = 0;    ///< of these, how many the model has seen or left out
   std::uint64_t anew_until = 0;  ///< after a withdrawal: captures of which the model is being made anew; else 0
+  /// Captures that are durable and not in the model yet: journaled = accepted + held out + refused + withdrawn + these.
+  std::uint64_t waiting() const { return journaled - std::min(journaled, ingested); }
   /// False from a withdrawal until the model is, to the bit, one that never saw the image.
   bool exact = true;
   ReceiverStats link;
@@ -78,11 +81,12 @@ class CaptureLoop {
   ~CaptureLoop();
 
   void start();
-  /// No more captures are taken from the link; those in the journal are still folded in.
-  void stop_receiving();
+  /// No more captures are taken from the link; the loop has finished once those in the journal are in the model, and
+  /// what was taken back is out of it, to the bit.
+  void finish();
   /// Asks the loop to end and waits for it; what is journaled but not ingested yet is left to the next start.
   void stop();
-  /// True when the source has ended and everything has been ingested, or an error stopped the loop.
+  /// True when nothing more comes and everything has been ingested, or an error stopped the loop.
   bool finished() const { return finished_; }
   LoopStatus status() const;
   /// Withdraws the last capture of the journal that is not withdrawn, and returns its index; nothing where there is
@@ -92,7 +96,7 @@ class CaptureLoop {
  private:
   void receive(std::stop_token stop);
   void ingest(std::stop_token stop);
-  enum class Waited { kArrived, kNothing, kSourceEnded };
+  enum class Waited { kArrived, kNothing, kSourceEnded, kOver };
   Waited wait_for_capture(std::uint64_t index, std::stop_token stop);
   bool behind(std::uint64_t next) const;
   void take_in(const Session& journal, std::uint64_t index);
@@ -112,6 +116,7 @@ class CaptureLoop {
 
   mutable std::mutex mutex_;
   std::condition_variable_any journaled_changed_;
+  bool finishing_ = false;
   LoopStatus status_;
   std::set<std::uint64_t> withdrawn_;
   std::uint64_t last_withdrawal_ = 0;  ///< number of the last entry that is followed
@@ -120,6 +125,8 @@ class CaptureLoop {
   std::size_t next_judged_ = 0;
   std::string effort_record_;  ///< as the session has it
   std::atomic<bool> finished_{false};
+  // Not the threads' own: either may ask both to stop while `start` still assigns them.
+  std::stop_source stop_receiving_, stop_ingesting_;
   std::jthread receive_thread_, ingest_thread_;
 };
 

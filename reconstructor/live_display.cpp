@@ -34,8 +34,9 @@ ImageU8 thumbnail(const ImageU8& image, int width) {
   return small;
 }
 
-TrackerLink link_of(const LoopStatus& status, const std::optional<MonitorState::Clock::time_point>& last) {
-  if (status.link.ended) return TrackerLink::kEnded;
+TrackerLink link_of(const LoopStatus& status, const EndProgress& end,
+                    const std::optional<MonitorState::Clock::time_point>& last) {
+  if (status.link.ended || end.stage != EndStage::kCapturing) return TrackerLink::kEnded;
   if (!last) return TrackerLink::kWaiting;
   const bool fresh = MonitorState::Clock::now() - *last < kStaleAfter;
   return status.link.connected && fresh ? TrackerLink::kConnected : TrackerLink::kStale;
@@ -47,6 +48,40 @@ std::string message_of(const LoopStatus& status) {
     return "without what was taken back: image " + std::to_string(status.ingested) + " of " +
            std::to_string(status.anew_until);
   return status.link.last_error;
+}
+
+std::optional<WorkInHand> work_of(const EndProgress& end) {
+  const auto done = [&end](const char* what) {
+    std::string text = what;
+    if (end.total > 0) text += " " + std::to_string(end.done) + " of " + std::to_string(end.total);
+    return text;
+  };
+  const double share = end.total > 0 ? static_cast<double>(end.done) / static_cast<double>(end.total) : 0;
+  switch (end.stage) {
+    case EndStage::kCapturing:
+      break;
+    case EndStage::kFinishing:
+      return WorkInHand{done("FINISHING: image"), share};
+    case EndStage::kSaving:
+      return WorkInHand{done("SAVING the model: part"), share};
+    case EndStage::kJudging:
+      return WorkInHand{done("JUDGING the model on held-out views: picture"), share};
+  }
+  return std::nullopt;
+}
+
+std::optional<MonitorState::Ending> ending_of(const EndProgress& end) {
+  switch (end.stage) {
+    case EndStage::kCapturing:
+      break;
+    case EndStage::kFinishing:
+      return MonitorState::Ending{CaptureState::kFinishing, end.done, end.total};
+    case EndStage::kSaving:
+      return MonitorState::Ending{CaptureState::kSaving, end.done, end.total};
+    case EndStage::kJudging:
+      return MonitorState::Ending{CaptureState::kJudging, end.done, end.total};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -71,14 +106,15 @@ LiveDisplay::Latest LiveDisplay::latest() const {
   return latest_;
 }
 
-void LiveDisplay::publish_to_window(const LoopStatus& status) {
+void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress& end) {
   const Latest now = latest();
   update_next_view(now);
-  CaptureFigures figures{.frames_received = status.counts.received,
+  CaptureFigures figures{.frames_received = status.journaled,
                          .frames_accepted = status.counts.accepted + status.counts.held_out,
                          .frames_held_out = status.counts.held_out,
                          .frames_refused = status.counts.refused,
                          .frames_withdrawn = status.counts.withdrawn,
+                         .frames_waiting = status.waiting(),
                          .images_per_s = status.images_per_s,
                          .residual = status.last.relative_residual};
   if (std::isfinite(status.last.foretold_psnr_db)) figures.foretold_psnr_db = status.last.foretold_psnr_db;
@@ -89,12 +125,13 @@ void LiveDisplay::publish_to_window(const LoopStatus& status) {
   feed_.publish({.snapshot = now.snapshot,
                  .capture = now.capture,
                  .figures = figures,
-                 .link = link_of(status, now.capture_at),
+                 .link = link_of(status, end, now.capture_at),
                  .next_view = next_view_,
+                 .work = work_of(end),
                  .message = message_of(status)});
 }
 
-MonitorState LiveDisplay::monitor_state(const LoopStatus& status) {
+MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgress& end) {
   const Latest now = latest();
   update_previews(now);
   update_next_view(now);
@@ -105,17 +142,19 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status) {
   if (now.capture) state.source_session = now.capture->source_session;
   state.links.push_back({"tracker", names_.endpoint, status.link.connected, names_.encrypted, status.link.last_error});
   state.ended = status.link.ended;
+  state.ending = ending_of(end);
   state.error = status.error;
   state.last_frame = now.capture_at;
-  state.received = status.counts.received;
+  state.received = status.journaled;
   state.accepted = status.counts.accepted;
   state.held_out = status.counts.held_out;
   state.withdrawn = status.counts.withdrawn;
+  state.waiting = status.waiting();
   state.journaled = status.journaled;
   state.sequence_gaps = status.link.missing;
   state.refused = status.counts.refused;
   state.images_per_s = status.images_per_s;
-  state.queues["ingest"] = {status.journaled - std::min(status.journaled, status.ingested), 0};
+  state.queues["ingest"] = {status.waiting(), 0};
   state.stage_s = status.stage_s;
   state.update = summarize(status.update);
   state.latency = summarize(status.latency);

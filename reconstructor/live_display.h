@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/capture.h"
+#include "reconstructor/capture_end.h"
 #include "reconstructor/capture_loop.h"
 #include "reconstructor/monitor/monitor_state.h"
 #include "reconstructor/render/gl/viewer_feed.h"
@@ -29,9 +30,9 @@ class LiveDisplay {
 
   const ViewerFeed& feed() const { return feed_; }
   /// Hands the window what has come since.
-  void publish_to_window(const LoopStatus& status);
+  void publish_to_window(const LoopStatus& status, const EndProgress& end = {});
   /// Draws the small previews, so not for a thread that must be quick.
-  MonitorState monitor_state(const LoopStatus& status);
+  MonitorState monitor_state(const LoopStatus& status, const EndProgress& end = {});
 
  private:
   struct Latest {

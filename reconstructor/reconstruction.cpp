@@ -166,8 +166,13 @@ double Reconstruction::images_per_s() const {
   return updates_.sum_s() > 0 ? static_cast<double>(updates_.count()) / updates_.sum_s() : 0;
 }
 
-Reconstruction::Judgement Reconstruction::judge() {
-  return {score(held_out_, *fill_unseen(*snapshot()), painter_), score(held_out_, *model_.constant_colour(), painter_)};
+Reconstruction::Judgement Reconstruction::judge(const StepsDone& progress) {
+  const auto half = [&progress](std::size_t before) -> StepsDone {
+    if (!progress) return {};
+    return [&progress, before](std::size_t done, std::size_t views) { progress(before + done, 2 * views); };
+  };
+  return {score(held_out_, *fill_unseen(*snapshot()), painter_, half(0)),
+          score(held_out_, *model_.constant_colour(), painter_, half(held_out_.size()))};
 }
 
 }  // namespace sheen

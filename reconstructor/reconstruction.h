@@ -73,7 +73,7 @@ class Reconstruction {
   struct Judgement {
     Scores light_field, constant;
   };
-  Judgement judge();
+  Judgement judge(const StepsDone& progress = {});
 
  private:
   IngestReport take(const Capture& capture);

@@ -67,7 +67,7 @@ json settings_report(const Reconstruction& reconstruction, double psnr_db) {
   return report;
 }
 
-json reconstruction_report(Reconstruction& reconstruction) {
+json reconstruction_report(Reconstruction& reconstruction, const StepsDone& progress) {
   const FrameCounts& counts = reconstruction.counts();
   json refused = json::object();
   for (const auto& [reason, n] : counts.refused) refused[reason] = n;
@@ -81,6 +81,7 @@ json reconstruction_report(Reconstruction& reconstruction) {
                       {"held_out", counts.held_out},
                       {"refused", refused},
                       {"withdrawn", counts.withdrawn},
+                      {"waiting", 0},
                       {"lost", 0}};
   report["ingest_images_per_s"] = reconstruction.images_per_s();
   report["ingest_ms"] = stages;
@@ -88,7 +89,7 @@ json reconstruction_report(Reconstruction& reconstruction) {
   report["bytes_per_ring"] = reconstruction.model().bytes_per_ring();
   const Reconstruction::RingCounts& rings = reconstruction.rings();
   report["rings"] = {{"updated", rings.updated}, {"skipped", rings.skipped}, {"left_out", rings.left_out}};
-  const Reconstruction::Judgement judged = reconstruction.judge();
+  const Reconstruction::Judgement judged = reconstruction.judge(progress);
   report["settings"] = settings_report(reconstruction, judged.light_field.psnr_db);
   report["held_out"] = {{"views", judged.light_field.views.size()},
                         {"protocol", kProtocol},
@@ -102,6 +103,19 @@ json reconstruction_report(Reconstruction& reconstruction) {
                         {"constant_psnr_gain_aligned_db", number(judged.constant.psnr_gain_aligned_db)},
                         {"per_view", views_to_json(judged.light_field)},
                         {"constant_per_view", views_to_json(judged.constant)}};
+  return report;
+}
+
+json live_report(Reconstruction& reconstruction, const LoopStatus& status, const StepsDone& progress) {
+  json report = reconstruction_report(reconstruction, progress);
+  report["frames"].update({{"sent", status.journaled + status.link.missing},
+                           {"received", status.journaled},
+                           {"waiting", status.waiting()},
+                           {"lost", status.link.missing},
+                           {"journaled", status.journaled},
+                           {"duplicates", status.link.duplicates}});
+  const auto ms = [&](double q) { return 1e3 * status.latency.quantile_s(q); };
+  if (status.latency.count() > 0) report["latency_ms"] = {{"p50", ms(0.50)}, {"p95", ms(0.95)}, {"p99", ms(0.99)}};
   return report;
 }
 

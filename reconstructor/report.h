@@ -4,14 +4,19 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
+#include "common/progress.h"
+#include "reconstructor/capture_loop.h"
 #include "reconstructor/evaluation/foretelling.h"
 #include "reconstructor/reconstruction.h"
 
 namespace sheen {
 
 /// The part of a report that `build` and `serve` share: frames, rates, stages, ranks, bytes, held-out scores beside
-/// those of the constant-colour model.
-nlohmann::json reconstruction_report(Reconstruction& reconstruction);
+/// those of the constant-colour model. `progress`: of the judging, which takes its time.
+nlohmann::json reconstruction_report(Reconstruction& reconstruction, const StepsDone& progress = {});
+/// The same of a live capture, with what only its loop knows: what waits, what was lost, how long it took to be
+/// durable.
+nlohmann::json live_report(Reconstruction& reconstruction, const LoopStatus& status, const StepsDone& progress = {});
 
 /// The report of `evaluate`: object, full picture, constant colour, and each view.
 nlohmann::json evaluation_report(const Scores& light_field, const Scores& constant);

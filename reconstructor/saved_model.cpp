@@ -21,12 +21,13 @@ Mesh load_mesh_and_warn(const std::filesystem::path& path) {
   return std::move(loaded.mesh);
 }
 
-void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& folder,
-                         const std::string& source) {
+void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& folder, const std::string& source,
+                         const StepsDone& progress) {
   std::string names;
   for (const HeldOutView& view : reconstruction.held_out()) names += view.name + "\n";
   save_model(*fill_unseen(*reconstruction.snapshot()), folder,
-             {{"source", source}, {"images", std::to_string(reconstruction.counts().accepted)}, {kHeldOutKey, names}});
+             {{"source", source}, {"images", std::to_string(reconstruction.counts().accepted)}, {kHeldOutKey, names}},
+             {.progress = progress});
 }
 
 std::set<std::string> held_out_names(const std::filesystem::path& model_folder) {

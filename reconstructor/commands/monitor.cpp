@@ -8,19 +8,21 @@
 #include "common/errors.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/monitor/monitor_client.h"
+#include "reconstructor/monitor/monitor_token.h"
 
 namespace sheen {
 namespace {
 
 struct MonitorArguments {
-  std::string url = "http://127.0.0.1:7480", token;
+  std::string url = "http://127.0.0.1:7480", token, token_file;
   bool once = false, json = false;
 };
 
 /// A line a second until Ctrl-C; a reconstructor that is away for a while is waited for.
 void watch(const MonitorArguments& arguments) {
-  const auto look = [&arguments] {
-    const std::string status = fetch_status(arguments.url, arguments.token);
+  const std::string token = monitor_token(arguments.token, arguments.token_file);
+  const auto look = [&arguments, &token] {
+    const std::string status = fetch_status(arguments.url, token);
     return arguments.json ? status : status_line(status);
   };
   if (arguments.once) {
@@ -42,7 +44,10 @@ void add_monitor_command(CLI::App& app) {
   auto arguments = std::make_shared<MonitorArguments>();
   CLI::App* command = app.add_subcommand("monitor", "Watches a running reconstructor from a terminal.");
   command->add_option("--url", arguments->url, "its monitor page")->capture_default_str();
-  command->add_option("--token", arguments->token, "of the page, if it asks for one");
+  command->add_option("--token", arguments->token,
+                      "of the page, if it asks for one; every user of this machine sees it");
+  command->add_option("--token-file", arguments->token_file,
+                      "file that holds the token (mode 600); or set SHEEN_MONITOR_TOKEN");
   command->add_flag("--once", arguments->once, "one look; exit status 1 when nobody answers");
   command->add_flag("--json", arguments->json, "the whole status as JSON, one a line");
   command->callback([arguments] { watch(*arguments); });

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
@@ -12,13 +15,16 @@
 #include "common/errors.h"
 #include "common/files.h"
 #include "common/log.h"
+#include "common/progress.h"
 #include "common/stop_signal.h"
 #include "reconstructor/budget.h"
+#include "reconstructor/capture_end.h"
 #include "reconstructor/capture_loop.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/wish_options.h"
 #include "reconstructor/live_display.h"
 #include "reconstructor/monitor/monitor_server.h"
+#include "reconstructor/monitor/monitor_token.h"
 #include "reconstructor/render/gl/viewer_window.h"
 #include "reconstructor/report.h"
 #include "reconstructor/saved_model.h"
@@ -29,11 +35,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kDisplayInterval{200};
 constexpr std::chrono::milliseconds kMonitorInterval{1000};
+constexpr std::chrono::milliseconds kPoll{50};
+constexpr std::chrono::milliseconds kEarlyEndPatience{700};
 constexpr const char* kMeshHashKey = "mesh_hash";
 
 struct ServeArguments {
   std::string mesh, session, config, endpoint = ReceiverOptions{}.endpoint, keys, tracker_key, json;
-  std::string monitor_host = MonitorOptions{}.host, monitor_token;
+  std::string monitor_host = MonitorOptions{}.host, monitor_token, monitor_token_file;
   int monitor_port = MonitorOptions{}.port;
   WishArguments wish;
   bool headless = false, once = false, no_monitor = false;
@@ -101,55 +109,121 @@ std::string take_back_last(CaptureLoop& loop) {
   }
 }
 
-/// A model that is about to be saved is first made anew without what was taken back; Ctrl-C waits for nothing.
-void finish_withdrawals(CaptureLoop& loop) {
-  if (stop_requested() || loop.status().exact) return;
-  loop.stop_receiving();
-  log_info("session", "the model is made anew without what was taken back");
-  while (!stop_requested() && !loop.finished() && !loop.status().exact)
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-}
+/// Keeps window, status page and log informed until it goes, on a thread of its own.
+class Publisher {
+ public:
+  Publisher(const CaptureLoop& loop, const CaptureEnd& end, LiveDisplay& display, MonitorServer* monitor, bool window)
+      : thread_([&loop, &end, &display, monitor, window](const std::stop_token& stop) {
+          LinkLog link_log;
+          auto last_monitor = std::chrono::steady_clock::now() - kMonitorInterval;
+          EndStage last_stage = EndStage::kCapturing;
+          for (; !stop.stop_requested(); std::this_thread::sleep_for(kDisplayInterval)) {
+            const EndProgress progress = end.progress();
+            const LoopStatus status = loop.status();
+            link_log.look(status.link);
+            if (window) display.publish_to_window(status, progress);
+            const auto now = std::chrono::steady_clock::now();
+            if (!monitor || (now - last_monitor < kMonitorInterval && progress.stage == last_stage)) continue;
+            last_monitor = now;
+            last_stage = progress.stage;
+            monitor->publish(display.monitor_state(status, progress));
+          }
+        }) {}
 
-/// Feeds the watchers until the loop has finished, the person closes the window or a signal asks to stop.
-void watch(CaptureLoop& loop, LiveDisplay& display, MonitorServer* monitor, ViewerWindow* window) {
-  std::stop_source done;
-  std::jthread publisher([&](std::stop_token stop) {
-    LinkLog link_log;
-    auto last_monitor = std::chrono::steady_clock::now() - kMonitorInterval;
-    while (!stop.stop_requested() && !loop.finished() && !stop_requested()) {
-      const LoopStatus status = loop.status();
-      link_log.look(status.link);
-      if (window) display.publish_to_window(status);
-      if (monitor && std::chrono::steady_clock::now() - last_monitor >= kMonitorInterval) {
-        last_monitor = std::chrono::steady_clock::now();
-        monitor->publish(display.monitor_state(status));
-      }
-      std::this_thread::sleep_for(kDisplayInterval);
+ private:
+  std::jthread thread_;
+};
+
+/// A bar a stage on the terminal.
+class EndBar {
+ public:
+  void show(const EndProgress& end) {
+    if (end.stage == EndStage::kCapturing || end.total == 0) return;
+    if (end.stage != shown_ || !bar_) {
+      bar_.reset();  // takes its line away before the next one draws
+      bar_.emplace(name_of(end.stage), end.total);
     }
+    shown_ = end.stage;
+    bar_->update(end.done);
+  }
+
+ private:
+  static const char* name_of(EndStage stage) {
+    switch (stage) {
+      case EndStage::kSaving:
+        return "saving";
+      case EndStage::kJudging:
+        return "judging";
+      case EndStage::kCapturing:
+      case EndStage::kFinishing:
+        break;
+    }
+    return "finishing";
+  }
+
+  EndStage shown_ = EndStage::kCapturing;
+  std::optional<Progress> bar_;
+};
+
+/// Until `over` or, where there is a window, the person closes it. A window that is lost is set to null.
+void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const ViewerFeed& feed,
+                const std::function<std::string()>& take_back = {}) {
+  std::stop_source done;
+  std::jthread look([&](const std::stop_token& closed) {
+    while (!closed.stop_requested() && !over()) std::this_thread::sleep_for(kPoll);
     done.request_stop();
   });
   if (window) {
     try {
-      return window->run(display.feed(), done.get_token(), [&loop] { return take_back_last(loop); });
+      return window->run(feed, done.get_token(), take_back);
     } catch (const Error& error) {
       log_warning("window", "the capture goes on without it: " + std::string(error.what()));
+      window = nullptr;
     }
   }
-  publisher.join();
+  look.join();
 }
 
-nlohmann::json live_report(Reconstruction& reconstruction, const LoopStatus& status) {
-  nlohmann::json report = reconstruction_report(reconstruction);
-  report["frames"]["journaled"] = status.journaled;
-  report["frames"]["duplicates"] = status.link.duplicates;
-  report["frames"]["lost"] = status.journaled - status.ingested;
-  const auto ms = [&](double q) { return 1e3 * status.latency.quantile_s(q); };
-  if (status.latency.count() > 0) report["latency_ms"] = {{"p50", ms(0.50)}, {"p95", ms(0.95)}, {"p99", ms(0.99)}};
-  return report;
+/// Nothing is lost by an end without the model.
+std::string words_of_an_early_end(const ServeArguments& arguments, const LoopStatus& status) {
+  return "ended before the model was finished; nothing is lost: " + std::to_string(status.journaled) +
+         " captures are kept in " + arguments.session +
+         ". The same command goes on with them; `sheen-reconstructor build " + arguments.session + " --mesh " +
+         arguments.mesh + " --out " + arguments.session + "/model` makes their model";
+}
+
+/// The model and the report of what was captured. A signal, or the window's closing, ends it within a second: then
+/// throws Error, or leaves the program where what is being done does not stop in time.
+CaptureEnd::Result finish(CaptureLoop& loop, CaptureEnd& end, ViewerWindow*& window, const ViewerFeed& feed,
+                          const ServeArguments& arguments) {
+  const int signals = std::min(stop_signals(), 1);  // the one that brought us here
+  if (const LoopStatus status = loop.status(); status.error.empty() && status.journaled > 0)
+    log_info("session",
+             "finishing: the images that wait are folded in, then the model is saved; Ctrl-C once more, or Q, ends it "
+             "now without the model",
+             {{"captures", status.journaled}, {"waiting", status.waiting()}});
+  end.begin();
+  {
+    EndBar bar;
+    wait_until(
+        [&] {
+          bar.show(end.progress());
+          return end.over() || stop_signals() > signals;
+        },
+        window, feed);
+  }
+  if (!end.over() && !end.stop(kEarlyEndPatience)) {
+    std::fprintf(stderr, "sheen-reconstructor: %s\n", words_of_an_early_end(arguments, loop.status()).c_str());
+    stop_logging();
+    std::_Exit(1);  // the journal is durable, and the next save removes what this one leaves
+  }
+  if (std::optional<CaptureEnd::Result> result = end.result()) return *std::move(result);
+  throw Error(words_of_an_early_end(arguments, loop.status()));
 }
 
 void serve(const ServeArguments& arguments) {
-  install_stop_signals();
+  install_stop_signals(2);        // the first begins the end, the second cuts it short
+  std::signal(SIGPIPE, SIG_IGN);  // whoever read our messages may be gone before the model is saved
   SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
   const TradeoffWish wish = arguments.wish.apply(config.surface_light_field);
   // Which maps and terms reach a PSNR shows when all images are there: until then all that the target needs is kept.
@@ -167,33 +241,32 @@ void serve(const ServeArguments& arguments) {
   LiveDisplay display(reconstruction.painter(), {arguments.session, link.endpoint, link.keys.has_value()});
   std::optional<MonitorServer> monitor;
   if (!arguments.no_monitor) {
-    monitor.emplace(MonitorOptions{arguments.monitor_host, arguments.monitor_port, arguments.monitor_token});
+    const std::string token = monitor_token(arguments.monitor_token, arguments.monitor_token_file);
+    monitor.emplace(MonitorOptions{arguments.monitor_host, arguments.monitor_port, token});
     log_info("monitor", "watch at " + monitor->url());
   }
-  std::optional<ViewerWindow> window;
-  if (!arguments.headless) open_window(window, arguments.session);
+  std::optional<ViewerWindow> screen;
+  if (!arguments.headless) open_window(screen, arguments.session);
+  ViewerWindow* window = screen ? &*screen : nullptr;
 
   CaptureLoop loop(arguments.session, std::move(session), link, reconstruction,
                    {.stop_when_source_ends = arguments.once}, display.observer());
+  CaptureEnd end(loop, reconstruction, arguments.session);
   loop.start();
   log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}});
-  watch(loop, display, monitor ? &*monitor : nullptr, window ? &*window : nullptr);
-  finish_withdrawals(loop);
-  loop.stop();
+  const Publisher publisher(loop, end, display, monitor ? &*monitor : nullptr, window != nullptr);
+  wait_until([&loop] { return loop.finished() || stop_requested(); }, window, display.feed(),
+             [&loop] { return take_back_last(loop); });
+  const CaptureEnd::Result result = finish(loop, end, window, display.feed(), arguments);
 
   const LoopStatus status = loop.status();
-  if (monitor) monitor->publish(display.monitor_state(status));
-  if (!status.error.empty()) throw Error(status.error);
-  if (stop_requested()) {  // whoever presses Ctrl-C waits for nothing: the journal has it all
-    log_info("session", "kept; the same command goes on with it, `build` makes its model",
+  if (result.model)
+    log_info("session", "the model is saved", {{"folder", result.model->string()}, {"captures", status.journaled}});
+  else
+    log_info("session", "no model: no image was accepted",
              {{"folder", arguments.session}, {"captures", status.journaled}});
-    return;
-  }
-  if (reconstruction.counts().accepted > 0)
-    save_reconstruction(reconstruction, std::filesystem::path(arguments.session) / "model", arguments.session);
-  const nlohmann::json report = live_report(reconstruction, status);
-  print_summary(report);
-  if (!arguments.json.empty()) write_json(arguments.json, report);
+  print_summary(result.report);
+  if (!arguments.json.empty()) write_json(arguments.json, result.report);
   if (status.ingested > status.counts.withdrawn &&
       reconstruction.counts().accepted + reconstruction.counts().held_out == 0)
     throw FileError(arguments.mesh, "none of the session's " + std::to_string(status.ingested) +
@@ -219,8 +292,13 @@ void add_serve_command(CLI::App& app) {
   command->add_flag("--no-monitor", a->no_monitor, "no status page");
   command->add_option("--monitor-host", a->monitor_host, "address of the status page")->capture_default_str();
   command->add_option("--monitor-port", a->monitor_port, "port of the status page; 0 = any free one")
+      ->check(CLI::Range(0, 65535))
       ->capture_default_str();
-  command->add_option("--monitor-token", a->monitor_token, "asked of everyone who watches; needed beyond loopback");
+  command->add_option(
+      "--monitor-token-file", a->monitor_token_file,
+      "file (mode 600) with the token that is asked of everyone who watches; needed beyond loopback; or "
+      "set SHEEN_MONITOR_TOKEN");
+  command->add_option("--monitor-token", a->monitor_token, "the token itself; every user of this machine sees it");
   command->add_option("--json", a->json, "report to write at the end; - for standard output");
   command->callback([a] { serve(*a); });
 }

@@ -108,7 +108,8 @@ ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPa
   return score;
 }
 
-Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter) {
+Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter,
+             const StepsDone& progress) {
   Scores scores;
   if (views.empty()) {  // nothing was judged, which is not the same as a score of 0
     const double none = std::numeric_limits<double>::quiet_NaN();
@@ -118,6 +119,7 @@ Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, 
   }
   SquaredError pooled;
   for (const HeldOutView& view : views) {
+    if (progress) progress(scores.views.size(), views.size());
     const ViewScore& s = scores.views.emplace_back(score(view, model, painter));
     const double share = 1.0 / double(views.size());
     scores.psnr_db += share * s.psnr_db;

@@ -8,6 +8,7 @@
 #include "common/capture.h"
 #include "common/image.h"
 #include "common/image_metrics.h"
+#include "common/progress.h"
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/render/ray_painter.h"
 
@@ -51,6 +52,7 @@ struct Scores {
   double psnr_db = 0, ssim = 0, psnr_inside_db = 0, psnr_gain_aligned_db = 0, psnr_pooled_db = 0;
   double full_psnr_db = 0, full_ssim = 0, uncovered = 0;
 };
-Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter);
+Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter,
+             const StepsDone& progress = {});
 
 }  // namespace sheen

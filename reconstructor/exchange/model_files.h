@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/exr.h"
+#include "common/progress.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 
 namespace sheen {
@@ -17,6 +18,7 @@ using ModelMetadata = std::map<std::string, std::string>;
 struct SaveOptions {
   ExrPrecision surface = ExrPrecision::kFloat;  ///< of the surface maps; with half a reopened model is not the same
   int view_map = 32;                            ///< side of the portable view maps (000 sec. 4.2); 0 = write none
+  StepsDone progress;
 };
 
 /// Writes a surface light field as a folder that is created where needed:
@@ -28,6 +30,7 @@ struct SaveOptions {
 ///               views               kriging: directions and weights, a pixel a view of a ring
 ///               rings               frame, mean and drift coefficients, a pixel a ring
 ///               view.rank00 ...     view maps, a tile a ring, for readers that do not krige
+/// They are written into the folder ".unfinished" in it and moved when all are whole: until then an older model stays.
 /// model.json comes last and is tied to the other two, so a save that was cut short is noticed. Throws FileError.
 void save_model(const SurfaceLightFieldSnapshot& model, const std::filesystem::path& folder,
                 const ModelMetadata& metadata = {}, const SaveOptions& options = {});

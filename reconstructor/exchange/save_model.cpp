@@ -227,7 +227,7 @@ struct Parts {
 };
 
 void save_maps(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout, const SaveOptions& options,
-               const std::string& id, const fs::path& path) {
+               const std::string& id, const fs::path& path, const StepsDone& written) {
   Parts parts;
   const AtlasSize surface = atlas_size(layout.samples);
   for (int r = 0; r < layout.max_rank; ++r)
@@ -246,33 +246,72 @@ void save_maps(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout
       parts.add(rank_part("view", r), {"Y"}, {tiles.width * options.view_map, tiles.height * options.view_map},
                 ExrPrecision::kHalf, [&, r] { return view_image(maps, options.view_map, r); });
   }
-  write_exr(path, parts.info, {{kModelIdAttribute, id}}, [&](std::size_t i) { return parts.image[i](); });
+  write_exr(path, parts.info, {{kModelIdAttribute, id}}, [&](std::size_t i) {
+    written(i, parts.image.size());
+    return parts.image[i]();
+  });
 }
+
+/// Where the files of a model are written until all are whole; gone, with what is in it, at the end.
+class Unfinished {
+ public:
+  explicit Unfinished(const fs::path& model) : model_(model), folder_(model / ".unfinished") {
+    std::error_code error;
+    new_ = fs::create_directories(model_, error);
+    if (!error) fs::remove_all(folder_, error);  // of a save that was killed
+    if (!error) fs::create_directory(folder_, error);
+    if (error) throw FileError(model_.string(), "cannot be created: " + error.message());
+  }
+  ~Unfinished() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+    if (new_) fs::remove(model_, ignored);  // where nothing came to be
+  }
+  Unfinished(const Unfinished&) = delete;
+  Unfinished& operator=(const Unfinished&) = delete;
+
+  fs::path operator/(const char* file) const { return folder_ / file; }
+  void put_in_place() const {
+    for (const char* file : {kMeshFile, kMapsFile, kJsonFile}) {
+      std::error_code error;
+      fs::rename(folder_ / file, model_ / file, error);
+      if (error) throw FileError((model_ / file).string(), "cannot be written: " + error.message());
+    }
+  }
+
+ private:
+  fs::path model_, folder_;
+  bool new_ = false;
+};
 
 }  // namespace
 
 void save_model(const SurfaceLightFieldSnapshot& model, const fs::path& folder, const ModelMetadata& metadata,
                 const SaveOptions& options) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw FileError(folder.string(), "cannot be created: " + error.message());
+  constexpr std::size_t kStepsBeforeMaps = 2;  // mesh, description
+  const auto report = [&options](std::size_t done, std::size_t steps) {
+    if (options.progress) options.progress(done, steps);
+  };
+  const Unfinished unfinished(folder);
   const ModelLayout layout = layout_of(model);
   if (layout.max_rank > kMaxRank)
     throw FileError(folder.string(), "cannot be written: rank " + std::to_string(layout.max_rank) + " is above " +
                                          std::to_string(kMaxRank) + "; lower the model's max_rank");
-  save_ply(model.mesh(), folder / kMeshFile);
-  Json json = description_of(model, layout, content_hash(read_file(folder / kMeshFile)));
+  save_ply(model.mesh(), unfinished / kMeshFile);
+  Json json = description_of(model, layout, content_hash(read_file(unfinished / kMeshFile)));
   std::string text;
   try {
     const std::string id = id_of(json, model);
     json["id"] = id;
     json["metadata"] = metadata;
     text = json.dump();
-    save_maps(model, layout, options, id, folder / kMapsFile);
+    save_maps(model, layout, options, id, unfinished / kMapsFile,
+              [&](std::size_t done, std::size_t parts) { report(kStepsBeforeMaps + done, kStepsBeforeMaps + parts); });
   } catch (const Json::exception& failure) {
     throw FileError((folder / kJsonFile).string(), std::string("cannot be written: metadata: ") + failure.what());
   }
-  write_file(folder / kJsonFile, text + "\n");
+  write_file(unfinished / kJsonFile, text + "\n");
+  unfinished.put_in_place();
 }
 
 }  // namespace sheen

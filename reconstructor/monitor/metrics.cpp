@@ -73,6 +73,8 @@ void frames(const MonitorState& state, Exposition& out) {
   out.single("frames_held_out_total", "counter", "Captures kept aside to judge the model.",
              static_cast<double>(state.held_out));
   out.single("frames_withdrawn", "gauge", "Captures that were taken back.", static_cast<double>(state.withdrawn));
+  out.single("frames_waiting", "gauge", "Captures that are durable and not in the model yet.",
+             static_cast<double>(state.waiting));
   out.family("frames_rejected_total", "counter", "Captures that were not used, by reason.");
   for (const auto& [reason, n] : state.refused) out.sample(static_cast<double>(n), {{"reason", reason}});
   out.single("sequence_gaps_total", "counter", "Captures that the tracker numbered and nobody received.",
@@ -112,8 +114,13 @@ void health(const MonitorState& state, CaptureState capture, MonitorState::Clock
   out.family("capture_state", "gauge", "1 for the state that the capture is in.");
   for (const CaptureState each :
        {CaptureState::kWaiting, CaptureState::kLive, CaptureState::kStale, CaptureState::kDisconnected,
-        CaptureState::kEnded, CaptureState::kFailed, CaptureState::kStalled})
+        CaptureState::kEnded, CaptureState::kFinishing, CaptureState::kSaving, CaptureState::kJudging,
+        CaptureState::kFailed, CaptureState::kStalled})
     out.sample(each == capture ? 1 : 0, {{"state", to_string(each)}});
+  if (state.ending && state.ending->total > 0)
+    out.single("ending_progress_ratio", "gauge",
+               "How much is done of what the state finishing, saving or judging does.",
+               static_cast<double>(state.ending->done) / static_cast<double>(state.ending->total));
   out.family("link_connected", "gauge", "1 where the peer is there.");
   for (const MonitorState::Link& link : state.links)
     out.sample(link.connected ? 1 : 0, {{"link", link.name}, {"endpoint", link.endpoint}});

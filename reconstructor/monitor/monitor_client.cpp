@@ -24,9 +24,24 @@ std::string formatted(const char* format, Values... values) {
   return text.data();
 }
 
+/// httplib takes any number for a port, and of one that is too large the lower 16 bits.
+void require_port(const std::string& url) {
+  const std::size_t host = url.find("//") + 2, end = url.find('/', host);
+  const std::string authority = url.substr(host, end == std::string::npos ? end : end - host);
+  const std::size_t colon = authority.rfind(':');
+  if (colon == std::string::npos || authority.ends_with("]")) return;
+  const std::string port = authority.substr(colon + 1);
+  if (port.empty() || port.size() > 5 || port.find_first_not_of("0123456789") != std::string::npos ||
+      std::stoi(port) < 1 || std::stoi(port) > 65535)
+    throw ConfigError("\"" + url + "\": " + port + " is no port; give one from 1 to 65535");
+}
+
 std::string described(const Json& status) {
   const Json& frames = status.at("frames");
   std::string line = status.at("state").get<std::string>();
+  if (const auto ending = status.find("ending"); ending != status.end() && ending->is_object())
+    line += " " + std::to_string(ending->at("done").get<std::uint64_t>()) + "/" +
+            std::to_string(ending->at("total").get<std::uint64_t>());
   if (const auto error = status.at("error").get<std::string>(); !error.empty()) line += " (" + error + ")";
   line += "  " + std::to_string(frames.at("accepted").get<std::uint64_t>()) + " images of " +
           std::to_string(frames.at("received").get<std::uint64_t>());
@@ -50,6 +65,7 @@ std::string described(const Json& status) {
 
 std::string fetch_status(const std::string& url, const std::string& token) {
   if (!url.starts_with("http://")) throw ConfigError("\"" + url + "\" is no address; write it as http://HOST:PORT");
+  require_port(url);
   httplib::Client client(url.ends_with("/") ? url.substr(0, url.size() - 1) : url);
   if (!client.is_valid()) throw ConfigError("\"" + url + "\" is no address; write it as http://HOST:PORT");
   client.set_connection_timeout(kTimeout);
@@ -60,7 +76,7 @@ std::string fetch_status(const std::string& url, const std::string& token) {
   if (!answer)
     throw DeviceError(url + " does not answer (" + httplib::to_string(answer.error()) +
                       "); is sheen-reconstructor running, and is this its monitor page?");
-  if (answer->status == 401) throw DeviceError(url + ": the token is missing or wrong; give it with --token");
+  if (answer->status == 401) throw DeviceError(url + ": the token is missing or wrong; give it with --token-file");
   if (answer->status != 200) throw DeviceError(url + ": answered with status " + std::to_string(answer->status));
   return answer->body;
 }

@@ -26,6 +26,12 @@ const char* to_string(CaptureState state) {
       return "disconnected";
     case CaptureState::kEnded:
       return "ended";
+    case CaptureState::kFinishing:
+      return "finishing";
+    case CaptureState::kSaving:
+      return "saving";
+    case CaptureState::kJudging:
+      return "judging";
     case CaptureState::kFailed:
       return "failed";
     case CaptureState::kStalled:
@@ -38,6 +44,7 @@ CaptureState capture_state(const MonitorState& state, MonitorState::Clock::time_
                            MonitorState::Clock::time_point now) {
   if (!state.error.empty()) return CaptureState::kFailed;
   if (now - published > kStaleAfter) return CaptureState::kStalled;
+  if (state.ending) return state.ending->state;
   if (state.ended) return CaptureState::kEnded;
   if (std::any_of(state.links.begin(), state.links.end(), [](const auto& link) { return !link.connected; }))
     return CaptureState::kDisconnected;

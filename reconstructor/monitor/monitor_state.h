@@ -20,6 +20,19 @@ struct DurationSummary {
 };
 DurationSummary summarize(const RunningStatistics& statistics);
 
+enum class CaptureState : std::uint8_t {
+  kWaiting,       ///< no frame has come yet
+  kLive,          ///< frames are coming
+  kStale,         ///< connected, but frames have stopped coming
+  kDisconnected,  ///< a peer is gone
+  kEnded,         ///< the source has ended
+  kFinishing,     ///< what is journaled is folded in
+  kSaving,
+  kJudging,  ///< the finished model is compared with the held-out views
+  kFailed,   ///< see `error`
+  kStalled,  ///< the reconstructor itself has not said anything for a while
+};
+
 /// What people who watch a capture are told: plain values, whoever made them.
 struct MonitorState {
   using Clock = std::chrono::steady_clock;
@@ -38,10 +51,17 @@ struct MonitorState {
   };
   std::vector<Link> links;
   bool ended = false;  ///< the source said that nothing more comes
-  std::string error;   ///< what stopped the capture, if anything did
+  /// What is done after the last image, and how much of it is done.
+  struct Ending {
+    CaptureState state = CaptureState::kFinishing;
+    std::uint64_t done = 0, total = 0;
+  };
+  std::optional<Ending> ending;
+  std::string error;  ///< what stopped the capture, if anything did
 
   std::optional<Clock::time_point> last_frame;  ///< when a capture last arrived
-  std::uint64_t received = 0, accepted = 0, held_out = 0, withdrawn = 0, journaled = 0;
+  /// received = accepted + held out + refused + withdrawn + waiting
+  std::uint64_t received = 0, accepted = 0, held_out = 0, withdrawn = 0, waiting = 0, journaled = 0;
   std::uint64_t sequence_gaps = 0;               ///< captures that the tracker numbered and nobody received
   std::map<std::string, std::uint64_t> refused;  ///< by reason
   double images_per_s = 0;                       ///< that the model takes in
@@ -67,15 +87,6 @@ struct MonitorState {
   std::shared_ptr<const std::string> camera_jpeg;   ///< the newest camera image
 };
 
-enum class CaptureState : std::uint8_t {
-  kWaiting,       ///< no frame has come yet
-  kLive,          ///< frames are coming
-  kStale,         ///< connected, but frames have stopped coming
-  kDisconnected,  ///< a peer is gone
-  kEnded,
-  kFailed,   ///< see `error`
-  kStalled,  ///< the reconstructor itself has not said anything for a while
-};
 const char* to_string(CaptureState state);
 
 /// Frames that are older than this are called stale, and so is a reconstructor that published this long ago.

@@ -56,10 +56,11 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
                              {"connected", link.connected},
                              {"encrypted", link.encrypted},
                              {"last_error", link.last_error}});
-  json["frames"] = {{"received", state.received},   {"journaled", state.journaled},
-                    {"accepted", state.accepted},   {"held_out", state.held_out},
-                    {"withdrawn", state.withdrawn}, {"sequence_gaps", state.sequence_gaps},
-                    {"refused", state.refused}};
+  json["ending"] = nullptr;
+  if (state.ending) json["ending"] = {{"done", state.ending->done}, {"total", state.ending->total}};
+  json["frames"] = {{"received", state.received}, {"journaled", state.journaled},        {"accepted", state.accepted},
+                    {"held_out", state.held_out}, {"withdrawn", state.withdrawn},        {"waiting", state.waiting},
+                    {"refused", state.refused},   {"sequence_gaps", state.sequence_gaps}};
   json["ingest_images_per_s"] = finite(state.images_per_s);
   json["update_s"] = to_json(state.update);
   json["latency_s"] = to_json(state.latency);

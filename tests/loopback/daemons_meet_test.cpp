@@ -35,9 +35,9 @@ class DaemonsMeet : public ::testing::Test {
     EXPECT_EQ(sequences, all);
   }
   /// SIGINT, and the end that follows.
-  static void expect_stops(Process& process, const Words& words) {
+  static void expect_stops(Process& process, const Words& words, std::chrono::seconds patience = kStopPatience) {
     process.signal(SIGINT);
-    const auto end = process.wait(kStopPatience);
+    const auto end = process.wait(patience);
     ASSERT_TRUE(end) << "still runs after Ctrl-C:\n" << process.output();
     expect_outcome({*end, process.output()}, 0, words);
   }
@@ -64,13 +64,13 @@ TEST_F(DaemonsMeet, ATrackerWithoutAReconstructorSaysThatNothingIsSafe) {
   expect_stops(waiting, {"keyframes were not acknowledged"});
 }
 
-TEST_F(DaemonsMeet, TheReconstructorMayComeLastAndCtrlCKeepsTheSession) {
+TEST_F(DaemonsMeet, TheReconstructorMayComeLastAndCtrlCFinishesTheModel) {
   const std::string address = free_address();
   Process rig(track({"--endpoint", address}));
   ASSERT_TRUE(rig.prints(address, kPatience));
   Process keeping(desk({"--endpoint", address}));
   expect_outcome(wait_to_end(rig), 0, {"6 keyframes sent"});
-  expect_stops(keeping, {"kept", "build"});
+  expect_stops(keeping, {"the model is saved"}, kPatience);
   expect_all_captures();
 }
 
@@ -164,7 +164,7 @@ TEST_F(ManyViews, CtrlCInTheMiddleLeavesASessionThatGoesOn) {
   Process rig(track({"--endpoint", address}));
   Process first(desk({"--endpoint", address}));
   while (first.running() && captures_so_far(session_) == 0) std::this_thread::sleep_for(milliseconds(1));
-  expect_stops(first, {});
+  expect_stops(first, {}, kPatience);
   EXPECT_TRUE(rig.running()) << "too early for a test of the middle:\n" << rig.output();
   Process second(desk({"--endpoint", address, "--once"}));
   expect_outcome(wait_to_end(second), 0, {"images folded in"});
@@ -179,7 +179,7 @@ TEST_F(ManyViews, CtrlCInTheMiddleEndsATrackerWhichThenGoesOn) {
   while (rig.running() && captures_so_far(session_) == 0) std::this_thread::sleep_for(milliseconds(1));
   expect_stops(rig, {"keyframes sent"});
   expect_outcome(run_to_end(track({"--endpoint", address})), 0, {"150 keyframes sent"});
-  expect_stops(keeping, {"captures=150"});
+  expect_stops(keeping, {"captures=150"}, kPatience);
   expect_all_captures();
 }
 

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <thread>
 
+#include "reconstructor/report.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/temp_folder.h"
 
@@ -15,6 +17,13 @@ using std::chrono::seconds;
 
 constexpr std::size_t kImages = 12;
 
+/// 127.0.0.1 without a tracker.
+ReceiverOptions nobody() {
+  ReceiverOptions link;
+  link.endpoint = "tcp://127.0.0.1:9";
+  return link;
+}
+
 /// A loop over a session that nobody adds to; images 3 and 7 are held out.
 class CaptureLoopTest : public ::testing::Test {
  protected:
@@ -24,10 +33,8 @@ class CaptureLoopTest : public ::testing::Test {
     Session session = Session::create(folder_);
     for (const Capture& image : images_) session.append(image);
     reconstruction_ = std::make_unique<Reconstruction>(*object_.mesh, options_);
-    ReceiverOptions nobody;
-    nobody.endpoint = "tcp://127.0.0.1:9";
     loop_ = std::make_unique<CaptureLoop>(
-        folder_, std::move(session), nobody, *reconstruction_,
+        folder_, std::move(session), nobody(), *reconstruction_,
         CaptureLoopOptions{.snapshot_interval = std::chrono::milliseconds(0), .pause = std::chrono::milliseconds(300)},
         LoopObserver{.on_snapshot = [this](auto snapshot) { images_shown_.push_back(most_views(*snapshot)); }});
     loop_->start();
@@ -114,6 +121,76 @@ TEST_F(CaptureLoopTest, WhatIsPutBackIsThereAgain) {
   desk.set_withdrawn(5, false);
   wait_until([](const LoopStatus& s) { return s.exact && s.counts.withdrawn == 0; });
   expect_model_without({});
+}
+
+bool finishes(const CaptureLoop& loop) {
+  for (const auto end = std::chrono::steady_clock::now() + seconds(30); std::chrono::steady_clock::now() < end;
+       std::this_thread::sleep_for(std::chrono::milliseconds(5)))
+    if (loop.finished()) return true;
+  return false;
+}
+
+TEST(CaptureLoopEnds, WhatIsJournaledIsFoldedInAndWhatWasTakenBackIsOut) {
+  const TempFolder temp;
+  const Object object = square_object();
+  const auto images = captures({object.surface, analytic::two_terms(0.1)}, analytic::eyes(kImages, 0.5, 0.55));
+  Session session = Session::create(temp.path() / "session");
+  for (const Capture& image : images) session.append(image);
+  session.set_withdrawn(5, true);
+  SurfaceLightFieldOptions options;
+  options.hold_out_every = 4;
+  Reconstruction reconstruction(*object.mesh, options), never(*object.mesh, options);
+  CaptureLoop loop(temp.path() / "session", std::move(session), nobody(), reconstruction,
+                   {.pause = std::chrono::hours(1)}, {});
+  loop.start();
+  while (loop.status().ingested < 8) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  Session::open_to_withdraw(temp.path() / "session").set_withdrawn(6, true);  // of what is in the model
+  loop.finish();
+  ASSERT_TRUE(finishes(loop));
+  loop.stop();
+  const LoopStatus status = loop.status();
+  EXPECT_EQ(status.error, "");
+  EXPECT_TRUE(status.exact);
+  EXPECT_EQ(status.waiting(), 0u);
+  EXPECT_EQ(status.counts.withdrawn, 2u);
+  for (std::size_t i = 0; i < images.size(); ++i)
+    if (i != 5 && i != 6) never.ingest(images[i]);
+  expect_same_rings(*reconstruction.snapshot(), *never.snapshot());
+}
+
+TEST(CaptureLoopEnds, TheAccountAddsUpWhileImagesWait) {
+  const TempFolder temp;
+  const Object object = square_object();
+  Session session = Session::create(temp.path() / "session");
+  for (const Capture& image : captures({object.surface, analytic::two_terms(0.1)}, analytic::eyes(kImages, 0.5, 0.55)))
+    session.append(image);
+  Reconstruction reconstruction(*object.mesh, SurfaceLightFieldOptions{});
+  CaptureLoop loop(temp.path() / "session", std::move(session), nobody(), reconstruction, {}, {});
+  EXPECT_EQ(loop.status().waiting(), kImages) << "before the start";
+  loop.start();
+  while (loop.status().ingested < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  loop.stop();
+  const LoopStatus status = loop.status();
+  EXPECT_EQ(status.journaled, kImages);
+  EXPECT_EQ(status.counts.accepted + status.counts.held_out + status.waiting(), kImages);
+  const nlohmann::json frames = live_report(reconstruction, status)["frames"];
+  EXPECT_EQ(frames["received"], kImages);
+  EXPECT_EQ(frames["waiting"], status.waiting());
+  EXPECT_EQ(frames["lost"], 0) << "what is journaled is kept";
+}
+
+// Meant for the thread sanitizer: the ingesting thread fails at once, while `start` may still assign the others.
+TEST(CaptureLoopEnds, ALoopThatFailsAtItsStartSaysSo) {
+  const Object object = square_object();
+  for (int i = 0; i < 20; ++i) {
+    const TempFolder temp;
+    Session session = Session::create(temp.path() / "session");
+    Reconstruction reconstruction(*object.mesh, SurfaceLightFieldOptions{});
+    CaptureLoop loop(temp.path() / "elsewhere", std::move(session), nobody(), reconstruction, {}, {});
+    loop.start();
+    ASSERT_TRUE(finishes(loop));
+    EXPECT_NE(loop.status().error, "");
+  }
 }
 
 }  // namespace

@@ -11,6 +11,9 @@ const details = {
   stale: (s) => "no frame for " + ago(s.frame_age_s),
   disconnected: (s) => s.links.filter((l) => !l.connected).map((l) => l.name).join(", ") + " is gone",
   ended: () => "nothing more comes",
+  finishing: (s) => "image " + s.ending.done + " of " + s.ending.total,
+  saving: (s) => "the model: part " + s.ending.done + " of " + s.ending.total,
+  judging: (s) => "on unseen views: picture " + s.ending.done + " of " + s.ending.total,
   failed: () => "see below",
   stalled: (s) => "reconstructor silent for " + ago(s.published_age_s),
 };
@@ -130,13 +133,15 @@ function show(s) {
   text("state-name", s.state);
   text("state-detail", details[s.state](s));
   text("session", s.session_folder);
+  $("ending").hidden = !s.ending;
+  if (s.ending) $("ending").firstElementChild.style.width = 100 * s.ending.done / Math.max(1, s.ending.total) + "%";
   $("error").hidden = !s.error; text("error", s.error);
   $("next-view").hidden = !s.next_view; text("next-view", s.next_view ? "Next: " + s.next_view : "");
 
   const f = s.frames, curve = s.held_out_curve, last = curve[curve.length - 1];
   const refused = Object.entries(f.refused), allRefused = refused.reduce((sum, r) => sum + r[1], 0);
   text("accepted", f.accepted);
-  text("accepted-detail", f.received + " received, " + allRefused + " refused");
+  text("accepted-detail", f.received + " received, " + allRefused + " refused" + (f.waiting ? ", " + f.waiting + " waiting" : ""));
   text("psnr", last ? fixed(last.psnr_db, 2) : "–");
   text("psnr-detail", last && last.psnr_db !== null && last.constant_psnr_db !== null
     ? (last.psnr_db >= last.constant_psnr_db ? "+" : "−") +
@@ -156,6 +161,7 @@ function show(s) {
     {name: "accepted", value: f.accepted, shown: f.accepted, tone: "good"},
     {name: "held out", value: f.held_out, shown: f.held_out},
     {name: "taken back", value: f.withdrawn, shown: f.withdrawn},
+    {name: "waiting", value: f.waiting, shown: f.waiting, tone: "idle"},
     ...refused.sort((a, b) => b[1] - a[1]).map(([reason, n]) => (
       {name: reason.replaceAll("_", " "), value: n, shown: n, tone: "warn"})),
     {name: "lost on the way", value: f.sequence_gaps, shown: f.sequence_gaps, tone: "bad"},

@@ -96,7 +96,12 @@ std::vector<Line> frame_lines(const CaptureFigures& f) {
   for (const auto& [reason, n] : f.frames_refused)
     lines.push_back({"", print("  %s %llu", reason.c_str(), count(n)), kDim});
   if (f.frames_withdrawn > 0) lines.push_back({"", print("taken back %llu", count(f.frames_withdrawn))});
-  lines.push_back({"rate", print("%.1f images/s", f.images_per_s)});
+  lines.push_back(f.frames_waiting > 0 && f.images_per_s > 0
+                      ? Line{"rate",
+                             print("%.1f images/s; %llu wait, %.0f s", f.images_per_s, count(f.frames_waiting),
+                                   static_cast<double>(f.frames_waiting) / f.images_per_s),
+                             kAmber}
+                      : Line{"rate", print("%.1f images/s", f.images_per_s)});
   return lines;
 }
 
@@ -162,6 +167,7 @@ Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, 
 
 /// Boxes at the bottom stand above the line that says where to go next.
 float Hud::bottom_margin(const OverlayPainter& overlay) const {
+  if (state.work) return 5.5f * overlay.line_height();
   return guidance ? 3.8f * overlay.line_height() : overlay.advance();
 }
 
@@ -205,6 +211,26 @@ void Hud::draw_guidance(OverlayPainter& overlay) const {
   const Eigen::Vector2f side(-along.y(), along.x());
   overlay.line(middle - along, middle + 0.2f * along, arrow / 5, kGreen);
   overlay.triangle(middle + along, middle + 0.75f * side, middle - 0.75f * side, kGreen);
+}
+
+/// In the place of the guidance: nothing is to be photographed any more.
+void Hud::draw_work(OverlayPainter& overlay) const {
+  constexpr const char* kWayOut = "Q: end now, without the model; the images are kept";
+  const std::string what = state.work->what;
+  const float pad = overlay.advance(), bar = overlay.line_height() / 2;
+  const float width =
+      std::max(0.5f * static_cast<float>(overlay.width()), static_cast<float>(60) * overlay.advance() + 2 * pad);
+  const float height = 2 * overlay.line_height() + bar + 2 * pad;
+  const float x = (static_cast<float>(overlay.width()) - width) / 2;
+  float y = static_cast<float>(overlay.height()) - height - 1.2f * overlay.line_height();
+  overlay.fill(x, y, width, height, kPanel);
+  y += pad / 2;
+  overlay.text(x + pad, y, what, kText);
+  y += overlay.line_height() + pad / 2;
+  overlay.fill(x + pad, y, width - 2 * pad, bar, {70, 75, 84, 255});
+  overlay.fill(x + pad, y, (width - 2 * pad) * static_cast<float>(std::clamp(state.work->share, 0.0, 1.0)), bar,
+               kGreen);
+  overlay.text(x + pad, y + bar + pad / 2, kWayOut, kDim);
 }
 
 void Hud::draw_legend(OverlayPainter& overlay) const {
@@ -300,7 +326,10 @@ void Hud::draw_help(OverlayPainter& overlay) const {
 
 void Hud::draw(OverlayPainter& overlay) const {
   draw_figures(overlay);
-  draw_guidance(overlay);
+  if (state.work)
+    draw_work(overlay);
+  else
+    draw_guidance(overlay);
   draw_legend(overlay);
   draw_notes(overlay);
   if (controls.help)

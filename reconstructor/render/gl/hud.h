@@ -40,6 +40,7 @@ struct Hud {
   float bottom_margin(const OverlayPainter& overlay) const;
   void draw_figures(OverlayPainter& overlay) const;
   void draw_guidance(OverlayPainter& overlay) const;
+  void draw_work(OverlayPainter& overlay) const;
   void draw_legend(OverlayPainter& overlay) const;
   void draw_notes(OverlayPainter& overlay) const;
   void draw_help(OverlayPainter& overlay) const;

@@ -23,11 +23,12 @@ enum class TrackerLink {
 
 /// Counts and figures of a running capture. Refusals have the short words of `IngestReport::reason` as keys.
 struct CaptureFigures {
-  std::uint64_t frames_received = 0;
+  std::uint64_t frames_received = 0;  ///< accepted, refused, withdrawn and waiting
   std::uint64_t frames_accepted = 0;  ///< held-out ones included
   std::uint64_t frames_held_out = 0;
   std::map<std::string, std::uint64_t> frames_refused;
   std::uint64_t frames_withdrawn = 0;
+  std::uint64_t frames_waiting = 0;  ///< kept, and not in the model yet
   double images_per_s = 0;
   std::optional<double> residual;          ///< relative, of the last image: 0..1
   std::optional<double> foretold_psnr_db;  ///< of the last image, from those before it
@@ -41,6 +42,12 @@ struct NextView {
   std::string reason;                             ///< shown as it stands; may be empty
 };
 
+/// What the person waits for, with a bar.
+struct WorkInHand {
+  std::string what;  ///< shown as it stands
+  double share = 0;  ///< done, 0..1
+};
+
 /// All that the window shows at one moment: plain data, filled by whoever drives it. Every part may be absent.
 struct ViewerState {
   std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot;
@@ -48,6 +55,7 @@ struct ViewerState {
   std::optional<CaptureFigures> figures;
   TrackerLink link = TrackerLink::kNone;
   std::optional<NextView> next_view;
+  std::optional<WorkInHand> work;
   std::string message;  ///< one line for the person at the screen
 };
 

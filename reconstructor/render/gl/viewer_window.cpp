@@ -228,6 +228,7 @@ ViewControls& ViewerWindow::controls() {
 void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, std::function<std::string()> take_back) {
   Impl& w = *impl_;
   w.take_back = std::move(take_back);
+  glfwSetWindowShouldClose(w.window.get(), GLFW_FALSE);
   std::shared_ptr<const ViewerState> shown;
   bool complete = true;
   Clock::time_point rested;  // from when on what nobody asked for may be drawn

@@ -33,9 +33,9 @@ class ViewerWindow {
 
   ViewControls& controls();
 
-  /// Shows what is published until the person quits or a stop is asked for. Draws only when something has changed.
-  /// `take_back`: what the key U does; it returns a line for the person. Throws DeviceError when OpenGL fails or the
-  /// display goes away.
+  /// Shows what is published until the person quits or a stop is asked for; the window stays until this object goes,
+  /// and may be run again. Draws only when something has changed. `take_back`: what the key U does; it returns a line
+  /// for the person. Throws DeviceError when OpenGL fails or the display goes away.
   void run(const ViewerFeed& feed, const std::stop_token& stop, std::function<std::string()> take_back = {});
 
   /// One picture of `options.width` x `options.height` with all of the state on the GPU.

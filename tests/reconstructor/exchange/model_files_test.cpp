@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -110,6 +111,39 @@ TEST(ModelFiles, SavingAgainReplacesTheModel) {
   save_model(*second, folder.path(), {}, {.view_map = 0});
   expect_same_pictures(*second, *load_model(folder.path()));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3) << "nothing unfinished is left";
+}
+
+TEST(ModelFiles, ASaveThatIsStoppedAnywhereLeavesTheOlderModel) {
+  struct Enough {};
+  const TempFolder folder;
+  const auto old = random_model(1), next = random_model(2);
+  const auto here = folder.path() / "model";
+  save_model(*old, here);
+  std::size_t steps = 0, last = 0;
+  save_model(*next, folder.path() / "next", {}, {.progress = [&](std::size_t done, std::size_t all) {
+    EXPECT_GE(done, last);
+    EXPECT_LT(done, all);
+    last = done;
+    ++steps;
+  }});
+  ASSERT_GT(steps, 5u);
+  for (std::size_t stop = 1; stop <= steps; ++stop) {
+    const auto until = [n = std::size_t{0}, stop](std::size_t, std::size_t) mutable {
+      if (++n == stop) throw Enough();
+    };
+    EXPECT_THROW(save_model(*next, here, {}, {.progress = until}), Enough);
+    EXPECT_THROW(save_model(*next, folder.path() / "new", {}, {.progress = until}), Enough);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(here), {}), 3) << "something unfinished is left";
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "new"));
+  }
+  expect_same_pictures(*old, *load_model(here));
+  // Killed in the middle: what it left does not hinder the next one.
+  std::filesystem::create_directory(here / ".unfinished");
+  std::ofstream(here / ".unfinished" / "maps.exr") << "half";
+  expect_same_pictures(*old, *load_model(here));
+  save_model(*next, here);
+  expect_same_pictures(*next, *load_model(here));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(here), {}), 3);
 }
 
 TEST(ModelFiles, AModelThatNoImageReached) {

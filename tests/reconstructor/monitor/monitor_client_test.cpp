@@ -41,6 +41,22 @@ TEST(MonitorClient, NobodyThereAndNoAddress) {
     EXPECT_THROW(fetch_status(wrong, ""), ConfigError) << wrong;
 }
 
+TEST(MonitorClient, APortThatIsNoneIsNamed) {
+  const MonitorServer server({.port = 0});
+  const std::string same_lower_bits = std::to_string(server.port() + 65536);
+  for (const std::string& port :
+       {same_lower_bits, std::string("0"), std::string("-1"), std::string("http"), std::string()})
+    EXPECT_THROW(fetch_status("http://127.0.0.1:" + port + "/", ""), ConfigError) << port;
+}
+
+TEST(MonitorClient, SaysHowFarTheEndIs) {
+  MonitorServer server({.port = 0});
+  MonitorState state = sample_monitor_state();
+  state.ending = {CaptureState::kFinishing, 45, 90};
+  server.publish(state);
+  EXPECT_THAT(status_line(fetch_status(server.url(), "")), testing::StartsWith("finishing 45/90  121 images"));
+}
+
 TEST(MonitorClient, RefusesWhatIsNoStatus) {
   for (const char* text : {"", "<html>", "{}", "[]", "null", "{\"state\": 3}"})
     EXPECT_THROW(status_line(text), ProtocolError) << text;
