@@ -4,17 +4,15 @@
 #include <arpa/inet.h>
 #include <httplib.h>
 #include <sodium.h>
-#include <sys/socket.h>
+#include <strings.h>
 
-#include <cerrno>
-#include <cstring>
-#include <future>
 #include <limits>
 #include <mutex>
-#include <thread>
+#include <optional>
+#include <string_view>
 
-#include "common/bounded_queue.h"
 #include "common/errors.h"
+#include "reconstructor/monitor/http_connections.h"
 #include "reconstructor/monitor/metrics.h"
 #include "reconstructor/monitor/status_json.h"
 #include "reconstructor/monitor/status_page.h"
@@ -26,30 +24,60 @@ using Clock = MonitorState::Clock;
 using httplib::Request;
 using httplib::Response;
 
-constexpr std::size_t kThreads = 4;
-constexpr std::size_t kWaitingConnections = 16;  // beyond these, the kernel's backlog
-constexpr std::chrono::milliseconds kClientTimeout{1000};
-constexpr std::chrono::milliseconds kStopPatience{800};
 constexpr std::size_t kShortestToken = 16;
 
-/// httplib's own pool keeps as many connections as come.
-class BoundedThreads : public httplib::TaskQueue {
+/// The lines of a request that the page has a use for. What else clients send is work without an end: byte ranges of a
+/// picture by the thousand, encodings, bodies.
+std::string essential(const std::string& request) {
+  std::string kept;
+  for (std::size_t begin = 0; begin < request.size();) {
+    const std::size_t end = request.find("\r\n", begin) + 2;
+    const std::string_view line = std::string_view(request).substr(begin, end - begin);
+    const auto is = [line](std::string_view name) {
+      return line.size() > name.size() && line[name.size()] == ':' &&
+             ::strncasecmp(line.data(), name.data(), name.size()) == 0;
+    };
+    if (begin == 0 || line.size() == 2 || is("Host") || is("Authorization")) kept += line;
+    begin = end;
+  }
+  return kept;
+}
+
+/// A request that is there in full, and the answer as it is written.
+class TextStream : public httplib::Stream {
  public:
-  BoundedThreads() : tasks_(kWaitingConnections) {
-    for (std::size_t i = 0; i < kThreads; ++i)
-      threads_.emplace_back([this] {
-        while (std::optional<std::function<void()>> task = tasks_.pop()) (*task)();
-      });
+  explicit TextStream(std::string request) : request_(std::move(request)) {}
+  std::string take_answer() { return std::move(answer_); }
+
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
+  ssize_t read(char* to, std::size_t size) override {
+    const std::size_t n = request_.copy(to, size, read_);
+    read_ += n;
+    return static_cast<ssize_t>(n);
   }
-  void enqueue(std::function<void()> task) override { tasks_.push(std::move(task)); }
-  void shutdown() override {
-    tasks_.close();
-    for (std::thread& thread : threads_) thread.join();
+  ssize_t write(const char* from, std::size_t size) override {
+    answer_.append(from, size);
+    return static_cast<ssize_t>(size);
   }
+  void get_remote_ip_and_port(std::string&, int&) const override {}
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  socket_t socket() const override { return 0; }
 
  private:
-  BoundedQueue<std::function<void()>> tasks_;
-  std::vector<std::thread> threads_;
+  std::string request_, answer_;
+  std::size_t read_ = 0;
+};
+
+/// httplib as a parser and a router: its own connections keep a thread for each client, however slow.
+class Router : public httplib::Server {
+ public:
+  std::string answer(const std::string& request) {
+    TextStream stream(essential(request));
+    bool closed = true;
+    process_request(stream, closed, closed, nullptr);
+    return stream.take_answer();
+  }
 };
 
 bool is_loopback(const std::string& host) {
@@ -87,13 +115,12 @@ struct Published {
 
 struct MonitorServer::Impl {
   MonitorOptions options;
-  httplib::Server http;
-  std::thread listener;
-  std::future<void> listener_done;
+  Router http;
 
   mutable std::mutex mutex;
   std::shared_ptr<const Published> published =
       std::make_shared<const Published>(Published{.state = {}, .pictures = {}, .when = Clock::now()});
+  std::optional<HttpConnections> connections;  // last: it ends before what it answers from
 
   std::shared_ptr<const Published> latest() const {
     const std::lock_guard lock(mutex);
@@ -102,7 +129,6 @@ struct MonitorServer::Impl {
 
   bool refused(const Request& request, Response& response) const;
   void add_routes();
-  void listen();
 };
 
 bool MonitorServer::Impl::refused(const Request& request, Response& response) const {
@@ -174,57 +200,16 @@ void MonitorServer::Impl::add_routes() {
   });
 }
 
-void MonitorServer::Impl::listen() {
-  http.new_task_queue = [] { return new BoundedThreads; };  // httplib owns it
-  http.set_keep_alive_max_count(1);                         // a thread is a client's for one answer
-  http.set_read_timeout(kClientTimeout);
-  http.set_write_timeout(kClientTimeout);
-  http.set_payload_max_length(1024);
-  http.set_socket_options([](int socket) {
-    const int yes = 1;  // and not SO_REUSEPORT, with which two programs share a port unnoticed
-    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-  });
-  errno = 0;
-  bool bound = false;
-  if (options.port == 0) {
-    options.port = http.bind_to_any_port(options.host);
-    bound = options.port > 0;
-  } else {
-    bound = http.bind_to_port(options.host, options.port);
-  }
-  if (!bound) {
-    const std::string reason = errno != 0 ? std::strerror(errno) : "the address is not known";
-    throw DeviceError("monitor page: cannot listen on " + options.host + " port " + std::to_string(options.port) +
-                      " (" + reason + "); stop the program that has it, or choose another port or address");
-  }
-}
-
-MonitorServer::MonitorServer(const MonitorOptions& options) : impl_(std::make_shared<Impl>()) {
+MonitorServer::MonitorServer(const MonitorOptions& options) : impl_(std::make_unique<Impl>()) {
   require_valid(options);
   if (sodium_init() < 0) throw DeviceError("libsodium could not be initialised");
   impl_->options = options;
   impl_->add_routes();
-  impl_->listen();
-  std::promise<void> done;
-  impl_->listener_done = done.get_future();
-  impl_->listener = std::thread([impl = impl_, finished = std::move(done)]() mutable {
-    impl->http.listen_after_bind();
-    finished.set_value();
-  });
-  // Until it runs, httplib would overlook a call of stop().
-  while (!impl_->http.is_running() &&
-         impl_->listener_done.wait_for(std::chrono::milliseconds(1)) != std::future_status::ready) {
-  }
+  impl_->connections.emplace(options.host, options.port,
+                             [impl = impl_.get()](const std::string& request) { return impl->http.answer(request); });
 }
 
-MonitorServer::~MonitorServer() {
-  impl_->http.stop();
-  // A client that sends its request byte by byte could keep its thread; what that uses stays alive with it.
-  if (impl_->listener_done.wait_for(kStopPatience) == std::future_status::ready)
-    impl_->listener.join();
-  else
-    impl_->listener.detach();
-}
+MonitorServer::~MonitorServer() = default;
 
 void MonitorServer::publish(MonitorState state) {
   const std::shared_ptr<const Published> before = impl_->latest();
@@ -239,13 +224,14 @@ void MonitorServer::publish(MonitorState state) {
 }
 
 int MonitorServer::port() const {
-  return impl_->options.port;
+  return impl_->connections->port();
 }
 
 std::string MonitorServer::url() const {
   const std::string& host = impl_->options.host;
-  const std::string shown = host.find(':') == std::string::npos ? host : "[" + host + "]";
-  return "http://" + shown + ":" + std::to_string(impl_->options.port) + "/";
+  const bool bare = host.find(':') == std::string::npos || host.starts_with("[");
+  const std::string shown = bare ? host : "[" + host + "]";
+  return "http://" + shown + ":" + std::to_string(port()) + "/";
 }
 
 }  // namespace sheen

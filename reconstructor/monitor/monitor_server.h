@@ -18,14 +18,13 @@ struct MonitorOptions {
 ///   /  status page    /status.json    /metrics (Prometheus)    /preview.jpg    /camera.jpg    /healthz
 /// With a token, every request needs "Authorization: Bearer TOKEN" or "?token=TOKEN" and is answered 401 otherwise;
 /// without one, only requests to a loopback host name are answered, so that no web page of another site can read it by
-/// pointing its own name here.
+/// pointing its own name here. No client, however slow, keeps another one waiting (HttpConnections).
 class MonitorServer {
  public:
   /// Throws ConfigError (a port that is none, another address than loopback without a token) and DeviceError (the port
   /// is taken, the address is not this machine's).
   explicit MonitorServer(const MonitorOptions& options);
-  /// Within about a second, whatever clients do.
-  ~MonitorServer();
+  ~MonitorServer();  ///< at once, whatever clients do
 
   /// Replaces what is shown. Never waits for a client.
   void publish(MonitorState state);
@@ -35,7 +34,7 @@ class MonitorServer {
 
  private:
   struct Impl;
-  std::shared_ptr<Impl> impl_;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace sheen

@@ -5,10 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "common/errors.h"
 #include "tests/reconstructor/monitor/exposition_parser.h"
@@ -17,6 +20,7 @@
 namespace sheen {
 namespace {
 
+using std::chrono::milliseconds;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -43,7 +47,24 @@ class RawClient {
   RawClient& operator=(const RawClient&) = delete;
 
   bool connected() const { return connected_; }
-  void say(const std::string& text) const { (void)!::send(socket_, text.data(), text.size(), MSG_NOSIGNAL); }
+  /// False when the other end is gone.
+  bool say(const std::string& text) const {
+    return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
+  }
+  /// Everything until the other end closes.
+  std::string hears() const {
+    std::string heard(1 << 20, '\0');
+    std::size_t size = 0;
+    for (ssize_t n = 1; n > 0; size += static_cast<std::size_t>(std::max<ssize_t>(n, 0)))
+      n = ::recv(socket_, heard.data() + size, heard.size() - size, 0);
+    heard.resize(size);
+    return heard;
+  }
+  /// Whether the other end closes within so long.
+  bool closed(milliseconds patience) const {
+    pollfd polled{socket_, POLLIN, 0};
+    return ::poll(&polled, 1, static_cast<int>(patience.count())) > 0;
+  }
 
  private:
   int socket_;
@@ -170,8 +191,8 @@ TEST(MonitorServer, APortIsFreeAgainAtOnce) {
   EXPECT_EQ(get(again, "/healthz")->status, 200);
 }
 
-// More clients than there are threads and places in the queue: some say nothing, some stop in the middle of a request,
-// some never read their answer. If any could hold up publishing or the end of the server, this test would not end.
+// Some say nothing, some stop in the middle of a request, some never read their answer. If any could hold up publishing
+// or the end of the server, this test would not end.
 TEST(MonitorServer, StuckClientsHoldUpNobodyWhoPublishes) {
   std::vector<std::unique_ptr<RawClient>> clients;
   {
@@ -186,6 +207,94 @@ TEST(MonitorServer, StuckClientsHoldUpNobodyWhoPublishes) {
       if (i % 3 == 2) clients.back()->say("GET /preview.jpg HTTP/1.1\r\nHost: localhost\r\n\r\n");
     }
     for (int i = 0; i < 1000; ++i) server.publish(state);
+    EXPECT_EQ(get(server, "/healthz")->status, 200);
+  }
+}
+
+/// Clients that send a byte every half second, for as long as it lives.
+class SlowClients {
+ public:
+  SlowClients(int port, int n) : port_(port) {
+    for (int i = 0; i < n; ++i) clients_.push_back(std::make_unique<RawClient>(port));
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      const std::string request = "GET /status.json HTTP/1.1\r\nX-Slow: " + std::string(4000, 'x');
+      for (std::size_t byte = 0; !stop.stop_requested(); ++byte) {
+        for (auto& client : clients_) {
+          if (!client->say(request.substr(byte % request.size(), 1)))
+            client = std::make_unique<RawClient>(port_);  // shown the door: it comes again
+        }
+        for (int i = 0; i < 50 && !stop.stop_requested(); ++i) std::this_thread::sleep_for(milliseconds(10));
+      }
+    });
+  }
+
+ private:
+  int port_;
+  std::vector<std::unique_ptr<RawClient>> clients_;
+  std::jthread thread_;
+};
+
+TEST(MonitorServer, ClientsThatSendAByteNowAndThenCloseThePageForNobody) {
+  for (const int n : {4, 40, 400}) {
+    MonitorServer server({.port = 0, .token = kToken});
+    server.publish(sample_monitor_state());
+    const SlowClients slow(server.port(), n);
+    for (int look = 0; look < 6; ++look) {
+      const auto status = get(server, std::string("/status.json?token=") + kToken);
+      ASSERT_TRUE(status) << n << " slow clients: " << httplib::to_string(status.error());
+      EXPECT_EQ(status->status, 200);
+      std::this_thread::sleep_for(milliseconds(300));
+    }
+  }
+}
+
+TEST(MonitorServer, ARequestHasOnlySoMuchTime) {
+  MonitorServer server({.port = 0});
+  const RawClient slow(server.port());
+  const auto begun = std::chrono::steady_clock::now();
+  for (int i = 0; i < 100; ++i) {
+    slow.say("G");
+    if (slow.closed(milliseconds(200))) break;
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(15)) << "20 s of bytes were listened to";
+}
+
+TEST(MonitorServer, AskingForThousandsOfRangesBringsNoMoreThanThePicture) {
+  MonitorServer server({.port = 0});
+  MonitorState state = sample_monitor_state();
+  state.preview_jpeg = std::make_shared<const std::string>(std::string(20000, 'x'));
+  server.publish(state);
+  std::string ranges = "bytes=0-";
+  for (int i = 0; i < 1500; ++i) ranges += ",0-";
+  const std::string whole = "GET /preview.jpg HTTP/1.1\r\nHost: localhost\r\n";
+  for (const std::string& request :
+       {whole + "Range: " + ranges + "\r\n\r\n", whole + "range: bytes=5-\r\n\r\n",
+        whole + "Accept-Encoding: br, gzip\r\n\r\n", whole + "Expect: 100-continue\r\nContent-Length: 9\r\n\r\n"}) {
+    const RawClient client(server.port());
+    client.say(request);
+    const std::string answer = client.hears();
+    EXPECT_THAT(answer, testing::StartsWith("HTTP/1.1 200"));
+    EXPECT_LT(answer.size(), 21000u);
+  }
+}
+
+TEST(MonitorServer, AHeaderWithoutAnEndIsRefused) {
+  MonitorServer server({.port = 0});
+  const RawClient client(server.port());
+  client.say("GET /status.json HTTP/1.1\r\n");
+  for (int i = 0; i < 500; ++i) client.say("X-More-" + std::to_string(i) + ": " + std::string(40, 'x') + "\r\n");
+  EXPECT_THAT(client.hears(), testing::StartsWith("HTTP/1.1 431"));
+}
+
+TEST(MonitorServer, AHostThatIsNoneIsNamed) {
+  for (const char* host : {"no.such.host.invalid", "192.0.2.77"}) {
+    try {
+      const MonitorServer server({.host = host, .port = 0, .token = kToken});
+      FAIL() << host;
+    } catch (const DeviceError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(host));
+      EXPECT_THAT(error.what(), HasSubstr("address of this machine"));
+    }
   }
 }
 
