@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/session.h"
 
-#include <fcntl.h>
 #include <sys/file.h>
-#include <unistd.h>
 
-#include <array>
-#include <cerrno>
-#include <cstring>
+#include <algorithm>
+#include <chrono>
 #include <mutex>
-#include <span>
+#include <thread>
 #include <utility>
 
-#include "common/crc32c.h"
+#include "common/capture_file.h"
 #include "common/errors.h"
-#include "common/files.h"
+#include "common/file_descriptor.h"
+#include "common/log.h"
 #include "common/session_index.h"
-#include "common/wire_messages.h"
+#include "common/session_repair.h"
+#include "common/wire.h"
 
 namespace sheen {
 
@@ -28,50 +27,30 @@ const char* const kIndexFile = "session.sqlite";
 const char* const kLockFile = "session.lock";
 const char* const kCaptures = "captures";
 
-// A capture file: envelope, header size (4 bytes), blob size (8 bytes), header, blob; little-endian.
-constexpr std::size_t kPrefixBytes = kEnvelopeBytes + 4 + 8;
+constexpr int kLockAttempts = 20;  ///< a reader that looks whether there is a writer holds the lock for a moment
+constexpr std::chrono::milliseconds kLockPause{10};
 
-class FileDescriptor {
- public:
-  FileDescriptor(const fs::path& path, int flags, mode_t mode = 0644)
-      : fd_(::open(path.c_str(), flags | O_CLOEXEC, mode)) {
-    if (fd_ < 0) throw FileError(path.string(), std::string("cannot be opened: ") + std::strerror(errno));
+std::optional<FileDescriptor> try_to_lock(const fs::path& folder) {
+  FileDescriptor lock(folder / kLockFile, O_RDWR | O_CREAT);
+  for (int attempt = 0; ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0; ++attempt) {
+    if (attempt == kLockAttempts) return std::nullopt;
+    std::this_thread::sleep_for(kLockPause);
   }
-  FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  ~FileDescriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
-
-[[noreturn]] void cannot_write(const fs::path& path) {
-  throw FileError(path.string(),
-                  std::string("cannot be written: ") + std::strerror(errno) +
-                      (errno == ENOSPC ? "; make room and go on, nothing that was acknowledged is lost" : ""));
-}
-
-void sync_folder(const fs::path& folder) {
-  const FileDescriptor fd(folder, O_RDONLY | O_DIRECTORY);
-  if (::fsync(fd.get()) != 0) cannot_write(folder);
-}
-
-void write_all(const FileDescriptor& fd, std::span<const std::uint8_t> bytes, const fs::path& path) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(fd.get(), bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) cannot_write(path);
-    bytes = bytes.subspan(static_cast<std::size_t>(n));
-  }
+  return lock;
 }
 
 FileDescriptor lock_for_writing(const fs::path& folder) {
-  FileDescriptor lock(folder / kLockFile, O_RDWR | O_CREAT);
-  if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0)
-    throw FileError(folder.string(), "another program writes to this session; stop it first");
-  return lock;
+  std::optional<FileDescriptor> lock = try_to_lock(folder);
+  if (!lock) throw FileError(folder.string(), "another program writes to this session; stop it first");
+  return std::move(*lock);
+}
+
+bool has_writer(const fs::path& folder) {
+  const int fd = ::open((folder / kLockFile).c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool locked = ::flock(fd, LOCK_SH | LOCK_NB) != 0;
+  ::close(fd);
+  return locked;
 }
 
 /// Nothing but what a creation that was interrupted leaves behind.
@@ -87,79 +66,104 @@ bool may_become_a_session(const fs::path& folder) {
   return true;
 }
 
-std::string file_name(std::uint64_t index) {
-  const std::string digits = std::to_string(index);
-  return std::string(digits.size() < 8 ? 8 - digits.size() : 0, '0') + digits + ".capture";
-}
-
-std::array<std::uint8_t, kPrefixBytes> make_prefix(const EncodedCapture& m) {
-  std::array<std::uint8_t, kPrefixBytes> prefix{};
-  std::memcpy(prefix.data(), m.envelope.data(), kEnvelopeBytes);
-  for (std::size_t i = 0; i < 4; ++i) prefix[kEnvelopeBytes + i] = static_cast<std::uint8_t>(m.header.size() >> 8 * i);
-  for (std::size_t i = 0; i < 8; ++i)
-    prefix[kEnvelopeBytes + 4 + i] = static_cast<std::uint8_t>(m.blob.size() >> 8 * i);
-  return prefix;
-}
-
-/// On the disk when it returns, or not there at all.
-IndexedFile write_capture(const fs::path& folder, const std::string& name, const EncodedCapture& m) {
-  const fs::path path = folder / name;
-  const auto prefix = make_prefix(m);
-  try {
-    const FileDescriptor fd(path, O_WRONLY | O_CREAT | O_TRUNC);
-    for (const std::span<const std::uint8_t> part :
-         {std::span<const std::uint8_t>(prefix), std::span(m.header), std::span(m.blob)})
-      write_all(fd, part, path);
-    if (::fsync(fd.get()) != 0) cannot_write(path);
-    sync_folder(folder);
-  } catch (const FileError&) {
-    ::unlink(path.c_str());
-    throw;
-  }
-  return {name, prefix.size() + m.header.size() + m.blob.size(), crc32c(m.blob, crc32c(m.header, crc32c(prefix)))};
-}
-
-Capture read_capture(const fs::path& folder, const IndexedFile& file) {
-  const fs::path path = folder / file.name;
-  const std::string text = read_file(path);
-  const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-  if (bytes.size() != file.bytes)
-    throw FileError(path.string(),
-                    "has " + std::to_string(bytes.size()) + " bytes, the index says " + std::to_string(file.bytes));
-  if (bytes.size() < kPrefixBytes || crc32c(bytes) != file.crc32c)
-    throw FileError(path.string(), "is damaged: its checksum is not the one in the index");
-  std::uint64_t header_bytes = 0;
-  for (std::size_t i = 0; i < 4; ++i) header_bytes |= std::uint64_t(bytes[kEnvelopeBytes + i]) << 8 * i;
-  if (header_bytes > bytes.size() - kPrefixBytes) throw FileError(path.string(), "states a header longer than itself");
-  const auto body = bytes.subspan(kPrefixBytes);
-  try {
-    return decode_capture(bytes.first(kEnvelopeBytes), body.first(header_bytes), body.subspan(header_bytes));
-  } catch (const ProtocolError& error) {
-    throw FileError(path.string(), error.what());
-  }
+/// Keeps an index that cannot be used beside the one that takes its place; returns its new name.
+fs::path put_by(const fs::path& index) {
+  fs::path kept = index.string() + ".damaged";
+  for (int n = 2; fs::exists(kept); ++n) kept = index.string() + ".damaged-" + std::to_string(n);
+  if (fs::exists(index)) fs::copy_file(index, kept);
+  for (const char* part : {"-wal", "-shm"})
+    if (fs::exists(index.string() + part)) fs::rename(index.string() + part, kept.string() + part);
+  return kept;
 }
 
 }  // namespace
 
 struct Session::Impl {
-  Impl(const fs::path& session_folder, SessionIndex::Access access, std::optional<FileDescriptor> writer_lock)
-      : folder(session_folder), lock(std::move(writer_lock)), index(folder / kIndexFile, access) {}
+  explicit Impl(fs::path session_folder) : folder(std::move(session_folder)) {}
 
-  void drop_files_without_index() const;
+  SessionRepair look(SessionIndex::Access access);
+  void open_for_writing();
+  void open_for_reading();
+  void tell() const;
+  IndexedFile file_of(std::uint64_t index) const;
+  template <typename Read>
+  auto read_or_name_the_remedy(std::uint64_t index, const Read& read) const;
   void require_writable() const {
     if (!lock) throw FileError(folder.string(), "the session is open for reading only");
   }
 
-  const fs::path folder;
-  const std::optional<FileDescriptor> lock;  // held by the one writer
-  SessionIndex index;
+  const fs::path folder, captures = folder / kCaptures, index_file = folder / kIndexFile;
+  std::optional<FileDescriptor> lock;  // held by the one writer
+  std::unique_ptr<SessionIndex> index;
+  bool index_is_usable = true;
+  std::uint64_t next_file = 0;  ///< number of the file that comes next
+  std::vector<std::string> diagnosis;
   mutable std::mutex mutex;
 };
 
-void Session::Impl::drop_files_without_index() const {
-  const std::set<std::string> known = index.file_names();
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder / kCaptures))
-    if (!known.contains(entry.path().filename().string())) fs::remove(entry.path());
+/// Opens the index, or takes what it still gives, and says what it should hold.
+SessionRepair Session::Impl::look(SessionIndex::Access access) {
+  try {
+    if (!fs::exists(index_file)) throw DamagedIndex(index_file.string(), "is missing");
+    index = std::make_unique<SessionIndex>(index_file, access, &diagnosis);
+    return plan_repair(index->contents(), captures);
+  } catch (const DamagedIndex& error) {
+    if (!has_capture_files(captures)) throw;
+    index.reset();
+    index_is_usable = false;
+    diagnosis.push_back(std::string(error.what()) + "; what it should say is read from the captures");
+    return plan_repair(SessionIndex::salvage(index_file), captures);
+  }
+}
+
+void Session::Impl::open_for_writing() {
+  const SessionRepair repair = look(SessionIndex::Access::kWrite);
+  if (!index_is_usable) {
+    const fs::path kept = put_by(index_file);
+    SessionIndex::create(index_file, repair.contents);
+    if (fs::exists(kept)) diagnosis.push_back("the index that cannot be used is kept: " + kept.string());
+    index = std::make_unique<SessionIndex>(index_file, SessionIndex::Access::kWrite);
+  } else if (repair.changed) {
+    index->replace(repair.contents);
+  }
+  for (const auto& [name, aside] : repair.set_aside) fs::rename(captures / name, captures / aside);
+  fs::create_directories(captures);
+  sync_folder(captures);
+  sync_folder(folder);
+  for (const IndexRow& row : repair.contents.rows)
+    next_file = std::max(next_file, *capture_file_number(row.file.name) + 1);
+  diagnosis.insert(diagnosis.end(), repair.findings.begin(), repair.findings.end());
+}
+
+void Session::Impl::open_for_reading() {
+  const SessionRepair repair = look(SessionIndex::Access::kReadOnly);
+  diagnosis.insert(diagnosis.end(), repair.findings.begin(), repair.findings.end());
+  if (index_is_usable && !repair.changed) return;
+  index = SessionIndex::in_memory(repair.contents);
+  diagnosis.push_back(folder.string() + ": only read, so left as it is; `serve --session` and `undo` mend the index");
+}
+
+void Session::Impl::tell() const {
+  for (const std::string& line : diagnosis) log_warning("session", line);
+}
+
+IndexedFile Session::Impl::file_of(std::uint64_t number) const {
+  const std::lock_guard guard(mutex);
+  if (const std::optional<IndexedFile> file = index->file(number)) return *file;
+  throw FileError(folder.string(), "has no capture " + std::to_string(number));
+}
+
+template <typename Read>
+auto Session::Impl::read_or_name_the_remedy(std::uint64_t number, const Read& read) const {
+  const IndexedFile file = file_of(number);
+  try {
+    return read(file);
+  } catch (const FileError& error) {
+    throw DamagedCapture(folder.string(),
+                         "capture " + std::to_string(number) + " cannot be read: " + error.what() +
+                             "; put a copy of the file back, or leave it out for good: undo --capture " +
+                             std::to_string(number));
+  }
 }
 
 Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -168,7 +172,7 @@ Session::~Session() = default;
 
 bool Session::exists(const fs::path& folder) {
   std::error_code ignored;
-  return fs::is_regular_file(folder / kIndexFile, ignored);
+  return fs::is_regular_file(folder / kIndexFile, ignored) || has_capture_files(folder / kCaptures);
 }
 
 Session Session::create(const fs::path& folder) {
@@ -177,12 +181,13 @@ Session Session::create(const fs::path& folder) {
     fs::create_directories(folder);
     if (!may_become_a_session(folder))
       throw FileError(folder.string(), "is not empty; choose another folder for the session");
-    std::optional<FileDescriptor> lock = lock_for_writing(folder);
-    fs::create_directories(folder / kCaptures);
-    SessionIndex::create(folder / kIndexFile);
-    sync_folder(folder);
+    auto impl = std::make_unique<Impl>(folder);
+    impl->lock.emplace(lock_for_writing(folder));
+    fs::create_directories(impl->captures);
+    SessionIndex::create(impl->index_file);
+    impl->open_for_writing();
     sync_folder(fs::absolute(folder).parent_path());
-    return Session(std::make_unique<Impl>(folder, SessionIndex::Access::kWrite, std::move(lock)));
+    return Session(std::move(impl));
   } catch (const fs::filesystem_error& error) {
     throw FileError(folder.string(), "cannot become a session: " + error.code().message());
   }
@@ -191,9 +196,10 @@ Session Session::create(const fs::path& folder) {
 Session Session::open(const fs::path& folder) {
   if (!exists(folder)) throw FileError(folder.string(), "holds no session");
   try {
-    std::optional<FileDescriptor> lock = lock_for_writing(folder);
-    auto impl = std::make_unique<Impl>(folder, SessionIndex::Access::kWrite, std::move(lock));
-    impl->drop_files_without_index();
+    auto impl = std::make_unique<Impl>(folder);
+    impl->lock.emplace(lock_for_writing(folder));
+    impl->open_for_writing();
+    impl->tell();
     return Session(std::move(impl));
   } catch (const fs::filesystem_error& error) {
     throw FileError(folder.string(), "cannot be opened: " + error.code().message());
@@ -202,75 +208,99 @@ Session Session::open(const fs::path& folder) {
 
 Session Session::open_read_only(const fs::path& folder) {
   if (!exists(folder)) throw FileError(folder.string(), "holds no session");
-  return Session(std::make_unique<Impl>(folder, SessionIndex::Access::kReadOnly, std::nullopt));
+  auto impl = std::make_unique<Impl>(folder);
+  if (has_writer(folder))  // which has put the index in order, and may just be writing a file
+    impl->index = std::make_unique<SessionIndex>(impl->index_file, SessionIndex::Access::kReadOnly);
+  else
+    impl->open_for_reading();
+  impl->tell();
+  return Session(std::move(impl));
 }
 
 Session Session::open_to_withdraw(const fs::path& folder) {
   if (!exists(folder)) throw FileError(folder.string(), "holds no session");
-  return Session(std::make_unique<Impl>(folder, SessionIndex::Access::kWrite, std::nullopt));
+  try {
+    auto impl = std::make_unique<Impl>(folder);
+    if (const std::optional<FileDescriptor> lock = try_to_lock(folder))
+      impl->open_for_writing();
+    else
+      impl->index = std::make_unique<SessionIndex>(impl->index_file, SessionIndex::Access::kWrite);
+    impl->tell();
+    return Session(std::move(impl));
+  } catch (const fs::filesystem_error& error) {
+    throw FileError(folder.string(), "cannot be opened: " + error.code().message());
+  }
 }
 
 std::uint64_t Session::append(const Capture& capture) {
   impl_->require_writable();
   const std::lock_guard guard(impl_->mutex);
-  if (const auto there = impl_->index.find(capture.source_session, capture.sequence)) return *there;
-  const std::uint64_t index = impl_->index.size();
+  if (const auto there = impl_->index->find(capture.source_session, capture.sequence)) return *there;
   const EncodedCapture encoded = encode_capture(capture, MessageType::kKeep, Codec::kDeltaZstd);
-  const IndexedFile file = write_capture(impl_->folder / kCaptures, file_name(index), encoded);
-  // Should this fail, the file stays without an index: the next append writes over it, the next opening drops it.
-  impl_->index.insert(index, capture.source_session, capture.sequence, file);
-  return index;
+  // Should the row fail, the file stays: whoever opens the session next takes it in or sets it aside.
+  return impl_->index->append(capture.source_session, capture.sequence, [&] {
+    while (std::filesystem::exists(impl_->captures / capture_file_name(impl_->next_file))) ++impl_->next_file;
+    return write_capture_file(impl_->captures, impl_->next_file++, encoded);
+  });
 }
 
 std::uint64_t Session::size() const {
   const std::lock_guard guard(impl_->mutex);
-  return impl_->index.size();
+  return impl_->index->size();
 }
 
 Capture Session::read(std::uint64_t index) const {
-  std::optional<IndexedFile> file;
-  {
-    const std::lock_guard guard(impl_->mutex);
-    file = impl_->index.file(index);
-  }
-  if (!file) throw FileError(impl_->folder.string(), "has no capture " + std::to_string(index));
-  return read_capture(impl_->folder / kCaptures, *file);
+  return impl_->read_or_name_the_remedy(
+      index, [&](const IndexedFile& file) { return read_capture_file(impl_->captures, file); });
+}
+
+void Session::check(std::uint64_t index) const {
+  impl_->read_or_name_the_remedy(index, [&](const IndexedFile& file) { check_capture_file(impl_->captures, file); });
+}
+
+CaptureLabel Session::label(std::uint64_t index) const {
+  return impl_->read_or_name_the_remedy(
+      index, [&](const IndexedFile& file) { return read_capture_label(impl_->captures, file.name); });
 }
 
 std::map<std::string, std::uint64_t> Session::held() const {
   const std::lock_guard guard(impl_->mutex);
-  return impl_->index.held();
+  return impl_->index->held();
 }
 
 bool Session::set_withdrawn(std::uint64_t index, bool withdrawn) {
   const std::lock_guard guard(impl_->mutex);
-  return impl_->index.set_withdrawn(index, withdrawn);
+  return impl_->index->set_withdrawn(index, withdrawn);
 }
 
 std::set<std::uint64_t> Session::withdrawn() const {
   const std::lock_guard guard(impl_->mutex);
-  return impl_->index.withdrawn();
+  return impl_->index->withdrawn();
 }
 
 std::vector<Withdrawal> Session::withdrawals_after(std::uint64_t number) const {
   const std::lock_guard guard(impl_->mutex);
-  return impl_->index.withdrawals_after(number);
+  return impl_->index->withdrawals_after(number);
 }
 
 std::optional<std::uint64_t> Session::last() const {
   const std::lock_guard guard(impl_->mutex);
-  return impl_->index.last();
+  return impl_->index->last();
 }
 
 void Session::set_metadata(const std::string& key, const std::string& value) {
   impl_->require_writable();
   const std::lock_guard guard(impl_->mutex);
-  impl_->index.set_metadata(key, value);
+  impl_->index->set_metadata(key, value);
 }
 
 std::optional<std::string> Session::metadata(const std::string& key) const {
   const std::lock_guard guard(impl_->mutex);
-  return impl_->index.metadata(key);
+  return impl_->index->metadata(key);
+}
+
+const std::vector<std::string>& Session::diagnosis() const {
+  return impl_->diagnosis;
 }
 
 }  // namespace sheen

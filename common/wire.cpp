@@ -15,8 +15,6 @@
 namespace sheen {
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = std::size_t(1) << 20;
-
 template <typename Range>
 void append(const Range& values, auto* field) {
   field->Reserve(static_cast<int>(values.size()));
@@ -236,6 +234,13 @@ EncodedCapture encode_capture(const Capture& capture, MessageType type, Codec co
   header.mutable_blob()->set_crc32c(crc32c(out.blob));
   out.header = serialize(header);
   return out;
+}
+
+CaptureLabel decode_label(std::span<const std::uint8_t> envelope, std::span<const std::uint8_t> header) {
+  MessageType type;
+  check_envelope(envelope, &type);
+  const auto message = parse<v1::Capture>(header, kMaxHeaderBytes, "header");
+  return {message.source_session(), message.name(), message.sequence()};
 }
 
 Capture decode_capture(std::span<const std::uint8_t> envelope, std::span<const std::uint8_t> header,

@@ -10,7 +10,8 @@
 
 namespace sheen {
 
-inline constexpr std::uint16_t kWireMajor = 1;  ///< peers of another major version are refused
+inline constexpr std::uint16_t kWireMajor = 1;                        ///< peers of another major version are refused
+inline constexpr std::size_t kMaxHeaderBytes = std::size_t(1) << 20;  ///< of a capture's Protobuf header
 
 enum class MessageType : std::uint16_t {
   kHello = 1,    ///< receiver -> sender: protocol version, role, what it already holds
@@ -39,6 +40,14 @@ enum class Codec : std::uint8_t {
 };
 
 EncodedCapture encode_capture(const Capture& capture, MessageType type, Codec codec);
+
+/// What a list of captures shows.
+struct CaptureLabel {
+  std::string source_session, name;
+  std::uint64_t sequence = 0;
+};
+/// Of a capture whose pixels are not at hand. Throws ProtocolError.
+CaptureLabel decode_label(std::span<const std::uint8_t> envelope, std::span<const std::uint8_t> header);
 
 /// Believes nothing: every size, enum, number, rotation and the CRC-32C are checked. Throws ProtocolError that names
 /// the field; never reads outside the spans.

@@ -33,6 +33,11 @@ std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
+/// Without the one that a kill may have left unfinished.
+std::size_t captures_in(const fs::path& folder) {
+  return files_in(folder) - fs::exists(folder / "incoming.part");
+}
+
 void flip_byte(const fs::path& file, std::streamoff at) {
   std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
   stream.seekg(at);
@@ -231,15 +236,49 @@ TEST(Session, AWithdrawalSurvivesAKillAndManyAtOnceAreAllKept) {
   EXPECT_EQ(Session::open(temp.path()).withdrawn().size(), 24u);
 }
 
-TEST(Session, FilesWithoutAnIndexAreDroppedOnOpening) {
+TEST(Session, AFileWhoseRowFailedIsNeitherLostNorInTheWay) {
   const TempFolder temp;
-  { Session::create(temp.path()).append(sample_capture("s", 1)); }
-  temp.write("captures/00000001.capture", "torn");
-  temp.write("captures/anything", "");
+  {
+    Session session = Session::create(temp.path());
+    session.append(sample_capture("s", 1));
+    session.append(sample_capture("s", 2));
+  }
+  execute(temp.path() / "session.sqlite", "DELETE FROM captures WHERE idx = 1");
   Session session = Session::open(temp.path());
-  EXPECT_EQ(files_in(temp.path() / "captures"), 1u);
-  EXPECT_EQ(session.append(sample_capture("s", 2)), 1u);
+  EXPECT_EQ(session.append(sample_capture("s", 2)), 1u) << "it is there already";
+  EXPECT_EQ(session.append(sample_capture("s", 3)), 2u);
   expect_same_bits(session.read(1), sample_capture("s", 2));
+  ASSERT_EQ(session.diagnosis().size(), 1u);
+  EXPECT_THAT(session.diagnosis()[0], ::testing::HasSubstr("00000001.capture"));
+}
+
+TEST(Session, ALockedIndexIsToldInTimeAndTheSameCallMaySucceedLater) {
+  const TempFolder temp;
+  Session session = Session::create(temp.path());
+  sqlite3* other = nullptr;
+  ASSERT_EQ(sqlite3_open((temp.path() / "session.sqlite").c_str(), &other), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  for (int attempt = 0; attempt < 2; ++attempt)
+    expect_error<SessionBusy>([&] { session.append(sample_capture("s", 1)); }, {"session.sqlite", "another program"});
+  EXPECT_EQ(files_in(temp.path() / "captures"), 0u) << "what cannot be kept is not written";
+  ASSERT_EQ(sqlite3_exec(other, "COMMIT", nullptr, nullptr, nullptr), SQLITE_OK);
+  EXPECT_EQ(session.append(sample_capture("s", 1)), 0u);
+  sqlite3_close(other);
+}
+
+TEST(Session, LabelsAreReadWithoutThePixels) {
+  const TempFolder temp;
+  Session session = Session::create(temp.path());
+  session.append(sample_capture("s", 7));
+  const fs::path file = temp.path() / "captures/00000000.capture";
+  fs::resize_file(file, fs::file_size(file) - 1);
+  const CaptureLabel label = session.label(0);
+  EXPECT_EQ(label.source_session, "s");
+  EXPECT_EQ(label.sequence, 7u);
+  EXPECT_EQ(label.name, sample_capture("s", 7).name);
+  expect_error<DamagedCapture>([&] { session.check(0); }, {"00000000.capture"});
+  fs::resize_file(file, 30);
+  expect_error<DamagedCapture>([&] { session.label(0); }, {"00000000.capture"});
 }
 
 TEST(Session, DamagedAndMissingFilesAreNamed) {
@@ -362,7 +401,7 @@ TEST(Session, WhatAppendHasReturnedSurvivesAKillAtAnyMoment) {
     const Session session = Session::open(temp.path());
     ASSERT_GE(session.held()["s"], acknowledged);
     ASSERT_EQ(session.size(), session.held()["s"]);
-    ASSERT_EQ(files_in(temp.path() / "captures"), session.size());
+    ASSERT_EQ(captures_in(temp.path() / "captures"), session.size());
     for (std::uint64_t i = 0; i < session.size(); ++i) ASSERT_EQ(session.read(i).sequence, i + 1);
   }
 }
