@@ -26,7 +26,8 @@ constexpr milliseconds kPoll{100}, kPollUntilWelcome{10};
 constexpr milliseconds kHelloAgain{500};   // while no welcome comes
 constexpr milliseconds kResendPause{100};  // between two requests to send again
 constexpr milliseconds kReopenPause{500};  // after a refused handshake
-constexpr milliseconds kLastWords{250};    // for acknowledgements to leave when the receiver closes
+constexpr milliseconds kCompareClocks{1000};
+constexpr milliseconds kLastWords{250};  // for acknowledgements to leave when the receiver closes
 constexpr int kMaxCredits = 256;
 const char* const kRole = "reconstructor";
 
@@ -52,12 +53,14 @@ struct CaptureReceiver::Impl {
   void handle_events();
   void receive_all();
   void handle(const std::vector<zmq::message_t>& parts);
+  void require_credit(std::uint64_t bytes);
   void take_kept(Capture capture);
   void take_welcome(const Welcome& welcome);
   void take_end(const End& end);
   void take_refusal(const Refuse& refuse);
   void ask_again(const std::string& why);
   void say_what_is_due();
+  void say_credits();
   void say_hello();
   bool send(MessageType type, const Bytes& body);
   void reject(const std::string& error);
@@ -77,10 +80,15 @@ struct CaptureReceiver::Impl {
   std::map<std::string, HeldCaptures> held;
   std::set<std::string> unsaid_acks;
   std::uint32_t unsaid_credits = 0;
-  std::string session;  ///< the sender's, once it has welcomed us
+  std::uint32_t may_come = 0;      ///< captures that the sender has credits for, or had until the latest hello
+  std::uint32_t granted_anew = 0;  ///< of these, by the latest hello
+  std::string session;             ///< the sender's, once it has welcomed us
   bool link_up = false, welcomed = false, end_unsaid = false;
   Clock::time_point hello_due{}, last_hello{};
   std::int64_t hello_clock_ns = 0;  ///< of the latest hello
+  std::int64_t asked_clock_ns = 0;  ///< of the latest question about the sender's clock
+  Clock::time_point ask_clock_due{};
+  ClockComparison clock;
   std::optional<Clock::time_point> reopen_due;
   ReceiverStats stats;
 
@@ -110,7 +118,7 @@ void CaptureReceiver::Impl::open() {
   dealer->set(zmq::sockopt::routing_id, routing_id);
   dealer->set(zmq::sockopt::immediate, true);  // nothing is queued for a sender that is not there
   dealer->set(zmq::sockopt::maxmsgsize, kMaxIncomingBytes);
-  dealer->set(zmq::sockopt::rcvhwm, 16 + 4 * options.credits);  // fewer, and heartbeats drown behind captures
+  dealer->set(zmq::sockopt::rcvhwm, 8 + 2 * options.credits);  // fewer, and heartbeats drown behind captures
   if (options.keys) set_curve_client(*dealer, *options.keys, options.server_public_key);
   events = std::make_unique<SocketEvents>(context, *dealer, "receiver-" + std::to_string(sockets_opened++));
   connect_endpoint(*dealer, options.endpoint);
@@ -145,12 +153,15 @@ void CaptureReceiver::Impl::handle_events() {
     link_up = kind == SocketEvents::Kind::kConnected;
     welcomed = stats.connected = false;
     hello_due = Clock::now();
+    clock.forget();  // who comes back may be another machine
+    stats.clock.reset();
     if (kind == SocketEvents::Kind::kKeyRefused)
       stats.last_error = "the sender at " + options.endpoint + " refused this key; add it to the sender's allowlist";
-    if (kind == SocketEvents::Kind::kHandshakeFailed)
+    const bool failed = kind == SocketEvents::Kind::kHandshakeFailed || kind == SocketEvents::Kind::kHandshakeBroken;
+    if (failed)
       stats.last_error = "handshake with " + options.endpoint +
                          " failed: only one side has keys, or the sender's public key is another one";
-    if (kind == SocketEvents::Kind::kKeyRefused || kind == SocketEvents::Kind::kHandshakeFailed)
+    if (failed || kind == SocketEvents::Kind::kKeyRefused)
       reopen_due = Clock::now() + kReopenPause;  // the library itself gives up after a refusal
   }
 }
@@ -179,6 +190,10 @@ void CaptureReceiver::Impl::handle(const std::vector<zmq::message_t>& parts) {
     if (envelope.type == MessageType::kRefuse) return take_refusal(decode_refuse(bytes_of(parts[1])));
     throw ProtocolError("envelope.type: " + std::to_string(static_cast<int>(envelope.type)) + " is not for a receiver");
   }
+  {
+    const std::lock_guard lock(mutex);
+    require_credit(parts[1].size() + parts[2].size());
+  }
   try {
     Capture capture = decode_capture(bytes_of(parts[0]), bytes_of(parts[1]), bytes_of(parts[2]));
     capture.times.received_ns = steady_now_ns();
@@ -196,9 +211,20 @@ void CaptureReceiver::Impl::handle(const std::vector<zmq::message_t>& parts) {
   }
 }
 
+/// Before anything is unpacked: what nobody asked for is dropped. A keyframe among it is missed, and asked for again,
+/// by the next.
+void CaptureReceiver::Impl::require_credit(std::uint64_t bytes) {
+  if (may_come == 0)
+    throw ProtocolError("credits: a capture of " + std::to_string(bytes) +
+                        " bytes came that none was left for; dropped");
+  --may_come;
+}
+
 /// Delivers a kept capture in its turn, once.
 void CaptureReceiver::Impl::take_kept(Capture capture) {
-  HeldCaptures& have = held[capture.source_session];
+  if (capture.source_session != session)
+    throw ProtocolError("source_session: is " + capture.source_session + ", the sender's is " + session);
+  HeldCaptures& have = held[session];
   if (capture.sequence <= have.received) {
     ++stats.duplicates;
     ++unsaid_credits;
@@ -218,9 +244,12 @@ void CaptureReceiver::Impl::deliver(Capture capture, bool live) {
 }
 
 void CaptureReceiver::Impl::take_welcome(const Welcome& welcome) {
-  if (welcome.hello_clock_ns != hello_clock_ns) return;  // not the answer to the latest hello
-  stats.round_trip_ns = steady_now_ns() - hello_clock_ns;
-  stats.clock_offset_ns = welcome.clock_ns - hello_clock_ns - stats.round_trip_ns / 2;
+  if (welcome.hello_clock_ns != asked_clock_ns || asked_clock_ns == 0) return;  // not the answer to the latest question
+  clock.add(asked_clock_ns, welcome.clock_ns, steady_now_ns());
+  stats.clock = clock.best();
+  asked_clock_ns = 0;
+  if (welcomed || welcome.hello_clock_ns != hello_clock_ns) return;
+  may_come = granted_anew;  // what was on its way before the hello has come
   HeldCaptures& have = held[welcome.source_session];
   if (welcome.first_sequence > have.received + 1) {
     const std::uint64_t lost = welcome.first_sequence - have.received - 1;
@@ -229,7 +258,7 @@ void CaptureReceiver::Impl::take_welcome(const Welcome& welcome) {
                        std::to_string(welcome.first_sequence - 1) + " of " + welcome.source_session +
                        ": another receiver acknowledged them";
     have.received = welcome.first_sequence - 1;
-  } else if (!welcomed) {
+  } else {
     stats.last_error.clear();
   }
   if (session != welcome.source_session) stats.ended = false;
@@ -238,8 +267,10 @@ void CaptureReceiver::Impl::take_welcome(const Welcome& welcome) {
 }
 
 void CaptureReceiver::Impl::take_end(const End& end) {
-  if (end.last_sequence > held[end.source_session].received) return ask_again("gap: the last captures have not come");
-  stats.ended = end.source_session == session;
+  if (end.source_session != session)
+    throw ProtocolError("end.source_session: is " + end.source_session + ", the sender's is " + session);
+  if (end.last_sequence > held[session].received) return ask_again("gap: the last captures have not come");
+  stats.ended = true;
   end_unsaid = true;
   arrived.notify_all();
 }
@@ -264,13 +295,26 @@ void CaptureReceiver::Impl::say_what_is_due() {
     if (Clock::now() >= hello_due) say_hello();
     return;
   }
-  if (unsaid_credits > 0 && send(MessageType::kCredit, encode(Credit{unsaid_credits}))) unsaid_credits = 0;
+  say_credits();
   while (!unsaid_acks.empty() || end_unsaid) {
     const std::string source = unsaid_acks.empty() ? session : *unsaid_acks.begin();
     if (!send(MessageType::kAck, encode(Ack{source, held[source].durable, stats.ended && source == session}))) return;
     unsaid_acks.erase(source);
     end_unsaid = end_unsaid && source != session;
   }
+}
+
+/// With the question what the sender's clock says, now and then.
+void CaptureReceiver::Impl::say_credits() {
+  const bool ask = Clock::now() >= ask_clock_due;
+  if (unsaid_credits == 0 && !ask) return;
+  const std::int64_t now_ns = steady_now_ns();
+  if (!send(MessageType::kCredit, encode(Credit{unsaid_credits, ask ? now_ns : 0}))) return;
+  may_come += unsaid_credits;
+  unsaid_credits = 0;
+  if (!ask) return;
+  asked_clock_ns = now_ns;
+  ask_clock_due = Clock::now() + kCompareClocks;
 }
 
 void CaptureReceiver::Impl::say_hello() {
@@ -282,7 +326,10 @@ void CaptureReceiver::Impl::say_hello() {
   last_hello = Clock::now();
   if (!send(MessageType::kHello, encode(hello))) return;
   hello_due = last_hello + kHelloAgain;
-  hello_clock_ns = hello.clock_ns;
+  hello_clock_ns = asked_clock_ns = hello.clock_ns;
+  ask_clock_due = last_hello + kCompareClocks;
+  granted_anew = hello.credits;
+  may_come = std::min(may_come + granted_anew, 2 * static_cast<std::uint32_t>(options.credits));
   unsaid_credits = 0;  // told by what hello grants
   unsaid_acks.clear();
 }

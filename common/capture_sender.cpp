@@ -66,6 +66,7 @@ struct CaptureSender::Impl {
   void receive_all();
   void handle(const std::string& id, const std::string& key, MessageType type, std::span<const std::uint8_t> body);
   void welcome(const std::string& id, const std::string& key, const Hello& hello);
+  void require_sent(std::uint64_t sequence, const char* field) const;
   void release_up_to(std::uint64_t durable);
   bool send_what_may_go();
   bool send_kept(Kept& kept);
@@ -73,7 +74,7 @@ struct CaptureSender::Impl {
   bool send_end();
   void check_peer_is_there();
   void check_peer_is_allowed();
-  void refuse(const std::string& id, const std::string& reason);
+  void refuse(const std::string& id, const std::string& reason, const std::string& key = {});
   Sent send(const std::string& id, std::vector<zmq::message_t> parts);
   Sent send(const std::string& id, MessageType type, const Bytes& body);
   Welcome make_welcome(std::int64_t hello_clock_ns) const;
@@ -92,11 +93,13 @@ struct CaptureSender::Impl {
   std::condition_variable changed;
   std::deque<Kept> retained;  // consecutive sequences
   std::uint64_t last_sequence = 0;
+  std::uint64_t last_sent = 0;
   std::uint64_t durable = 0;  // the receiver's disk holds everything up to here
   Message newest_live;
   bool finishing = false, end_seen = false;
   std::uint64_t refused_by_zap = 0, refused_without_zap = 0;
   std::optional<Peer> peer;
+  RefusalLog refusals;
   SenderStats stats;
 
   std::jthread io;  // last: stops before what it uses is gone
@@ -135,7 +138,7 @@ void CaptureSender::Impl::run(const std::stop_token& stop) {
     wake.drain();
     const std::lock_guard lock(mutex);
     if (zap) {
-      zap->answer();
+      zap->answer(refusals);
       check_peer_is_allowed();
     }
     // Events are taken before messages and looked at after them: what a peer said before it left still counts.
@@ -146,7 +149,9 @@ void CaptureSender::Impl::run(const std::stop_token& stop) {
       if (kind == SocketEvents::Kind::kHandshakeFailed) {
         ++refused_without_zap;
         stats.last_refusal = "a handshake failed: the other side has no keys, or those of another sender";
+        refusals.tell(stats.last_refusal, stats.last_refusal);
       }
+      if (kind == SocketEvents::Kind::kHandshakeBroken) ++stats.broken_handshakes;
     }
     later = !send_what_may_go();
     changed.notify_all();
@@ -181,24 +186,31 @@ void CaptureSender::Impl::handle(const std::string& id, const std::string& key, 
     throw ProtocolError("envelope.type: " + std::to_string(static_cast<int>(type)) + " is not for a sender");
   if (!peer || peer->routing_id != id) return refuse(id, "say hello first");
   if (type == MessageType::kCredit) {
-    peer->credits = std::min(kMaxCredits, peer->credits + decode_credit(body).captures);
+    const Credit credit = decode_credit(body);
+    peer->credits = std::min(kMaxCredits, peer->credits + credit.captures);
+    if (credit.clock_ns != 0) send(id, MessageType::kWelcome, encode(make_welcome(credit.clock_ns)));
     return;
   }
   const Ack ack = decode_ack(body);
   if (ack.source_session != options.source_session) return;  // of an earlier run; nothing here waits for it
+  require_sent(ack.durable, "ack.durable");
   release_up_to(ack.durable);
   end_seen |= ack.end_seen && finishing;
 }
 
 void CaptureSender::Impl::welcome(const std::string& id, const std::string& key, const Hello& hello) {
   if (zap)
-    if (const std::string why = zap->refusal(key); !why.empty()) return refuse(id, why);
+    if (const std::string why = zap->refusal(key); !why.empty()) return refuse(id, why, key);
   if (peer && peer->routing_id != id) {
     check_peer_is_there();
     if (peer) return refuse(id, "busy: another receiver has this data link; stop it, or wait until it is gone");
   }
   const auto held = hello.held.find(options.source_session);
-  if (held != hello.held.end()) release_up_to(held->second.durable);
+  if (held != hello.held.end()) {
+    require_sent(held->second.durable, "hello.held.durable");
+    require_sent(held->second.received, "hello.held.received");
+    release_up_to(held->second.durable);
+  }
   const std::uint64_t received = held == hello.held.end() ? 0 : std::max(held->second.received, held->second.durable);
   const Welcome answer = make_welcome(hello.clock_ns);
   if (send(id, MessageType::kWelcome, encode(answer)) != Sent::kYes) {
@@ -213,6 +225,14 @@ Welcome CaptureSender::Impl::make_welcome(std::int64_t hello_clock_ns) const {
           .first_sequence = retained.empty() ? std::max(last_sequence, durable) + 1 : retained.front().sequence,
           .hello_clock_ns = hello_clock_ns,
           .clock_ns = steady_now_ns()};
+}
+
+/// Nobody holds what was never sent.
+void CaptureSender::Impl::require_sent(std::uint64_t sequence, const char* field) const {
+  const std::uint64_t sent = std::max({last_sent, durable, options.sent_before});
+  if (sequence > sent)
+    throw ProtocolError(std::string(field) + ": says " + std::to_string(sequence) + " of " + options.source_session +
+                        ", of which " + std::to_string(sent) + " were sent");
 }
 
 void CaptureSender::Impl::release_up_to(std::uint64_t sequence) {
@@ -247,6 +267,7 @@ bool CaptureSender::Impl::send_kept(Kept& kept) {
   if (send(peer->routing_id, std::move(parts)) != Sent::kYes) return false;
   ++(kept.sent_before ? stats.resent : stats.delivered);
   kept.sent_before = true;
+  last_sent = std::max(last_sent, kept.sequence);
   ++peer->next;
   --peer->credits;
   return true;
@@ -282,14 +303,15 @@ void CaptureSender::Impl::check_peer_is_allowed() {
   if (!peer) return;
   if (const std::string why = zap->refusal(peer->public_key); !why.empty()) {
     ++refused_without_zap;
-    const std::string id = peer->routing_id;
+    const Peer gone = *peer;
     peer.reset();
-    refuse(id, why);
+    refuse(gone.routing_id, why, gone.public_key);
   }
 }
 
-void CaptureSender::Impl::refuse(const std::string& id, const std::string& reason) {
+void CaptureSender::Impl::refuse(const std::string& id, const std::string& reason, const std::string& key) {
   stats.last_refusal = reason;
+  refusals.tell(key.empty() ? reason_of(reason) : key, "refused: " + reason);
   send(id, MessageType::kRefuse, encode(Refuse{reason}));
 }
 

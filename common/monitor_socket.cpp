@@ -38,6 +38,7 @@ struct MonitorPublisher::Impl {
   mutable std::mutex mutex;  // guards everything below
   std::optional<Status> newest;
   std::uint64_t sequence = 0;
+  RefusalLog refusals;
   PublisherStats stats;
 
   std::jthread io;  // last: stops before what it uses is gone
@@ -67,7 +68,7 @@ void MonitorPublisher::Impl::run(const std::stop_token& stop) {
     wake.drain();
     if (zap) {
       const std::lock_guard lock(mutex);
-      zap->answer();
+      zap->answer(refusals);
       stats.refused_keys = zap->refused();
       stats.last_refusal = zap->last_refusal();
     }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/capture.h"
+#include "common/clock_comparison.h"
 #include "common/wire.h"
 
 namespace sheen {
@@ -32,6 +33,9 @@ struct SenderOptions {
   std::size_t retained = 64;        ///< keyframes kept until acknowledged; beyond it `keep` waits
   Codec codec = Codec::kRaw;
   std::string source_session;
+  /// Captures that an earlier run may have sent under the same session, and a receiver may so hold before this run has
+  /// sent any: those of a data set that is streamed again. 0 for a source that never comes again.
+  std::uint64_t sent_before = 0;
 };
 
 struct SenderStats {
@@ -39,6 +43,7 @@ struct SenderStats {
   std::uint64_t live_sent = 0, live_dropped = 0;
   std::uint64_t rejected_messages = 0;  ///< malformed or of another version
   std::uint64_t refused_keys = 0;       ///< handshakes of unknown, revoked or missing keys
+  std::uint64_t broken_handshakes = 0;  ///< connections that ended before their handshake
   std::string last_refusal;             ///< who was refused, and why; keys, second receivers, malformed messages
   bool peer_connected = false;
 };
@@ -86,8 +91,7 @@ struct ReceiverStats {
   std::uint64_t kept = 0, live = 0, duplicates = 0, rejected_messages = 0, bytes = 0;
   std::uint64_t missing = 0;  ///< kept captures that the sender no longer has because another receiver took them
   std::map<std::string, std::uint64_t> rejected_by_reason;
-  std::int64_t clock_offset_ns = 0;  ///< sender's steady clock minus this one, to half of round_trip_ns
-  std::int64_t round_trip_ns = 0;    ///< of the latest hello
+  std::optional<ClockOffset> clock;  ///< the sender's steady clock against this one; measured anew every second
   bool connected = false;
   bool ended = false;  ///< the sender said that its source has ended, and `next` has returned everything it kept
   std::string last_error;
@@ -100,7 +104,7 @@ class CaptureReceiver {
   ~CaptureReceiver();
 
   /// The next capture, validated and deduplicated; nothing after `timeout`. A credit is returned to the sender when the
-  /// capture is taken from here.
+  /// capture is taken from here: no more than twice `credits` wait, whatever the sender sends.
   std::optional<Received> next(std::chrono::milliseconds timeout);
   /// Call once the capture is durable.
   void acknowledge(const std::string& source_session, std::uint64_t sequence);

@@ -15,12 +15,15 @@
 
 #include "common/errors.h"
 #include "common/files.h"
+#include "common/log.h"
 
 namespace sheen {
 namespace {
 
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
 constexpr std::uintmax_t kMaxAllowlistBytes = 1 << 20;
+constexpr std::chrono::minutes kToldAgainAfter{1};
+constexpr std::size_t kMostSubjects = 256;  ///< a minute: who comes with ever new keys does not fill the disk
 
 /// Changes whenever the file is replaced or written to.
 std::string stamp_of(const std::filesystem::path& path) {
@@ -43,6 +46,13 @@ bool is_loopback(const std::string& endpoint) {
   const std::string host = host_of(endpoint);
   return host == "localhost" || host == "[::1]" ||
          (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
+}
+
+/// Of the ways in which a handshake can break the protocol, those of a peer whose keys do not fit.
+bool is_about_keys(std::uint32_t protocol_error) {
+  return protocol_error == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH ||
+         protocol_error == ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC ||
+         protocol_error == ZMQ_PROTOCOL_ERROR_ZMTP_KEY_EXCHANGE;
 }
 
 }  // namespace
@@ -105,6 +115,13 @@ void Wakeup::drain() {
   [[maybe_unused]] const ssize_t n = ::read(fd_, &count, sizeof count);
 }
 
+void RefusalLog::tell(const std::string& subject, const std::string& message) {
+  const auto now = std::chrono::steady_clock::now();
+  std::erase_if(told_, [&](const auto& entry) { return now - entry.second >= kToldAgainAfter; });
+  if (told_.size() >= kMostSubjects || !told_.insert({subject, now}).second) return;
+  log_warning("link", message);
+}
+
 ZapHandler::ZapHandler(zmq::context_t& context, const std::filesystem::path& allowlist, std::set<std::string> roles)
     : socket_(std::make_unique<zmq::socket_t>(context, zmq::socket_type::rep)),
       allowlist_(allowlist),
@@ -118,7 +135,7 @@ void* ZapHandler::socket() {
   return socket_->handle();
 }
 
-void ZapHandler::answer() {
+void ZapHandler::answer(RefusalLog& log) {
   std::vector<zmq::message_t> request;  // version, request id, domain, address, identity, mechanism, key
   while (receive_parts(*socket_, 7, request)) {
     std::string why = "malformed authentication request", key;
@@ -132,6 +149,7 @@ void ZapHandler::answer() {
     if (!why.empty()) {
       ++refused_;
       last_refusal_ = why;
+      log.tell(key, "refused: " + why);
     }
     const std::string id = request.size() > 1 ? request[1].to_string() : std::string();
     const std::string parts[] = {"1.0", id, why.empty() ? "200" : "400", why.empty() ? "OK" : "key not allowed",
@@ -177,11 +195,15 @@ std::vector<SocketEvents::Kind> SocketEvents::drain() {
     if (parts[0].size() < sizeof(std::uint16_t)) continue;
     std::uint16_t event;
     std::memcpy(&event, parts[0].data(), sizeof event);
+    std::uint32_t value = 0;
+    if (parts[0].size() >= sizeof event + sizeof value)
+      std::memcpy(&value, parts[0].data<std::uint8_t>() + sizeof event, sizeof value);
     if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) kinds.push_back(Kind::kConnected);
     if (event == ZMQ_EVENT_DISCONNECTED) kinds.push_back(Kind::kDisconnected);
     if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) kinds.push_back(Kind::kKeyRefused);
-    if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL || event == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL)
-      kinds.push_back(Kind::kHandshakeFailed);
+    if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL)
+      kinds.push_back(is_about_keys(value) ? Kind::kHandshakeFailed : Kind::kHandshakeBroken);
+    if (event == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL) kinds.push_back(Kind::kHandshakeBroken);
   }
   return kinds;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -61,6 +62,16 @@ class Wakeup {
   int fd_;
 };
 
+/// Tells the log who was refused and why: at once, and what goes on no more than once a minute.
+class RefusalLog {
+ public:
+  /// `subject`: the key or the kind of fault, of which one line a minute is enough.
+  void tell(const std::string& subject, const std::string& message);
+
+ private:
+  std::map<std::string, std::chrono::steady_clock::time_point> told_;
+};
+
 /// Answers the authentication requests (ZeroMQ RFC 27) of all CURVE servers in one context. Must exist before they
 /// bind.
 class ZapHandler {
@@ -68,7 +79,7 @@ class ZapHandler {
   ZapHandler(zmq::context_t& context, const std::filesystem::path& allowlist, std::set<std::string> roles);
   ~ZapHandler();
   void* socket();
-  void answer();  ///< all requests that wait; never blocks
+  void answer(RefusalLog& log);  ///< all requests that wait; never blocks
   /// Empty when the key may still be connected, else why not.
   std::string refusal(const std::string& public_key);
   std::uint64_t refused() const { return refused_; }
@@ -85,7 +96,9 @@ class ZapHandler {
 /// What happens to a socket's connections. Must be drained whenever it is readable: unread events stop the socket.
 class SocketEvents {
  public:
-  enum class Kind { kConnected, kDisconnected, kKeyRefused, kHandshakeFailed };
+  /// `kHandshakeFailed`: the two sides' keys do not fit, or only one has any. `kHandshakeBroken`: the other side went
+  /// away before it, or said nothing for too long.
+  enum class Kind { kConnected, kDisconnected, kKeyRefused, kHandshakeFailed, kHandshakeBroken };
   SocketEvents(zmq::context_t& context, zmq::socket_t& watched, const std::string& name);
   ~SocketEvents();
   void* socket();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/capture_validation.h"
 #include "common/errors.h"
@@ -16,6 +17,7 @@ namespace {
 constexpr std::array<std::uint8_t, 4> kMagic{'S', 'H', 'E', 'N'};
 constexpr std::size_t kMaxMessageBytes = std::size_t(1) << 20;
 constexpr std::uint32_t kMaxCredits = 1024;
+constexpr std::uint64_t kMaxSequence = std::numeric_limits<std::int64_t>::max();
 constexpr int kMaxSessions = 16384, kMaxGauges = 1024;
 constexpr std::size_t kMaxIdBytes = 128, kMaxTextBytes = 1024;
 
@@ -30,6 +32,13 @@ std::uint32_t checked_credits(std::uint32_t value, const char* field) {
   if (value > kMaxCredits)
     throw ProtocolError(std::string(field) + ": " + std::to_string(value) + " is more than " +
                         std::to_string(kMaxCredits));
+  return value;
+}
+
+/// Sequences are counted up from 1, one a capture: what would wrap has never been reached.
+std::uint64_t checked_sequence(std::uint64_t value, const char* field) {
+  if (value > kMaxSequence)
+    throw ProtocolError(std::string(field) + ": " + std::to_string(value) + " is no sequence that can be reached");
   return value;
 }
 
@@ -85,8 +94,9 @@ Hello decode_hello(std::span<const std::uint8_t> bytes) {
               .clock_ns = in.clock_ns()};
   if (in.held_size() > kMaxSessions) throw ProtocolError("hello.held: too many source sessions");
   for (const v1::Held& held : in.held())
-    hello.held[checked(held.source_session(), kMaxIdBytes, "hello.held.source_session")] = {held.durable(),
-                                                                                            held.received()};
+    hello.held[checked(held.source_session(), kMaxIdBytes, "hello.held.source_session")] = {
+        checked_sequence(held.durable(), "hello.held.durable"),
+        checked_sequence(held.received(), "hello.held.received")};
   return hello;
 }
 
@@ -104,7 +114,7 @@ Welcome decode_welcome(std::span<const std::uint8_t> bytes) {
   if (in.source_session().empty()) throw ProtocolError("welcome.source_session: missing");
   if (in.first_sequence() == 0) throw ProtocolError("welcome.first_sequence: must be at least 1");
   return {.source_session = checked(in.source_session(), kMaxIdBytes, "welcome.source_session"),
-          .first_sequence = in.first_sequence(),
+          .first_sequence = checked_sequence(in.first_sequence(), "welcome.first_sequence"),
           .hello_clock_ns = in.hello_clock_ns(),
           .clock_ns = in.clock_ns()};
 }
@@ -112,12 +122,13 @@ Welcome decode_welcome(std::span<const std::uint8_t> bytes) {
 Bytes encode(const Credit& message) {
   v1::Credit out;
   out.set_captures(message.captures);
+  out.set_clock_ns(message.clock_ns);
   return serialize(out);
 }
 
 Credit decode_credit(std::span<const std::uint8_t> bytes) {
-  return {.captures =
-              checked_credits(parse<v1::Credit>(bytes, kMaxMessageBytes, "credit").captures(), "credit.captures")};
+  const auto in = parse<v1::Credit>(bytes, kMaxMessageBytes, "credit");
+  return {.captures = checked_credits(in.captures(), "credit.captures"), .clock_ns = in.clock_ns()};
 }
 
 Bytes encode(const Ack& message) {
@@ -131,7 +142,7 @@ Bytes encode(const Ack& message) {
 Ack decode_ack(std::span<const std::uint8_t> bytes) {
   const auto in = parse<v1::Ack>(bytes, kMaxMessageBytes, "ack");
   return {.source_session = checked(in.source_session(), kMaxIdBytes, "ack.source_session"),
-          .durable = in.durable(),
+          .durable = checked_sequence(in.durable(), "ack.durable"),
           .end_seen = in.end_seen()};
 }
 
@@ -156,7 +167,7 @@ Bytes encode(const End& message) {
 End decode_end(std::span<const std::uint8_t> bytes) {
   const auto in = parse<v1::End>(bytes, kMaxMessageBytes, "end");
   return {.source_session = checked(in.source_session(), kMaxIdBytes, "end.source_session"),
-          .last_sequence = in.last_sequence()};
+          .last_sequence = checked_sequence(in.last_sequence(), "end.last_sequence")};
 }
 
 Bytes encode_status(const Status& status) {

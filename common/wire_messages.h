@@ -45,6 +45,7 @@ struct Welcome {
 };
 struct Credit {
   std::uint32_t captures = 0;
+  std::int64_t clock_ns = 0;  ///< when a welcome is wanted that gives it back; else 0
 };
 struct Ack {
   std::string source_session;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <thread>
 
 #include "common/errors.h"
 #include "common/transport.h"
@@ -30,22 +31,29 @@ EncodedCapture kept(std::uint64_t sequence) {
 
 /// A sender played by the test, with one real receiver that has said hello.
 struct FakeSender : RawPeer {
+  static constexpr int kCredits = 16;
   FakeSender() : RawPeer(zmq::socket_type::router) {
     socket.bind(testing::kAnyPort);
-    receiver.emplace(receiver_options(socket.get(zmq::sockopt::last_endpoint)));
+    ReceiverOptions options = receiver_options(socket.get(zmq::sockopt::last_endpoint));
+    options.credits = kCredits;
+    receiver.emplace(options);
   }
   Hello hear_hello() { return decode_hello(receive(MessageType::kHello).at(1)); }
   Hello welcome(std::uint64_t first_sequence = 1, const std::string& session = "s") {
     const Hello hello = hear_hello();
-    say(MessageType::kWelcome, Welcome{session, first_sequence, hello.clock_ns, hello.clock_ns + 1'000'000'000});
+    say(MessageType::kWelcome, Welcome{session, first_sequence, hello.clock_ns, hello.clock_ns + kAhead_ns});
     return hello;
   }
+  static constexpr std::int64_t kAhead_ns = 1'000'000'000;  ///< of this side's clock
   std::optional<CaptureReceiver> receiver;
 };
 
 /// A receiver played by the test, connected to a real sender.
 struct FakeReceiver : RawPeer {
-  FakeReceiver() : RawPeer(zmq::socket_type::dealer), sender(sender_options()) { socket.connect(sender.endpoint()); }
+  explicit FakeReceiver(const SenderOptions& options = sender_options())
+      : RawPeer(zmq::socket_type::dealer), sender(options) {
+    socket.connect(sender.endpoint());
+  }
   std::string hear_refusal() { return decode_refuse(receive(MessageType::kRefuse).at(1)).reason; }
   CaptureSender sender;
 };
@@ -111,13 +119,85 @@ TEST(HostileSender, AnotherVersionIsRefusedNamingBoth) {
   EXPECT_TRUE(eventually([&] { return peer.receiver->stats().connected; }));
 }
 
-TEST(HostileSender, TheClocksAreCompared) {
+TEST(HostileSender, TheClocksAreComparedAgainAndAgainAndTheShortestRoundTripCounts) {
   FakeSender peer;
-  peer.welcome();  // its clock is a second ahead
-  ASSERT_TRUE(eventually([&] { return peer.receiver->stats().connected; }));
+  peer.welcome();
+  ASSERT_TRUE(eventually([&] { return peer.receiver->stats().clock.has_value(); }));
+  const ClockOffset first = *peer.receiver->stats().clock;
+  EXPECT_GT(first.round_trip_ns, 0);
+  EXPECT_NEAR(static_cast<double>(first.offset_ns), 1e9, static_cast<double>(first.round_trip_ns));
+
+  Credit question = decode_credit(peer.receive(MessageType::kCredit).at(1));
+  ASSERT_NE(question.clock_ns, 0);
+  EXPECT_EQ(question.captures, 0u);
+  std::this_thread::sleep_for(200ms);  // an answer that was held up says nothing new
+  peer.say(MessageType::kWelcome, Welcome{"s", 1, question.clock_ns, question.clock_ns + 5 * FakeSender::kAhead_ns});
+  question = decode_credit(peer.receive(MessageType::kCredit).at(1));
+  EXPECT_EQ(peer.receiver->stats().clock->offset_ns, first.offset_ns);
+  EXPECT_EQ(peer.receiver->stats().clock->round_trip_ns, first.round_trip_ns);
+  peer.say(MessageType::kWelcome, Welcome{"s", 1, question.clock_ns + 1, 0});  // the answer to no question
+  decode_credit(peer.receive(MessageType::kCredit).at(1));
+  EXPECT_EQ(peer.receiver->stats().clock->offset_ns, first.offset_ns);
+}
+
+TEST(HostileSender, WhatExceedsTheCreditsIsDroppedUnopenedAndTheLinkGoesOn) {
+  FakeSender peer;
+  peer.welcome();
+  constexpr std::uint64_t kSent = 400;
+  for (std::uint64_t sequence = 1; sequence <= kSent; ++sequence) peer.say(kept(sequence));
+  ASSERT_TRUE(eventually([&] {
+    const ReceiverStats stats = peer.receiver->stats();
+    return stats.kept + stats.rejected_messages >= kSent;
+  }));
   const ReceiverStats stats = peer.receiver->stats();
-  EXPECT_GT(stats.round_trip_ns, 0);
-  EXPECT_NEAR(static_cast<double>(stats.clock_offset_ns), 1e9, static_cast<double>(stats.round_trip_ns));
+  EXPECT_EQ(stats.kept, static_cast<std::uint64_t>(FakeSender::kCredits));
+  EXPECT_EQ(stats.rejected_by_reason.at("credits"), kSent - stats.kept);
+  const EncodedCapture one = kept(1);
+  EXPECT_LE(stats.bytes, FakeSender::kCredits * (one.header.size() + one.blob.size() + 10))
+      << "the rest was not opened";
+  expect_kept(*peer.receiver, 1, FakeSender::kCredits);
+  for (std::uint32_t back = 0; back < FakeSender::kCredits;)
+    back += decode_credit(peer.receive(MessageType::kCredit).at(1)).captures;
+  peer.say(kept(kSent));  // what was dropped is missed
+  EXPECT_TRUE(eventually([&] { return peer.receiver->stats().rejected_by_reason.contains("gap"); }));
+  EXPECT_EQ(peer.welcome().held.at("s").received, static_cast<std::uint64_t>(FakeSender::kCredits));
+  peer.say(kept(FakeSender::kCredits + 1));
+  expect_kept(*peer.receiver, FakeSender::kCredits + 1, FakeSender::kCredits + 1);
+}
+
+TEST(HostileSender, LiveFramesCostCreditsToo) {
+  FakeSender peer;
+  peer.welcome();
+  const EncodedCapture frame = encode_capture(sample_capture("s", 1), MessageType::kLive, Codec::kRaw);
+  for (int i = 0; i < 100; ++i) peer.say(frame);
+  ASSERT_TRUE(eventually([&] {
+    const ReceiverStats stats = peer.receiver->stats();
+    return stats.live + stats.rejected_messages >= 100;
+  }));
+  EXPECT_EQ(peer.receiver->stats().live, static_cast<std::uint64_t>(FakeSender::kCredits));
+}
+
+TEST(HostileSender, ACaptureOfAnotherSessionThanTheWelcomesIsRefused) {
+  FakeSender peer;
+  peer.welcome();
+  peer.say(encode_capture(sample_capture("another", 1), MessageType::kKeep, Codec::kRaw));
+  ASSERT_TRUE(eventually([&] { return peer.receiver->stats().rejected_by_reason.contains("source_session"); }));
+  EXPECT_FALSE(peer.welcome().held.contains("another")) << "nothing grows by what a sender makes up";
+  peer.say(kept(1));
+  expect_kept(*peer.receiver, 1, 1);
+}
+
+TEST(HostileSender, AFirstSequenceThatCannotBeReachedIsRefused) {
+  FakeSender peer;
+  for (const std::uint64_t first : {std::uint64_t{1} << 63, ~std::uint64_t{0}}) {
+    peer.welcome(first);
+    ASSERT_TRUE(
+        eventually([&] { return peer.receiver->stats().rejected_by_reason.contains("welcome.first_sequence"); }));
+    EXPECT_EQ(peer.receiver->stats().missing, 0u);
+  }
+  peer.welcome();
+  peer.say(kept(1));
+  expect_kept(*peer.receiver, 1, 1);
 }
 
 TEST(HostileSender, RandomMessagesAreCountedAndTheLinkGoesOn) {
@@ -138,6 +218,7 @@ TEST(HostileSender, RandomMessagesAreCountedAndTheLinkGoesOn) {
       part[random() % std::min<std::size_t>(part.size(), 8)] ^= static_cast<std::uint8_t>(1 + random() % 255);
     peer.send(parts);
     ++sent;
+    peer.receiver->next(1ms);  // gives a credit for the next
   }
   // Every one is accounted for, whatever became of it.
   EXPECT_TRUE(eventually([&] {
@@ -178,7 +259,7 @@ TEST(HostileReceiver, NoMoreIsSentThanThereAreCredits) {
   EXPECT_TRUE(peer.receive(MessageType::kKeep).empty());
 }
 
-TEST(HostileReceiver, AnAcknowledgementOfWhatWasNeverSentOrOfAnotherSourceIsHarmless) {
+TEST(HostileReceiver, AnAcknowledgementOfAnotherSourceIsHarmless) {
   FakeReceiver peer;
   keep(peer.sender, 1, 3);
   peer.say(MessageType::kHello, Hello{"reconstructor", 0, {}, 0});
@@ -186,6 +267,68 @@ TEST(HostileReceiver, AnAcknowledgementOfWhatWasNeverSentOrOfAnotherSourceIsHarm
   peer.receive(MessageType::kWelcome);
   EXPECT_EQ(peer.sender.stats().acknowledged, 0u);
   EXPECT_FALSE(peer.sender.finish(50ms));
+}
+
+constexpr std::uint64_t kNeverSent[] = {3, 1'000'000, std::uint64_t{1} << 63, ~std::uint64_t{0}};
+
+TEST(HostileReceiver, AnAcknowledgementOfWhatWasNeverSentIsRefusedAndReleasesNothing) {
+  for (const std::uint64_t sequence : kNeverSent) {
+    FakeReceiver peer;
+    keep(peer.sender, 1, 5);
+    peer.say(MessageType::kHello, Hello{"reconstructor", 2, {}, 0});
+    for (int i = 0; i < 2; ++i) ASSERT_EQ(peer.receive(MessageType::kKeep).size(), 3u);
+    peer.say(MessageType::kAck, Ack{"s", sequence, true});
+    EXPECT_THAT(peer.hear_refusal(), AllOf(HasSubstr("ack.durable"), HasSubstr(std::to_string(sequence))));
+    EXPECT_EQ(peer.sender.stats().acknowledged, 0u);
+    EXPECT_EQ(peer.sender.stats().rejected_messages, 1u);
+    peer.say(MessageType::kAck, Ack{"s", 2, false});  // what is true is believed still
+    peer.say(MessageType::kCredit, Credit{3});
+    for (int i = 0; i < 3; ++i)
+      ASSERT_EQ(peer.receive(MessageType::kKeep).size(), 3u) << "what was not sent still comes";
+    EXPECT_EQ(peer.sender.stats().acknowledged, 2u);
+  }
+}
+
+TEST(HostileReceiver, AHelloThatHoldsWhatWasNeverSentIsRefused) {
+  for (const std::uint64_t sequence : kNeverSent) {
+    for (const bool durable : {true, false}) {
+      FakeReceiver peer;
+      keep(peer.sender, 1, 3);
+      const HeldCaptures held{.durable = durable ? sequence : 0, .received = durable ? 0 : sequence};
+      peer.say(MessageType::kHello, Hello{"reconstructor", 5, {{"s", held}}, 0});
+      EXPECT_THAT(peer.hear_refusal(), HasSubstr(durable ? "hello.held.durable" : "hello.held.received"));
+      EXPECT_FALSE(peer.sender.stats().peer_connected);
+      EXPECT_EQ(peer.sender.stats().acknowledged, 0u);
+      peer.say(MessageType::kHello, Hello{"reconstructor", 5, {}, 0});
+      for (int i = 0; i < 3; ++i) ASSERT_EQ(peer.receive(MessageType::kKeep).size(), 3u);
+    }
+  }
+}
+
+TEST(HostileReceiver, OfADataSetThatIsStreamedAgainNoMoreIsBelievedThanItHas) {
+  SenderOptions options = sender_options();
+  options.sent_before = 10;
+  FakeReceiver peer(options);
+  peer.say(MessageType::kHello, Hello{"reconstructor", 5, {{"s", {11, 11}}}, 0});
+  EXPECT_THAT(peer.hear_refusal(), AllOf(HasSubstr("hello.held.durable"), HasSubstr("11"), HasSubstr("10")));
+  peer.say(MessageType::kHello, Hello{"reconstructor", 5, {{"s", {10, 10}}}, 0});
+  ASSERT_EQ(peer.receive(MessageType::kWelcome).size(), 2u);
+  keep(peer.sender, 1, 10);
+  EXPECT_TRUE(eventually([&] { return peer.sender.stats().acknowledged == 10; }));
+}
+
+TEST(HostileReceiver, AQuestionAboutTheClockIsAnsweredAndChangesNothing) {
+  FakeReceiver peer;
+  keep(peer.sender, 1, 3);
+  peer.say(MessageType::kHello, Hello{"reconstructor", 1, {}, 7});
+  ASSERT_EQ(peer.receive(MessageType::kKeep).size(), 3u);
+  peer.say(MessageType::kCredit, Credit{0, 4711});
+  const Welcome answer = decode_welcome(peer.receive(MessageType::kWelcome).at(1));
+  EXPECT_EQ(answer.hello_clock_ns, 4711);
+  EXPECT_EQ(peer.sender.stats().delivered, 1u);
+  peer.say(MessageType::kCredit, Credit{2});
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(peer.receive(MessageType::kKeep).size(), 3u);
+  EXPECT_EQ(peer.sender.stats().resent, 0u);
 }
 
 TEST(HostileReceiver, RandomMessagesAreRefusedAndTheSenderGoesOn) {

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
+#include <thread>
 
 #include "common/errors.h"
+#include "common/files.h"
+#include "common/log.h"
 #include "common/transport.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/link.h"
@@ -74,6 +80,50 @@ TEST_F(Curve, AWrongKeyGetsNothingIsCountedAndTheLiveLinkGoesOn) {
   EXPECT_EQ(stranger.stats().bytes, 0u);
   EXPECT_FALSE(stranger.stats().connected);
   EXPECT_TRUE(tracker.stats().peer_connected);
+}
+
+bool stands_in(const std::filesystem::path& log, const std::string& words) {
+  return eventually([&] { return std::filesystem::exists(log) && read_file(log).find(words) != std::string::npos; });
+}
+
+TEST_F(Curve, ARefusedKeyIsLoggedOnceByTheSideThatRefusesNamingKeyAndRole) {
+  const std::filesystem::path log = temp_.path() / "log";
+  start_logging({.file = log});
+  allow(line(desk_, "monitor"));
+  {
+    CaptureSender tracker(sender());
+    CaptureReceiver stranger(receiver(tracker, stranger_));
+    EXPECT_TRUE(stands_in(log, "key " + stranger_.public_key + " is not in the allowlist"));
+    CaptureReceiver desk(receiver(tracker, desk_));
+    EXPECT_TRUE(stands_in(log, "key " + desk_.public_key + " (somebody) has role monitor"));
+    ASSERT_TRUE(eventually([&] { return tracker.stats().refused_keys >= 6; }));  // they keep trying
+  }
+  stop_logging();
+  const std::string text = read_file(log);
+  for (const CurveKeys& key : {stranger_, desk_}) {
+    const std::size_t first = text.find(key.public_key);
+    EXPECT_EQ(text.find(key.public_key, first + 1), std::string::npos) << "one line a minute is enough";
+  }
+}
+
+TEST_F(Curve, AConnectionThatSaysNothingOrNonsenseIsNoRefusedKey) {
+  allow(line(desk_));
+  CaptureSender tracker(sender());
+  const std::string endpoint = tracker.endpoint();
+  const auto port = static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
+  for (const std::string& said : {std::string(), std::string("GET / HTTP/1.0\r\n\r\n"), std::string(200, '\0')}) {
+    const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{.sin_family = AF_INET, .sin_port = htons(port), .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    ASSERT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ASSERT_EQ(::send(fd, said.data(), said.size(), MSG_NOSIGNAL), static_cast<ssize_t>(said.size()));
+    std::this_thread::sleep_for(50ms);
+    ::close(fd);
+  }
+  EXPECT_TRUE(eventually([&] { return tracker.stats().broken_handshakes >= 1; }));
+  EXPECT_EQ(tracker.stats().refused_keys, 0u);
+  CaptureReceiver desk(receiver(tracker, desk_));
+  keep(tracker, 1, 2);
+  expect_kept(desk, 1, 2);
 }
 
 TEST_F(Curve, AKeyOfAnotherRoleGetsNothing) {

@@ -257,7 +257,9 @@ TEST(Transport, AKilledSenderIsFollowedByItsNextRun) {
 }
 
 TEST(Transport, ASourceThatRepeatsItselfSendsOnlyWhatIsNotHeld) {  // a data set streamed again under the same name
-  CaptureSender sender(sender_options());
+  SenderOptions repeated = sender_options();
+  repeated.sent_before = 10;
+  CaptureSender sender(repeated);
   ReceiverOptions options = receiver_options(sender.endpoint());
   options.held = {{"s", 7}};
   CaptureReceiver receiver(options);

@@ -11,6 +11,7 @@
 
 #include "common/errors.h"
 #include "common/files.h"
+#include "common/log.h"
 #include "common/monitor_socket.h"
 #include "common/stop_signal.h"
 #include "common/transport.h"
@@ -45,6 +46,12 @@ class LinkSink : public CaptureSink {
 
  private:
   CaptureSender& sender_;
+};
+
+/// The link's warnings go to standard error while this lives.
+struct Logging {
+  Logging() { start_logging({}); }
+  ~Logging() { stop_logging(); }
 };
 
 /// Command line over configuration file.
@@ -95,6 +102,7 @@ std::map<std::string, std::uint64_t> link_counters(const SenderStats& s) {
 }
 
 void run(const RunArguments& arguments) {
+  const Logging logging;
   const RigConfig config = configuration(arguments);
   const std::optional<Rig> rig = rig_of(config);
   const auto source = open_source(parse_source_uri(*config.source_uri), config.source);
@@ -107,7 +115,8 @@ void run(const RunArguments& arguments) {
                         .keys = keys,
                         .allowlist = config.allow,
                         .retained = kRetainedKeyframes,
-                        .source_session = options.source_session});
+                        .source_session = options.source_session,
+                        .sent_before = source->session_size()});
   std::unique_ptr<MonitorPublisher> publisher;
   if (!arguments.publish.empty())
     publisher = std::make_unique<MonitorPublisher>(

@@ -21,6 +21,7 @@ class DatasetSource : public FrameSource {
   SourceStats stats() const override { return {.frames = next_view_}; }
   bool live() const override { return false; }
   std::string session() const override { return session_; }
+  std::uint64_t session_size() const override { return dataset_.views.size(); }
 
  private:
   const Dataset dataset_;

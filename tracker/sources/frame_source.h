@@ -47,6 +47,8 @@ class FrameSource {
   virtual bool live() const = 0;
   /// Names the source session where running the same source again gives the same captures; else empty.
   virtual std::string session() const { return {}; }
+  /// How many captures such a source has.
+  virtual std::uint64_t session_size() const { return 0; }
 
   bool ended() const { return state() == SourceState::kEnded; }
 };
