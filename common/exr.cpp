@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <set>
 #include <thread>
 
@@ -120,6 +121,52 @@ bool channel_before(const std::string& a, const std::string& b) {
   return key(a) < key(b);
 }
 
+/// The library makes room for an attribute before it reads it: none may claim more than the file holds.
+void check_attributes(const std::filesystem::path& path, std::uintmax_t file_bytes) {
+  constexpr std::uint32_t kMultiPart = 0x1000;
+  std::ifstream file(path, std::ios::binary);
+  const auto number = [&] {
+    unsigned char bytes[4] = {};
+    file.read(reinterpret_cast<char*>(bytes), sizeof bytes);
+    return bytes[0] | std::uint32_t(bytes[1]) << 8 | std::uint32_t(bytes[2]) << 16 | std::uint32_t(bytes[3]) << 24;
+  };
+  number();  // what makes it an EXR
+  const bool several = number() & kMultiPart;
+  std::string name, type;
+  for (bool in_header = false; std::getline(file, name, '\0');) {
+    if (name.empty()) {  // the end of a header; a header without anything is the end of them
+      if (!several || !in_header) return;
+      in_header = false;
+      continue;
+    }
+    in_header = true;
+    std::getline(file, type, '\0');
+    const std::uint32_t size = number();
+    if (!file || size > file_bytes - static_cast<std::uintmax_t>(file.tellg()))
+      throw Error("attribute \"" + name.substr(0, 40) + "\" claims " + std::to_string(size) +
+                  " bytes, more than the file holds");
+    file.seekg(size, std::ios::cur);
+  }
+}
+
+/// Pixels of one compressed block, which the library makes room for whole, however few of them the part has.
+double block_pixels(const Imf::Header& header, double width) {
+  if (header.hasTileDescription()) return double(header.tileDescription().xSize) * header.tileDescription().ySize;
+  switch (header.compression()) {
+    case Imf::NO_COMPRESSION:
+    case Imf::RLE_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION:
+      return width;
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION:
+      return 16 * width;
+    case Imf::DWAB_COMPRESSION:
+      return 256 * width;
+    default:
+      return 32 * width;
+  }
+}
+
 ExrPart read_part(Imf::MultiPartInputFile& file, int index, std::uintmax_t file_bytes) {
   const Imf::Header& header = file.header(index);
   ExrPart part;
@@ -143,7 +190,8 @@ ExrPart read_part(Imf::MultiPartInputFile& file, int index, std::uintmax_t file_
   if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide)
     throw Error(where + " claims " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
   // No compression packs more densely than this, but for pictures too small to matter.
-  const double claimed = double(width) * double(height) * double(part.channels.size()) * sizeof(float);
+  const double pixels = std::max(double(width) * double(height), block_pixels(header, double(width)));
+  const double claimed = pixels * double(part.channels.size()) * sizeof(float);
   if (claimed > 64e6 + 2000.0 * double(file_bytes))
     throw Error(where + " claims " + std::to_string(width) + " x " + std::to_string(height) +
                 " pixels, more than the file can hold");
@@ -242,6 +290,7 @@ ExrAttributes read_exr(const std::filesystem::path& path, const std::function<bo
   const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
   if (missing) throw FileError(path.string(), "cannot be read: " + missing.message());
   try {
+    check_attributes(path, bytes);
     Imf::MultiPartInputFile in(path.c_str(), pool_threads(), /*reconstructChunkOffsetTable=*/false);
     for (int i = 0; i < in.parts(); ++i)
       if (wanted(in.header(i).hasName() ? in.header(i).name() : "")) visit(read_part(in, i, bytes));

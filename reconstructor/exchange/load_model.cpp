@@ -108,8 +108,15 @@ std::shared_ptr<const Mesh> read_mesh(const Description& description, const fs::
 }
 
 std::shared_ptr<const VertexRings> read_rings(const Description& description, const Mesh& mesh) {
-  return std::make_shared<VertexRings>(
-      mesh, description.list<std::uint8_t>(description.json(), "lattice_resolution", mesh.triangles.size(), 2, 255));
+  auto resolution =
+      description.list<std::uint8_t>(description.json(), "lattice_resolution", mesh.triangles.size(), 2, 255);
+  constexpr std::int64_t kMostSamples = std::int64_t{1} << 28;  // values of a ring's samples are counted in 32 bits
+  std::int64_t samples = 0;
+  for (const std::uint8_t side : resolution) samples += 3 * std::int64_t{lattice_samples(side)};
+  if (samples > kMostSamples)
+    description.fail("lattice_resolution", "asks for " + std::to_string(samples) + " samples, more than " +
+                                               std::to_string(kMostSamples) + " that a model may have");
+  return std::make_shared<VertexRings>(mesh, std::move(resolution));
 }
 
 ExposureField read_exposure(const Description& description) {
@@ -215,7 +222,13 @@ class MapsReader {
     const auto found = attributes.find(kModelIdAttribute);
     if (found == attributes.end() || found->second != id)
       throw FileError(file_.string(), "does not belong to model.json (a save cut short?)");
-    // Memory for the maps only now that a part stands behind each rank.
+    // Memory for the maps only now that a part stands behind each rank, and only as much as the file can hold.
+    constexpr double kSlack = 64e6, kDensest = 2000;  // as for a single part (exr.cpp)
+    double claimed = 0;
+    for (const RingEntry& entry : rings_.layout.rings) claimed += 3.0 * entry.samples * entry.rank * sizeof(float);
+    if (claimed > kSlack + kDensest * double(fs::file_size(file_)))
+      throw FileError(file_.string(), "is too small for the " + std::to_string(std::int64_t(claimed / 1e6)) +
+                                          " MB of surface maps that model.json describes");
     for (std::size_t i = 0; i < rings_.data.size(); ++i) {
       const RingEntry& entry = rings_.layout.rings[i];
       rings_.data[i]->basis.resize(3 * entry.samples, entry.rank);

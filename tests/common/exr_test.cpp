@@ -46,6 +46,33 @@ TEST(Exr, FloatPartsOfSeveralSizesComeBackBitForBit) {
   EXPECT_EQ(again.find("none"), nullptr);
 }
 
+/// Replaces the first bytes behind `before` in a small file.
+void overwrite(const std::filesystem::path& file, const std::string& before, const std::string& bytes) {
+  std::string text = read_file(file);
+  const std::size_t at = text.find(before);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at + before.size(), bytes.size(), bytes);
+  write_file(file, text);
+}
+
+TEST(Exr, AnAttributeThatClaimsMoreThanTheFileHoldsIsNotGivenTheMemory) {
+  const TempFolder folder;
+  const auto path = folder.path() / "a.exr";
+  write_exr(path, {.parts = {{"a", {"Y"}, noise(6, 5, 1, 1)}, {"b", {"Y"}, noise(6, 5, 1, 1)}},
+                   .attributes = {{"note", "n"}}});
+  overwrite(path, std::string("note\0string\0", 12), "\xff\xff\xff\x7f");
+  expect_error([&] { read_exr(path); }, {"a.exr", "\"note\"", "2147483647 bytes, more than the file holds"});
+}
+
+TEST(Exr, AWideLineIsNotGivenTheMemoryOfItsWholeBlock) {
+  const TempFolder folder;
+  const auto path = folder.path() / "a.exr";
+  write_exr(path, noise(2, 1, 3, 1));
+  // Right edge of the data window: a million pixels in one line, of sixteen that are compressed together.
+  overwrite(path, std::string("dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0", 29), std::string("\x3f\x42\x0f\0", 4));
+  expect_error([&] { read_exr(path); }, {"a.exr", "1000000 x 1 pixels, more than the file can hold"});
+}
+
 TEST(Exr, OnlyWantedPartsAreRead) {
   const TempFolder folder;
   ExrFile file;

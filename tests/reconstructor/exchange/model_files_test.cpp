@@ -280,6 +280,36 @@ TEST(ModelFiles, BrokenAndMissingFilesAreNamed) {
   expect_error([&] { load_model(folder.path() / "none"); }, {"none", "no such folder"});
 }
 
+TEST(ModelFiles, RanksThatTheMapsCannotHoldAreNotGivenTheMemory) {
+  const TempFolder folder;
+  save_model(*random_model(1), folder.path(), {}, {.view_map = 0});
+  // A part for each rank, of a pixel; and lattices of 33,000 samples that ask for 800 MB.
+  ExrFile maps = read_exr(folder.path() / "maps.exr");
+  for (int rank = 10; rank < 99; ++rank)
+    maps.parts.push_back({"surface.rank" + std::to_string(rank), {"R", "G", "B"}, ImageF(1, 1, 3)});
+  for (const char* rank : {"07", "08", "09"})
+    maps.parts.push_back({std::string("surface.rank") + rank, {"R", "G", "B"}, ImageF(1, 1, 3)});
+  write_exr(folder.path() / "maps.exr", maps);
+  Json json = Json::parse(read_file(folder.path() / "model.json"));
+  for (Json& resolution : json["lattice_resolution"]) resolution = 255;
+  for (Json& rank : json["rings"]["rank"]) rank = 99;
+  folder.write("model.json", json.dump());
+  expect_error([&] { load_model(folder.path()); }, {"maps.exr", "too small for", "MB of surface maps"});
+}
+
+TEST(ModelFiles, LatticesOfMoreSamplesThanCanBeCountedAreRefused) {
+  const TempFolder folder;
+  auto mesh = std::make_shared<Mesh>();
+  mesh->vertices = {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}};
+  mesh->triangles.assign(30'000, {0, 1, 2});  // all of one ring: its samples would not fit 32 bits
+  const auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>(30'000, 2));
+  save_model({mesh, rings, std::vector<std::shared_ptr<const RingSnapshot>>(3), 1}, folder.path());
+  Json json = Json::parse(read_file(folder.path() / "model.json"));
+  for (Json& resolution : json["lattice_resolution"]) resolution = 255;
+  folder.write("model.json", json.dump());
+  expect_error([&] { load_model(folder.path()); }, {"model.json", "lattice_resolution", "samples, more than"});
+}
+
 TEST(ModelFiles, DamagedMapsAreReadOrRefused) {
   const TempFolder folder;
   save_model(*random_model(1), folder.path(), {}, {.view_map = 0});
