@@ -72,19 +72,23 @@ std::vector<std::uint8_t> pack_pixels(const RawImage& image, const ImageU8& mask
   return packed;
 }
 
+void require_unpacked_size(std::span<const std::uint8_t> blob, Codec codec, std::size_t bytes) {
+  unsigned long long stated = blob.size();
+  if (codec != Codec::kRaw) stated = ZSTD_getFrameContentSize(blob.data(), blob.size());
+  if (stated == ZSTD_CONTENTSIZE_ERROR || stated == ZSTD_CONTENTSIZE_UNKNOWN)
+    throw ProtocolError("blob: not a zstd frame of stated size");
+  if (stated != bytes) wrong_size(stated, bytes);
+}
+
 void unpack_pixels(std::span<const std::uint8_t> blob, Codec codec, RawImage& image, ImageU8& mask) {
   const Layout pixels = layout_of(image), mask_layout = layout_of(mask);
   const std::size_t needed = pixels.size() + mask.size();
+  require_unpacked_size(blob, codec, needed);
   if (codec == Codec::kRaw) {
-    if (blob.size() != needed) wrong_size(blob.size(), needed);
     image.bytes.assign(blob.begin(), blob.begin() + static_cast<std::ptrdiff_t>(pixels.size()));
     std::copy(blob.begin() + static_cast<std::ptrdiff_t>(pixels.size()), blob.end(), mask.data());
     return;
   }
-  const unsigned long long stated = ZSTD_getFrameContentSize(blob.data(), blob.size());
-  if (stated == ZSTD_CONTENTSIZE_ERROR || stated == ZSTD_CONTENTSIZE_UNKNOWN)
-    throw ProtocolError("blob: not a zstd frame of stated size");
-  if (stated != needed) wrong_size(stated, needed);
   image.bytes.resize(needed);
   const std::size_t size = ZSTD_decompress(image.bytes.data(), needed, blob.data(), blob.size());
   if (ZSTD_isError(size)) throw ProtocolError(std::string("blob: zstd says ") + ZSTD_getErrorName(size));

@@ -14,6 +14,9 @@ namespace sheen {
 /// The pixels (every byte of every row, padding included), then the mask row by row, as `codec` packs them. Lossless.
 std::vector<std::uint8_t> pack_pixels(const RawImage& image, const ImageU8& mask, Codec codec);
 
+/// Unpacks nothing. Throws ProtocolError unless the blob says of itself that it holds exactly so many bytes.
+void require_unpacked_size(std::span<const std::uint8_t> blob, Codec codec, std::size_t bytes);
+
 /// Inverse of `pack_pixels`: fills `image.bytes` and `mask`, whose formats and sizes are already set and sane. Throws
 /// ProtocolError when the blob does not hold exactly that much.
 void unpack_pixels(std::span<const std::uint8_t> blob, Codec codec, RawImage& image, ImageU8& mask);

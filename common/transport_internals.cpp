@@ -13,6 +13,7 @@
 #include <utility>
 #include <zmq.hpp>
 
+#include "common/endpoint.h"
 #include "common/errors.h"
 #include "common/files.h"
 #include "common/log.h"
@@ -44,8 +45,7 @@ std::string host_of(const std::string& endpoint) {
 bool is_loopback(const std::string& endpoint) {
   if (endpoint.starts_with("ipc://") || endpoint.starts_with("inproc://")) return true;
   const std::string host = host_of(endpoint);
-  return host == "localhost" || host == "[::1]" ||
-         (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
+  return host == "[::1]" || (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
 }
 
 /// Of the ways in which a handshake can break the protocol, those of a peer whose keys do not fit.
@@ -57,7 +57,8 @@ bool is_about_keys(std::uint32_t protocol_error) {
 
 }  // namespace
 
-void require_keys_beyond_loopback(const std::string& endpoint, bool has_keys) {
+void require_keys_beyond_loopback(const std::string& written, bool has_keys) {
+  const std::string endpoint = resolved_endpoint(written);
   if (!has_keys && !is_loopback(endpoint))
     throw ConfigError("endpoint " + endpoint +
                       ": other machines can reach it, so it needs keys; make them with sheen-tracker keygen, or use "
@@ -242,7 +243,7 @@ void set_curve_client(zmq::socket_t& socket, const CurveKeys& keys, const std::s
 std::string bind_endpoint(zmq::socket_t& socket, const std::string& endpoint) {
   socket.set(zmq::sockopt::ipv6, endpoint.find('[') != std::string::npos);
   try {
-    socket.bind(endpoint);
+    socket.bind(resolved_endpoint(endpoint));
   } catch (const zmq::error_t& error) {
     throw DeviceError("cannot listen on " + endpoint + ": " + error.what() +
                       (error.num() == EADDRINUSE ? "; another program uses this port, choose another one" : ""));
@@ -252,8 +253,10 @@ std::string bind_endpoint(zmq::socket_t& socket, const std::string& endpoint) {
 
 void connect_endpoint(zmq::socket_t& socket, const std::string& endpoint) {
   socket.set(zmq::sockopt::ipv6, endpoint.find('[') != std::string::npos);
+  if (endpoint.ends_with(":*") || endpoint.ends_with(":0"))
+    throw ConfigError("endpoint " + endpoint + ": to connect, name the port that the other side listens on");
   try {
-    socket.connect(endpoint);
+    socket.connect(resolved_endpoint(endpoint));
   } catch (const zmq::error_t& error) {
     throw ConfigError("endpoint " + endpoint + ": " + error.what() + "; write it as tcp://HOST:PORT");
   }

@@ -22,7 +22,7 @@ class socket_t;
 // Shared by the ends of the data link and of the monitor socket; nobody else includes it.
 namespace sheen {
 
-/// Throws ConfigError when an endpoint that other machines can reach has no keys.
+/// Throws ConfigError when an endpoint is malformed, or other machines can reach it and it has no keys.
 void require_keys_beyond_loopback(const std::string& endpoint, bool has_keys);
 bool is_z85_key(const std::string& text);
 

@@ -261,6 +261,8 @@ Capture decode_capture(std::span<const std::uint8_t> envelope, std::span<const s
     throw ProtocolError("blob.bytes: header says " + std::to_string(message.blob().bytes()) + ", " +
                         std::to_string(blob.size()) + " came");
   if (message.blob().crc32c() != crc32c(blob)) throw ProtocolError("blob.crc32c: the pixels were damaged on the way");
+  const std::size_t mask_bytes = static_cast<std::size_t>(mask_width) * mask_height;
+  require_unpacked_size(blob, codec, capture.image.stride * capture.image.height + mask_bytes);
   if (mask_width > 0) capture.mask = ImageU8(mask_width, mask_height, 1);
   unpack_pixels(blob, codec, capture.image, capture.mask);
 

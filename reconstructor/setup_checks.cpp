@@ -13,6 +13,7 @@
 #include <memory>
 #include <thread>
 
+#include "common/endpoint.h"
 #include "common/errors.h"
 #include "common/geometry/mesh.h"
 #include "common/session.h"
@@ -130,6 +131,7 @@ SetupCheck check_public_key(const fs::path& pub_file) {
 SetupCheck check_endpoint(const std::string& endpoint, bool has_keys, std::chrono::milliseconds timeout) {
   const std::string name = "tracker";
   Address address;
+  if (const std::string error = endpoint_error(endpoint); !error.empty()) return {name, Finding::kFail, error};
   if (!parse_tcp(endpoint, address))
     return {name, Finding::kFail, "\"" + endpoint + "\" is no endpoint; write it as tcp://HOST:PORT"};
   addrinfo hints{};

@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include "common/endpoint.h"
 #include "common/errors.h"
 
 namespace sheen {
@@ -122,7 +123,11 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
         {"exposure_us", number(config.source.exposure_us)},
         {"gain_db", number(config.source.gain_db)}}},
       {"link",
-       {{"endpoint", text([&](const std::string& v) { config.endpoint = v; })},
+       {{"endpoint",
+         [&](const toml::node& node) -> std::string {
+           config.endpoint = node.value<std::string>().value_or("");
+           return endpoint_error(config.endpoint);
+         }},
         {"keys", text([&](const std::string& v) { config.keys = path(v); })},
         {"allow", text([&](const std::string& v) { config.allow = path(v); })}}},
       {"gate",

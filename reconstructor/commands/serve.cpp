@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "common/content_hash.h"
+#include "common/endpoint.h"
 #include "common/errors.h"
 #include "common/files.h"
 #include "common/log.h"
@@ -284,7 +285,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--session", a->session, "folder of the session; continued if it exists")->required();
   command->add_option("--config", a->config, "scene file (TOML)");
   a->wish.add_to(*command, "PSNR that held-out views are to reach: 35dB; no ring is kept more exactly than that");
-  command->add_option("--endpoint", a->endpoint, "of the tracker")->capture_default_str();
+  command->add_option("--endpoint", a->endpoint, "of the tracker")->check(endpoint_error)->capture_default_str();
   command->add_option("--keys", a->keys, "own secret key (NAME.key); encrypts the link");
   command->add_option("--tracker-key", a->tracker_key, "the tracker's public key (NAME.pub)");
   command->add_flag("--headless", a->headless, "no window");

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/endpoint.h"
 #include "common/errors.h"
 #include "common/files.h"
 #include "common/log.h"
@@ -155,12 +156,14 @@ void add_run_command(CLI::App& app) {
   const auto a = std::make_shared<RunArguments>();
   command->add_option("--config", a->config, "Rig description (TOML): camera, stage, source, link, gate");
   command->add_option("--source", a->source, "aravis:ID, video:PATH or dataset:DIR; overrides the configuration");
-  command->add_option("--endpoint", a->endpoint, "Address to bind, default tcp://127.0.0.1:7410");
+  command->add_option("--endpoint", a->endpoint, "Address to bind, default tcp://127.0.0.1:7410")
+      ->check(endpoint_error);
   command->add_option("--keys", a->keys, "Own .key file; without keys only loopback addresses are allowed");
   command->add_option("--allow", a->allow, "File of the public keys that may connect");
   command->add_option("--frames", a->frames, "End after so many frames; 0 = when the source ends");
   command->add_option("--json", a->json, "Write the report there");
-  command->add_option("--publish", a->publish, "Address to publish status on, e.g. tcp://127.0.0.1:7411");
+  command->add_option("--publish", a->publish, "Address to publish status on, e.g. tcp://127.0.0.1:7411")
+      ->check(endpoint_error);
   command->add_option("--linger", a->linger_s, "Seconds to wait at the end for acknowledgements")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
