@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 
+#include "common/log.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 namespace sheen {
@@ -18,6 +20,21 @@ constexpr std::size_t kJudgedAtOnce = 2;  // held-out views a live judgement loo
 
 std::int64_t now_ns() {
   return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
+}
+
+/// Does it again for as long as another program keeps the session's index locked; SessionBusy gets out once it is asked
+/// to stop.
+template <typename Action>
+auto patiently(const std::stop_token& stop, const Action& action) {
+  for (bool told = false;; told = true) {
+    try {
+      return action();
+    } catch (const SessionBusy& error) {
+      if (stop.stop_requested()) throw;
+      if (!told) log_warning("session", std::string("waits, nothing is lost: ") + error.what());
+      std::this_thread::sleep_for(kPoll);
+    }
+  }
 }
 
 }  // namespace
@@ -62,6 +79,7 @@ void CaptureLoop::stop() {
 }
 
 void CaptureLoop::receive(std::stop_token stop) {
+  std::uint64_t journaled = status().journaled;
   while (!stop.stop_requested()) {
     std::optional<Received> received = receiver_.next(kPoll);
     if (received) {
@@ -69,7 +87,10 @@ void CaptureLoop::receive(std::stop_token stop) {
       if (observer_.on_capture) observer_.on_capture(received->capture);
       if (!received->live) {
         try {
-          session_.append(received->capture);
+          const std::uint64_t index = patiently(stop, [&] { return session_.append(received->capture); });
+          journaled = std::max(journaled, index + 1);
+        } catch (const SessionBusy&) {
+          return;  // asked to stop before it could be kept: the tracker keeps it
         } catch (const std::exception& error) {
           return fail(error.what());  // not acknowledged: the tracker keeps it for the next start
         }
@@ -78,16 +99,18 @@ void CaptureLoop::receive(std::stop_token stop) {
     }
     const std::lock_guard lock(mutex_);
     status_.link = receiver_.stats();
-    status_.journaled = session_.size();
-    if (received && !received->live)
-      status_.latency.add(1e-9 * static_cast<double>(now_ns() - received->capture.times.grabbed_ns));
+    status_.journaled = journaled;
+    if (received && !received->live && status_.link.clock) {
+      const std::int64_t trackers_now_ns = now_ns() + status_.link.clock->offset_ns;
+      status_.latency.add(1e-9 * static_cast<double>(trackers_now_ns - received->capture.times.grabbed_ns));
+    }
     journaled_changed_.notify_all();
   }
 }
 
 void CaptureLoop::ingest(std::stop_token stop) {
   try {
-    const Session journal = Session::open_read_only(folder_);
+    const Session journal = patiently(stop, [&] { return Session::open_read_only(folder_); });
     auto last_snapshot = Clock::now(), last_judged = Clock::now(), last_change = Clock::now();
     bool changed = false;  // since the last snapshot
     const auto show = [&] {
@@ -96,7 +119,11 @@ void CaptureLoop::ingest(std::stop_token stop) {
       changed = false;
     };
     for (std::uint64_t next = 0; !stop.stop_requested();) {
-      const Followed followed = follow_withdrawals(journal, next);
+      Followed followed = Followed::kMustBeAnew;
+      try {
+        followed = follow_withdrawals(journal, next);
+      } catch (const DamagedCapture&) {  // what it did to the model cannot be told from its file any more
+      }
       if (followed == Followed::kMustBeAnew) begin_anew(next);
       if (followed == Followed::kTakenOut) {
         show();
@@ -124,7 +151,8 @@ void CaptureLoop::ingest(std::stop_token stop) {
       if (over) break;
     }
   } catch (const std::exception& error) {
-    return fail(error.what());
+    const bool stopped_waiting = stop.stop_requested() && dynamic_cast<const SessionBusy*>(&error);
+    if (!stopped_waiting) return fail(error.what());
   }
   finished_ = true;
 }
@@ -138,7 +166,8 @@ CaptureLoop::Waited CaptureLoop::wait_for_capture(std::uint64_t index, std::stop
 }
 
 CaptureLoop::Followed CaptureLoop::follow_withdrawals(const Session& journal, std::uint64_t ingested) {
-  const std::vector<Withdrawal> news = journal.withdrawals_after(last_withdrawal_);
+  const std::vector<Withdrawal> news =
+      patiently(stop_ingesting_.get_token(), [&] { return journal.withdrawals_after(last_withdrawal_); });
   if (news.empty()) return Followed::kNothing;
   last_withdrawal_ = news.back().number;
   std::set<std::uint64_t> now = withdrawn_;
@@ -183,14 +212,25 @@ bool CaptureLoop::behind(std::uint64_t next) const {
   return status_.journaled > next;
 }
 
+/// One damaged file stops neither this capture nor the next start.
+IngestReport CaptureLoop::ingest_if_whole(const Session& journal, std::uint64_t index) {
+  try {
+    return reconstruction_.ingest(patiently(stop_ingesting_.get_token(), [&] { return journal.read(index); }));
+  } catch (const DamagedCapture& error) {
+    log_error("session", std::string("left out: ") + error.what());
+    reconstruction_.refuse_damaged(1);
+    return {.status = IngestStatus::kRefused};
+  }
+}
+
 void CaptureLoop::take_in(const Session& journal, std::uint64_t index) {
   IngestReport report;
   if (withdrawn_.contains(index))
     reconstruction_.leave_out(1);
   else
-    report = reconstruction_.ingest(journal.read(index));
+    report = ingest_if_whole(journal, index);
   if (std::string record = reconstruction_.effort_record(); record != effort_record_) {
-    session_.set_metadata(kEffortKey, record);
+    patiently(stop_ingesting_.get_token(), [&] { session_.set_metadata(kEffortKey, record); });
     effort_record_ = std::move(record);
   }
   const std::lock_guard lock(mutex_);

@@ -43,7 +43,9 @@ struct LoopStatus {
   std::uint64_t model_bytes = 0;
   std::map<std::string, double> stage_s;  ///< median a stage
   RunningStatistics update;               ///< of the model by an image
-  RunningStatistics latency;  ///< from the grab to durable here; meaningful where both daemons share a clock
+  /// From the grab to durable here, by the measured offset of the two machines' clocks; captures that came while there
+  /// was none are not in it.
+  RunningStatistics latency;
   /// Live figures on views the model never saw: images folded in, PSNR, SSIM, and the constant colour's PSNR.
   struct HeldOutPoint {
     std::uint64_t images = 0;
@@ -70,9 +72,10 @@ struct CaptureLoopOptions {
 ///   receive:  link -> journal (durable) -> acknowledge
 ///   ingest:   journal -> model -> snapshot -> observers; now and then the held-out views are judged
 /// The model is a function of the journal alone: after a crash the same captures in the same order give the same model,
-/// and a slow model only lags behind; nothing is lost and nothing waits for it. When a capture that the model knows is
-/// withdrawn from the journal, by whichever program, it is taken out of the model at once, and in the next pause of the
-/// capture the model is made anew without it, to the bit, while the last snapshot stays.
+/// and a slow model only lags behind; nothing is lost and nothing waits for it. A capture whose file is damaged counts
+/// as refused. While another program keeps the session locked, captures wait unacknowledged. When a capture that the
+/// model knows is withdrawn from the journal, by whichever program, it is taken out of the model at once, and in the
+/// next pause of the capture the model is made anew without it, to the bit, while the last snapshot stays.
 class CaptureLoop {
  public:
   /// The session's captures so far are ingested first.
@@ -99,6 +102,7 @@ class CaptureLoop {
   enum class Waited { kArrived, kNothing, kSourceEnded, kOver };
   Waited wait_for_capture(std::uint64_t index, std::stop_token stop);
   bool behind(std::uint64_t next) const;
+  IngestReport ingest_if_whole(const Session& journal, std::uint64_t index);
   void take_in(const Session& journal, std::uint64_t index);
   void begin_anew(std::uint64_t& next);
   enum class Followed { kNothing, kTakenOut, kMustBeAnew };

@@ -134,6 +134,12 @@ void Reconstruction::leave_out(std::uint64_t captures) {
   counts_.withdrawn += captures;
 }
 
+void Reconstruction::refuse_damaged(std::uint64_t captures) {
+  if (captures == 0) return;
+  counts_.received += captures;
+  counts_.refused["damaged file"] += captures;
+}
+
 void Reconstruction::restart() {
   if (control_ && control_->rung()) control_->follow_record_until(counts_.received);
   probe_.clear();

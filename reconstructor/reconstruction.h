@@ -41,6 +41,8 @@ class Reconstruction {
   bool withdraw(const Capture& capture);
   /// Counts captures that were withdrawn and so are not ingested.
   void leave_out(std::uint64_t captures);
+  /// Counts captures whose files cannot be read among the refused.
+  void refuse_damaged(std::uint64_t captures);
   /// Forgets every capture: what is ingested from now on gives the bits that it gives a new one.
   void restart();
 

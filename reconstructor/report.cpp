@@ -115,6 +115,7 @@ json live_report(Reconstruction& reconstruction, const LoopStatus& status, const
                            {"journaled", status.journaled},
                            {"duplicates", status.link.duplicates}});
   const auto ms = [&](double q) { return 1e3 * status.latency.quantile_s(q); };
+  report["latency_ms"] = nullptr;  // nothing came, or the machines' clocks could not be compared
   if (status.latency.count() > 0) report["latency_ms"] = {{"p50", ms(0.50)}, {"p95", ms(0.95)}, {"p99", ms(0.99)}};
   return report;
 }

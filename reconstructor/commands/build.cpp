@@ -42,6 +42,7 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
     }
   }
   reconstruction->leave_out(captures.withdrawn);
+  reconstruction->refuse_damaged(captures.damaged);
   if (captures.size == 0 && captures.withdrawn > 0)
     throw FileError(arguments.dataset, "all of its images are withdrawn; `undo --restore` puts them back");
   if (reconstruction->counts().accepted == 0)

@@ -24,19 +24,35 @@ struct UndoArguments {
   bool last = false, list = false, restore = false, json = false;
 };
 
+/// Of a capture whose file cannot be read, nothing.
+std::optional<CaptureLabel> label_of(const Session& session, std::uint64_t capture) {
+  try {
+    return session.label(capture);
+  } catch (const DamagedCapture& error) {
+    std::cerr << error.what() << '\n';
+    return std::nullopt;
+  }
+}
+
 void list(const Session& session, bool as_json) {
   const std::set<std::uint64_t> withdrawn = session.withdrawn();
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (std::uint64_t i = 0; i < session.size(); ++i) {
-    const Capture capture = session.read(i);
+    const std::optional<CaptureLabel> label = label_of(session, i);
+    const CaptureLabel shown = label.value_or(CaptureLabel{});
     if (as_json)
       rows.push_back({{"capture", i},
-                      {"name", capture.name},
-                      {"source_session", capture.source_session},
-                      {"sequence", capture.sequence},
+                      {"name", shown.name},
+                      {"source_session", shown.source_session},
+                      {"sequence", shown.sequence},
+                      {"damaged", !label},
                       {"withdrawn", withdrawn.contains(i)}});
     else
-      std::cout << i << '\t' << (withdrawn.contains(i) ? "withdrawn" : "kept") << '\t' << capture.name << '\n';
+      std::cout << i << '\t'
+                << (withdrawn.contains(i) ? "withdrawn"
+                    : label               ? "kept"
+                                          : "damaged")
+                << '\t' << shown.name << '\n';
   }
   if (as_json) std::cout << rows.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
 }
@@ -44,7 +60,7 @@ void list(const Session& session, bool as_json) {
 std::uint64_t find_by_name(const Session& session, const UndoArguments& arguments) {
   std::vector<std::uint64_t> found;
   for (std::uint64_t i = 0; i < session.size(); ++i) {
-    const std::string name = session.read(i).name;
+    const std::string name = label_of(session, i).value_or(CaptureLabel{}).name;
     if (name == arguments.name || std::filesystem::path(name).filename() == arguments.name) found.push_back(i);
   }
   if (found.empty())
