@@ -2,6 +2,7 @@
 #include "common/camera.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -113,11 +114,16 @@ std::string validation_error(const Camera& camera) {
   constexpr int kMaxSide = 1 << 16;
   if (camera.width < 1 || camera.width > kMaxSide) return "camera.width must be 1.." + std::to_string(kMaxSide);
   if (camera.height < 1 || camera.height > kMaxSide) return "camera.height must be 1.." + std::to_string(kMaxSide);
-  if (!std::isfinite(camera.fx) || camera.fx <= 0) return "camera.fx must be positive";
-  if (!std::isfinite(camera.fy) || camera.fy <= 0) return "camera.fy must be positive";
-  if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy)) return "camera.cx and camera.cy must be finite";
+  // Far beyond any lens, and near enough for what is computed from them to stay finite.
+  constexpr double kShortest = 0.001, kLongest = 1e5, kFarthest = 100, kStrongest = 1e6;
+  const double side = std::max(camera.width, camera.height);
+  const auto is_focal_length = [&](double f) { return f >= kShortest * side && f <= kLongest * side; };
+  if (!is_focal_length(camera.fx)) return "camera.fx must be 0.001 to 100000 times the longer side of the image";
+  if (!is_focal_length(camera.fy)) return "camera.fy must be 0.001 to 100000 times the longer side of the image";
+  for (const double c : {camera.cx, camera.cy})
+    if (!(std::abs(c) <= kFarthest * side)) return "camera.cx and camera.cy must be within 100 sides of the image";
   for (const double k : camera.distortion)
-    if (!std::isfinite(k)) return "camera.distortion must be finite";
+    if (!(std::abs(k) <= kStrongest)) return "camera.distortion must be within -1000000..1000000";
   return {};
 }
 

@@ -271,6 +271,7 @@ void CaptureReceiver::Impl::take_end(const End& end) {
     throw ProtocolError("end.source_session: is " + end.source_session + ", the sender's is " + session);
   if (end.last_sequence > held[session].received) return ask_again("gap: the last captures have not come");
   stats.ended = true;
+  stats.source_failure = end.failure;
   end_unsaid = true;
   arrived.notify_all();
 }

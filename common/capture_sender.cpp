@@ -51,6 +51,13 @@ zmq::message_t shared_part(const Message& owner, const std::vector<std::uint8_t>
   return part;
 }
 
+/// As much of a text as a message may carry, without what it may not.
+std::string sayable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text.substr(0, kMaxTextBytes);
+}
+
 std::string public_key_of(const zmq::message_t& message) {
   const char* const key = zmq_msg_gets(const_cast<zmq_msg_t*>(message.handle()), "User-Id");
   return key ? key : "";
@@ -97,6 +104,7 @@ struct CaptureSender::Impl {
   std::uint64_t durable = 0;  // the receiver's disk holds everything up to here
   Message newest_live;
   bool finishing = false, end_seen = false;
+  std::string failure;  ///< said with the end
   std::uint64_t refused_by_zap = 0, refused_without_zap = 0;
   std::optional<Peer> peer;
   RefusalLog refusals;
@@ -286,7 +294,7 @@ bool CaptureSender::Impl::send_live() {
 
 bool CaptureSender::Impl::send_end() {
   if (!finishing || !peer || peer->end_sent || peer->next <= last_sequence) return true;
-  const End end{options.source_session, last_sequence};
+  const End end{options.source_session, last_sequence, failure};
   if (send(peer->routing_id, MessageType::kEnd, encode(end)) != Sent::kYes) return false;
   peer->end_sent = true;
   return true;
@@ -386,8 +394,9 @@ void CaptureSender::live(Capture capture) {
   impl_->wake.notify();
 }
 
-bool CaptureSender::finish(milliseconds timeout) {
+bool CaptureSender::finish(milliseconds timeout, const std::string& failure) {
   std::unique_lock lock(impl_->mutex);
+  if (!impl_->finishing) impl_->failure = sayable(failure);
   impl_->finishing = true;
   impl_->wake.notify();
   return impl_->changed.wait_for(lock, timeout, [&] { return impl_->retained.empty() && impl_->end_seen; });

@@ -7,7 +7,13 @@ namespace sheen {
 
 namespace {
 
-enum Tag : std::uint16_t { kExposureTime = 0x829A, kFNumber = 0x829D, kIso = 0x8827, kExifFolder = 0x8769 };
+enum Tag : std::uint16_t {
+  kOrientation = 0x0112,
+  kExposureTime = 0x829A,
+  kFNumber = 0x829D,
+  kIso = 0x8827,
+  kExifFolder = 0x8769
+};
 enum Type : std::uint16_t { kShort = 3, kLong = 4, kRational = 5 };
 
 /// Bounds-checked integers of either byte order: empty past the end.
@@ -44,18 +50,19 @@ std::optional<double> find(const Bytes& tiff, std::size_t folder, std::uint16_t 
   return std::nullopt;
 }
 
-std::optional<ExifExposure> read_tiff(std::string_view data) {
+/// EXIF data and where in them the main folder stands.
+struct Tiff {
+  Bytes bytes;
+  std::size_t main_folder;
+};
+
+std::optional<Tiff> read_tiff(std::string_view data) {
   const bool big_endian = data.starts_with("MM");
   if (!big_endian && !data.starts_with("II")) return std::nullopt;
-  const Bytes tiff(data, big_endian);
-  const auto main_folder = tiff.integer(4, 4);
-  if (tiff.integer(2, 2) != 42u || !main_folder) return std::nullopt;
-  const auto folder = find(tiff, *main_folder, kExifFolder);
-  if (!folder) return std::nullopt;
-  const auto at = static_cast<std::size_t>(*folder);
-  const auto exposure = find(tiff, at, kExposureTime);
-  if (!exposure || !(*exposure > 0)) return std::nullopt;
-  return ExifExposure{*exposure, find(tiff, at, kIso).value_or(0), find(tiff, at, kFNumber).value_or(0)};
+  const Bytes bytes(data, big_endian);
+  const auto main_folder = bytes.integer(4, 4);
+  if (bytes.integer(2, 2) != 42u || !main_folder) return std::nullopt;
+  return Tiff{bytes, *main_folder};
 }
 
 std::string_view exif_of_jpeg(std::string_view file) {
@@ -82,12 +89,28 @@ std::string_view exif_of_png(std::string_view file) {
   }
 }
 
-}  // namespace
-
-std::optional<ExifExposure> read_exif_exposure(std::string_view file) {
+std::optional<Tiff> find_tiff(std::string_view file) {
   if (file.starts_with("\xFF\xD8")) return read_tiff(exif_of_jpeg(file));
   if (file.starts_with("\x89PNG")) return read_tiff(exif_of_png(file));
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<ExifExposure> read_exif_exposure(std::string_view file) {
+  const auto tiff = find_tiff(file);
+  const auto folder = tiff ? find(tiff->bytes, tiff->main_folder, kExifFolder) : std::nullopt;
+  if (!folder) return std::nullopt;
+  const auto at = static_cast<std::size_t>(*folder);
+  const auto exposure = find(tiff->bytes, at, kExposureTime);
+  if (!exposure || !(*exposure > 0)) return std::nullopt;
+  return ExifExposure{*exposure, find(tiff->bytes, at, kIso).value_or(0), find(tiff->bytes, at, kFNumber).value_or(0)};
+}
+
+int read_exif_orientation(std::string_view file) {
+  const auto tiff = find_tiff(file);
+  const double value = tiff ? find(tiff->bytes, tiff->main_folder, kOrientation).value_or(1) : 1;
+  return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
 }
 
 }  // namespace sheen

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/errors.h"
+#include "common/progress.h"
 
 namespace sheen {
 namespace {
@@ -60,6 +61,15 @@ const char* name(LogLevel level) {
   }
   return "error";
 }
+
+/// Standard error, where a progress bar may stand.
+class TerminalSink : public spdlog::sinks::stderr_color_sink_mt {
+ public:
+  void log(const spdlog::details::log_msg& record) override {
+    const ProgressPause pause;
+    spdlog::sinks::stderr_color_sink_mt::log(record);
+  }
+};
 
 std::string utc_now() {
   const auto now = std::chrono::system_clock::now();
@@ -119,7 +129,7 @@ void start_logging(const LogOptions& options) {
   spdlog::sink_ptr sink;
   try {
     if (options.file.empty()) {
-      auto terminal = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+      auto terminal = std::make_shared<TerminalSink>();
       terminal->set_color(spdlog::level::info, "");
       terminal->set_color(spdlog::level::debug, "");
       sink = terminal;

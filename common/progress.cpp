@@ -13,6 +13,14 @@ namespace {
 constexpr std::chrono::milliseconds kRedraw{100};
 constexpr int kNarrowestBar = 8;
 
+std::mutex terminal_mutex;
+std::FILE* bar_on = nullptr;  ///< the terminal whose line a bar has; guarded by `terminal_mutex`
+
+void clear_line(std::FILE* terminal) {
+  std::fputs("\r\x1b[K", terminal);
+  std::fflush(terminal);
+}
+
 int columns(std::FILE* stream) {
   winsize size{};
   return ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
@@ -43,18 +51,26 @@ Progress::Progress(std::string label, std::uint64_t total, std::FILE* stream)
 
 Progress::~Progress() {
   if (!terminal_) return;
-  std::fputs("\r\x1b[K", stream_);
-  std::fflush(stream_);
+  const std::lock_guard lock(terminal_mutex);
+  clear_line(stream_);
+  bar_on = nullptr;
 }
 
 void Progress::update(std::uint64_t done) {
   const auto now = std::chrono::steady_clock::now();
   if (!terminal_ || now - shown_ < kRedraw) return;
   shown_ = now;
+  const std::lock_guard lock(terminal_mutex);
+  bar_on = stream_;
   const double elapsed_s = std::chrono::duration<double>(now - started_).count();
   // One column stays free: a full line makes some terminals wrap.
   std::fprintf(stream_, "\r%s\x1b[K", progress_line(label_, done, total_, elapsed_s, columns(stream_) - 1).c_str());
   std::fflush(stream_);
+}
+
+ProgressPause::ProgressPause() : lock_(terminal_mutex) {
+  if (bar_on) clear_line(bar_on);
+  bar_on = nullptr;
 }
 
 std::string progress_line(const std::string& label, std::uint64_t done, std::uint64_t total, double elapsed_s,

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <functional>
+#include <mutex>
 #include <string>
 
 namespace sheen {
@@ -14,7 +15,7 @@ namespace sheen {
 using StepsDone = std::function<void(std::size_t done, std::size_t steps)>;
 
 /// A progress bar on a terminal: share done, rate, time left. Where `stream` is no terminal (a pipe, a file) it writes
-/// nothing. The line is cleared at the end.
+/// nothing. The line is cleared at the end. Whoever prints meanwhile does so within a `ProgressPause`.
 class Progress {
  public:
   /// `total` 0: unknown; counts and rate only.
@@ -32,6 +33,16 @@ class Progress {
   std::FILE* stream_;
   bool terminal_;
   std::chrono::steady_clock::time_point started_, shown_;
+};
+
+/// While one lives no bar stands on the terminal, so that a line can be printed there; the next `update` shows the bar
+/// again. From any thread.
+class ProgressPause {
+ public:
+  ProgressPause();
+
+ private:
+  std::lock_guard<std::mutex> lock_;
 };
 
 /// What `Progress` shows, in at most `width` columns (40 or more):

@@ -63,7 +63,8 @@ class CaptureSender {
   /// Latest wins; never waits for the network. Throws ProtocolError for an invalid capture.
   void live(Capture capture);
   /// Tells the receiver that nothing more comes, and waits until it has acknowledged that and all kept captures.
-  bool finish(std::chrono::milliseconds timeout);
+  /// `failure` says why the source ended before its time; empty when it came to its end.
+  bool finish(std::chrono::milliseconds timeout, const std::string& failure = {});
   /// The address in use, with the port that the system chose if `options.endpoint` left it open (":*").
   std::string endpoint() const;
   SenderStats stats() const;
@@ -94,6 +95,7 @@ struct ReceiverStats {
   std::optional<ClockOffset> clock;  ///< the sender's steady clock against this one; measured anew every second
   bool connected = false;
   bool ended = false;  ///< the sender said that its source has ended, and `next` has returned everything it kept
+  std::string source_failure;  ///< why the source ended before its time, as the sender said; else empty
   std::string last_error;
 };
 

@@ -19,7 +19,7 @@ constexpr std::size_t kMaxMessageBytes = std::size_t(1) << 20;
 constexpr std::uint32_t kMaxCredits = 1024;
 constexpr std::uint64_t kMaxSequence = std::numeric_limits<std::int64_t>::max();
 constexpr int kMaxSessions = 16384, kMaxGauges = 1024;
-constexpr std::size_t kMaxIdBytes = 128, kMaxTextBytes = 1024;
+constexpr std::size_t kMaxIdBytes = 128;
 
 const std::string& checked(const std::string& text, std::size_t max_bytes, const char* field) {
   if (text.size() > max_bytes || !is_plain_text(text))
@@ -161,13 +161,15 @@ Bytes encode(const End& message) {
   v1::End out;
   out.set_source_session(message.source_session);
   out.set_last_sequence(message.last_sequence);
+  out.set_failure(message.failure);
   return serialize(out);
 }
 
 End decode_end(std::span<const std::uint8_t> bytes) {
   const auto in = parse<v1::End>(bytes, kMaxMessageBytes, "end");
   return {.source_session = checked(in.source_session(), kMaxIdBytes, "end.source_session"),
-          .last_sequence = checked_sequence(in.last_sequence(), "end.last_sequence")};
+          .last_sequence = checked_sequence(in.last_sequence(), "end.last_sequence"),
+          .failure = checked(in.failure(), kMaxTextBytes, "end.failure")};
 }
 
 Bytes encode_status(const Status& status) {

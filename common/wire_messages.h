@@ -52,12 +52,14 @@ struct Ack {
   std::uint64_t durable = 0;
   bool end_seen = false;
 };
+inline constexpr std::size_t kMaxTextBytes = 1024;  ///< of a reason, a failure or a status line
 struct Refuse {
   std::string reason;
 };
 struct End {
   std::string source_session;
   std::uint64_t last_sequence = 0;
+  std::string failure;  ///< why the source ended before its time; empty when it came to its end
 };
 
 using Bytes = std::vector<std::uint8_t>;

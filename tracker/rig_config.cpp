@@ -157,8 +157,15 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
   }
   const std::string wrong = validation_error(gate);
   if (!wrong.empty()) throw ConfigError(file.string() + ": gate." + wrong);
-  if (config.source.frame_rate_hz < 0) throw ConfigError(file.string() + ": source.frame_rate_hz must not be negative");
-  if (config.source.exposure_us < 0) throw ConfigError(file.string() + ": source.exposure_us must not be negative");
+  const auto require = [&](bool holds, const char* rule) {
+    if (!holds) throw ConfigError(file.string() + ": source." + rule);
+  };
+  const SourceSettings& source = config.source;
+  require(source.frame_rate_hz == 0 || (source.frame_rate_hz >= 0.001 && source.frame_rate_hz <= 10'000),
+          "frame_rate_hz must be 0 (the camera's) or 0.001..10000");
+  require(source.exposure_us == 0 || (source.exposure_us >= 1 && source.exposure_us <= 60e6),
+          "exposure_us must be 0 (the camera's) or 1..60000000");
+  require(source.gain_db <= 100, "gain_db must be 100 at most");
   return config;
 }
 

@@ -37,11 +37,6 @@ class StageTimer {
   const std::int64_t start_ = steady_ns();
 };
 
-struct CloseOnExit {
-  BoundedQueue<Frame>& queue;
-  ~CloseOnExit() { queue.close(); }
-};
-
 /// Identifies intrinsics; not a secret, only has to change with them.
 std::string calibration_hash(const Camera& c) {
   std::uint64_t hash = 0xcbf29ce484222325ull;
@@ -88,6 +83,7 @@ struct TrackingLoop::Impl {
         grabbed(o.queue) {}
 
   void grab(const std::stop_token& stop);
+  void track(const Hooks& hooks);
   Capture measure(Frame frame);
   void check_size(const Frame& frame) const;
   void find_pose(const Frame& frame, Capture& capture);
@@ -110,6 +106,15 @@ void TrackingLoop::Impl::grab(const std::stop_token& stop) {
     grab_error = std::current_exception();
   }
   grabbed.close();
+}
+
+void TrackingLoop::Impl::track(const Hooks& hooks) {
+  while (!hooks.stop()) {
+    auto frame = grabbed.pop_for(kPoll);
+    if (!frame && grabbed.closed() && grabbed.size() == 0) return;
+    if (frame) send(measure(std::move(*frame)), hooks);
+    publish(hooks);
+  }
 }
 
 Capture TrackingLoop::Impl::measure(Frame frame) {
@@ -176,12 +181,13 @@ void TrackingLoop::Impl::send(Capture capture, const Hooks& hooks) {
   if (capture.verdict != FrameVerdict::kKeyframe) {
     ++report.live;
     sink.live(std::move(capture));
-  } else if (keep(capture, hooks)) {
-    ++report.kept;
-    if (rig) gate.remember(capture.pose);
-  } else {
-    ++report.unsent;
+    return;
   }
+  ++report.unsent;  // until the link has it
+  if (!keep(capture, hooks)) return;
+  --report.unsent;
+  ++report.kept;
+  if (rig) gate.remember(capture.pose);
 }
 
 bool TrackingLoop::Impl::keep(const Capture& capture, const Hooks& hooks) {
@@ -224,19 +230,17 @@ TrackingLoop::~TrackingLoop() = default;
 TrackingReport TrackingLoop::run(const Hooks& hooks) {
   Impl& loop = *impl_;
   std::jthread grabber([&loop](const std::stop_token& stop) { loop.grab(stop); });
-  const CloseOnExit close_queue{loop.grabbed};  // else an exception would leave the grabber waiting for room
-  while (!hooks.stop()) {
-    auto frame = loop.grabbed.pop_for(kPoll);
-    if (!frame && loop.grabbed.closed() && loop.grabbed.size() == 0) break;
-    if (frame) loop.send(loop.measure(std::move(*frame)), hooks);
-    loop.publish(hooks);
+  try {
+    loop.track(hooks);
+  } catch (const std::exception&) {
+    loop.report.failure = std::current_exception();
   }
   grabber.request_stop();
   loop.grabbed.close();
   grabber.join();
-  if (loop.grab_error) std::rethrow_exception(loop.grab_error);
-  loop.overrun_count += loop.grabbed.size();  // stopped before they were looked at
+  if (!loop.report.failure) loop.report.failure = loop.grab_error;
   loop.report.grabbed = loop.grabbed_count;
+  loop.overrun_count = loop.grabbed_count - loop.report.judged;  // with those that waited when the run ended
   loop.report.overrun = loop.overrun_count;
   loop.report.source = loop.source.stats();
   loop.published_ns = 0;

@@ -48,7 +48,9 @@ class TrackingLoop {
   TrackingLoop(FrameSource& source, CaptureSink& sink, std::optional<Rig> rig, const TrackingOptions& options);
   ~TrackingLoop();
 
-  /// Until the source ends, `max_frames` have been grabbed or `hooks.stop` says so. Throws what the source throws.
+  /// Until the source ends or fails, `max_frames` have been grabbed or `hooks.stop` says so. What a source throws, or a
+  /// frame that nothing can be done with, ends the run and stands in the report: what was kept is still to be
+  /// delivered.
   TrackingReport run(const Hooks& hooks);
 
  private:

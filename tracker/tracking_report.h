@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <map>
 #include <string>
 #include <vector>
@@ -11,8 +12,8 @@
 
 namespace sheen {
 
-/// What became of every frame: grabbed = overrun + judged, judged = the sum over `verdicts`,
-/// verdicts[keyframe] = kept + unsent.
+/// What became of every frame that the camera sent: camera = missed + grabbed, grabbed = overrun + judged, judged = the
+/// sum over `verdicts`, verdicts[keyframe] = kept + unsent.
 struct TrackingReport {
   std::uint64_t grabbed = 0;
   std::uint64_t overrun = 0;  ///< not looked at: the camera was faster than the tracker, or the link was full
@@ -23,12 +24,16 @@ struct TrackingReport {
   std::uint64_t unsent = 0;  ///< keyframes for which the link had no room
   std::uint64_t live = 0;    ///< frames sent to look at only
   SourceStats source;
+  std::exception_ptr failure;  ///< what ended the run before its time; empty when the source ended or was told to
   std::map<std::string, std::vector<float>> stage_ms;  ///< the latest times a stage of the pipeline took
 
   double median_ms(const std::string& stage) const;
+  std::string failure_text() const;  ///< empty when nothing failed
 };
 
-/// The report as JSON: frames {grabbed, overrun, sent, live, unsent, refused {reason: n}}, poses, source, stage_ms.
+/// The report as JSON: frames {camera, received, lost, grabbed, missed, overrun, sent, live, unsent, refused {reason:
+/// n}}, poses, source, stage_ms, failure (null when there is none). camera = received + lost, and received = refused +
+/// what a receiver has acknowledged.
 std::string to_json(const TrackingReport& report, const std::map<std::string, std::uint64_t>& link);
 
 /// One line for a person.

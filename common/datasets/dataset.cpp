@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/datasets/dataset.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -32,13 +33,24 @@ fs::path find_image(const fs::path& root, const std::string& name) {
   return {};
 }
 
+/// Of all that the views deliver: description, images and masks, in their order. Images are hashed rather than dated:
+/// a copy of the folder is the same data set, and an image that was drawn again is another one.
+std::string identity(const std::string& description, const std::vector<DatasetView>& views) {
+  std::string contents = content_hash(description);
+  for (const DatasetView& view : views) {
+    contents += content_hash_of_file(view.image_path);
+    contents += view.mask_path ? content_hash_of_file(*view.mask_path) : "no mask";
+  }
+  return content_hash(contents);
+}
+
 Dataset load_transforms(const fs::path& file) {
   Dataset dataset;
   dataset.root = file.parent_path();
   const std::string text = read_file(file);
-  dataset.hash = content_hash(text);
   dataset.views = parse_transforms(
       file.string(), text, {[&](const std::string& name) { return find_image(dataset.root, name); }, read_image_size});
+  dataset.hash = identity(text, dataset.views);
   return dataset;
 }
 
@@ -74,13 +86,13 @@ Dataset load_colmap(const fs::path& root, const fs::path& model) {
   if (images.empty()) throw FileError(images_file.string(), "holds no image");
   Dataset dataset;
   dataset.root = root;
-  dataset.hash = content_hash(cameras_bytes + images_bytes);
   std::set<std::string> names;
   for (const ColmapImage& image : images) {
     if (!names.insert(image.name).second)
       throw FileError(images_file.string(), "image " + image.name + " stands there twice");
     dataset.views.push_back(colmap_view(root, images_file.string(), image, cameras));
   }
+  dataset.hash = identity(content_hash(cameras_bytes) + content_hash(images_bytes), dataset.views);
   return dataset;
 }
 
@@ -96,11 +108,26 @@ fs::path find_colmap(const fs::path& root) {
 
 void add_exif(DatasetView& view) {
   constexpr std::size_t kBytesBeforePixels = 1 << 18;
-  const auto exif = read_exif_exposure(read_file_start(view.image_path, kBytesBeforePixels));
+  const std::string start = read_file_start(view.image_path, kBytesBeforePixels);
+  view.exif_orientation = read_exif_orientation(start);
+  const auto exif = read_exif_exposure(start);
   if (!exif) return;
   view.exposure_s = exif->exposure_s;
   const double iso = exif->iso > 0 ? exif->iso : 100, f_number = exif->f_number > 0 ? exif->f_number : 1;
   view.gain_db = 20 * std::log10(iso / 100 / (f_number * f_number));
+}
+
+/// Turning the pixels would part them from poses that were found in the stored picture, as COLMAP finds them; leaving
+/// them would, where a tool has turned them before. Only the user knows.
+std::string orientation_warning(const std::vector<DatasetView>& views) {
+  const auto turned = [](const DatasetView& view) { return view.exif_orientation != 1; };
+  const auto first = std::find_if(views.begin(), views.end(), turned);
+  if (first == views.end()) return {};
+  const auto others = std::count_if(first + 1, views.end(), turned);
+  return first->image_path.string() + (others > 0 ? " and " + std::to_string(others) + " others" : "") +
+         ": EXIF says that the picture is to be turned; the pixels are taken as they are stored. If the poses belong "
+         "to "
+         "the turned picture, turn the files themselves (exiftran -a)";
 }
 
 std::string description(const Camera& camera) {
@@ -128,6 +155,7 @@ Dataset load_dataset(const fs::path& folder) {
     throw FileError(folder.string(),
                     "holds neither a transforms.json nor a COLMAP model (cameras and images, .bin or .txt)");
   for (DatasetView& view : dataset.views) add_exif(view);
+  dataset.warning = orientation_warning(dataset.views);
   return dataset;
 }
 
@@ -136,7 +164,8 @@ std::vector<DatasetView> load_cameras(const fs::path& transforms_json) {
     throw FileError(transforms_json.string(), image.string() + ": w and h are missing");
   };
   return parse_transforms(transforms_json.string(), read_file(transforms_json),
-                          {[&](const std::string& name) { return transforms_json.parent_path() / name; }, no_size});
+                          {[&](const std::string& name) { return transforms_json.parent_path() / name; }, no_size},
+                          UnknownNames::kIgnored);
 }
 
 Capture read_capture(const Dataset& dataset, std::size_t index) {
@@ -149,10 +178,14 @@ Capture read_capture(const Dataset& dataset, std::size_t index) {
   capture.camera = view.camera;
   capture.image = read_image(view.image_path);
   const auto check_size = [&](const fs::path& path, int width, int height) {
-    if (width != view.camera.width || height != view.camera.height)
-      throw FileError(path.string(), "is " + std::to_string(width) + " x " + std::to_string(height) +
-                                         " pixels, but its camera is " + std::to_string(view.camera.width) + " x " +
-                                         std::to_string(view.camera.height));
+    if (width == view.camera.width && height == view.camera.height) return;
+    const bool turned = view.exif_orientation > 4 && width == view.camera.height && height == view.camera.width;
+    throw FileError(path.string(), "is " + std::to_string(width) + " x " + std::to_string(height) +
+                                       " pixels, but its camera is " + std::to_string(view.camera.width) + " x " +
+                                       std::to_string(view.camera.height) +
+                                       (turned ? "; its EXIF data say that it is to be turned: turn the file itself "
+                                                 "(exiftran -a)"
+                                               : ""));
   };
   check_size(view.image_path, capture.image.width, capture.image.height);
   if (view.mask_path) {

@@ -20,6 +20,7 @@ struct DatasetView {
   Purpose purpose = Purpose::kUnspecified;
   std::optional<double> exposure_s;  ///< from EXIF or the file, when it is there
   double gain_db = 0;                ///< likewise: 20 log10(ISO / 100 / f-number^2), what a grey level is multiplied by
+  int exif_orientation = 1;          ///< 1..8; the pixels are taken as they are stored, whatever it says
 };
 
 /// Posed image set: a folder with `transforms.json` (nerfstudio / instant-ngp keys, OpenGL axes) or a COLMAP model
@@ -28,15 +29,19 @@ struct DatasetView {
 struct Dataset {
   std::filesystem::path root;
   std::vector<DatasetView> views;
-  std::string hash;  ///< of the description file: names the source session, so that a repeated run is recognised
+  /// Of the description and the bytes of every image and mask: names the source session, so that a repeated run is
+  /// recognised and a changed image is not taken for known.
+  std::string hash;
+  /// What is doubtful about it, a sentence for a person; empty: nothing.
+  std::string warning;
 };
 
-/// Throws FileError naming file, frame and field. Images are checked for existence, their pixels not read. The path of
+/// Throws FileError naming file, frame and field. Images are read for their hash, but not decoded. The path of
 /// the `transforms.json` itself will do as well.
 Dataset load_dataset(const std::filesystem::path& folder);
 
-/// Cameras and names of a `transforms.json` whose images need not exist, to render from. Throws FileError, also where
-/// `w` and `h` are missing.
+/// Cameras and names of a `transforms.json` whose images need not exist, to render from; names in its lists that no
+/// frame has (a few frames of a data set) are passed over. Throws FileError, also where `w` and `h` are missing.
 std::vector<DatasetView> load_cameras(const std::filesystem::path& transforms_json);
 
 /// Reads a view's image (JPEG, PNG: 8-bit sRGB; EXR: linear float) and mask. `sequence` counts from 1. An image whose

@@ -133,6 +133,14 @@ std::optional<double> focal_from_angle(const Fields& fields, const char* field, 
   return pixels / 2.0 / std::tan(*angle / 2);
 }
 
+/// What is wrong with a camera, by the names that its numbers have in this format.
+std::string in_its_words(std::string wrong) {
+  for (const auto& [ours, theirs] : std::map<std::string, std::string>{
+           {"camera.fx", "fl_x"}, {"camera.fy", "fl_y"}, {"camera.cx", "cx"}, {"camera.cy", "cy"}})
+    if (const std::size_t at = wrong.find(ours); at != std::string::npos) wrong.replace(at, ours.size(), theirs);
+  return wrong;
+}
+
 Camera parse_camera(const Fields& fields, const std::filesystem::path& image, const ImageFiles& images) {
   Camera camera;
   const auto w = fields.number("w"), h = fields.number("h");
@@ -168,7 +176,7 @@ Camera parse_camera(const Fields& fields, const std::filesystem::path& image, co
   for (const char* coefficient : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
     if (!used.contains(coefficient) && fields.number(coefficient).value_or(0) != 0)
       fields.fail(coefficient, "is not 0, but the camera_model has no such coefficient");
-  if (const std::string wrong = validation_error(camera); !wrong.empty()) fields.fail("", wrong);
+  if (const std::string wrong = validation_error(camera); !wrong.empty()) fields.fail("", in_its_words(wrong));
   return camera;
 }
 
@@ -184,7 +192,7 @@ std::string normal_name(const std::string& file_path) {
 }
 
 /// The lists that say which views are held out.
-void apply_lists(const Fields& top, std::vector<DatasetView>& views) {
+void apply_lists(const Fields& top, std::vector<DatasetView>& views, UnknownNames unknown_names) {
   std::map<std::string, DatasetView*> by_name;
   for (DatasetView& view : views) by_name[normal_name(view.name)] = &view;
   std::set<const DatasetView*> training, held_out;
@@ -197,8 +205,10 @@ void apply_lists(const Fields& top, std::vector<DatasetView>& views) {
     for (const Json& entry : *list) {
       if (!entry.is_string()) top.fail(field, "must be a list of file names");
       const auto found = by_name.find(normal_name(entry.get<std::string>()));
-      if (found == by_name.end())
+      if (found == by_name.end()) {
+        if (unknown_names == UnknownNames::kIgnored) continue;
         top.fail(field, "no frame has the file_path \"" + shown(entry.get<std::string>()) + "\"");
+      }
       if (std::string_view(field) == "train_filenames") training.insert(found->second);
       if (std::string_view(field) == "test_filenames") held_out.insert(found->second);
     }
@@ -239,7 +249,8 @@ Json parse_json(const std::string& file, const std::string& text) {
 
 }  // namespace
 
-std::vector<DatasetView> parse_transforms(const std::string& file, const std::string& text, const ImageFiles& images) {
+std::vector<DatasetView> parse_transforms(const std::string& file, const std::string& text, const ImageFiles& images,
+                                          UnknownNames unknown_names) {
   const Json json = parse_json(file, text);
   if (!json.is_object()) throw FileError(file, "must be a JSON object with a list \"frames\"");
   const Fields top(file, "", json);
@@ -264,7 +275,7 @@ std::vector<DatasetView> parse_transforms(const std::string& file, const std::st
     if (masks != 0 && masks != views.size())
       fields.fail("mask_path", "either all frames have a mask or none; this one and those before differ");
   }
-  apply_lists(top, views);
+  apply_lists(top, views, unknown_names);
   return views;
 }
 

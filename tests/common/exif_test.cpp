@@ -8,28 +8,34 @@
 namespace sheen {
 namespace {
 
-/// EXIF data as the standard lays them out: a main folder that points to the EXIF folder with three entries.
+/// EXIF data as the standard lays them out: a main folder with an orientation (turned by a quarter), which points to
+/// the EXIF folder with three entries.
 class Tiff {
  public:
   explicit Tiff(bool big_endian) : big_endian_(big_endian) {
     bytes_ = big_endian ? "MM" : "II";
     put(42, 2);
     put(8, 4);
-    put(1, 2);  // main folder at 8: one entry
-    entry(0x8769, 4, 26);
+    put(2, 2);  // main folder at 8: two entries
+    put(0x0112, 2);
+    put(3, 2);
+    put(1, 4);
+    put(6, 2);
+    put(0, 2);
+    entry(0x8769, 4, 38);
     put(0, 4);
-    put(3, 2);  // EXIF folder at 26
-    entry(0x829A, 5, 68);
-    entry(0x829D, 5, 76);
+    put(3, 2);  // EXIF folder at 38
+    entry(0x829A, 5, 80);
+    entry(0x829D, 5, 88);
     put(0x8827, 2);
     put(3, 2);
     put(1, 4);
     put(400, 2);
     put(0, 2);
     put(0, 4);
-    put(1, 4);  // at 68: 1 / 250 s
+    put(1, 4);  // at 80: 1 / 250 s
     put(250, 4);
-    put(28, 4);  // at 76: f / 2.8
+    put(28, 4);  // at 88: f / 2.8
     put(10, 4);
   }
   const std::string& bytes() const { return bytes_; }
@@ -68,6 +74,7 @@ TEST(Exif, ExposureOfBothByteOrdersAndContainers) {
       EXPECT_DOUBLE_EQ(exif->exposure_s, 1.0 / 250);
       EXPECT_DOUBLE_EQ(exif->iso, 400);
       EXPECT_DOUBLE_EQ(exif->f_number, 2.8);
+      EXPECT_EQ(read_exif_orientation(file), 6);
     }
 }
 
@@ -77,6 +84,8 @@ TEST(Exif, NothingWhereThereIsNothing) {
   EXPECT_FALSE(read_exif_exposure("\x89PNG"));
   EXPECT_FALSE(read_exif_exposure("neither"));
   EXPECT_FALSE(read_exif_exposure(jpeg_with("II*")));
+  for (const std::string& file : {std::string(), jpeg_with("II*"), png_with("")})
+    EXPECT_EQ(read_exif_orientation(file), 1);
 }
 
 TEST(Exif, CutOffOrDamagedIsNeverReadPastItsEnd) {
@@ -91,6 +100,8 @@ TEST(Exif, CutOffOrDamagedIsNeverReadPastItsEnd) {
         if (const auto exif = read_exif_exposure(damaged)) {
           EXPECT_GT(exif->exposure_s, 0);
         }
+        const int orientation = read_exif_orientation(damaged);
+        EXPECT_TRUE(orientation >= 1 && orientation <= 8) << orientation;
       }
     }
   EXPECT_FALSE(read_exif_exposure(whole.substr(0, whole.size() / 2)));

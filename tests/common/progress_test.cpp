@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <functional>
 
 namespace sheen {
 namespace {
@@ -46,30 +47,50 @@ TEST(Progress, SaysNothingInAPipe) {
   ::close(ends[0]);
 }
 
-TEST(Progress, DrawsOnATerminalAndCleansUp) {
+/// What a terminal gets to see of what `print` writes to it.
+std::string on_a_terminal(const std::function<void(std::FILE*)>& print) {
   const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
-  if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) GTEST_SKIP() << "no pseudo terminals here";
+  if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) return {};
   std::FILE* stream = ::fopen(::ptsname(terminal), "w");
-  ASSERT_NE(stream, nullptr);
-  {
-    Progress progress("frames", 4, stream);
-    progress.update(1);
-  }
+  if (!stream) return {};
+  print(stream);
   const int written = ::dup(::fileno(stream));  // a terminal that nobody writes to may forget what it was told
   std::fclose(stream);
   ::fcntl(terminal, F_SETFL, O_NONBLOCK);
   std::string text;
   pollfd more{terminal, POLLIN, 0};
-  while (!text.ends_with("\r\x1b[K") && ::poll(&more, 1, 2000) > 0) {  // what was written at once may come in parts
+  while (::poll(&more, 1, 500) > 0) {  // what was written at once may come in parts
     std::array<char, 512> seen{};
     const ssize_t length = ::read(terminal, seen.data(), seen.size());
     if (length <= 0) break;
     text.append(seen.data(), static_cast<std::size_t>(length));
   }
-  EXPECT_THAT(text, HasSubstr("1/4  25 %"));
-  EXPECT_THAT(text, testing::EndsWith("\r\x1b[K"));
   ::close(written);
   ::close(terminal);
+  return text;
+}
+
+TEST(Progress, DrawsOnATerminalAndCleansUp) {
+  const std::string text = on_a_terminal([](std::FILE* stream) {
+    Progress progress("frames", 4, stream);
+    progress.update(1);
+  });
+  if (text.empty()) GTEST_SKIP() << "no pseudo terminals here";
+  EXPECT_THAT(text, HasSubstr("1/4  25 %"));
+  EXPECT_THAT(text, testing::EndsWith("\r\x1b[K"));
+}
+
+TEST(Progress, SharesNoLineWithWhatIsPrintedMeanwhile) {
+  const std::string text = on_a_terminal([](std::FILE* stream) {
+    Progress progress("frames", 4, stream);
+    progress.update(1);
+    {
+      const ProgressPause pause;
+      std::fputs("figure 4", stream);
+    }
+  });
+  if (text.empty()) GTEST_SKIP() << "no pseudo terminals here";
+  EXPECT_THAT(text, testing::ContainsRegex("1/4[^\r]*\r\x1b\\[Kfigure 4"));
 }
 
 }  // namespace

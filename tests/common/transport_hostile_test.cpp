@@ -94,6 +94,14 @@ TEST(HostileSender, ADamagedKeyframeIsAskedForAgain) {
   EXPECT_EQ(peer.receiver->stats().rejected_by_reason.at("blob.crc32c"), 1u);
 }
 
+TEST(HostileSender, AnEndBeforeItsTimeSaysWhy) {
+  FakeSender peer;
+  peer.welcome();
+  peer.say(MessageType::kEnd, End{"s", 0, "images/7.png: damaged PNG"});
+  EXPECT_TRUE(eventually([&] { return peer.receiver->stats().ended; }));
+  EXPECT_EQ(peer.receiver->stats().source_failure, "images/7.png: damaged PNG");
+}
+
 TEST(HostileSender, AnEndBeforeTheLastCaptureAsksForTheRest) {
   FakeSender peer;
   peer.welcome();

@@ -115,6 +115,7 @@ TEST(WireGolden, LinkMessagesOfVersionOneAreWrittenToTheByte) {
   EXPECT_EQ(to_hex(encode(Ack{"a", 6, true})), "0a016110061801");
   EXPECT_EQ(to_hex(encode(Refuse{"no"})), "0a026e6f");
   EXPECT_EQ(to_hex(encode(End{"a", 12})), "0a0161100c");
+  EXPECT_EQ(to_hex(encode(End{"a", 12, "b"})), "0a0161100c1a0162");
   const Status status{"tracker", "s", 5, 7, SourceState::kLive, "ok", {{"x", 0.5}}, {9}};
   EXPECT_EQ(to_hex(encode_status(status)),
             "5348454e010008000a07747261636b65721201731805210700000000000000280232026f6b3a0c0a017811000000000000e0"

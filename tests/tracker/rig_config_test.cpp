@@ -63,9 +63,23 @@ TEST_F(RigConfigFile, NamesKeyAndLineOfWhatIsWrong) {
   EXPECT_THAT(error("\n[camra]\nfx = 1\n"), HasSubstr("rig.toml:2: unknown section [camra]"));
   EXPECT_THAT(error("[camera]\nwidth = 1024\n"), HasSubstr("camera.height is missing"));
   EXPECT_THAT(error("[gate]\nmax_blur_px = \"two\"\n"), HasSubstr("rig.toml:2: gate.max_blur_px must be a number"));
-  EXPECT_THAT(error("[gate]\nmax_blur_px = -2\n"), HasSubstr("gate.max_blur_px must be positive"));
+  EXPECT_THAT(error("[gate]\nmax_blur_px = -2\n"), HasSubstr("gate.max_blur_px must lie in 0.01..1000"));
   EXPECT_THAT(error("[gate]\nmin_tags = 6.5\n"), HasSubstr("whole number"));
   EXPECT_THAT(error("[camera]\nfx = inf\n"), HasSubstr("camera.fx must be a number"));
+  EXPECT_THAT(error("[camera]\nwidth = 8\nheight = 8\nfx = 1e-300\nfy = 8\ncx = 4\ncy = 4\n"),
+              HasSubstr("rig.toml:1: camera.fx must be 0.001 to"));
+  for (const char* key :
+       {"max_blur_px", "max_uncertainty_px", "max_overexposed", "min_bright", "min_angle_deg", "min_distance_m"})
+    for (const char* value : {"-1", "1e300", "nan", "inf"})
+      EXPECT_THAT(error(std::string("[gate]\n") + key + " = " + value + "\n"), HasSubstr(std::string("gate.") + key));
+  for (const char* value : {"0", "1", "588", "-3", "2147483648"})
+    EXPECT_THAT(error(std::string("[gate]\nmin_tags = ") + value + "\n"), HasSubstr("gate.min_tags"));
+  for (const char* key : {"frame_rate_hz", "exposure_us"})
+    for (const char* value : {"-1", "1e-300", "1e300", "nan", "inf"})
+      EXPECT_THAT(error(std::string("[source]\n") + key + " = " + value + "\n"),
+                  HasSubstr(std::string("source.") + key));
+  for (const char* value : {"101", "1e300", "nan"})
+    EXPECT_THAT(error(std::string("[source]\ngain_db = ") + value + "\n"), HasSubstr("source.gain_db"));
   EXPECT_THAT(error(kCamera + "lens = \"pinhole\"\n"), HasSubstr("camera.lens must be"));
   EXPECT_THAT(error(kCamera + "distortion = [1, 2, 3, 4, 5, 6]\n"), HasSubstr("camera.distortion must be"));
   EXPECT_THAT(error("gate = 3\n"), HasSubstr("unknown section"));

@@ -27,13 +27,14 @@ class ScriptedSource : public FrameSource {
   }
   SourceState state() const override { return next_ < frames.size() ? SourceState::kLive : SourceState::kEnded; }
   std::string message() const override { return "scripted"; }
-  SourceStats stats() const override { return {.frames = next_}; }
+  SourceStats stats() const override { return {.frames = next_, .missed = missed}; }
   bool live() const override { return live_; }
   std::string session() const override { return session_name; }
 
   std::vector<Frame> frames;
   std::string session_name;
   int throw_at = -1;
+  std::uint64_t missed = 0;
 
  private:
   const bool live_;
@@ -129,6 +130,23 @@ TEST_F(TrackedStage, EveryFrameIsAccountedForByReason) {
   EXPECT_EQ(json["frames"]["refused"].size(), 3u);
 }
 
+TEST_F(TrackedStage, WhatTheCameraSentIsReceivedOrLost) {
+  ScriptedSource source(true);
+  source.missed = 5;
+  for (int i = 0; i < 12; ++i) source.frames.push_back(frame(pictures[i % 3], i));
+  RecordingSink sink;
+  sink.slow = true;
+  const TrackingReport report = TrackingLoop(source, sink, rig(), {}).run(kNoHooks);
+  const auto frames =
+      nlohmann::json::parse(to_json(report, {{"acknowledged", report.kept - 1}, {"unacknowledged", 1}}))["frames"];
+  std::uint64_t refused = 0;
+  for (const auto& count : frames["refused"]) refused += count.get<std::uint64_t>();
+  EXPECT_EQ(frames["camera"], 17);
+  EXPECT_EQ(frames["received"], report.kept - 1 + refused);
+  EXPECT_EQ(frames["lost"], 5 + report.overrun + report.unsent + 1);
+  EXPECT_EQ(frames["camera"], frames["received"].get<int>() + frames["lost"].get<int>());
+}
+
 TEST_F(TrackedStage, FastMotionIsRefusedAsBlur) {
   ScriptedSource source(false);
   source.frames = {frame(pictures[0], 1), frame(pictures[1], 2)};
@@ -197,16 +215,24 @@ TEST_F(TrackedStage, GivenPosesPassUntouchedAndInOrder) {
   }
 }
 
-TEST_F(TrackedStage, ErrorsReachTheCallerAndNothingHangs) {
+TEST_F(TrackedStage, ASourceThatFailsLosesNothingOfWhatItGave) {
   ScriptedSource broken(false);
-  for (int i = 0; i < 10; ++i) broken.frames.push_back(frame(pictures[0], i));
+  for (int i = 0; i < 10; ++i) broken.frames.push_back(frame(pictures[i % 3], i));
   broken.throw_at = 3;
   RecordingSink sink;
-  EXPECT_THROW(TrackingLoop(broken, sink, rig(), {}).run(kNoHooks), FileError);
+  const TrackingReport report = TrackingLoop(broken, sink, rig(), {}).run(kNoHooks);
+  EXPECT_THROW(std::rethrow_exception(report.failure), FileError);
+  EXPECT_EQ(report.failure_text(), "image 3: is broken");
+  expect_accounted(report);
+  EXPECT_EQ(report.grabbed, 3u);
+  EXPECT_EQ(sink.kept.size(), 3u) << "what was grabbed before is kept";
+  EXPECT_EQ(nlohmann::json::parse(to_json(report, {}))["failure"], "image 3: is broken");
 
   ScriptedSource other_size(false);
   for (int i = 0; i < 10; ++i) other_size.frames.push_back(frame(ImageU8(640, 480, 1, 0), i));
-  EXPECT_THROW(TrackingLoop(other_size, sink, rig(), {}).run(kNoHooks), ConfigError);
+  const TrackingReport refused = TrackingLoop(other_size, sink, rig(), {}).run(kNoHooks);
+  EXPECT_THROW(std::rethrow_exception(refused.failure), ConfigError);
+  expect_accounted(refused);
 
   EXPECT_THROW(TrackingLoop(other_size, sink, std::nullopt, {}), ConfigError);
 }

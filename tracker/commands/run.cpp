@@ -9,11 +9,13 @@
 #include <memory>
 #include <optional>
 
+#include "common/command_line.h"
+#include "common/end_on_stop.h"
 #include "common/endpoint.h"
 #include "common/errors.h"
-#include "common/files.h"
 #include "common/log.h"
 #include "common/monitor_socket.h"
+#include "common/report_file.h"
 #include "common/stop_signal.h"
 #include "common/transport.h"
 #include "tracker/commands/commands.h"
@@ -25,6 +27,7 @@ namespace {
 
 constexpr std::size_t kRetainedKeyframes = 256;  ///< a burst of some seconds that the reconstructor has yet to store
 constexpr std::chrono::milliseconds kFinishStep{100};
+constexpr double kHurriedLinger_s = 0.5;
 
 struct RunArguments {
   std::filesystem::path config, keys, allow, json;
@@ -79,15 +82,25 @@ std::string new_session() {
   return text + std::to_string(getpid());
 }
 
-/// Waits until everything is acknowledged, for so long or until a second Ctrl-C's worth of impatience.
-bool drain(CaptureSender& sender, double linger_s) {
+/// Waits until everything is acknowledged, for so long; whoever presses Ctrl-C waits no longer than `kHurriedLinger_s`.
+void drain(CaptureSender& sender, double linger_s, const std::string& failure) {
   const bool interrupted = stop_requested();
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(interrupted ? 0.3 : linger_s);
+  const auto end =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(interrupted ? kHurriedLinger_s : linger_s);
   do {
-    if (sender.finish(kFinishStep)) return true;
-    if (!interrupted && stop_requested()) return false;
+    if (sender.finish(kFinishStep, failure)) return;
+    if (!interrupted && stop_requested()) return;
   } while (std::chrono::steady_clock::now() < end);
-  return false;
+}
+
+/// How many keyframes are on no disk, and how they get there.
+std::string undelivered_text(std::uint64_t keyframes, const std::string& endpoint, const SenderStats& sent,
+                             bool can_be_repeated) {
+  const std::string refusal = sent.last_refusal.empty() ? "" : " (last refusal: " + sent.last_refusal + ")";
+  return std::to_string(keyframes) + " keyframes were not acknowledged" + refusal +
+         "; start `sheen-reconstructor serve --endpoint " + endpoint + "` and run this command again" +
+         (can_be_repeated ? ": what it has on its disk already is not sent twice"
+                          : ": these are gone, the views are to be taken again (--linger waits longer at the end)");
 }
 
 std::map<std::string, std::uint64_t> link_counters(const SenderStats& s) {
@@ -103,10 +116,13 @@ std::map<std::string, std::uint64_t> link_counters(const SenderStats& s) {
 }
 
 void run(const RunArguments& arguments) {
+  ReportFile json(arguments.json);
   const Logging logging;
   const RigConfig config = configuration(arguments);
   const std::optional<Rig> rig = rig_of(config);
+  std::optional<EndOnStop> opening("sheen-tracker: stopped before the source was open");
   const auto source = open_source(parse_source_uri(*config.source_uri), config.source);
+  opening.reset();
 
   TrackingOptions options{.gate = config.gate, .max_frames = arguments.frames};
   options.source_session = source->session().empty() ? new_session() : source->session();
@@ -124,6 +140,7 @@ void run(const RunArguments& arguments) {
         PublisherOptions{.endpoint = arguments.publish, .keys = keys, .allowlist = config.allow});
   LinkSink sink(sender);
   TrackingLoop loop(*source, sink, rig, options);
+  if (const std::string doubt = source->warning(); !doubt.empty()) std::cerr << "sheen-tracker: " << doubt << '\n';
   std::cerr << "sheen-tracker: " << *config.source_uri << " to " << sender.endpoint() << '\n';
 
   TrackingLoop::Hooks hooks{.stop = stop_requested};
@@ -136,17 +153,19 @@ void run(const RunArguments& arguments) {
       publisher->publish(std::move(with_link));
     };
   const TrackingReport report = loop.run(hooks);
-  const bool drained = drain(sender, arguments.linger_s);
+  const std::string failure = report.failure_text();
+  if (!failure.empty()) std::cerr << "sheen-tracker: the source failed: " << failure << '\n';
+  drain(sender, arguments.linger_s, failure);
   const SenderStats sent = sender.stats();
   const auto link = link_counters(sent);
-  if (!arguments.json.empty()) write_file(arguments.json, to_json(report, link));
+  json.write(to_json(report, link));
   std::cerr << "sheen-tracker: " << summary(report) << '\n';
-  if (drained || link.at("unacknowledged") == 0) return;
-  const std::string unsafe = std::to_string(link.at("unacknowledged")) +
-                             " keyframes were not acknowledged; is a reconstructor connected to " + sender.endpoint() +
-                             "?" + (sent.last_refusal.empty() ? "" : " Last refusal: " + sent.last_refusal);
-  if (!stop_requested()) throw Error(unsafe);
-  std::cerr << "sheen-tracker: " << unsafe << '\n';
+  const std::uint64_t undelivered = link.at("unacknowledged") + report.unsent;
+  if (undelivered > 0 && report.failure)
+    std::cerr << "sheen-tracker: " << undelivered_text(undelivered, sender.endpoint(), sent, !source->session().empty())
+              << '\n';
+  if (report.failure) std::rethrow_exception(report.failure);
+  if (undelivered > 0) throw Error(undelivered_text(undelivered, sender.endpoint(), sent, !source->session().empty()));
 }
 
 }  // namespace
@@ -160,12 +179,13 @@ void add_run_command(CLI::App& app) {
       ->check(endpoint_error);
   command->add_option("--keys", a->keys, "Own .key file; without keys only loopback addresses are allowed");
   command->add_option("--allow", a->allow, "File of the public keys that may connect");
-  command->add_option("--frames", a->frames, "End after so many frames; 0 = when the source ends");
-  command->add_option("--json", a->json, "Write the report there");
+  command->add_option("--frames", a->frames, "End after so many frames; 0 = when the source ends")
+      ->check(whole_number_in(0, std::int64_t{1} << 53));
+  command->add_option("--json", a->json, "Write the report there; - for standard output");
   command->add_option("--publish", a->publish, "Address to publish status on, e.g. tcp://127.0.0.1:7411")
       ->check(endpoint_error);
   command->add_option("--linger", a->linger_s, "Seconds to wait at the end for acknowledgements")
-      ->check(CLI::Range(0.0, 86400.0))
+      ->check(number_in(0, 86400))
       ->capture_default_str();
   command->callback([a] { run(*a); });
 }

@@ -5,10 +5,13 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/command_line.h"
+#include "common/end_on_stop.h"
 #include "common/errors.h"
 #include "common/progress.h"
 #include "common/session.h"
@@ -36,6 +39,7 @@ void parse_size(const std::string& text, SimulationOptions& rig) {
 }
 
 void render(SimulateArguments arguments) {
+  const EndOnStop give_up("sheen-tracker: stopped; what is rendered is kept, the same command renders the rest");
   parse_size(arguments.size, arguments.rig);
   const auto start = std::chrono::steady_clock::now();
   const CachedRecording result = [&] {
@@ -110,15 +114,19 @@ void add_simulate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("simulate", "Render a rig that needs no camera: an object on a tagged stage");
   const auto arguments = std::make_shared<SimulateArguments>();
   command->add_option("--out", arguments->out, "Folder of the recording; kept when it holds the same one already");
-  command->add_option("--frames", arguments->rig.frames, "Number of frames")->capture_default_str();
+  command->add_option("--frames", arguments->rig.frames, "Number of frames")
+      ->check(whole_number_in(1, 1'000'000))
+      ->capture_default_str();
   command->add_option("--size", arguments->size, "Size of a frame, WIDTHxHEIGHT in pixels")->capture_default_str();
   command->add_option("--seed", arguments->rig.seed, "Seed of the camera's path and of the noise")
+      ->check(whole_number_in(0, std::numeric_limits<std::uint32_t>::max()))
       ->capture_default_str();
   command->add_option("--object", arguments->rig.object, "demo, bronze or sphere")->capture_default_str();
   command->add_flag("--truth", arguments->rig.truth, "Also write each frame's linear radiance as OpenEXR");
   command->add_option("--serve", arguments->serve, "Recording to serve as a GigE Vision camera, until Ctrl-C");
   command->add_option("--interface", arguments->server.address, "Loopback address to serve on")->capture_default_str();
-  command->add_option("--rate", arguments->server.frame_rate_hz, "Frames/s to serve; default: the recording's");
+  command->add_option("--rate", arguments->server.frame_rate_hz, "Frames/s to serve; default: the recording's")
+      ->check(number_in(0.001, 10000));
   command->add_flag("--loop", arguments->server.loop, "Begin again after the last frame; else it is repeated");
   command->add_option("--log", arguments->log, "Write frame_id,rig_index for each frame sent; read by --judge");
   command->add_option("--judge", arguments->judge, "Session whose poses are compared with the truth (JSON)");

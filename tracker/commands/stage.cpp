@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/command_line.h"
 #include "common/errors.h"
 #include "common/stage/stage_sheet.h"
 #include "tracker/commands/commands.h"
@@ -55,8 +56,12 @@ void add_stage_command(CLI::App& app) {
   const auto arguments = std::make_shared<StageArguments>();
   command->add_option("--out", arguments->out, "stage.pdf or stage.svg; stage.json is written beside it")->required();
   command->add_option("--size", arguments->size_mm, "Size of the board, WIDTHxHEIGHT in mm")->capture_default_str();
-  command->add_option("--tag", arguments->tag_mm, "Side of a tag's black square in mm")->capture_default_str();
-  command->add_option("--first-id", arguments->first_id, "Id of the first tag")->capture_default_str();
+  command->add_option("--tag", arguments->tag_mm, "Side of a tag's black square in mm")
+      ->check(number_in(1, 10000))
+      ->capture_default_str();
+  command->add_option("--first-id", arguments->first_id, "Id of the first tag")
+      ->check(whole_number_in(0, 586))
+      ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print JSON");
   command->callback([arguments] { make(*arguments); });
 }

@@ -47,13 +47,14 @@ Box image_box(const Camera& camera, const Rigid3& pose, const ObjectRegion& regi
 }  // namespace
 
 std::string validation_error(const GateOptions& o) {
-  if (o.min_tags < 2) return "min_tags must be 2 or more";
-  if (!(o.max_blur_px > 0)) return "max_blur_px must be positive";
+  if (!(o.min_tags >= 2 && o.min_tags <= 587)) return "min_tags must be 2..587, as many as the family has";
+  if (!(o.max_blur_px >= 0.01 && o.max_blur_px <= 1000)) return "max_blur_px must lie in 0.01..1000";
   if (!(o.max_overexposed > 0 && o.max_overexposed <= 1)) return "max_overexposed must lie in 0..1";
   if (!(o.min_bright >= 0 && o.min_bright < 1)) return "min_bright must lie in 0..1";
   if (!(o.min_angle_deg >= 0 && o.min_angle_deg < 180)) return "min_angle_deg must lie in 0..180";
-  if (!(o.min_distance_m >= 0)) return "min_distance_m must not be negative";
-  if (!(o.max_uncertainty_px > 0)) return "max_uncertainty_px must be positive";
+  if (!(o.min_distance_m >= 0 && o.min_distance_m <= 1000)) return "min_distance_m must lie in 0..1000";
+  if (!(o.max_uncertainty_px >= 0.001 && o.max_uncertainty_px <= 1000))
+    return "max_uncertainty_px must lie in 0.001..1000";
   return {};
 }
 

@@ -9,6 +9,7 @@
 
 #include "common/errors.h"
 #include "tracker/sources/aravis_camera.h"
+#include "tracker/sources/frame_ids.h"
 
 namespace sheen {
 namespace {
@@ -21,13 +22,6 @@ constexpr double kStalePeriods = 1.8;
 constexpr milliseconds kReopen{700};      ///< without a frame: a hiccup has ended by then
 constexpr milliseconds kRetry{100};       ///< between attempts to open; each takes 2.5 s itself while nobody answers
 constexpr milliseconds kCloseBound{500};  ///< closing a vanished camera takes 5 to 7.5 s: it is not waited for
-constexpr std::uint64_t kLastShortId = 65535;  ///< GigE Vision's 16-bit frame ids go on with 1
-
-std::uint64_t ids_between(std::uint64_t before, std::uint64_t now) {
-  if (now > before) return now - before - 1;
-  if (before <= kLastShortId && now > 0) return kLastShortId - before + now - 1;
-  return 0;
-}
 
 /// Closes a camera in a thread of its own. The returned future is ready when that is done.
 std::future<void> close_aside(std::shared_ptr<AravisCamera> camera) {
@@ -125,8 +119,10 @@ void AravisSource::Impl::account(Frame& frame) {
   state = SourceState::kLive;
   ++stats.frames;
   if (!frame.complete) ++stats.incomplete;
-  if (last_id) stats.missed += ids_between(*last_id, frame.camera_frame_id);
+  if (last_id) stats.missed += frames_between(*last_id, frame.camera_frame_id);
   last_id = frame.camera_frame_id;
+  if (stats.frames == 1) stats.first_frame_id = frame.camera_frame_id;
+  stats.last_frame_id = frame.camera_frame_id;
   stats.underruns = closed_underruns + camera->underruns();
   stats.missing_packets = closed_missing + camera->missing_packets();
 }

@@ -22,6 +22,7 @@ class DatasetSource : public FrameSource {
   bool live() const override { return false; }
   std::string session() const override { return session_; }
   std::uint64_t session_size() const override { return dataset_.views.size(); }
+  std::string warning() const override { return dataset_.warning; }
 
  private:
   const Dataset dataset_;

@@ -28,11 +28,13 @@ struct SourceStats {
   std::uint64_t missed = 0;           ///< gaps in the camera's frame ids: taken, but never seen here
   std::uint64_t underruns = 0;        ///< of these, because no buffer was free
   std::uint64_t missing_packets = 0;  ///< as the driver counts them
-  std::uint64_t reopened = 0;         ///< times the camera came back after it had vanished
+  std::uint64_t reopened = 0;         ///< times the camera came back after it had vanished; its ids then begin anew
+  std::uint64_t first_frame_id = 0, last_frame_id = 0;  ///< of a camera: handed out first and last
 };
 
-/// Where frames come from. Constructors throw DeviceError, FileError or ConfigError; from then on what happens is told
-/// by `state`, never thrown. `next` is called from one thread, everything else from any.
+/// Where frames come from. Constructors throw DeviceError, FileError or ConfigError. From then on what may pass (a
+/// cable that is loose) is told by `state`; what ends the source before its time is thrown by `next`, naming the frame.
+/// `next` is called from one thread, everything else from any.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -49,6 +51,9 @@ class FrameSource {
   virtual std::string session() const { return {}; }
   /// How many captures such a source has.
   virtual std::uint64_t session_size() const { return 0; }
+
+  /// What is doubtful about the source, a sentence for a person; empty: nothing.
+  virtual std::string warning() const { return {}; }
 
   bool ended() const { return state() == SourceState::kEnded; }
 };

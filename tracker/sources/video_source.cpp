@@ -11,13 +11,36 @@
 
 namespace sheen {
 
+namespace {
+constexpr double kLeastShare = 0.9;  ///< of the announced frames: rates that vary make estimates of a few percent
+}
+
 struct VideoSource::Impl {
   std::string path;
   bool device = false;
   cv::VideoCapture capture;
+  double announced = 0;  ///< frames that the file says it has; often an estimate, 0 where it says nothing
   std::atomic<std::uint64_t> frames = 0;
+
+  [[noreturn]] void fail(const std::string& what) const;
+  void end();
   std::atomic<SourceState> state = SourceState::kStarting;
 };
+
+void VideoSource::Impl::fail(const std::string& what) const {
+  const std::string text = "frame " + std::to_string(frames) + ": " + what;
+  if (device) throw DeviceError("video device " + path + ": " + text);
+  throw FileError(path, text);
+}
+
+/// The end of a file is expected, within what its header may be wrong by; a device has none.
+void VideoSource::Impl::end() {
+  state = SourceState::kEnded;
+  if (device) fail("the device has stopped delivering; check its cable");
+  if (static_cast<double>(frames) < kLeastShare * announced)
+    fail("the video breaks off here; its header announces " + std::to_string(std::llround(announced)) +
+         " frames. Is the file whole?");
+}
 
 VideoSource::VideoSource(const std::string& path) : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
@@ -29,6 +52,7 @@ VideoSource::VideoSource(const std::string& path) : impl_(std::make_unique<Impl>
   const bool opened = impl_->device ? impl_->capture.open(path, cv::CAP_V4L2) : impl_->capture.open(path);
   if (!opened && impl_->device) throw DeviceError("video device " + path + " cannot be opened; is it in use?");
   if (!opened) throw FileError(path, "is no video that can be read");
+  if (!impl_->device) impl_->announced = impl_->capture.get(cv::CAP_PROP_FRAME_COUNT);
 }
 
 VideoSource::~VideoSource() = default;
@@ -36,10 +60,11 @@ VideoSource::~VideoSource() = default;
 std::optional<Frame> VideoSource::next(std::chrono::milliseconds) {
   cv::Mat bgr, rgb;
   if (state() == SourceState::kEnded) return std::nullopt;
-  if (!impl_->capture.read(bgr) || bgr.type() != CV_8UC3) {
-    impl_->state = SourceState::kEnded;
+  if (!impl_->capture.read(bgr)) {
+    impl_->end();
     return std::nullopt;
   }
+  if (bgr.type() != CV_8UC3) impl_->fail("is no 8-bit colour image");
   cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
   Frame frame;
   frame.camera_frame_id = impl_->frames++;

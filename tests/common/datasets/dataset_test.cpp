@@ -120,6 +120,65 @@ TEST(Dataset, ReadsACapture) {
   EXPECT_NE(load_dataset(folder.path()).hash, dataset.hash);
 }
 
+/// The hash before and after each change must differ, and come back when the change is undone.
+class DatasetIdentity : public testing::Test {
+ protected:
+  DatasetIdentity() {
+    make_dataset(folder);
+    folder.write("cameras.txt", "1 PINHOLE 12 8 20 20 6 4\n2 PINHOLE 13 8 20 20 6.5 4\n");
+    folder.write("images.txt", "1 1 0 0 0 1 2 3 1 0.png\n\n2 1 0 0 0 1 2 3 2 1.png\n\n");
+    fs::rename(folder.path() / "masks/0.png", folder.path() / "masks/0.png.png");
+  }
+  std::string hash() const { return load_dataset(folder.path()).hash; }
+  void expect_covers(const char* file, const std::string& changed) {
+    const std::string before = hash(), bytes = read_file(folder.path() / file);
+    const auto written = fs::last_write_time(folder.path() / file);
+    folder.write(file, changed);
+    fs::last_write_time(folder.path() / file, written);
+    EXPECT_NE(hash(), before) << file;
+    folder.write(file, bytes);
+    fs::last_write_time(folder.path() / file, written + std::chrono::hours(1));
+    EXPECT_EQ(hash(), before) << file << ": the same content of another date is the same data set";
+  }
+  /// The file with one bit turned, of the same size.
+  std::string touched(const char* file) const {
+    std::string bytes = read_file(folder.path() / file);
+    bytes[bytes.size() / 2] ^= 1;
+    return bytes;
+  }
+
+  const TempFolder folder;
+};
+
+TEST_F(DatasetIdentity, CoversAllThatAColmapModelDelivers) {
+  expect_covers("images/1.png", touched("images/1.png"));
+  expect_covers("masks/0.png.png", touched("masks/0.png.png"));
+  expect_covers("cameras.txt", "1 PINHOLE 12 8 20 20 6 4\n2 PINHOLE 13 8 20 21 6.5 4\n");
+  expect_covers("images.txt", "1 1 0 0 0 1 2 4 1 0.png\n\n2 1 0 0 0 1 2 3 2 1.png\n\n");
+  expect_covers("images.txt", "2 1 0 0 0 1 2 3 2 1.png\n\n1 1 0 0 0 1 2 3 1 0.png\n\n");
+  const std::string before = hash();
+  fs::rename(folder.path() / "masks/0.png.png", folder.path() / "masks/away.png");
+  EXPECT_NE(hash(), before) << "without its mask";
+}
+
+TEST_F(DatasetIdentity, CoversAllThatATransformsFileDelivers) {
+  fs::rename(folder.path() / "masks/0.png.png", folder.path() / "masks/0.png");
+  auto views = make_dataset(folder);
+  const fs::path file = folder.path() / "transforms.json";
+  write_transforms(file, views);
+  expect_covers("images/2.png", touched("images/2.png"));
+  expect_covers("masks/2.png", touched("masks/2.png"));
+  const std::string before = hash(), text = read_file(file);
+  std::swap(views[0], views[1]);
+  write_transforms(file, views);
+  EXPECT_NE(hash(), before) << "another order";
+  folder.write("transforms.json", text);
+  EXPECT_EQ(hash(), before);
+  const TempFolder copy;
+  fs::copy(folder.path(), copy.path(), fs::copy_options::recursive);
+  EXPECT_EQ(load_dataset(copy.path()).hash, before) << "the same elsewhere";
+}
+
 TEST(Dataset, SizesThatDoNotMatchNameBoth) {
   const TempFolder folder;
   write_transforms(folder.path() / "transforms.json", make_dataset(folder));
@@ -128,6 +187,29 @@ TEST(Dataset, SizesThatDoNotMatchNameBoth) {
   expect_error([&] { read_capture(dataset, 0); }, {"images/0.png", "7 x 8", "12 x 8"});
   write_png(folder.path() / "masks/1.png", ImageU8(13, 9, 1));
   expect_error([&] { read_capture(dataset, 1); }, {"masks/1.png", "13 x 9", "13 x 8"});
+}
+
+TEST(Dataset, AnImageThatExifWantsTurnedIsToldAndTakenAsItIsStored) {
+  const TempFolder folder;
+  auto views = make_dataset(folder);
+  write_transforms(folder.path() / "transforms.json", views);
+  EXPECT_EQ(load_dataset(folder.path()).warning, "");
+  // An eXIf chunk with one entry, orientation 6, behind the 33 bytes of signature and header.
+  const auto turn = [&](const char* file) {
+    const std::string png = read_file(folder.path() / file);
+    const std::string tiff("II*\0\10\0\0\0\1\0\x12\1\3\0\1\0\0\0\6\0\0\0\0\0\0\0", 26);
+    const std::string chunk = std::string("\0\0\0\x1a", 4) + "eXIf" + tiff + std::string("\xb7\x48\x11\x29", 4);
+    folder.write(file, png.substr(0, 33) + chunk + png.substr(33));
+  };
+  turn("images/1.png");
+  const Dataset dataset = load_dataset(folder.path());
+  EXPECT_NE(dataset.warning.find("images/1.png: EXIF says"), std::string::npos) << dataset.warning;
+  turn("images/2.png");
+  EXPECT_NE(load_dataset(folder.path()).warning.find("images/1.png and 1 others"), std::string::npos);
+  EXPECT_EQ(read_capture(dataset, 1).image.width, 13);
+  std::swap(views[1].camera.width, views[1].camera.height);
+  write_transforms(folder.path() / "transforms.json", views);
+  expect_error([&] { read_capture(load_dataset(folder.path()), 1); }, {"images/1.png", "13 x 8", "8 x 13", "exiftran"});
 }
 
 TEST(Dataset, ImageNamedWithoutItsExtension) {
@@ -154,6 +236,12 @@ TEST(Dataset, CamerasAloneNeedNoImages) {
   EXPECT_EQ(cameras[2].camera.width, 14);
   EXPECT_EQ(cameras[2].purpose, Purpose::kHeldOut);
   expect_error([&] { load_dataset(folder.path()); }, {"transforms.json", "frame 0", "images/0.png"});
+  auto some = nlohmann::json::parse(read_file(folder.path() / "transforms.json"));
+  some["frames"].erase(2);  // which test_filenames and val_filenames name
+  const auto path = folder.write("some.json", some.dump());
+  EXPECT_EQ(load_cameras(path).size(), 2u);
+  make_dataset(folder);
+  expect_error([&] { load_dataset(path); }, {"some.json", "val_filenames", "images/2.png"});
   const auto blender = folder.write("b.json", R"({"camera_angle_x": 0.7, "frames": [
     {"file_path": "r_0", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
   expect_error([&] { load_cameras(blender); }, {"b.json", "r_0", "w and h are missing"});
