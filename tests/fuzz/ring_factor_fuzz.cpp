@@ -1,45 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever is added, imputed, removed and merged, in whatever order: the invariants of the factorization hold, and its
-// energies are those of the columns.
+// Whatever is added, imputed, removed, merged, taken back out of what was merged, and limited, in whatever order: the
+// invariants of the factorization hold, each view has the weight of its columns, and its energies are theirs.
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <limits>
-#include <span>
+#include <string>
 #include <vector>
 
 #include "reconstructor/numerics/ring_factor.h"
+#include "tests/fuzz/fuzz_input.h"
 #include "tests/support/ring_factor_checks.h"
 
 namespace {
 
 using namespace sheen;
-
-/// Cuts pieces off the front of the input; zeros when it is used up.
-struct Input {
-  std::span<const std::uint8_t> rest;
-  std::uint8_t byte() {
-    if (rest.empty()) return 0;
-    const std::uint8_t value = rest[0];
-    rest = rest.subspan(1);
-    return value;
-  }
-  /// Any float, NaN and infinity among them.
-  float bits() {
-    std::uint32_t word = 0;
-    for (int i = 0; i < 4; ++i) word = word << 8 | byte();
-    float value;
-    std::memcpy(&value, &word, sizeof value);
-    return value;
-  }
-};
-
-[[noreturn]] void fail(const std::string& what) {
-  std::fprintf(stderr, "%s\n", what.c_str());
-  std::abort();
-}
+using fuzz::demand;
+using fuzz::fail;
+using fuzz::Input;
 
 /// Columns from few bytes: constant, ramp, one spot, small integers, arbitrary bits, or like the one before.
 Eigen::VectorXf next_column(Input& in, const Eigen::VectorXf& before) {
@@ -63,7 +39,7 @@ Eigen::VectorXf next_column(Input& in, const Eigen::VectorXf& before) {
       break;
     case 5:
       column = before;
-      column[in.byte() % rows] = in.bits();
+      column[in.byte() % rows] = in.bits<float>();
       break;
     case 6:
       column = before;
@@ -79,15 +55,48 @@ Eigen::VectorXf next_column(Input& in, const Eigen::VectorXf& before) {
   return column;
 }
 
+/// As it was added.
 struct Column {
+  Eigen::VectorXf values;
+  std::vector<std::uint8_t> known;
   double weight = 0;
-  double energy = 0;
 };
 
-double energy_of(const std::vector<Column>& columns) {
+using View = std::vector<Column>;  ///< more than one where views were merged
+
+double weight_of(const View& view) {
+  double weight = 0;
+  for (const Column& column : view) weight += column.weight;
+  return weight;
+}
+
+double energy_of(const std::vector<View>& views) {
   double energy = 0;
-  for (const Column& column : columns) energy += column.weight * column.energy;
+  for (const View& view : views)
+    for (const Column& column : view) energy += column.weight * column.values.cast<double>().squaredNorm();
   return energy;
+}
+
+template <typename Scalar>
+void take_one_out(BasicRingFactor<Scalar>& factor, std::vector<View>& views, Input& in) {
+  if (factor.folded_views() == 0) return;
+  const int at = in.byte() % factor.folded_views();
+  View& view = views[at];
+  const auto column = view.begin() + in.byte() % static_cast<std::ptrdiff_t>(view.size());
+  const double weight = weight_of(view);
+  factor.take_from(at, column->values.cast<Scalar>(), column->known, column->weight);
+  view.erase(column);
+  if (factor.views() == static_cast<int>(views.size())) return;
+  demand(weight_of(view) <= 1e-6 * weight, "a view went though columns of it were left");
+  views.erase(views.begin() + at);
+}
+
+template <typename Scalar>
+void expect_weights(const BasicRingFactor<Scalar>& factor, const std::vector<View>& views) {
+  demand(factor.views() == static_cast<int>(views.size()), "views were lost");
+  for (int v = 0; v < factor.views(); ++v)
+    demand(std::abs(factor.weight_of(v) - weight_of(views[v])) <= 1e-6 * weight_of(views[v]),
+           "a view has not the weight of its columns");
 }
 
 template <typename Scalar>
@@ -100,9 +109,9 @@ void run(Input in) {
   if (choice & 16) options.internal_rank = options.max_rank + choice / 64;
   BasicRingFactor<Scalar> factor(rows, options, in.byte());
 
-  std::vector<Column> columns;  // a view; meaningless once `exact` is false
-  double largest = 0;           // sum of energies ever held: the size of what rounding can leave behind
-  bool exact = true;            // nothing missing, nothing merged, no digits lost: the energy is known
+  std::vector<View> views;
+  double largest = 0;  // sum of energies ever held: the size of what rounding can leave behind
+  bool exact = true;   // nothing missing, nothing merged, no digits lost: the energy is known
   Eigen::VectorXf column = Eigen::VectorXf::Ones(rows);
   while (!in.rest.empty()) {
     const std::uint8_t act = in.byte();
@@ -119,17 +128,20 @@ void run(Input in) {
         constexpr float kFewDigits = 1e-39f;  // denormals: coefficients of that size have no more of them either
         const float peak = column.cwiseAbs().maxCoeff();
         exact = exact && known.empty() && column.allFinite() && (peak == 0 || peak > kFewDigits);
-        columns.push_back({weight, column.cast<double>().squaredNorm()});
-        largest += std::isfinite(columns.back().energy) ? weight * columns.back().energy : 0;
+        const double energy = weight * column.cast<double>().squaredNorm();
+        largest += std::isfinite(energy) ? energy : 0;
+        views.push_back({{column, known, weight}});
         factor.add(column.cast<Scalar>(), known, weight);
         if (!column.allFinite()) column.setOnes();
         break;
       }
       case 5:
-        if (factor.views() > 0) {
+        if (act / 64 == 2) {
+          take_one_out(factor, views, in);
+        } else if (factor.views() > 0) {
           const int view = in.byte() % factor.views();
           factor.remove(view);
-          columns.erase(columns.begin() + view);
+          views.erase(views.begin() + view);
         }
         break;
       case 6:
@@ -137,21 +149,26 @@ void run(Input in) {
           const int kept = in.byte() % factor.folded_views(), removed = in.byte() % factor.folded_views();
           if (kept == removed) break;
           factor.merge_views(kept, removed);
-          columns[kept] = {columns[kept].weight + columns[removed].weight, 0};
-          columns.erase(columns.begin() + removed);
+          views[kept].insert(views[kept].end(), views[removed].begin(), views[removed].end());
+          views.erase(views.begin() + removed);
           exact = false;
         }
         break;
       case 7:
-        factor.fold();
+        if (act / 64 == 2) {
+          const int displayed = 1 + in.byte() % 8;
+          factor.limit(displayed, displayed + in.byte() % 8, 1 + in.byte() % 8);
+        } else {
+          factor.fold();
+        }
     }
-    if (factor.views() != static_cast<int>(columns.size())) fail("views were lost");
+    expect_weights(factor, views);
     if (const std::string broken = broken_invariants(factor); !broken.empty()) fail(broken);
-    if (columns.size() > 96) return;
+    if (views.size() > 96) return;
   }
   const BasicRingFactor<Scalar> settled = factor.settled();
   if (const std::string broken = broken_invariants(settled); !broken.empty()) fail("settled: " + broken);
-  if (exact && std::abs(settled.energy() - energy_of(columns)) > 1e-4 * largest) fail("the energy is not the columns'");
+  if (exact && std::abs(settled.energy() - energy_of(views)) > 1e-4 * largest) fail("the energy is not the columns'");
 }
 
 }  // namespace

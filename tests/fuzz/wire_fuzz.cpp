@@ -13,32 +13,14 @@
 #include "common/image_codec.h"
 #include "common/wire.h"
 #include "common/wire_messages.h"
+#include "tests/fuzz/fuzz_input.h"
 #include "tests/support/sample_capture.h"
 
 namespace {
 
 using namespace sheen;
+using fuzz::Input;
 using Span = std::span<const std::uint8_t>;
-
-/// Cuts pieces off the front of the input.
-struct Input {
-  Span rest;
-  std::uint8_t byte() {
-    if (rest.empty()) return 0;
-    const std::uint8_t value = rest[0];
-    rest = rest.subspan(1);
-    return value;
-  }
-  std::size_t size16() {
-    const std::size_t low = byte();
-    return low | std::size_t(byte()) << 8;
-  }
-  Span take(std::size_t size) {
-    const Span piece = rest.first(std::min(size, rest.size()));
-    rest = rest.subspan(piece.size());
-    return piece;
-  }
-};
 
 void decode(Span envelope, Span header, Span blob) {
   const Capture capture = decode_capture(envelope, header, blob);
@@ -61,15 +43,7 @@ void damaged_capture(Input in) {
   EncodedCapture m = kValid[in.byte() % 2];
   while (in.rest.size() >= 4) {
     std::vector<std::uint8_t>& part = in.byte() % 8 ? m.header : m.blob;
-    const std::size_t at = in.size16() % (part.size() + 1);
-    const std::uint8_t what = in.byte(), value = in.byte();
-    const auto position = part.begin() + static_cast<std::ptrdiff_t>(at);
-    if (at == part.size() || what % 4 == 0)
-      part.insert(position, value);
-    else if (what % 4 == 1)
-      part.erase(position);
-    else
-      *position = value;
+    fuzz::damage_once(part, in);
   }
   decode(m.envelope, m.header, m.blob);
 }
