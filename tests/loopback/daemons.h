@@ -7,12 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/patience.h"
 #include "tests/support/process.h"
 
 namespace sheen::testing {
 
 /// For what takes seconds on an idle machine: only what hangs is to be ended by it.
-inline constexpr std::chrono::seconds kPatience{60};
+inline constexpr std::chrono::seconds kPatience{60 * kPatienceFactor};
 
 using Words = std::vector<std::string>;
 Words operator+(Words a, const Words& b);

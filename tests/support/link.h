@@ -13,11 +13,13 @@
 
 #include "common/transport.h"
 #include "common/wire_messages.h"
+#include "tests/support/patience.h"
 #include "tests/support/sample_capture.h"
 
 namespace sheen::testing {
 
-inline constexpr std::chrono::seconds kLong{10};  // nobody waits as long as this unless something is broken
+inline constexpr std::chrono::seconds kLong{
+    10 * kPatienceFactor};  // nobody waits as long as this unless something is broken
 inline constexpr const char* kAnyPort = "tcp://127.0.0.1:*";
 
 inline SenderOptions sender_options(const std::string& endpoint = kAnyPort, const std::string& session = "s") {
