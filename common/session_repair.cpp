@@ -157,11 +157,11 @@ class Planner {
   std::map<std::uint64_t, IndexRow> taken_;
   std::set<Identity> known_;
   SessionRepair repair_;
-  Finding taken_in_{"that the index did not know taken in from the files"},
-      mended_{"of which the index was wrong read from the file again"},
+  Finding taken_in_{"that the index did not know, taken in from the files"},
+      mended_{"of which the index was wrong, read from the file again"},
       damaged_{"damaged; put back a copy of the file, or take it back with undo"},
       missing_{"without a file; put the file back, or take it back with undo"}, aside_{"set aside"},
-      dropped_{"that are none dropped from the index"};
+      dropped_{"that were never there, dropped from the index"};
 };
 
 }  // namespace

@@ -80,6 +80,7 @@ TEST_F(DaemonsMeet, AKeyThatIsNotAllowedGetsNothingAndIsTold) {
       << generate_keys(temp_.path(), "stranger").public_key << " reconstructor stranger\n";
   Process rig(track(link.tracker_options()));
   Process refused(desk(link.reconstructor_options() + Words{"--once"}));
+  EXPECT_TRUE(rig.prints("refused: key", kPatience)) << rig.output();
   EXPECT_TRUE(refused.prints("refused this key", kPatience)) << refused.output();
   EXPECT_THAT(refused.output(), ::testing::HasSubstr("allowlist"));
   EXPECT_EQ(captures_so_far(session_), 0u);

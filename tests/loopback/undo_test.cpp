@@ -117,6 +117,25 @@ TEST_F(Undo, WhileASessionIsRecordedAndThroughAKill) {
   expect_same_model(session_ / "model", temp_.path() / "never_saw");
 }
 
+TEST_F(Undo, ADamagedFileIsListedAndLeftOutAndALostLogCostsNothing) {
+  record();
+  desk_->kill();
+  std::filesystem::resize_file(session_ / "captures/00000005.capture", 100);
+  undo({"--list"}, {"4\tkept\t", "5\tdamaged", "6\tkept\t", "00000005.capture", "undo --capture 5"});
+  const Json report = build(temp_.path() / "built");
+  EXPECT_EQ(report["frames"]["refused"], (Json{{"damaged file", 1}}));
+  EXPECT_EQ(report["frames"]["accepted"], 13);
+  expect_sum(report["frames"]);
+  build_without({5}, temp_.path() / "never_saw");
+  expect_same_model(temp_.path() / "built", temp_.path() / "never_saw");
+
+  ASSERT_TRUE(std::filesystem::remove(session_ / "session.sqlite-wal"));  // as a copy of the two files only has it
+  const Json again = build(temp_.path() / "again");
+  EXPECT_EQ(again["frames"]["accepted"], 13);
+  expect_same_model(temp_.path() / "again", temp_.path() / "never_saw");
+  undo({"--last"}, {"capture 14 is withdrawn", "15 captures that the index did not know", "00000005.capture.damaged"});
+}
+
 TEST_F(Undo, WhatIsNotThereIsNamed) {
   undo_fails({"--last"}, 1, {"holds no session"});
   { Session::create(session_); }
