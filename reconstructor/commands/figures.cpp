@@ -14,6 +14,7 @@
 #include "common/stop_signal.h"
 #include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/study_options.h"
 #include "reconstructor/evaluation/figure.h"
 #include "reconstructor/saved_model.h"
 
@@ -26,6 +27,7 @@ struct FiguresArguments {
   std::string dataset, mesh, out, rig;
   std::vector<int> only;
   bool quick = false;
+  StudyOptions study;
 };
 
 /// The simulated rig as a data set, rendered when it is not there yet.
@@ -91,12 +93,15 @@ void figures(const FiguresArguments& arguments) {
                                  [&](std::size_t done) { progress.update(done); });
   }
   FigureOptions options{.quick = arguments.quick};
-  options.model.surface_map = arguments.quick ? 4 : 8;
+  options.model.surface_map = arguments.quick ? 4 : 16;
   options.model.ring.factor = {.max_rank = options.rank, .tolerance = 0};
+  arguments.study.apply(options.model);
 
   std::unique_ptr<BatchRun> batch;
   const auto batch_run = [&]() -> const BatchRun& {
-    if (!batch) batch = std::make_unique<BatchRun>(build_batch(experiment, options));
+    if (!batch)
+      batch = std::make_unique<BatchRun>(
+          build_batch(experiment, options, BatchFactorization::reference(options.model.ring.factor)));
     return *batch;
   };
   const std::map<int, std::function<Figure()>> all{
@@ -146,6 +151,7 @@ void add_figures_command(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember({4, 5, 8, 9, 10, 11}));
   command->add_flag("--quick", arguments->quick, "fewer orders, ranks and images, coarser maps");
+  add_study_options(*command, arguments->study);
   command->callback([arguments] { figures(*arguments); });
 }
 

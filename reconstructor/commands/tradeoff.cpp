@@ -26,7 +26,7 @@ namespace {
 
 struct TradeoffArguments {
   std::string dataset, mesh, out, config, json, budget, target, memory;
-  bool quick = false;
+  bool quick = false, parts = false;
 };
 
 /// Costs and worth of all points, and which of them no other one beats.
@@ -193,7 +193,8 @@ void tradeoff(const TradeoffArguments& arguments) {
     experiment = load_experiment(mesh, captures.size, read, {.hold_out_every = base.hold_out_every},
                                  [&](std::size_t done) { progress.update(done); });
   }
-  const std::vector<Setting> settings = tradeoff_settings(base, arguments.quick);
+  const std::vector<Setting> settings =
+      arguments.parts ? part_settings(base) : tradeoff_settings(base, arguments.quick);
   std::vector<TradeoffPoint> points;
   {
     Progress progress("measuring", settings.size());
@@ -212,7 +213,7 @@ void tradeoff(const TradeoffArguments& arguments) {
   nlohmann::json report{{"training_images", experiment.training.size()},
                         {"held_out_views", experiment.held_out.size()},
                         {"points", nlohmann::json::array()}};
-  if (!stop_requested()) {
+  if (!stop_requested() && !arguments.parts) {
     const OnlineRun light_field = build_online(experiment.mesh, experiment.in_order(), base);
     const PrecisionStudy precision = study_precision(experiment, base, *light_field.model);
     print_precision(precision);
@@ -224,6 +225,7 @@ void tradeoff(const TradeoffArguments& arguments) {
   if (!arguments.out.empty()) write_plots(points, frontiers, arguments.dataset, arguments.out);
   for (std::size_t i = 0; i < points.size(); ++i) {
     nlohmann::json point = point_to_json(points[i]);
+    if (arguments.parts) point.erase("scene");  // there are no keys for what is built in
     point["frontier_time"] = contains(frontiers.by_time, i);
     point["frontier_cpu"] = contains(frontiers.by_cpu, i);
     point["frontier_bytes"] = contains(frontiers.by_bytes, i);
@@ -255,9 +257,13 @@ void add_tradeoff_command(CLI::App& app) {
   command->add_option("--config", arguments->config, "scene file (TOML): what the sweep starts from");
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->add_flag("--quick", arguments->quick, "about half of the settings");
+  CLI::Option* parts = command->add_flag(
+      "--parts", arguments->parts,
+      "measure what each part of the model is worth instead: without it, or with the paper's way in its place");
   command->add_option("--budget", arguments->budget, "name the best setting within a time an image: 33ms");
   command->add_option("--target", arguments->target, "name the quickest setting that reaches a held-out PSNR: 35dB");
   command->add_option("--memory", arguments->memory, "name the best setting within the light field's memory: 1GB");
+  for (const char* wish : {"--budget", "--target", "--memory"}) parts->excludes(wish);
   command->callback([arguments] { tradeoff(*arguments); });
 }
 

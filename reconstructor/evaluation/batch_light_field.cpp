@@ -5,9 +5,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
+#include "reconstructor/models/surface_light_field/ring_model.h"
 #include "reconstructor/models/surface_light_field/ring_resampler.h"
 #include "reconstructor/models/surface_light_field/view_interpolation.h"
 #include "reconstructor/surface/map_resolution.h"
@@ -26,23 +28,19 @@ struct Factored {
   double residual = 0;  ///< relative, over the known values
 };
 
-/// Rows that no image shows stay zero: they are no missing values, there is nothing to fill them from.
-BatchPca factorize_ring(const RingMatrix& ring, int rank, const MissingPcaOptions& missing) {
-  std::vector<Eigen::Index> seen;
-  for (Eigen::Index i = 0; i < ring.known.rows(); ++i)
-    if ((ring.known.row(i) != 0).any()) seen.push_back(i);
-  const KnownValues known = ring.known(seen, Eigen::all);
-  const Eigen::MatrixXf columns = ring.columns(seen, Eigen::all);
-  BatchPca pca = (known != 0).all() ? batch_pca(columns, rank) : batch_pca_missing(columns, known, rank, {}, missing);
-  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(ring.known.rows(), pca.rank());
-  basis(seen, Eigen::all) = pca.basis;
-  pca.basis = std::move(basis);
-  return pca;
+std::vector<int> in_order(int views) {
+  std::vector<int> order(static_cast<std::size_t>(views));
+  std::iota(order.begin(), order.end(), 0);
+  return order;
 }
 
-Factored factored(RingMatrix matrix, int rank, const MissingPcaOptions& missing) {
+Factored factored(RingMatrix matrix, const BatchFactorization& how) {
   Factored ring{.matrix = std::move(matrix)};
-  const BatchPca pca = factorize_ring(ring.matrix, rank, missing);
+  MissingPcaOptions missing = how.missing;
+  if (how.measures_noise)
+    missing.noise = online_factor(ring.matrix, *how.measures_noise, in_order(ring.matrix.views())).row_noise();
+  const BatchPca pca = batch_pca_imputed(ring.matrix.columns, ring.matrix.known, how.rank, how.imputing_rank,
+                                         ring.matrix.weights(), missing);
   ring.basis = pca.basis.cast<float>();
   ring.coefficients = pca.coefficients.cast<float>();
   ring.residual = pca.relative_error;
@@ -74,6 +72,7 @@ Eigen::VectorXf drift_of_views(const Factored& ring, const ReflectionDrift* refl
 }
 
 std::shared_ptr<const RingSnapshot> ring_snapshot(const Factored& ring, const ViewInterpolation& interpolation,
+                                                  ViewMethod method,
                                                   const std::shared_ptr<const ReflectionDrift>& reflection,
                                                   const Eigen::Matrix3f& frame, std::span<const int> resolution) {
   auto snapshot = std::make_shared<RingSnapshot>();
@@ -88,6 +87,7 @@ std::shared_ptr<const RingSnapshot> ring_snapshot(const Factored& ring, const Vi
       krige(snapshot->directions, ring.coefficients, ring.reliability, interpolation.kernel,
             interpolation.drift ? drift_of_views(ring, reflection.get(), frame.row(2)) : Eigen::VectorXf()),
       interpolation.kernel, reflection);
+  if (method == ViewMethod::kDelaunay) snapshot->set_triangulation(ring.coefficients);
   snapshot->residual = static_cast<float>(ring.residual);
   snapshot->best_cosine = ring.matrix.cosines.maxCoeff();
   snapshot->views_folded = ring.matrix.views();
@@ -96,6 +96,21 @@ std::shared_ptr<const RingSnapshot> ring_snapshot(const Factored& ring, const Vi
 }
 
 }  // namespace
+
+std::vector<double> RingMatrix::weights() const {
+  std::vector<double> weights;
+  for (int j = 0; j < views(); ++j) weights.push_back(image_weight({}, share(j)));
+  return weights;
+}
+
+RingFactor online_factor(const RingMatrix& ring, const RingFactorOptions& options, std::span<const int> order) {
+  const std::vector<double> weights = ring.weights();
+  RingFactor factor(static_cast<int>(ring.columns.rows()), ring_factor_options(options));
+  for (const int j : order)
+    factor.add(ring.columns.col(j), {ring.known.col(j).data(), static_cast<std::size_t>(ring.known.rows())},
+               weights[static_cast<std::size_t>(j)]);
+  return factor.settled();
+}
 
 BatchLightField::BatchLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options,
                                  std::size_t every)
@@ -156,12 +171,11 @@ RingMatrix BatchLightField::ring(std::size_t vertex) const {
   return matrix;
 }
 
-std::shared_ptr<const SurfaceLightFieldSnapshot> BatchLightField::factorize(int rank,
-                                                                            const MissingPcaOptions& missing) const {
+std::shared_ptr<const SurfaceLightFieldSnapshot> BatchLightField::factorize(const BatchFactorization& how) const {
   std::vector<Factored> rings(kept_.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kept_.size(), 8), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (!kept_[v].empty()) rings[v] = factored(ring(v), rank, missing);
+      if (!kept_[v].empty()) rings[v] = factored(ring(v), how);
   });
   const std::vector<Eigen::Vector3f> normals = vertex_normals(*mesh_);
   std::vector<Eigen::Matrix3f> frames(normals.size());
@@ -171,14 +185,16 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> BatchLightField::factorize(int 
   std::vector<RingLevels> shared;
   for (std::size_t v = 0; v < rings.size(); v += std::max<std::size_t>(1, rings.size() / kReflectionRings))
     if (rings[v].matrix.views() > 0) shared.push_back(levels(rings[v], frames[v].row(2)));
-  const std::shared_ptr<const ReflectionDrift> reflection = estimate_reflection_drift(shared);
+  const ViewInterpolationOptions& between_views = options_.ring.interpolation;
+  const std::shared_ptr<const ReflectionDrift> reflection =
+      between_views.drift ? estimate_reflection_drift(shared) : nullptr;
   std::vector<InterpolationErrors> errors(rings.size());
   tbb::parallel_for(std::size_t{0}, rings.size(), [&](std::size_t v) {
     if (rings[v].matrix.views() > 0)
       errors[v] = interpolation_errors(rings[v].matrix.directions, rings[v].coefficients, rings[v].reliability,
                                        drift_of_views(rings[v], reflection.get(), frames[v].row(2)));
   });
-  InterpolationChoice choice(*mesh_);
+  InterpolationChoice choice(*mesh_, between_views);
   for (std::size_t v = 0; v < rings.size(); ++v)
     if (rings[v].matrix.views() > 0) choice.count(static_cast<std::uint32_t>(v), errors[v]);
 
@@ -189,8 +205,8 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> BatchLightField::factorize(int 
       std::vector<int> resolution;
       for (const RingTriangle& member : vertex_rings_->ring(v))
         resolution.push_back(vertex_rings_->resolution(member.triangle));
-      data[v] =
-          ring_snapshot(rings[v], choice.choose(static_cast<std::uint32_t>(v)), reflection, frames[v], resolution);
+      data[v] = ring_snapshot(rings[v], choice.choose(static_cast<std::uint32_t>(v)), between_views.method, reflection,
+                              frames[v], resolution);
     }
   });
   return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, vertex_rings_, std::move(data), 0);

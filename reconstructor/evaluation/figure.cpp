@@ -11,7 +11,7 @@
 namespace sheen {
 
 std::string format(const char* pattern, ...) {
-  char text[1024];
+  char text[4096];
   va_list arguments;
   va_start(arguments, pattern);
   std::vsnprintf(text, sizeof text, pattern, arguments);
@@ -28,7 +28,7 @@ double mean_psnr_db(const std::vector<HeldOutView>& views, const ModelSnapshot& 
   return sum / static_cast<double>(views.size());
 }
 
-BatchRun build_batch(const Experiment& experiment, const FigureOptions& options) {
+BatchRun build_batch(const Experiment& experiment, const FigureOptions& options, const BatchFactorization& how) {
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -40,7 +40,7 @@ BatchRun build_batch(const Experiment& experiment, const FigureOptions& options)
   for (const Capture& capture : experiment.training) run.columns->add(capture);
   run.collect_s = since(start);
   const Clock::time_point last = Clock::now();
-  run.model = run.columns->factorize(options.rank);
+  run.model = run.columns->factorize(how);
   run.factorize_s = since(last);
   run.cpu_s = process_cpu_s() - cpu;
   run.psnr_db = mean_psnr_db(experiment.held_out, *fill_unseen(*run.model), *experiment.painter);

@@ -55,7 +55,7 @@ struct BatchRun {
   double cpu_s = 0;        ///< processor time of both, all threads
   double psnr_db = 0;      ///< of the held-out views
 };
-BatchRun build_batch(const Experiment& experiment, const FigureOptions& options);
+BatchRun build_batch(const Experiment& experiment, const FigureOptions& options, const BatchFactorization& how);
 
 /// Figure 4: error of rings against rank; online at that rank, online at twice that rank inside, and PCA.
 Figure figure_rank_error(const BatchRun& batch, const FigureOptions& options);

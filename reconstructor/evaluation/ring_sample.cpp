@@ -8,6 +8,8 @@
 #include <functional>
 #include <numeric>
 
+#include "reconstructor/models/surface_light_field/ring_model.h"
+
 namespace sheen {
 namespace {
 
@@ -16,7 +18,7 @@ struct Energies {
 };
 
 /// Adds up a ring at a time, in the rings' order.
-double relative_error(std::size_t rings, const std::function<Energies(std::size_t)>& of_ring) {
+Energies sum_over(std::size_t rings, const std::function<Energies(std::size_t)>& of_ring) {
   std::vector<Energies> energies(rings);
   tbb::parallel_for(std::size_t{0}, rings, [&](std::size_t i) { energies[i] = of_ring(i); });
   Energies sum;
@@ -24,7 +26,30 @@ double relative_error(std::size_t rings, const std::function<Energies(std::size_
     sum.lost += e.lost;
     sum.all += e.all;
   }
+  return sum;
+}
+
+double relative_error(std::size_t rings, const std::function<Energies(std::size_t)>& of_ring) {
+  const Energies sum = sum_over(rings, of_ring);
   return sum.all > 0 ? std::sqrt(sum.lost / sum.all) : 0;
+}
+
+/// Nats for each known value of all rings, of a basis for each ring.
+double mean_surprise(std::span<const RingMatrix> rings,
+                     const std::function<Eigen::MatrixXd(std::size_t)>& basis_of_ring) {
+  const Energies sum = sum_over(rings.size(), [&](std::size_t i) {
+    const RingMatrix& ring = rings[i];
+    const double values = static_cast<double>((ring.known != 0).count());
+    return Energies{values * surprise(ring.columns, ring.known, basis_of_ring(i), ring.weights()), values};
+  });
+  return sum.all > 0 ? sum.lost / sum.all : 0;
+}
+
+std::vector<RingMatrix> spread(std::vector<RingMatrix> rings, std::size_t most) {
+  if (rings.size() <= most) return rings;
+  std::vector<RingMatrix> chosen;
+  for (std::size_t i = 0; i < most; ++i) chosen.push_back(std::move(rings[i * rings.size() / most]));
+  return chosen;
 }
 
 std::vector<std::vector<int>> orders_by(std::span<const RingMatrix> rings,
@@ -55,10 +80,16 @@ std::vector<RingMatrix> whole_rings(const BatchLightField& light_field, int leas
     for (const int j : whole) ring.images.push_back(all.images[static_cast<std::size_t>(j)]);
     rings.push_back(std::move(ring));
   }
-  if (rings.size() <= most) return rings;
-  std::vector<RingMatrix> spread;
-  for (std::size_t i = 0; i < most; ++i) spread.push_back(std::move(rings[i * rings.size() / most]));
-  return spread;
+  return spread(std::move(rings), most);
+}
+
+std::vector<RingMatrix> rings_with_holes(const BatchLightField& light_field, int least_views, std::size_t most) {
+  std::vector<RingMatrix> rings;
+  for (std::size_t v = 0; v < light_field.rings(); ++v) {
+    RingMatrix ring = light_field.ring(v);
+    if (ring.views() >= least_views && !(ring.known != 0).all()) rings.push_back(std::move(ring));
+  }
+  return spread(std::move(rings), most);
 }
 
 double batch_error(std::span<const RingMatrix> rings, int rank) {
@@ -78,6 +109,20 @@ double online_error(std::span<const RingMatrix> rings, std::span<const std::vect
     const RingFactor all = factor.settled();
     const Eigen::MatrixXd left = (columns - all.displayed_basis() * all.displayed_coefficients()).cast<double>();
     return Energies{left.squaredNorm(), columns.cast<double>().squaredNorm()};
+  });
+}
+
+double batch_surprise(std::span<const RingMatrix> rings, int rank) {
+  const auto basis = [&](std::size_t i) {
+    return batch_pca_missing(rings[i].columns, rings[i].known, rank, rings[i].weights()).basis;
+  };
+  return mean_surprise(rings, basis);
+}
+
+double online_surprise(std::span<const RingMatrix> rings, std::span<const std::vector<int>> orders,
+                       const RingFactorOptions& options) {
+  return mean_surprise(rings, [&](std::size_t i) -> Eigen::MatrixXd {
+    return online_factor(rings[i], options, orders[i]).displayed_basis().cast<double>();
   });
 }
 

@@ -71,6 +71,35 @@ std::vector<Setting> tradeoff_settings(const SurfaceLightFieldOptions& base, boo
   return settings;
 }
 
+std::vector<Setting> part_settings(const SurfaceLightFieldOptions& base) {
+  std::vector<Setting> settings{{"as built in", "as built in", base}};
+  const auto add = [&](const char* part, const char* name, const auto& set) {
+    settings.push_back({name, part, base});
+    set(settings.back().options);
+  };
+  using Options = SurfaceLightFieldOptions;
+  const auto delaunay = [](Options& o) { o.ring.interpolation.method = ViewMethod::kDelaunay; };
+  const auto least_squares = [](Options& o) { o.ring.factor.imputation = Imputation::kLeastSquares; };
+  const auto plain_kriging = [](Options& o) { o.ring.interpolation.drift = o.ring.interpolation.exponential = false; };
+  add("between views", "the paper's Delaunay", delaunay);
+  add("hidden rows", "the paper's least squares, gated", least_squares);
+  add("both", "the paper's for both", [&](Options& o) {
+    delaunay(o);
+    least_squares(o);
+  });
+  add("between views", "Matern kernels, no shared reflection", plain_kriging);
+  add("between views", "no shared reflection", [](Options& o) { o.ring.interpolation.drift = false; });
+  add("between views", "Matern kernels alone", [](Options& o) { o.ring.interpolation.exponential = false; });
+  add("between views", "neighbours not asked", [](Options& o) { o.ring.interpolation.neighbours = false; });
+  add("hidden rows", "half of a ring visible", [](Options& o) { o.ring.min_visible = 0.5; });
+  add("hidden rows", "whole rings alone", [](Options& o) { o.ring.min_visible = 1; });
+  add("sampling", "linear", [](Options& o) { o.sampling = Sampling::kLinear; });
+  add("sampling", "a pixel away from edges", [](Options& o) { o.visibility.erosion_px = 1; });
+  add("factorization", "no terms beyond those displayed",
+      [](Options& o) { o.ring.factor.internal_rank = o.ring.factor.max_rank; });
+  return settings;
+}
+
 TradeoffPoint measure_setting(const Experiment& experiment, const Setting& setting) {
   const OnlineRun run = build_online(experiment.mesh, experiment.in_order(), setting.options);
   const Scores scores = score(experiment.held_out, *fill_unseen(*run.model), *experiment.painter);

@@ -31,6 +31,9 @@ struct TradeoffPoint {
 /// third of them.
 std::vector<Setting> tradeoff_settings(const SurfaceLightFieldOptions& base, bool quick);
 
+/// `base`, and what it is without each of its parts or with the paper's way in its place: what the parts are worth.
+std::vector<Setting> part_settings(const SurfaceLightFieldOptions& base);
+
 TradeoffPoint measure_setting(const Experiment& experiment, const Setting& setting);
 
 /// Indices of the points that no other one beats in both: none is as cheap with more `worth`, or cheaper with as much.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <span>
 
 namespace sheen {
@@ -24,20 +23,7 @@ struct BatchPca {
 /// Throws std::invalid_argument where a value is not finite or a size does not fit.
 BatchPca batch_pca(const Eigen::MatrixXf& columns, int rank, std::span<const double> weights = {});
 
-/// A value a row and column: 0 where it is missing.
-using KnownValues = Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>;
-
-struct MissingPcaOptions {
-  int max_iterations = 300;
-  double convergence = 1e-5;  ///< relative change of the noise variance at which the iteration ends
-};
-
-/// Most probable factorization where values are missing: probabilistic PCA (c = W x + noise, x standard normal, the
-/// noise the same everywhere; Tipping and Bishop 1999) by expectation maximisation over the known values, started from
-/// rows filled with their means. Missing values are never read. Rows and columns of which nothing is known are zero.
-/// With nothing missing it agrees with `batch_pca` as far as the noise allows (coefficients shrink by noise /
-/// variance). Throws as `batch_pca`.
-BatchPca batch_pca_missing(const Eigen::MatrixXf& columns, const KnownValues& known, int rank,
-                           std::span<const double> weights = {}, const MissingPcaOptions& options = {});
+/// The same of double precision.
+BatchPca batch_pca_in_double(const Eigen::MatrixXd& columns, int rank, std::span<const double> weights = {});
 
 }  // namespace sheen

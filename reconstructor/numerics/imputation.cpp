@@ -2,6 +2,7 @@
 #include "reconstructor/numerics/imputation.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace sheen {
@@ -29,6 +30,20 @@ Eigen::VectorXd most_probable_coefficients(const Eigen::Ref<const MatrixXd>& kno
     if (const Eigen::VectorXd y = cholesky.solve(projection); y.allFinite())
       return std::min(1.0, projection.norm() / (kDimmest * std::max(y.norm(), 1e-300))) * y;
   return Eigen::VectorXd::Zero(projection.size());
+}
+
+Eigen::VectorXd least_squares_coefficients(const Eigen::Ref<const MatrixXd>& known,
+                                           const Eigen::Ref<const Eigen::VectorXd>& projection, const MatrixXd& prior) {
+  constexpr double kLeastShare = 1e-6;    // of the prior, as above
+  constexpr double kUndetermined = 1e-9;  // of the largest: what the known rows say nothing about
+  MatrixXd covariance = prior;
+  covariance.diagonal().array() += std::max(kLeastShare * prior.diagonal().mean(), 1e-300);
+  const MatrixXd scale = covariance.llt().matrixL();  // y = scale x: the Mahalanobis norm of y is the norm of x
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.transpose() * known * scale);
+  const double least = kUndetermined * std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
+  const Eigen::VectorXd inverse = eigen.eigenvalues().unaryExpr([&](double e) { return e > least ? 1 / e : 0.0; });
+  return scale * (eigen.eigenvectors() *
+                  inverse.cwiseProduct(eigen.eigenvectors().transpose() * (scale.transpose() * projection)));
 }
 
 }  // namespace sheen

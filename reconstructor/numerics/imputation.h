@@ -17,6 +17,12 @@ Eigen::VectorXd most_probable_coefficients(const Eigen::Ref<const Eigen::MatrixX
                                            const Eigen::Ref<const Eigen::VectorXd>& projection,
                                            const Eigen::MatrixXd& precision);
 
+/// The paper's way (000 sec. 3.2), for comparison: least squares on the known rows alone; of several solutions the one
+/// of least Mahalanobis norm, y^T prior^-1 y. Arguments as above; `prior`: covariance of the coefficients of a column.
+Eigen::VectorXd least_squares_coefficients(const Eigen::Ref<const Eigen::MatrixXd>& known,
+                                           const Eigen::Ref<const Eigen::VectorXd>& projection,
+                                           const Eigen::MatrixXd& prior);
+
 /// Coefficients as they are stored. What known rows promise of hidden ones may lie beyond single precision: it ends
 /// before, at 5e37.
 template <typename Scalar, typename Derived>

@@ -11,6 +11,12 @@
 
 namespace sheen {
 
+/// What stands for the rows that a column does not show.
+enum class Imputation {
+  kMostProbable,  ///< with a prior, and again as the basis learns (docs/decisions/missing_samples.md)
+  kLeastSquares,  ///< the paper's (000 sec. 3.2), for comparison: once, when the column is folded
+};
+
 /// When the online SVD grows, and how far.
 struct RingFactorOptions {
   int max_rank = 24;           ///< terms displayed, >= 1
@@ -19,6 +25,7 @@ struct RingFactorOptions {
   double tolerance = 0.01;     ///< Frobenius norm of what may be lost, relative to that of all columns: eps
   int channels = 1;            ///< rows i, i + channels, ... hold the same quantity at different places
   double sensor_variance = 0;  ///< of a known row, in squared units of the columns: imputation never trusts one more
+  Imputation imputation = Imputation::kMostProbable;
   double residual_memory = 0.8;  ///< of the running mean of what the basis leaves unexplained a row (`row_noise`)
 
   int terms_kept() const;

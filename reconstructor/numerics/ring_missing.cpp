@@ -61,10 +61,13 @@ MatrixXd BasicRingFactor<Scalar>::pending_projections(std::span<const std::uint6
   MatrixXd y = row_panels::inner_products(columns(basis_, rank_), columns(buffer_, pending()), basis_.rows());
   if (hidden.empty() || rank_ == 0) return y;
   const MatrixXd known = known_grams(columns(basis_, rank_), hidden, pending());
-  const MatrixXd precision = prior_precision(prior(), row_noise());
-  for (int j = 0; j < pending(); ++j)
-    if (!pending_[j].hidden.empty())
-      y.col(j) = most_probable_coefficients(known.col(j).reshaped(rank_, rank_), y.col(j), precision);
+  const MatrixXd covariance = prior(), precision = prior_precision(covariance, row_noise());
+  for (int j = 0; j < pending(); ++j) {
+    if (pending_[j].hidden.empty()) continue;
+    const auto gram = known.col(j).reshaped(rank_, rank_);
+    y.col(j) = options_.imputation == Imputation::kLeastSquares ? least_squares_coefficients(gram, y.col(j), covariance)
+                                                                : most_probable_coefficients(gram, y.col(j), precision);
+  }
   return y;
 }
 
@@ -100,11 +103,11 @@ void BasicRingFactor<Scalar>::visit_witnesses(Visit visit) const {
     for (int c = 0; c < options_.channels; ++c) visit(static_cast<int>(at >> kFraction) * options_.channels + c);
 }
 
-/// Of a pending column; null when it shows all rows.
+/// Of a pending column; null when it shows all rows, and where hidden rows are not imputed again.
 template <typename Scalar>
 std::shared_ptr<const typename BasicRingFactor<Scalar>::Shown> BasicRingFactor<Scalar>::shown_by(int column) const {
   const Pending& pending = pending_[column];
-  if (pending.hidden.empty()) return nullptr;
+  if (pending.hidden.empty() || options_.imputation == Imputation::kLeastSquares) return nullptr;
   Shown shown{.hidden = pending.hidden, .sketch = {}};
   visit_witnesses([&](int row) {
     if (!bit(shown.hidden, row)) shown.sketch.push_back(std::ldexp(buffer_(row, column), pending.exponent));

@@ -4,7 +4,7 @@
 #include <random>
 #include <span>
 
-#include "reconstructor/numerics/batch_pca.h"
+#include "reconstructor/numerics/missing_pca.h"
 #include "tests/bench/numerics_rows.h"
 #include "tests/support/test_rings.h"
 

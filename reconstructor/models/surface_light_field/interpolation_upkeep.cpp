@@ -59,6 +59,7 @@ void InterpolationUpkeep::fit_reflection_now(Frames frames, Rings& rings) {
 
 /// Does the next part of a fit that is due or under way; while the images are few, all of it.
 void InterpolationUpkeep::advance_reflection(std::size_t images, Frames frames, Rings& rings) {
+  if (!options_.drift) return;
   const bool under_way = fit_ || !levels_.empty();
   if (!under_way) {
     if (images < kFirstFit || static_cast<double>(images) < kFitGrowth * static_cast<double>(fitted_at_)) return;

@@ -23,7 +23,8 @@ class InterpolationUpkeep {
   /// `frames`: of the vertices' hemispheres.
   using Frames = std::span<const Eigen::Matrix3f>;
 
-  explicit InterpolationUpkeep(const Mesh& mesh) : choice_(mesh) {}
+  InterpolationUpkeep(const Mesh& mesh, const ViewInterpolationOptions& options)
+      : options_(options), choice_(mesh, options) {}
 
   /// After the `images`th image: `due` are the rings that want to choose their kernels.
   void after_image(std::size_t images, std::span<const std::uint32_t> due, Frames frames, Rings& rings);
@@ -37,6 +38,7 @@ class InterpolationUpkeep {
   void adopt(Rings& rings);
   void choose(std::span<const std::uint32_t> undecided, Frames frames, Rings& rings);
 
+  ViewInterpolationOptions options_;
   InterpolationChoice choice_;
   std::shared_ptr<const ReflectionDrift> reflection_;
   // The next fit, while it is under way: the levels that are gathered, and then the rounds.

@@ -26,18 +26,6 @@ Eigen::Matrix3Xf as_matrix(const std::vector<Eigen::Vector3f>& vectors) {
   return m;
 }
 
-/// Weight of an image in the factor: what it does not show is a guess that only repeats the basis, so it counts for
-/// less than its share (docs/decisions/missing_samples.md).
-double trust(float share_shown) {
-  return static_cast<double>(share_shown) * share_shown;
-}
-
-RingFactorOptions factor_options(RingFactorOptions options) {
-  options.channels = 3;
-  options.sensor_variance = kSensorVariance;
-  return options;
-}
-
 /// A row of the column: whether it is known; empty when all are.
 std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std::size_t shown) {
   if (shown == visible.size()) return {};
@@ -48,12 +36,31 @@ std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std:
 
 }  // namespace
 
+RingFactorOptions ring_factor_options(RingFactorOptions options) {
+  options.channels = 3;
+  options.sensor_variance = kSensorVariance;
+  return options;
+}
+
+double image_weight(const RingFactorOptions& options, double share_shown) {
+  return options.imputation == Imputation::kLeastSquares ? 1 : share_shown * share_shown;
+}
+
 RingModel::RingModel(int samples, const RingModelOptions& options, unsigned phase)
     : options_(options),
-      factor_(3 * samples, factor_options(options.factor), phase),
+      factor_(3 * samples, ring_factor_options(options.factor), phase),
       shown_(static_cast<std::size_t>(samples), 0),
       choice_phase_(phase * kGoldenRatio - std::floor(phase * kGoldenRatio)),
       choice_due_(choice_after(0)) {}
+
+/// The paper's imputation takes images that show part of a ring only with half of it visible, and when the basis rests
+/// on some that show all (000 sec. 3.2: after 8 to 10).
+bool RingModel::shows_enough(std::size_t shown, std::size_t samples) const {
+  constexpr int kFirstWhole = 9;
+  const bool gated = options_.factor.imputation == Imputation::kLeastSquares && shown < samples;
+  if (gated && (images_ < kFirstWhole || 2 * shown < samples)) return false;
+  return shown > 0 && static_cast<double>(shown) >= options_.min_visible * static_cast<double>(samples);
+}
 
 RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
                                       const Eigen::Vector3f& direction, float cosine, float reliability) {
@@ -62,7 +69,8 @@ RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<c
   if (!shows_enough(shown, visible.size())) return result;
   result.used = true;
   const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
-  const RingFactor::Reports folded = factor_.add(column, known_rows(visible, shown), trust(share));
+  const RingFactor::Reports folded =
+      factor_.add(column, known_rows(visible, shown), image_weight(options_.factor, share));
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
   directions_.push_back(direction);
@@ -83,12 +91,13 @@ void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uin
   if (view < folded) {
     const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
     const auto weight = static_cast<float>(factor_.weight_of(view));
-    factor_.take_from(view, column, known_rows(visible, shown), trust(share));
+    factor_.take_from(view, column, known_rows(visible, shown), image_weight(options_.factor, share));
     if (factor_.folded_views() < folded) {
       erase_view(view);
       place_those_left_alone();
     } else {  // it was merged: the view moves back to where the others are
-      move_view(view, weight * directions_[view] - static_cast<float>(trust(share)) * direction);
+      move_view(view,
+                weight * directions_[view] - static_cast<float>(image_weight(options_.factor, share)) * direction);
     }
   } else {
     factor_.remove(view);
@@ -348,6 +357,8 @@ std::shared_ptr<const RingSnapshot> RingModel::settled_snapshot(const Eigen::Mat
       krige(snapshot->directions, factor_.displayed_coefficients(), reliability, interpolation_.kernel,
             interpolation_.drift ? drift_of_views(frame.row(2)) : Eigen::VectorXf()),
       interpolation_.kernel, reflection_);
+  if (options_.interpolation.method == ViewMethod::kDelaunay)
+    snapshot->set_triangulation(factor_.displayed_coefficients());
   snapshot->residual = residual_;
   snapshot->best_cosine = best_cosine_;
   snapshot->views_folded = images_;

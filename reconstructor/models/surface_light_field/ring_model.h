@@ -20,8 +20,16 @@ struct RingModelOptions {
   int max_views = 96;            ///< directions kept a ring; beyond it the two nearest ones become one
   double min_visible = 0.1;      ///< share of a ring's samples that an image must show
   double repeat_angle = 0.0175;  ///< rad from a kept view within which an image may be a repetition of it; 0 = none is
+  ViewInterpolationOptions interpolation;
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
 };
+
+/// As the factor of a ring takes them: three channels, and the noise of a camera.
+RingFactorOptions ring_factor_options(RingFactorOptions options);
+
+/// Weight of an image in a ring's factor: what it does not show is a guess that only repeats the basis, so it counts
+/// for less than its share (docs/decisions/missing_samples.md). The paper's imputation has no weights.
+double image_weight(const RingFactorOptions& options, double share_shown);
 
 /// The surface light field round one vertex as it grows: the online SVD of what was seen and from where.
 class RingModel {
@@ -100,9 +108,7 @@ class RingModel {
   int choice_after(int images) const;
   int nearest_view(const Eigen::Vector3f& direction, int views, float& cosine) const;
   void follow(const RingFactor::Reports& reports, Absorbed& result);
-  bool shows_enough(std::size_t shown, std::size_t samples) const {
-    return shown > 0 && static_cast<double>(shown) >= options_.min_visible * static_cast<double>(samples);
-  }
+  bool shows_enough(std::size_t shown, std::size_t samples) const;
   int view_of(const Eigen::Vector3f& direction) const;
   void place(int view);
   void move_view(int view, const Eigen::Vector3f& direction);

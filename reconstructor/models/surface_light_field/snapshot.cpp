@@ -104,7 +104,16 @@ void RingSnapshot::set_interpolation(ViewInterpolant interpolant, const ViewKern
   sill = static_cast<float>(std::min(interpolant.sill / values, kMostSill));
 }
 
+void RingSnapshot::set_triangulation(const Eigen::MatrixXf& coefficients) {
+  triangulation = std::make_shared<ViewTriangulation>(triangulate_views(frame, directions));
+  weights = coefficients;
+  mean.setZero();
+  drift.resize(0);
+  reflection.reset();
+}
+
 Eigen::VectorXf RingSnapshot::coefficients(const Eigen::Vector3f& direction) const {
+  if (triangulation) return weights * delaunay_weights(*triangulation, hemisphere_point(frame, direction));
   Eigen::VectorXf h = mean + weights * covariances(kernel, directions, direction);
   if (reflection) h += reflection->at(direction, frame.row(2)) * drift;
   return h;

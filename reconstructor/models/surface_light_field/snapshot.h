@@ -10,6 +10,7 @@
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/numerics/view_kriging.h"
 #include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
 
@@ -44,6 +45,9 @@ struct RingSnapshot {
   Eigen::VectorXf drift;        ///< rank: of the reflection that all rings share; empty where the ring does without
   std::shared_ptr<const ReflectionDrift> reflection;  ///< null where `drift` is empty
   ViewKernel kernel;
+  /// Where views are interpolated as the paper does it, for comparison: `weights` are the views' own coefficients then,
+  /// and mean and drift are none. Null for kriging.
+  std::shared_ptr<const ViewTriangulation> triangulation;
   Eigen::Matrix3f frame;            ///< of the vertex's hemisphere
   std::vector<std::uint8_t> shown;  ///< a sample: share of the ring's images that showed it (`shown_share`)
   float sill = 0;                   ///< mean square a value: how much it varies with the view (`ViewInterpolant::sill`)
@@ -55,6 +59,9 @@ struct RingSnapshot {
   /// that the interpolant's drift is of, if it has one.
   void set_interpolation(ViewInterpolant interpolant, const ViewKernel& view_kernel,
                          std::shared_ptr<const ReflectionDrift> shared);
+
+  /// Interpolates the views' coefficients (rank x views) over the Delaunay triangulation of their directions instead.
+  void set_triangulation(const Eigen::MatrixXf& coefficients);
 
   int rank() const { return static_cast<int>(basis.cols()); }
   SampleState state(int sample) const { return sample_state(shown[sample]); }

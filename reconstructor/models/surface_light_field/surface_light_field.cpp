@@ -53,7 +53,7 @@ ImageName name_of(const Capture& capture) {
 
 struct SurfaceLightField::Pipeline {
   Pipeline(std::shared_ptr<const Mesh> of_mesh, const SurfaceLightFieldOptions& chosen)
-      : mesh(std::move(of_mesh)), options(chosen), interpolation(*mesh) {}
+      : mesh(std::move(of_mesh)), options(chosen), interpolation(*mesh, options.ring.interpolation) {}
 
   std::shared_ptr<const Mesh> mesh;
   SurfaceLightFieldOptions options;

@@ -48,7 +48,8 @@ InterpolationErrors interpolation_errors(const Eigen::Matrix3Xf& directions,
   return relative;
 }
 
-InterpolationChoice::InterpolationChoice(const Mesh& mesh) : latest_(mesh.vertices.size()) {
+InterpolationChoice::InterpolationChoice(const Mesh& mesh, const ViewInterpolationOptions& options)
+    : options_(options), latest_(mesh.vertices.size()) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const auto& triangle : mesh.triangles)
     for (int c = 0; c < 3; ++c) {
@@ -74,14 +75,18 @@ ViewInterpolation InterpolationChoice::choose(std::uint32_t ring) const {
   std::array<double, 2 * kKernels> near{};
   double rings = 1;
   std::copy(latest_[ring]->begin(), latest_[ring]->end(), near.begin());  // infinite where it cannot have the drift
-  for (std::uint32_t i = first_neighbour_[ring]; i < first_neighbour_[ring + 1]; ++i) {
+  for (std::uint32_t i = first_neighbour_[ring]; options_.neighbours && i < first_neighbour_[ring + 1]; ++i) {
     const std::optional<InterpolationErrors>& neighbour = latest_[neighbours_[i]];
     if (!neighbour) continue;
     ++rings;
     for (std::size_t k = 0; k < near.size(); ++k) near[k] += error_of(*neighbour, k);
   }
   const double best_of_all = least(all_);
-  const auto cost = [&](std::size_t k) { return kOwnWeight * near[k] / rings + all_[k] / best_of_all; };
+  const auto cost = [&](std::size_t k) {
+    if (!options_.exponential && kViewKernels[k % kKernels].shape == KernelShape::kExponential)
+      return std::numeric_limits<double>::infinity();
+    return kOwnWeight * near[k] / rings + all_[k] / best_of_all;
+  };
   std::size_t chosen = 0;
   for (std::size_t k = 1; k < near.size(); ++k)
     if (cost(k) < cost(chosen)) chosen = k;

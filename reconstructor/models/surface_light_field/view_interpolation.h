@@ -12,6 +12,19 @@
 
 namespace sheen {
 
+enum class ViewMethod {
+  kKriging,
+  kDelaunay,  ///< the paper's (000 sec. 4.2), for comparison: `delaunay_weights`
+};
+
+/// What rings may choose from. Other than the default it is for studies of what the parts are worth.
+struct ViewInterpolationOptions {
+  ViewMethod method = ViewMethod::kKriging;
+  bool drift = true;        ///< the reflection that all rings share
+  bool exponential = true;  ///< exponential kernels, beside those of Matern
+  bool neighbours = true;   ///< errors of neighbouring rings count in a ring's choice
+};
+
 /// How a ring interpolates between its views: by a kernel of kViewKernels, with the drift that all rings share or
 /// without.
 struct ViewInterpolation {
@@ -35,7 +48,7 @@ InterpolationErrors interpolation_errors(const Eigen::Matrix3Xf& directions,
 class InterpolationChoice {
  public:
   /// Rings are the vertices of the mesh.
-  explicit InterpolationChoice(const Mesh& mesh);
+  explicit InterpolationChoice(const Mesh& mesh, const ViewInterpolationOptions& options = {});
 
   /// A ring's errors, in place of those that it had before.
   void count(std::uint32_t ring, const InterpolationErrors& errors);
@@ -44,6 +57,7 @@ class InterpolationChoice {
   void clear();
 
  private:
+  ViewInterpolationOptions options_;
   std::vector<std::uint32_t> first_neighbour_, neighbours_;  ///< of ring v: neighbours_[first_neighbour_[v]] and on
   std::vector<std::optional<InterpolationErrors>> latest_;   ///< a ring
   std::array<double, 2 * kViewKernels.size()> all_{};        ///< sum over all that were counted

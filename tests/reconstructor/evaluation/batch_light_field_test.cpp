@@ -29,7 +29,8 @@ Pair build_both(const Object& object, const std::vector<Capture>& images, int ra
   ingest_all(online, images);
   BatchLightField batch(object.mesh, exact_options(rank));
   for (const Capture& image : images) batch.add(image);
-  return {online.light_field_snapshot(), batch.factorize(rank)};
+  return {online.light_field_snapshot(),
+          batch.factorize(BatchFactorization::reference(exact_options(rank).ring.factor))};
 }
 
 TEST(BatchLightField, IsTheOnlineOneWhereNothingIsMissingAndTheRankIsFull) {
@@ -65,7 +66,7 @@ TEST(BatchLightField, FillsWhatSomeImagesDoNotShow) {
   for (std::size_t v = 0; v < batch.rings(); ++v) {
     const RingMatrix ring = batch.ring(v);
     if (ring.views() < 4 || (ring.known != 0).all() || !(ring.known != 0).rowwise().any().all()) continue;
-    const BatchPca pca = batch_pca_missing(ring.columns, ring.known, 1, {}, BatchLightField::kEnough);
+    const BatchPca pca = batch_pca_missing(ring.columns, ring.known, 1, {}, BatchFactorization::quick(1).missing);
     // A diffuse row has one value: what is filled in must be what other images show of the row.
     const Eigen::MatrixXf model = (pca.basis * pca.coefficients).cast<float>();
     for (Eigen::Index i = 0; i < model.rows(); ++i) {
@@ -79,7 +80,7 @@ TEST(BatchLightField, FillsWhatSomeImagesDoNotShow) {
   }
   EXPECT_GT(holes, 1000);
   EXPECT_LT(filled, 2 * shown + 0.02);
-  EXPECT_GT(compare(*batch.factorize(1), scene, eyes(3, 0.5, 0.4, 0.9)).psnr_db(), 35);
+  EXPECT_GT(compare(*batch.factorize(BatchFactorization::quick(1)), scene, eyes(3, 0.5, 0.4, 0.9)).psnr_db(), 35);
 }
 
 TEST(BatchLightField, KeepsEveryColumn) {

@@ -4,7 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
 #include <random>
+
+#include "tests/support/test_matrices.h"
 
 namespace sheen {
 namespace {
@@ -64,6 +68,34 @@ TEST(RingSample, OnlineIsNeverBetterThanTheBestThereIs) {
     EXPECT_GT(online, batch_error(numbered, rank) * (1 - 1e-6));
     EXPECT_LT(online, 1);
   }
+}
+
+TEST(RingSample, WithHolesNoOrderExplainsWhatIsKnownBetterThanTheBatch) {
+  std::vector<RingMatrix> rings;
+  std::mt19937 generator(5);
+  for (unsigned r = 0; r < 3; ++r) {
+    std::vector<std::uint32_t> images(24);
+    std::iota(images.begin(), images.end(), 0u);
+    RingMatrix ring = ring_of(ring_like_matrix(48, 24, 6, 0.05f, 30 + 40 * r), images);
+    for (int j = 0; j < ring.views(); ++j)
+      if (generator() % 3 > 0) ring.known.col(j).head(3 * static_cast<Eigen::Index>(generator() % 12)).setZero();
+    rings.push_back(std::move(ring));
+  }
+  const double best = batch_surprise(rings, 3);
+  std::vector<std::uint32_t> images(24);
+  std::iota(images.begin(), images.end(), 0u);
+  double least = 1e9, most = -1e9;
+  for (int order = 0; order < 4; ++order) {
+    for (const int inside : {3, 6}) {
+      const double online = online_surprise(rings, orders_by_image(rings, images),
+                                            {.max_rank = 3, .internal_rank = inside, .tolerance = 0});
+      least = std::min(least, online);
+      most = std::max(most, online);
+    }
+    std::shuffle(images.begin(), images.end(), generator);
+  }
+  EXPECT_GE(least, best - 1e-5);
+  EXPECT_GT(most, best + 1e-3) << "and some are worse";
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include <Eigen/SVD>
 #include <limits>
-#include <random>
 #include <stdexcept>
 #include <vector>
 
@@ -22,13 +21,6 @@ using Eigen::VectorXd;
 double miss(const BatchPca& pca, const MatrixXf& truth) {
   const MatrixXd t = truth.cast<double>();
   return (pca.basis * pca.coefficients - t).norm() / t.norm();
-}
-
-/// Each value known with this probability.
-KnownValues known_at_random(int rows, int columns, double share, std::uint32_t seed) {
-  std::mt19937 engine(seed);
-  std::bernoulli_distribution shown(share);
-  return KnownValues::NullaryExpr(rows, columns, [&] { return static_cast<std::uint8_t>(shown(engine)); });
 }
 
 TEST(BatchPca, ADiagonalMatrixKeepsItsLargestEntries) {
@@ -92,50 +84,8 @@ TEST(BatchPca, RefusesWhatItCannotFactorise) {
   EXPECT_THROW(batch_pca(data, 0), std::invalid_argument);
   EXPECT_THROW(batch_pca(data, 1, std::vector<double>{1, 1}), std::invalid_argument);
   EXPECT_THROW(batch_pca(data, 1, std::vector<double>{1, 0, 1}), std::invalid_argument);
-  EXPECT_THROW(batch_pca_missing(data, KnownValues::Ones(3, 4), 1), std::invalid_argument);
   data(1, 1) = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW(batch_pca(data, 1), std::invalid_argument);
-  EXPECT_THROW(batch_pca_missing(data, KnownValues::Ones(4, 3), 1), std::invalid_argument);
-}
-
-TEST(BatchPcaMissing, WithNothingMissingIsTheBatch) {
-  const MatrixXf data = ring_like_matrix(80, 40, 5, 0.01f, 6);
-  const BatchPca full = batch_pca(data, 6);
-  const BatchPca missing = batch_pca_missing(data, KnownValues::Ones(80, 40), 6);
-  EXPECT_LT(missing.relative_error, 1.002 * full.relative_error);
-  EXPECT_GE(missing.relative_error, full.relative_error * (1 - 1e-9)) << "nothing is better than the best";
-}
-
-TEST(BatchPcaMissing, CompletesALowRankMatrixExactly) {
-  // Generic values of a matrix of rank 3 determine the rest.
-  const MatrixXf truth = ring_like_matrix(90, 40, 2, 0, 7);
-  const KnownValues known = known_at_random(90, 40, 0.5, 8);
-  const MatrixXf shown = (known != 0).select(truth, std::numeric_limits<float>::quiet_NaN());
-  const BatchPca pca = batch_pca_missing(shown, known, 3);
-  EXPECT_LT(miss(pca, truth), 1e-4);
-  EXPECT_LT(orthogonality_loss(pca.basis), 1e-12);
-}
-
-TEST(BatchPcaMissing, FillsNoisyGapsNearlyToTheNoise) {
-  const MatrixXf clean = ring_like_matrix(150, 60, 4, 0, 9);
-  const MatrixXf noisy = clean + 0.01f * gaussian_matrix(150, 60, 10);
-  const KnownValues known = known_at_random(150, 60, 0.5, 11);
-  const double full = miss(batch_pca(noisy, 5), clean);
-  // Half of the values: the variance of 5 (150 + 60) parameters doubles.
-  EXPECT_LT(miss(batch_pca_missing(noisy, known, 5), clean), 1.6 * full);
-}
-
-TEST(BatchPcaMissing, RowsAndColumnsOfWhichNothingIsKnownAreZero) {
-  const MatrixXf data = ring_like_matrix(30, 12, 2, 0.01f, 12);
-  KnownValues known = KnownValues::Ones(30, 12);
-  known.row(7).setZero();
-  known.col(3).setZero();
-  const BatchPca pca = batch_pca_missing(data, known, 3);
-  const MatrixXd model = pca.basis * pca.coefficients;
-  EXPECT_LT(model.row(7).norm(), 1e-12);
-  EXPECT_LT(model.col(3).norm(), 1e-12);
-  EXPECT_TRUE(model.allFinite());
-  EXPECT_EQ(batch_pca_missing(data, KnownValues::Zero(30, 12), 3).rank(), 0);
 }
 
 }  // namespace

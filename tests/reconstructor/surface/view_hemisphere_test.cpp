@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <Eigen/LU>
 #include <numeric>
 
@@ -83,6 +85,24 @@ TEST(DelaunayWeights, InterpolateInsideTheHullAndClampOutside) {
       EXPECT_NEAR(w.sum(), 1, 1e-4);
       EXPECT_GE(w.minCoeff(), 0);
     }
+}
+
+TEST(DelaunayWeights, ReproduceLinearFunctionsInsideTheHull) {
+  const Eigen::Matrix3Xf directions = upper_directions(40, 6);
+  const ViewTriangulation views = triangulate_views(Eigen::Matrix3f::Identity(), directions);
+  const Eigen::Matrix2Xf places = views.points.rightCols(40);
+  int inside = 0;
+  for (float y = -0.95f; y < 1; y += 0.07f)
+    for (float x = -0.95f; x < 1; x += 0.07f) {
+      const Eigen::Vector2f place(x, y);
+      const ViewTriangulation::Location at = views.locate(place);
+      ASSERT_GE(at.triangle, 0);
+      const auto& corners = views.triangles[static_cast<std::size_t>(at.triangle)];
+      if (std::any_of(corners.begin(), corners.end(), [](int p) { return p < ViewTriangulation::kCorners; })) continue;
+      ++inside;
+      EXPECT_LT((places * delaunay_weights(views, place) - place).norm(), 1e-5) << x << ", " << y;
+    }
+  EXPECT_GT(inside, 100);
 }
 
 TEST(DelaunayWeights, NoViewsGiveNoWeights) {

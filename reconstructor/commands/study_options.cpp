@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/commands/study_options.h"
+
+namespace sheen {
+
+void StudyOptions::apply(SurfaceLightFieldOptions& options) const {
+  if (interpolation == "delaunay") options.ring.interpolation.method = ViewMethod::kDelaunay;
+  if (imputation == "least-squares") options.ring.factor.imputation = Imputation::kLeastSquares;
+}
+
+void add_study_options(CLI::App& command, StudyOptions& options) {
+  command.add_option("--interpolation", options.interpolation, "between views: kriging, or delaunay as in the paper")
+      ->check(CLI::IsMember({"kriging", "delaunay"}))
+      ->group("Studies");
+  command
+      .add_option("--imputation", options.imputation,
+                  "of what images do not show: most-probable, or least-squares with gates as in the paper")
+      ->check(CLI::IsMember({"most-probable", "least-squares"}))
+      ->group("Studies");
+}
+
+}  // namespace sheen

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "reconstructor/models/surface_light_field/surface_light_field_options.h"
+
+namespace sheen {
+
+/// The two ways in which Sheen departs most from the paper, selectable to compare with the paper's own.
+struct StudyOptions {
+  std::string interpolation = "kriging", imputation = "most-probable";
+
+  void apply(SurfaceLightFieldOptions& options) const;
+};
+
+/// --interpolation and --imputation, in a group of their own.
+void add_study_options(CLI::App& command, StudyOptions& options);
+
+}  // namespace sheen

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// The paper's interpolation and imputation, kept to compare with.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "reconstructor/models/surface_light_field/ring_model.h"
+#include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
+#include "tests/support/test_matrices.h"
+
+namespace sheen {
+namespace {
+
+using analytic::eyes;
+
+constexpr int kSamples = 20;
+
+struct Stream {
+  RingModel ring{kSamples, {.factor = {.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares}}};
+  Eigen::MatrixXf columns = ring_like_matrix(3 * kSamples, 40, 3, 0.01f, 1);
+  int next = 0;
+
+  /// Whether the next image, which shows so many samples, was used.
+  bool takes(int shown) {
+    std::vector<std::uint8_t> visible(kSamples, 0);
+    std::fill_n(visible.begin(), shown, 1);
+    const float angle = 0.05f * static_cast<float>(next);
+    const Eigen::Vector3f direction(std::sin(angle), 0, std::cos(angle));
+    return ring.absorb(columns.col(next++), visible, direction, std::cos(angle), std::cos(angle)).used;
+  }
+};
+
+TEST(PapersWays, HalfOfARingMustBeVisibleAndNineImagesShowAllOfItFirst) {
+  Stream stream;
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_FALSE(stream.takes(kSamples - 1)) << "too early, after " << i;
+    EXPECT_TRUE(stream.takes(kSamples));
+  }
+  EXPECT_FALSE(stream.takes(kSamples - 1));
+  EXPECT_TRUE(stream.takes(kSamples));
+  EXPECT_TRUE(stream.takes(kSamples / 2));
+  EXPECT_FALSE(stream.takes(kSamples / 2 - 1));
+}
+
+TEST(PapersWays, ImagesThatHideSamplesCountAsMuchAsOthers) {
+  EXPECT_EQ(image_weight({.imputation = Imputation::kLeastSquares}, 0.5), 1);
+  EXPECT_EQ(image_weight({}, 0.5), 0.25);
+}
+
+TEST(PapersWays, DelaunayPassesThroughTheViewsAndIsLinearBetweenThem) {
+  const Object object = square_object();
+  const std::vector<Eigen::Vector3d> from = eyes(25, 0.5, 0.55);
+  SurfaceLightFieldOptions options = plain_options();
+  options.ring.factor = {.max_rank = 6, .tolerance = 0};
+  options.ring.interpolation.method = ViewMethod::kDelaunay;
+  SurfaceLightField model(object.mesh, options);
+  ingest_all(model, captures({object.surface, analytic::two_terms(0.2)}, from));
+  const auto snapshot = model.light_field_snapshot();
+  const std::size_t middle = 9 * 4 + 4;
+  const RingSnapshot& ring = *snapshot->ring_data()[middle];
+  ASSERT_TRUE(ring.triangulation);
+  for (int j = 0; j < 25; ++j)
+    EXPECT_LT((ring.coefficients(ring.directions.col(j)) - ring.weights.col(j)).norm(), 0.02 * ring.weights.norm() / 5)
+        << j;
+  int inside = 0;
+  for (const auto& corners : ring.triangulation->triangles) {
+    if (std::any_of(corners.begin(), corners.end(), [](int p) { return p < ViewTriangulation::kCorners; })) continue;
+    ++inside;
+    Eigen::Vector2f place = Eigen::Vector2f::Zero();
+    Eigen::VectorXf mean = Eigen::VectorXf::Zero(ring.rank());
+    for (const int p : corners) {
+      place += ring.triangulation->points.col(p) / 3;
+      mean += ring.weights.col(p - ViewTriangulation::kCorners) / 3;
+    }
+    const Eigen::Vector3f local(place.x(), place.y(), std::sqrt(1 - place.squaredNorm()));
+    EXPECT_LT((ring.coefficients(ring.frame.transpose() * local) - mean).norm(), 1e-3 * mean.norm());
+  }
+  EXPECT_GT(inside, 10);
+}
+
+TEST(PapersWays, WithoutTheDriftNoRingHasOne) {
+  const Object object = sphere_object();
+  const std::vector<Capture> images = captures({object.surface, analytic::two_terms(0.2)}, eyes(20, 0.5, 0.2));
+  for (const bool drift : {true, false}) {
+    SurfaceLightFieldOptions options = plain_options();
+    options.ring.interpolation.drift = drift;
+    SurfaceLightField model(object.mesh, options);
+    ingest_all(model, images);
+    const auto snapshot = model.light_field_snapshot();
+    const auto with = std::count_if(snapshot->ring_data().begin(), snapshot->ring_data().end(),
+                                    [](const auto& ring) { return ring && ring->reflection; });
+    EXPECT_EQ(with > 0, drift);
+  }
+}
+
+TEST(PapersWays, WithoutExponentialKernelsNoRingHasOne) {
+  const Object object = sphere_object();
+  const std::vector<Capture> images = captures({object.surface, analytic::two_terms(0.2)}, eyes(20, 0.5, 0.2));
+  SurfaceLightFieldOptions options = plain_options();
+  options.ring.interpolation.exponential = false;
+  SurfaceLightField model(object.mesh, options);
+  ingest_all(model, images);
+  const auto snapshot = model.light_field_snapshot();
+  int rings = 0;
+  for (const auto& ring : snapshot->ring_data()) {
+    if (!ring) continue;
+    ++rings;
+    EXPECT_EQ(ring->kernel.shape, KernelShape::kMatern);
+  }
+  EXPECT_GT(rings, 100);
+}
+
+}  // namespace
+}  // namespace sheen
