@@ -330,7 +330,10 @@ void CaptureReceiver::Impl::say_hello() {
   hello_clock_ns = asked_clock_ns = hello.clock_ns;
   ask_clock_due = last_hello + kCompareClocks;
   granted_anew = hello.credits;
-  may_come = std::min(may_come + granted_anew, 2 * static_cast<std::uint32_t>(options.credits));
+  // What is on its way may still come; with what waits here it is never more than twice the credits.
+  const std::size_t most = 2 * static_cast<std::size_t>(options.credits);
+  may_come =
+      static_cast<std::uint32_t>(std::min<std::size_t>(may_come + granted_anew, most - std::min(most, queue.size())));
   unsaid_credits = 0;  // told by what hello grants
   unsaid_acks.clear();
 }

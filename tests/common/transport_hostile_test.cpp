@@ -173,6 +173,20 @@ TEST(HostileSender, WhatExceedsTheCreditsIsDroppedUnopenedAndTheLinkGoesOn) {
   expect_kept(*peer.receiver, FakeSender::kCredits + 1, FakeSender::kCredits + 1);
 }
 
+TEST(HostileSender, HellosThatAreNotAnsweredGiveNoMoreThanTwiceTheCredits) {
+  FakeSender peer;
+  peer.welcome();
+  peer.say(kept(3));  // a gap: it says hello again, and again
+  for (int i = 0; i < 4; ++i) peer.hear_hello();
+  constexpr std::uint64_t kSent = 100;
+  for (std::uint64_t sequence = 1; sequence <= kSent; ++sequence) peer.say(kept(sequence));
+  ASSERT_TRUE(eventually([&] {
+    const ReceiverStats stats = peer.receiver->stats();
+    return stats.kept + stats.rejected_messages >= kSent + 1;
+  }));
+  EXPECT_LE(peer.receiver->stats().kept, 2u * FakeSender::kCredits);
+}
+
 TEST(HostileSender, LiveFramesCostCreditsToo) {
   FakeSender peer;
   peer.welcome();
