@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/capture_end.h"
 
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "common/errors.h"
@@ -48,7 +49,8 @@ std::optional<CaptureEnd::Result> CaptureEnd::run() {
     result.model = folder_ / "model";
     save_reconstruction(reconstruction_, *result.model, folder_.string(), steps_of(EndStage::kSaving));
   }
-  result.report = live_report(reconstruction_, loop_.status(), steps_of(EndStage::kJudging));
+  result.report =
+      std::make_shared<nlohmann::json>(live_report(reconstruction_, loop_.status(), steps_of(EndStage::kJudging)));
   return result;
 }
 

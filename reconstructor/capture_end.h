@@ -4,8 +4,9 @@
 #include <chrono>
 #include <filesystem>
 #include <future>
+#include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <stop_token>
 
@@ -43,7 +44,7 @@ class CaptureEnd {
   bool stop(std::chrono::milliseconds patience);
 
   struct Result {
-    nlohmann::json report;
+    std::shared_ptr<const nlohmann::json> report;
     std::optional<std::filesystem::path> model;  ///< none where no image was accepted
   };
   /// Once it is over: what came of it; nothing when it was stopped. Throws what went wrong.

@@ -266,8 +266,8 @@ void serve(const ServeArguments& arguments) {
   else
     log_info("session", "no model: no image was accepted",
              {{"folder", arguments.session}, {"captures", status.journaled}});
-  print_summary(result.report);
-  if (!arguments.json.empty()) write_json(arguments.json, result.report);
+  print_summary(*result.report);
+  if (!arguments.json.empty()) write_json(arguments.json, *result.report);
   if (status.ingested > status.counts.withdrawn &&
       reconstruction.counts().accepted + reconstruction.counts().held_out == 0)
     throw FileError(arguments.mesh, "none of the session's " + std::to_string(status.ingested) +

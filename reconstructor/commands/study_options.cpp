@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/commands/study_options.h"
 
+#include <CLI/CLI.hpp>
+
 namespace sheen {
 
 void StudyOptions::apply(SurfaceLightFieldOptions& options) const {

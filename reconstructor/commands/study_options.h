@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 #include "reconstructor/models/surface_light_field/surface_light_field_options.h"
+
+namespace CLI {
+class App;
+}
 
 namespace sheen {
 
