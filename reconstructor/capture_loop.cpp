@@ -97,8 +97,10 @@ void CaptureLoop::receive(std::stop_token stop) {
         receiver_.acknowledge(received->capture.source_session, received->capture.sequence);
       }
     }
+    const ReceiverStats link = receiver_.stats();
+    if (observer_.on_link) observer_.on_link(link);
     const std::lock_guard lock(mutex_);
-    status_.link = receiver_.stats();
+    status_.link = link;
     status_.journaled = journaled;
     if (received && !received->live && status_.link.clock) {
       const std::int64_t trackers_now_ns = now_ns() + status_.link.clock->offset_ns;
@@ -148,7 +150,7 @@ void CaptureLoop::ingest(std::stop_token stop) {
         judge_live();
         last_judged = Clock::now();
       }
-      if (over) break;
+      if (over && patiently(stop, [&] { return journal.withdrawals_after(last_withdrawal_); }).empty()) break;
     }
   } catch (const std::exception& error) {
     const bool stopped_waiting = stop.stop_requested() && dynamic_cast<const SessionBusy*>(&error);

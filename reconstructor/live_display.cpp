@@ -2,11 +2,15 @@
 #include "reconstructor/live_display.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "common/color.h"
 #include "common/image_io.h"
 #include "reconstructor/models/surface_light_field/next_view.h"
+#include "reconstructor/render/gl/guidance.h"
+#include "reconstructor/render/gl/view_controls.h"
 
 namespace sheen {
 namespace {
@@ -42,12 +46,38 @@ TrackerLink link_of(const LoopStatus& status, const EndProgress& end,
   return status.link.connected && fresh ? TrackerLink::kConnected : TrackerLink::kStale;
 }
 
-std::string message_of(const LoopStatus& status) {
+std::string message_of(const LoopStatus& status, TrackerLink link, const std::string& tracker_command) {
   if (!status.error.empty()) return status.error;
   if (status.anew_until > 0)
     return "without what was taken back: image " + std::to_string(status.ingested) + " of " +
            std::to_string(status.anew_until);
+  const bool nobody = link == TrackerLink::kWaiting && !status.link.connected && status.link.last_error.empty();
+  if (nobody && !tracker_command.empty()) return "start a tracker: " + tracker_command;
   return status.link.last_error;
+}
+
+/// The mesh lit from the eye, where there is no light field yet; as the window has it.
+ImageU8 plain_picture(const RayPainter& painter, const Mesh& mesh, const Camera& camera,
+                      const Rigid3& camera_from_object) {
+  const std::vector<Hit> hits = painter.cast(camera, camera_from_object);
+  const Eigen::Vector3f eye = camera_centre(camera_from_object).cast<float>();
+  ImageU8 picture(camera.width, camera.height, 3);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (!hits[i]) continue;
+    const auto& triangle = mesh.triangles[hits[i].triangle];
+    const Eigen::Vector3f &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]],
+                          &c = mesh.vertices[triangle[2]];
+    const float facing = std::abs((b - a).cross(c - a).normalized().dot((eye - a).normalized()));
+    std::fill_n(picture.data() + 3 * i, 3, static_cast<std::uint8_t>(255 * 0.72f * (0.25f + 0.75f * facing)));
+  }
+  return picture;
+}
+
+/// From where a person would look at the mesh before there is a camera.
+Viewpoint first_look(const std::shared_ptr<const Mesh>& mesh) {
+  ViewControls controls;
+  controls.frame(mesh);
+  return controls.orbit.viewpoint(kPreviewWidth, 3 * kPreviewWidth / 4);
 }
 
 std::optional<WorkInHand> work_of(const EndProgress& end) {
@@ -56,16 +86,18 @@ std::optional<WorkInHand> work_of(const EndProgress& end) {
     if (end.total > 0) text += " " + std::to_string(end.done) + " of " + std::to_string(end.total);
     return text;
   };
+  constexpr const char* kNoModel = "Q: end now, without the model; the images are kept";
+  constexpr const char* kNoReport = "the model is saved; Q: end now, without the report";
   const double share = end.total > 0 ? static_cast<double>(end.done) / static_cast<double>(end.total) : 0;
   switch (end.stage) {
     case EndStage::kCapturing:
       break;
     case EndStage::kFinishing:
-      return WorkInHand{done("FINISHING: image"), share};
+      return WorkInHand{done("FINISHING: image"), share, kNoModel};
     case EndStage::kSaving:
-      return WorkInHand{done("SAVING the model: part"), share};
+      return WorkInHand{done("SAVING the model: part"), share, kNoModel};
     case EndStage::kJudging:
-      return WorkInHand{done("JUDGING the model on held-out views: picture"), share};
+      return WorkInHand{done("JUDGING the model on held-out views: picture"), share, kNoReport};
   }
   return std::nullopt;
 }
@@ -115,20 +147,21 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
                          .frames_refused = status.counts.refused,
                          .frames_withdrawn = status.counts.withdrawn,
                          .frames_waiting = status.waiting(),
-                         .images_per_s = status.images_per_s,
-                         .residual = status.last.relative_residual};
+                         .images_per_s = status.images_per_s};
+  if (status.counts.accepted > 0) figures.residual = status.last.relative_residual;
   if (std::isfinite(status.last.foretold_psnr_db)) figures.foretold_psnr_db = status.last.foretold_psnr_db;
   if (!status.held_out_curve.empty()) {
     figures.held_out_psnr_db = status.held_out_curve.back().psnr_db;
     figures.held_out_ssim = status.held_out_curve.back().ssim;
   }
+  const TrackerLink link = link_of(status, end, now.capture_at);
   feed_.publish({.snapshot = now.snapshot,
                  .capture = now.capture,
                  .figures = figures,
-                 .link = link_of(status, end, now.capture_at),
+                 .link = link,
                  .next_view = next_view_,
                  .work = work_of(end),
-                 .message = message_of(status)});
+                 .message = message_of(status, link, names_.tracker_command)});
 }
 
 MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgress& end) {
@@ -140,7 +173,14 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.model = "surface-light-field";
   state.session_folder = names_.session_folder;
   if (now.capture) state.source_session = now.capture->source_session;
-  state.links.push_back({"tracker", names_.endpoint, status.link.connected, names_.encrypted, status.link.last_error});
+  tracker_came_ |= status.link.connected || now.capture;
+  state.links.push_back({.name = "tracker",
+                         .endpoint = names_.endpoint,
+                         .connected = status.link.connected,
+                         .encrypted = names_.encrypted,
+                         .last_error = status.link.last_error,
+                         .came = tracker_came_});
+  if (!tracker_came_) state.hint = names_.tracker_command;
   state.ended = status.link.ended;
   state.ending = ending_of(end);
   state.error = status.error;
@@ -162,8 +202,8 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.model_bytes = status.model_bytes;
   for (const LoopStatus::HeldOutPoint& p : status.held_out_curve)
     state.held_out_curve.push_back({p.images, p.psnr_db, p.ssim, p.constant_psnr_db});
-  if (next_view_)
-    state.next_view = "turn " + std::to_string(std::lround(next_turn_deg_)) + " degrees: " + next_view_->reason;
+  state.next_view = guidance_in_words(now);
+  state.well_known = next_view_ && next_view_->well_known;
   state.preview_jpeg = preview_jpeg_;
   state.camera_jpeg = camera_jpeg_;
   return state;
@@ -174,12 +214,16 @@ void LiveDisplay::update_previews(const Latest& now) {
     drawn_capture_ = now.capture;
     camera_jpeg_ = jpeg_text(thumbnail(to_srgb8(to_linear_rgb(now.capture->image)), kPreviewWidth));
   }
-  if (now.snapshot && now.capture && now.capture->pose.usable() && now.snapshot->version() != drawn_version_) {
-    drawn_version_ = now.snapshot->version();
-    const PaintedView view =
-        painter_.paint(*now.snapshot, preview_camera(now.capture->camera), now.capture->pose.camera_from_object);
-    preview_jpeg_ = jpeg_text(to_srgb8(view.beauty));
-  }
+  if (!now.snapshot || now.snapshot->version() == drawn_version_) return;
+  const bool posed = now.capture && now.capture->pose.usable(), untouched = now.snapshot->max_rank() == 0;
+  if (!posed && !untouched) return;
+  drawn_version_ = now.snapshot->version();
+  const Viewpoint from = posed ? Viewpoint{preview_camera(now.capture->camera), now.capture->pose.camera_from_object}
+                               : first_look(now.snapshot->shared_mesh());
+  if (untouched)
+    preview_jpeg_ = jpeg_text(plain_picture(painter_, now.snapshot->mesh(), from.camera, from.camera_from_object));
+  else
+    preview_jpeg_ = jpeg_text(to_srgb8(painter_.paint(*now.snapshot, from.camera, from.camera_from_object).beauty));
 }
 
 void LiveDisplay::update_next_view(const Latest& now) {
@@ -187,8 +231,20 @@ void LiveDisplay::update_next_view(const Latest& now) {
     return;
   advised_version_ = now.snapshot->version();
   const ViewAdvice advice = advise_next_view(*now.snapshot, camera_centre(now.capture->pose.camera_from_object));
-  next_view_ = NextView{advice.eye, advice.reason};
-  next_turn_deg_ = advice.turn_deg;
+  next_view_ = NextView{advice.eye, advice.reason, advice.well_known()};
+  if (!next_view_->well_known) return;
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), "even from the least known place %.0f dB are expected",
+                advice.foretold_psnr_db);
+  next_view_->reason = text.data();
+}
+
+std::string LiveDisplay::guidance_in_words(const Latest& now) const {
+  if (!next_view_ || !now.snapshot || !now.capture || !now.capture->pose.usable()) return {};
+  if (next_view_->well_known) return next_view_->reason;
+  const Guidance way =
+      guide(now.capture->pose.camera_from_object, bounding_sphere(now.snapshot->mesh()).centre, next_view_->eye);
+  return (way.there() ? "" : "move ") + in_words(way) + ": " + next_view_->reason;
 }
 
 }  // namespace sheen

@@ -22,6 +22,7 @@ class LiveDisplay {
   struct Names {
     std::string session_folder, endpoint;
     bool encrypted = false;
+    std::string tracker_command;  ///< that starts a tracker for us
   };
   LiveDisplay(const RayPainter& painter, Names names) : painter_(painter), names_(std::move(names)) {}
 
@@ -43,6 +44,7 @@ class LiveDisplay {
   Latest latest() const;
   void update_previews(const Latest& now);
   void update_next_view(const Latest& now);
+  std::string guidance_in_words(const Latest& now) const;
 
   const RayPainter& painter_;
   Names names_;
@@ -54,7 +56,7 @@ class LiveDisplay {
   std::shared_ptr<const std::string> preview_jpeg_, camera_jpeg_;
   std::uint64_t advised_version_ = ~std::uint64_t{0};
   std::optional<NextView> next_view_;
-  double next_turn_deg_ = 0;
+  bool tracker_came_ = false;
 };
 
 }  // namespace sheen

@@ -85,20 +85,29 @@ void open_window(std::optional<ViewerWindow>& window, const std::filesystem::pat
   }
 }
 
-/// Tells the log when the tracker comes and goes, and why it refuses.
+/// Tells the log when the tracker comes and goes, why it refuses, and when its source has ended.
 class LinkLog {
  public:
   void look(const ReceiverStats& link) {
-    if (link.connected != connected_) log_info("link", link.connected ? "connected to the tracker" : "tracker gone");
-    if (!link.last_error.empty() && link.last_error != error_) log_warning("link", link.last_error);
-    connected_ = link.connected;
-    error_ = link.last_error;
+    if (link.connected && !link_.connected) log_info("link", "connected to the tracker");
+    if (link.ended && !link_.ended) log_info("link", "the tracker's source has ended");
+    if (!link.connected && link_.connected)
+      log_info("link", link.ended ? "tracker gone, as announced" : "tracker gone");
+    if (!link.last_error.empty() && link.last_error != link_.last_error) log_warning("link", link.last_error);
+    link_ = link;
   }
 
  private:
-  bool connected_ = false;
-  std::string error_;
+  ReceiverStats link_;
 };
+
+/// What starts a tracker that this reconstructor finds.
+std::string tracker_command(const ReceiverOptions& link) {
+  std::string command = "sheen-tracker run --config rig.toml";
+  if (link.endpoint != ReceiverOptions{}.endpoint) command += " --endpoint " + link.endpoint;
+  if (link.keys) command += " --keys tracker.key --allow allowed.txt";
+  return command;
+}
 
 /// What the person at the window is told.
 std::string take_back_last(CaptureLoop& loop) {
@@ -115,13 +124,11 @@ class Publisher {
  public:
   Publisher(const CaptureLoop& loop, const CaptureEnd& end, LiveDisplay& display, MonitorServer* monitor, bool window)
       : thread_([&loop, &end, &display, monitor, window](const std::stop_token& stop) {
-          LinkLog link_log;
           auto last_monitor = std::chrono::steady_clock::now() - kMonitorInterval;
           EndStage last_stage = EndStage::kCapturing;
           for (; !stop.stop_requested(); std::this_thread::sleep_for(kDisplayInterval)) {
             const EndProgress progress = end.progress();
             const LoopStatus status = loop.status();
-            link_log.look(status.link);
             if (window) display.publish_to_window(status, progress);
             const auto now = std::chrono::steady_clock::now();
             if (!monitor || (now - last_monitor < kMonitorInterval && progress.stage == last_stage)) continue;
@@ -186,7 +193,9 @@ void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const 
 }
 
 /// Nothing is lost by an end without the model.
-std::string words_of_an_early_end(const ServeArguments& arguments, const LoopStatus& status) {
+std::string words_of_an_early_end(const ServeArguments& arguments, const LoopStatus& status, EndStage stage) {
+  if (stage == EndStage::kJudging)
+    return "ended before the report was made; the model is saved in " + arguments.session + "/model";
   return "ended before the model was finished; nothing is lost: " + std::to_string(status.journaled) +
          " captures are kept in " + arguments.session +
          ". The same command goes on with them; `sheen-reconstructor build " + arguments.session + " --mesh " +
@@ -214,16 +223,17 @@ CaptureEnd::Result finish(CaptureLoop& loop, CaptureEnd& end, ViewerWindow*& win
         window, feed);
   }
   if (!end.over() && !end.stop(kEarlyEndPatience)) {
-    std::fprintf(stderr, "sheen-reconstructor: %s\n", words_of_an_early_end(arguments, loop.status()).c_str());
+    std::fprintf(stderr, "sheen-reconstructor: %s\n",
+                 words_of_an_early_end(arguments, loop.status(), end.progress().stage).c_str());
     stop_logging();
     std::_Exit(1);  // the journal is durable, and the next save removes what this one leaves
   }
   if (std::optional<CaptureEnd::Result> result = end.result()) return *std::move(result);
-  throw Error(words_of_an_early_end(arguments, loop.status()));
+  throw Error(words_of_an_early_end(arguments, loop.status(), end.progress().stage));
 }
 
 void serve(const ServeArguments& arguments) {
-  install_stop_signals(2);        // the first begins the end, the second cuts it short
+  install_stop_signals();
   std::signal(SIGPIPE, SIG_IGN);  // whoever read our messages may be gone before the model is saved
   SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
   const TradeoffWish wish = arguments.wish.apply(config.surface_light_field);
@@ -239,7 +249,8 @@ void serve(const ServeArguments& arguments) {
   reconstruction.keep_within(wish, session.metadata(kEffortKey).value_or(""), session.size());
   if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
 
-  LiveDisplay display(reconstruction.painter(), {arguments.session, link.endpoint, link.keys.has_value()});
+  LiveDisplay display(reconstruction.painter(),
+                      {arguments.session, link.endpoint, link.keys.has_value(), tracker_command(link)});
   std::optional<MonitorServer> monitor;
   if (!arguments.no_monitor) {
     const std::string token = monitor_token(arguments.monitor_token, arguments.monitor_token_file);
@@ -250,11 +261,17 @@ void serve(const ServeArguments& arguments) {
   if (!arguments.headless) open_window(screen, arguments.session);
   ViewerWindow* window = screen ? &*screen : nullptr;
 
+  LinkLog link_log;
+  LoopObserver observer = display.observer();
+  observer.on_link = [&link_log](const ReceiverStats& stats) { link_log.look(stats); };
+  observer.on_snapshot(reconstruction.snapshot());  // the mesh, for who watches before the first image
   CaptureLoop loop(arguments.session, std::move(session), link, reconstruction,
-                   {.stop_when_source_ends = arguments.once}, display.observer());
+                   {.stop_when_source_ends = arguments.once}, std::move(observer));
   CaptureEnd end(loop, reconstruction, arguments.session);
+  if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
+  install_stop_signals(2);  // the first begins the end, the second cuts it short
   loop.start();
-  log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}});
+  log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}, {"start", tracker_command(link)}});
   const Publisher publisher(loop, end, display, monitor ? &*monitor : nullptr, window != nullptr);
   wait_until([&loop] { return loop.finished() || stop_requested(); }, window, display.feed(),
              [&loop] { return take_back_last(loop); });

@@ -48,6 +48,7 @@ struct MonitorState {
     bool connected = false;
     bool encrypted = false;
     std::string last_error;
+    bool came = false;  ///< it has been connected since the start
   };
   std::vector<Link> links;
   bool ended = false;  ///< the source said that nothing more comes
@@ -81,7 +82,9 @@ struct MonitorState {
     double psnr_db = 0, ssim = 0, constant_psnr_db = 0;
   };
   std::vector<HeldOutPoint> held_out_curve;
-  std::string next_view;  ///< where to hold the camera next, for a person
+  std::string next_view;    ///< where to hold the camera next, for a person
+  bool well_known = false;  ///< nothing needs an image any more; `next_view` says why
+  std::string hint;         ///< what to do while nothing comes: a command
 
   std::shared_ptr<const std::string> preview_jpeg;  ///< the model; null: none yet
   std::shared_ptr<const std::string> camera_jpeg;   ///< the newest camera image

@@ -48,13 +48,16 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
                {"source_session", state.source_session},
                {"published_age_s", finite(published_age_s)},
                {"frame_age_s", finite(frame_age_s)},
-               {"next_view", state.next_view}};
+               {"next_view", state.next_view},
+               {"well_known", state.well_known},
+               {"hint", state.hint}};
   json["links"] = Json::array();
   for (const MonitorState::Link& link : state.links)
     json["links"].push_back({{"name", link.name},
                              {"endpoint", link.endpoint},
                              {"connected", link.connected},
                              {"encrypted", link.encrypted},
+                             {"came", link.came},
                              {"last_error", link.last_error}});
   json["ending"] = nullptr;
   if (state.ending) json["ending"] = {{"done", state.ending->done}, {"total", state.ending->total}};

@@ -103,7 +103,7 @@ TEST_F(MonitorPage, ShowsWhatWasPublished) {
   MonitorServer server({.port = 0});
   MonitorState state = sample_monitor_state();
   state.preview_jpeg = std::make_shared<const std::string>(jpeg_of(200, 120, 60));
-  state.links.push_back({"viewer", "tcp://192.0.2.7:7411", false, true, "refused: unknown key"});
+  state.links.push_back({"viewer", "tcp://192.0.2.7:7411", false, true, "refused: unknown key", true});
   const Publisher publisher(server, state);
 
   const std::string page = browse("--dump-dom " + server.url());
@@ -111,7 +111,7 @@ TEST_F(MonitorPage, ShowsWhatWasPublished) {
   EXPECT_THAT(page, HasSubstr(element("state-detail", "viewer is gone")));
   EXPECT_THAT(page, HasSubstr(element("session", "/captures/teapot")));
   EXPECT_THAT(page, HasSubstr(element("accepted", "121")));
-  EXPECT_THAT(page, HasSubstr(element("accepted-detail", "160 received, 26 refused")));
+  EXPECT_THAT(page, HasSubstr(element("accepted-detail", "160 received, 26 refused, 6 waiting")));
   EXPECT_THAT(page, HasSubstr(element("psnr", "34.31")));
   EXPECT_THAT(page, HasSubstr(element("psnr-detail", "+5.44 dB over constant colour")));
   EXPECT_THAT(page, HasSubstr(element("ssim", "0.9612")));
@@ -120,6 +120,41 @@ TEST_F(MonitorPage, ShowsWhatWasPublished) {
                           HasSubstr("tcp://127.0.0.1:7410"), HasSubstr("refused: unknown key")));
   EXPECT_THAT(page, HasSubstr("src=\"preview.jpg?v=1\""));
   EXPECT_THAT(page, HasSubstr("id=\"camera\" alt=\"The newest camera image\" hidden"));
+}
+
+TEST_F(MonitorPage, BeforeTheFirstTrackerSaysHowToStartOne) {
+  MonitorServer server({.port = 0});
+  MonitorState state;
+  state.links = {{.name = "tracker", .endpoint = "tcp://127.0.0.1:7410"}};
+  state.hint = "sheen-tracker run --config rig.toml";
+  const Publisher publisher(server, state);
+  const std::string page = browse("--dump-dom " + server.url());
+  EXPECT_THAT(page, HasSubstr("data-state=\"waiting\""));
+  EXPECT_THAT(page, HasSubstr(element("state-detail", "for a tracker")));
+  EXPECT_THAT(page, HasSubstr("<p id=\"hint\">Start a tracker: <code>sheen-tracker run --config rig.toml</code>"));
+  EXPECT_THAT(page, HasSubstr("<li class=\"\">")) << "not red";
+  EXPECT_THAT(page, HasSubstr("<span>not there yet</span>"));
+}
+
+TEST_F(MonitorPage, ShowsHowFarTheEndIs) {
+  MonitorServer server({.port = 0});
+  MonitorState state = sample_monitor_state();
+  state.ending = {CaptureState::kSaving, 13, 52};
+  const Publisher publisher(server, state);
+  const std::string page = browse("--dump-dom " + server.url());
+  EXPECT_THAT(page, HasSubstr("data-state=\"saving\""));
+  EXPECT_THAT(page, HasSubstr(element("state-detail", "the model: part 13 of 52")));
+  EXPECT_THAT(page, HasSubstr("<div id=\"ending\" role=\"progressbar\"><div style=\"width: 25%;\">"));
+}
+
+TEST_F(MonitorPage, SaysWhenAllIsWellKnown) {
+  MonitorServer server({.port = 0});
+  MonitorState state = sample_monitor_state();
+  state.well_known = true;
+  state.next_view = "even from the least known place 36 dB are expected";
+  const Publisher publisher(server, state);
+  EXPECT_THAT(browse("--dump-dom " + server.url()),
+              HasSubstr("id=\"next-view\" class=\"done\">Done: even from the least known place 36 dB are expected<"));
 }
 
 TEST_F(MonitorPage, TextFromElsewhereStaysText) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/live_display.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/test_meshes.h"
+#include "common/jpeg.h"
+#include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
 namespace sheen {
 namespace {
@@ -20,6 +22,47 @@ TEST(LiveDisplay, SaysWhetherImagesAreStillToCome) {
   EXPECT_EQ(shown(status), TrackerLink::kWaiting);
   status.link.ended = true;
   EXPECT_EQ(shown(status), TrackerLink::kEnded) << "not a saved model that is looked at";
+}
+
+TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
+  const auto mesh = std::make_shared<const Mesh>(sphere_mesh(0.1f, 2));
+  const RayPainter painter(*mesh);
+  Reconstruction nothing_yet(*mesh, SurfaceLightFieldOptions{});
+  LiveDisplay display(painter, {.endpoint = "tcp://127.0.0.1:7410", .tracker_command = "sheen-tracker run"});
+  display.observer().on_snapshot(nothing_yet.snapshot());
+  const auto now = MonitorState::Clock::now();
+  const MonitorState waiting = display.monitor_state({});
+  EXPECT_EQ(capture_state(waiting, now, now), CaptureState::kWaiting);
+  EXPECT_EQ(waiting.hint, "sheen-tracker run");
+  EXPECT_EQ(waiting.next_view, "");
+  ASSERT_TRUE(waiting.preview_jpeg);
+  const ImageU8 picture = decode_jpeg(*waiting.preview_jpeg);
+  EXPECT_GT(picture.at(picture.width() / 2, picture.height() / 2, 0), 100) << "the mesh, in grey";
+  EXPECT_LT(picture.at(2, 2, 0), 20);
+  display.publish_to_window({});
+  EXPECT_EQ(display.feed().latest()->message, "start a tracker: sheen-tracker run");
+
+  LoopStatus status;
+  status.link.connected = true;
+  EXPECT_EQ(display.monitor_state(status).hint, "");
+  status.link.connected = false;
+  EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kDisconnected);
+}
+
+TEST(LiveDisplay, ThePageSaysInWhichDirectionTheNextImageIs) {
+  const Object object = square_object();
+  const auto images =
+      captures({object.surface, analytic::two_terms(0.1)}, {{0.02, 0, 0.5}, {0.05, 0.02, 0.5}, {0, 0.04, 0.5}});
+  Reconstruction reconstruction(*object.mesh, plain_options());
+  LiveDisplay display(reconstruction.painter(), {});
+  LoopObserver observer = display.observer();
+  for (const Capture& image : images) {
+    observer.on_capture(image);
+    reconstruction.ingest(image);
+  }
+  observer.on_snapshot(reconstruction.snapshot());
+  EXPECT_THAT(display.monitor_state({}).next_view,
+              ::testing::MatchesRegex("move [0-9]+ degrees (to the (left|right)(, [0-9]+ (up|down))?|up|down): .+"));
 }
 
 TEST(LiveDisplay, WhatIsReceivedIsUsedRefusedTakenBackOrWaits) {

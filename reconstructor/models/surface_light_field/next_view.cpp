@@ -52,7 +52,7 @@ ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eig
   const std::vector<double> worth = image_worth(snapshot, places);
   ViewAdvice best;
   best.eye = places[static_cast<std::size_t>(std::max_element(worth.begin(), worth.end()) - worth.begin())];
-  double sum = 0, weight = 0;
+  double sum = 0, squared_error = 0, weight = 0;
   std::array<double, 5> by_reason{};
   for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) {
     const Eigen::Vector3f direction = (best.eye.cast<float>() - mesh.vertices[v]).normalized();
@@ -62,10 +62,12 @@ ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eig
     if (const RingSnapshot* ring = snapshot.ring_data()[v].get())
       quality = assess_ring(*ring, direction, snapshot.common_sill());
     sum += facing * quality.heuristic();
+    squared_error += facing * quality.error * quality.error;
     weight += facing;
     by_reason[static_cast<std::size_t>(quality.reason())] += facing * quality.heuristic();
   }
   best.heuristic = weight > 0 ? sum / weight : 0;
+  if (squared_error > 0) best.foretold_psnr_db = -10 * std::log10(squared_error / weight);
   const auto best_reason = static_cast<QualityReason>(
       std::distance(by_reason.begin(), std::max_element(by_reason.begin(), by_reason.end())));
   const Eigen::Vector3d from = (eye - bounds.centre).normalized(), to = (best.eye - bounds.centre).normalized();

@@ -8,11 +8,17 @@
 
 namespace sheen {
 
+/// A light field of which even a picture from the place that is worth most is foretold at this PSNR is well known: more
+/// images change little that a person sees.
+inline constexpr double kWellKnownDb = 32;
+
 struct ViewAdvice {
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< object frame
   double heuristic = 0;                           ///< mean over the surface seen from there, 0 = nothing to gain .. 1
   double turn_deg = 0;                            ///< from the present eye, seen from the object
   std::string reason;                             ///< for a person: what is missing there
+  double foretold_psnr_db = 0;                    ///< of a picture from there
+  bool well_known() const { return foretold_psnr_db >= kWellKnownDb; }
 };
 
 /// Where an image would be worth most (`image_worth`): a place on the sphere through the present eye, above the stage's

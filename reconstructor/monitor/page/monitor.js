@@ -6,10 +6,10 @@ const fixed = (value, digits) => value === null || value === undefined ? "–" :
 const kPollMs = 1000;
 
 const details = {
-  waiting: () => "for the first frame",
+  waiting: (s) => s.links.every((l) => l.connected) ? "for the first frame" : "for a tracker",
   live: () => "",
   stale: (s) => "no frame for " + ago(s.frame_age_s),
-  disconnected: (s) => s.links.filter((l) => !l.connected).map((l) => l.name).join(", ") + " is gone",
+  disconnected: (s) => s.links.filter((l) => l.came && !l.connected).map((l) => l.name).join(", ") + " is gone",
   ended: () => "nothing more comes",
   finishing: (s) => "image " + s.ending.done + " of " + s.ending.total,
   saving: (s) => "the model: part " + s.ending.done + " of " + s.ending.total,
@@ -136,7 +136,9 @@ function show(s) {
   $("ending").hidden = !s.ending;
   if (s.ending) $("ending").firstElementChild.style.width = 100 * s.ending.done / Math.max(1, s.ending.total) + "%";
   $("error").hidden = !s.error; text("error", s.error);
-  $("next-view").hidden = !s.next_view; text("next-view", s.next_view ? "Next: " + s.next_view : "");
+  $("next-view").hidden = !s.next_view || s.ending; text("next-view", s.next_view ? (s.well_known ? "Done: " : "Next: ") + s.next_view : "");
+  $("next-view").className = s.well_known ? "done" : "";
+  $("hint").hidden = !s.hint; $("hint").firstElementChild.textContent = s.hint;
 
   const f = s.frames, curve = s.held_out_curve, last = curve[curve.length - 1];
   const refused = Object.entries(f.refused), allRefused = refused.reduce((sum, r) => sum + r[1], 0);
@@ -181,9 +183,9 @@ function show(s) {
     const item = document.createElement("li"), dot = document.createElement("span");
     const name = document.createElement("b"), where = document.createElement("code");
     const how = document.createElement("span");
-    item.className = l.connected ? "connected" : "";
+    item.className = l.connected ? "connected" : l.came ? "gone" : "";
     dot.className = "dot"; name.textContent = l.name; where.textContent = l.endpoint;
-    how.textContent = (l.connected ? "connected" : "not connected") + (l.encrypted ? ", encrypted" : "");
+    how.textContent = (l.connected ? "connected" : l.came ? "gone" : "not there yet") + (l.encrypted ? ", encrypted" : "");
     item.append(dot, name, where, how);
     if (l.last_error) {
       const trouble = document.createElement("span");

@@ -152,19 +152,6 @@ RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot) {
   return figures;
 }
 
-Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, const Eigen::Vector3d& next_eye) {
-  const Eigen::Matrix3d camera = camera_from_object.rotation.toRotationMatrix();
-  const Eigen::Vector3d out = (camera_centre(camera_from_object) - centre).normalized();
-  const Eigen::Vector3d image_up = -camera.row(1).transpose();
-  const Eigen::Vector3d right = image_up.cross(out).normalized();
-  const Eigen::Vector3d up = out.cross(right);
-  const Eigen::Vector3d next = (next_eye - centre).normalized();
-  const Eigen::Vector2d across(next.dot(right), next.dot(up));
-  const double degrees = std::atan2(across.norm(), next.dot(out)) * 180 / M_PI;
-  const Eigen::Vector2d way = across.norm() > 1e-9 ? Eigen::Vector2d(across.normalized()) : Eigen::Vector2d(1, 0);
-  return {degrees * way.x(), degrees * way.y()};
-}
-
 /// Boxes at the bottom stand above the line that says where to go next.
 float Hud::bottom_margin(const OverlayPainter& overlay) const {
   if (state.work) return 5.5f * overlay.line_height();
@@ -186,15 +173,11 @@ void Hud::draw_figures(OverlayPainter& overlay) const {
 }
 
 void Hud::draw_guidance(OverlayPainter& overlay) const {
-  constexpr double kThere = 4;  // degrees: as near as a hand gets
+  const bool done = state.next_view && state.next_view->well_known;
   if (!guidance) return;
-  const double right = guidance->right_deg, up = guidance->up_deg;
-  const bool there = std::hypot(right, up) < kThere;
-  std::string text = there ? "next image: here, hold still" : "next image:";
-  if (!there && std::abs(right) >= 1) text += print(" %.0f deg %s", std::abs(right), right > 0 ? "right" : "left");
-  if (!there && std::abs(right) >= 1 && std::abs(up) >= 1) text += ",";
-  if (!there && std::abs(up) >= 1) text += print(" %.0f deg %s", std::abs(up), up > 0 ? "up" : "down");
-  if (state.next_view && !state.next_view->reason.empty()) text += " (" + state.next_view->reason + ")";
+  std::string text = done ? "done" : "next image: " + in_words(*guidance);
+  if (state.next_view && !state.next_view->reason.empty())
+    text += done ? ": " + state.next_view->reason : " (" + state.next_view->reason + ")";
 
   const float arrow = 1.4f * overlay.line_height(), pad = overlay.advance();
   const float width = static_cast<float>(text.size()) * overlay.advance() + arrow + 3 * pad;
@@ -203,11 +186,12 @@ void Hud::draw_guidance(OverlayPainter& overlay) const {
   overlay.fill(x, y, width, height, kPanel);
   overlay.text(x + arrow + 2 * pad, y + (height - overlay.line_height()) / 2, text, kText);
   const Eigen::Vector2f middle(x + pad + arrow / 2, y + height / 2);
-  if (there) {
+  if (done || guidance->there()) {
     overlay.fill(middle.x() - arrow / 4, middle.y() - arrow / 4, arrow / 2, arrow / 2, kGreen);
     return;
   }
-  const Eigen::Vector2f along = Eigen::Vector2d(right, -up).normalized().cast<float>() * (arrow / 2);
+  const Eigen::Vector2f along =
+      Eigen::Vector2d(guidance->right_deg, -guidance->up_deg).normalized().cast<float>() * (arrow / 2);
   const Eigen::Vector2f side(-along.y(), along.x());
   overlay.line(middle - along, middle + 0.2f * along, arrow / 5, kGreen);
   overlay.triangle(middle + along, middle + 0.75f * side, middle - 0.75f * side, kGreen);
@@ -215,11 +199,10 @@ void Hud::draw_guidance(OverlayPainter& overlay) const {
 
 /// In the place of the guidance: nothing is to be photographed any more.
 void Hud::draw_work(OverlayPainter& overlay) const {
-  constexpr const char* kWayOut = "Q: end now, without the model; the images are kept";
   const std::string what = state.work->what;
   const float pad = overlay.advance(), bar = overlay.line_height() / 2;
-  const float width =
-      std::max(0.5f * static_cast<float>(overlay.width()), static_cast<float>(60) * overlay.advance() + 2 * pad);
+  const float window = static_cast<float>(overlay.width());
+  const float width = std::min(window, std::max(0.5f * window, 60 * overlay.advance() + 2 * pad));
   const float height = 2 * overlay.line_height() + bar + 2 * pad;
   const float x = (static_cast<float>(overlay.width()) - width) / 2;
   float y = static_cast<float>(overlay.height()) - height - 1.2f * overlay.line_height();
@@ -230,7 +213,7 @@ void Hud::draw_work(OverlayPainter& overlay) const {
   overlay.fill(x + pad, y, width - 2 * pad, bar, {70, 75, 84, 255});
   overlay.fill(x + pad, y, (width - 2 * pad) * static_cast<float>(std::clamp(state.work->share, 0.0, 1.0)), bar,
                kGreen);
-  overlay.text(x + pad, y + bar + pad / 2, kWayOut, kDim);
+  overlay.text(x + pad, y + bar + pad / 2, state.work->way_out, kDim);
 }
 
 void Hud::draw_legend(OverlayPainter& overlay) const {
@@ -261,7 +244,7 @@ void Hud::draw_legend(OverlayPainter& overlay) const {
     case ViewMode::kLightField:
       if (controls.states)
         swatches = states;
-      else if (ranks && ranks->seen < 1)
+      else if (ranks && ranks->seen > 0 && ranks->seen < 1)
         swatches = {{{52, 55, 62, 255}, "striped: no image shows it"}};
       break;
     case ViewMode::kCamera:

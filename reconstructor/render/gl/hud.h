@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstructor/render/gl/guidance.h"
 #include "reconstructor/render/gl/overlay_painter.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/gl/viewer_state.h"
@@ -18,13 +19,6 @@ struct RankFigures {
   double measured = 0;  ///< share of all samples that are more than imputed, 0..1
 };
 RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot);
-
-/// How to move from one eye to another by the shortest way over a sphere round the centre, as the person who holds the
-/// camera sees it: degrees along the way's first direction, positive to the right and up. Over the top is "up".
-struct Guidance {
-  double right_deg = 0, up_deg = 0;
-};
-Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, const Eigen::Vector3d& next_eye);
 
 /// The text over the picture: figures at the top left, where to go next at the bottom, the legend of the colours at the
 /// bottom right, keys on demand. Collected into `overlay`, not flushed.

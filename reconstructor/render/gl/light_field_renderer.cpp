@@ -190,7 +190,7 @@ void LightFieldRenderer::draw(const Viewpoint& viewpoint, const Panel& panel, in
   const Eigen::Vector3d eye = viewpoint.eye();
   if (shading == SurfaceShading::kLightField || shading == SurfaceShading::kStates)
     upload_coefficients(eye);
-  else
+  else if (shading != SurfaceShading::kPlain)
     upload_quality(eye);
 
   program_.use();

@@ -26,6 +26,7 @@ enum class SurfaceShading {
   kHeuristic,   ///< the brighter the red, the more images are needed
   kReasons,     ///< a colour a reason, as bright as the need: see `reason_color`
   kStates,      ///< kLightField, tinted where samples are imputed or unseen: see `state_color`
+  kPlain,       ///< the mesh in grey: all that there is before the first image
 };
 
 /// Colour of a reason in `SurfaceShading::kReasons` and in its legend: 0..1, sRGB-encoded.

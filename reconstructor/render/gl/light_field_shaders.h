@@ -118,6 +118,10 @@ vec3 light_field() {
 }
 
 void main() {
+  if (shading == 4) {
+    color = vec4(vec3(0.72) * (0.25 + 0.75 * facing()), 1);  // plain_grey of the headless painter
+    return;
+  }
   if (shading == 0 || shading == 3) {
     color = vec4(light_field(), 1);
     return;

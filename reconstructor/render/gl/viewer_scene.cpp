@@ -35,7 +35,10 @@ void ViewerScene::draw(const ViewerState& state, const ViewControls& controls, c
 
   const Panel all{0, 0, target.width(), target.height()};
   const SurfaceShading need = controls.reasons ? SurfaceShading::kReasons : SurfaceShading::kHeuristic;
-  const SurfaceShading seen = controls.states ? SurfaceShading::kStates : SurfaceShading::kLightField;
+  const bool untouched = state.snapshot && state.snapshot->max_rank() == 0;
+  const SurfaceShading seen = controls.states ? SurfaceShading::kStates
+                              : untouched     ? SurfaceShading::kPlain
+                                              : SurfaceShading::kLightField;
   std::vector<std::string> notes = news;
   switch (controls.mode) {
     case ViewMode::kLightField:

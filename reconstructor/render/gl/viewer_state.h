@@ -40,12 +40,14 @@ struct CaptureFigures {
 struct NextView {
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< object frame, metres
   std::string reason;                             ///< shown as it stands; may be empty
+  bool well_known = false;                        ///< nothing needs an image: the person is told that this is all
 };
 
 /// What the person waits for, with a bar.
 struct WorkInHand {
-  std::string what;  ///< shown as it stands
-  double share = 0;  ///< done, 0..1
+  std::string what;     ///< shown as it stands
+  double share = 0;     ///< done, 0..1
+  std::string way_out;  ///< how to go without it; may be empty
 };
 
 /// All that the window shows at one moment: plain data, filled by whoever drives it. Every part may be absent.

@@ -11,12 +11,13 @@ MonitorState sample_monitor_state() {
   state.model = "surface-light-field";
   state.session_folder = "/captures/teapot";
   state.source_session = "rig-7";
-  state.links = {{"tracker", "tcp://127.0.0.1:7410", true, true, ""}};
+  state.links = {{"tracker", "tcp://127.0.0.1:7410", true, true, "", true}};
   state.last_frame = MonitorState::Clock::now();
   state.received = 160;
   state.accepted = 121;
   state.held_out = 13;
   state.withdrawn = 4;
+  state.waiting = 6;
   state.journaled = 159;
   state.refused = {{"object_not_in_view", 17}, {"exposure_unknown", 9}};
   state.images_per_s = 8.4;

@@ -21,6 +21,8 @@ TEST(StatusJson, SaysWhatTheStateSays) {
   EXPECT_EQ(json["state"], "live");
   EXPECT_EQ(json["frames"]["accepted"], 121);
   EXPECT_EQ(json["frames"]["refused"]["object_not_in_view"], 17);
+  EXPECT_EQ(json["frames"]["waiting"], 6);
+  EXPECT_TRUE(json["ending"].is_null());
   EXPECT_EQ(json["queues"]["send"]["capacity"], 64);
   EXPECT_EQ(json["links"][0]["endpoint"], "tcp://127.0.0.1:7410");
   EXPECT_EQ(json["held_out_curve"].back()["psnr_db"], 34.31);
@@ -48,6 +50,30 @@ TEST(StatusJson, ALongCurveIsThinnedAndKeepsItsEnd) {
   EXPECT_LE(curve.size(), 500U);
   EXPECT_GE(curve.size(), 200U);
   EXPECT_EQ(curve.back()["images"], 100'000);
+}
+
+TEST(CaptureState, BeforeTheFirstTrackerItWaits) {
+  const auto now = MonitorState::Clock::now();
+  MonitorState state;
+  state.links = {{.name = "tracker", .endpoint = "tcp://127.0.0.1:7410"}};
+  EXPECT_EQ(capture_state(state, now, now), CaptureState::kWaiting) << "nobody is gone who never came";
+  state.links[0].came = true;
+  EXPECT_EQ(capture_state(state, now, now), CaptureState::kDisconnected);
+}
+
+TEST(CaptureState, WhatIsDoneAfterTheLastImageIsNeitherStaleNorEnded) {
+  const auto now = MonitorState::Clock::now();
+  MonitorState state = sample_monitor_state();
+  state.last_frame = now - 60s;
+  state.ended = true;
+  for (const CaptureState stage : {CaptureState::kFinishing, CaptureState::kSaving, CaptureState::kJudging}) {
+    state.ending = {stage, 3, 9};
+    EXPECT_EQ(capture_state(state, now, now), stage);
+    const auto json = nlohmann::json::parse(status_json(state, stage, 0, 60, {}));
+    EXPECT_EQ(json["state"], to_string(stage));
+    EXPECT_EQ(json["ending"]["done"], 3);
+    EXPECT_EQ(json["ending"]["total"], 9);
+  }
 }
 
 TEST(CaptureState, SaysWhatIsTheMatter) {

@@ -196,11 +196,13 @@ TEST(NextView, SaysWhenAllIsCoveredAndBeforeAnythingIs) {
   const ViewAdvice first = advise_next_view(*model.light_field_snapshot(), {0.3, 0, 0.4});
   EXPECT_EQ(first.heuristic, 1);
   EXPECT_THAT(first.reason, testing::HasSubstr("not seen"));
+  EXPECT_FALSE(first.well_known());
   ingest_all(model, captures(scene, eyes(120, kDistance, -0.3)));
   const ViewAdvice last = advise_next_view(*model.light_field_snapshot(), {0.3, 0, 0.4});
   EXPECT_LT(last.heuristic, 0.35);
   EXPECT_GT(last.heuristic, 0);
   EXPECT_TRUE(last.eye.allFinite());
+  EXPECT_TRUE(last.well_known()) << last.foretold_psnr_db;
 }
 
 }  // namespace

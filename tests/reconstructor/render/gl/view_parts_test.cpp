@@ -118,6 +118,14 @@ TEST(Guidance, SpeaksInTheDirectionsOfTheCamerasPicture) {
   EXPECT_NEAR(std::hypot(behind.right_deg, behind.up_deg), 180, 1e-9);
 }
 
+TEST(Guidance, IsSaidInWords) {
+  EXPECT_EQ(in_words({-35, 10.4}), "35 degrees to the left, 10 up");
+  EXPECT_EQ(in_words({12, -7}), "12 degrees to the right, 7 down");
+  EXPECT_EQ(in_words({20, 0.4}), "20 degrees to the right");
+  EXPECT_EQ(in_words({0.4, -20}), "20 degrees down");
+  EXPECT_EQ(in_words({2, -3}), "here, hold still");
+}
+
 TEST(RankFigures, CountWhatImagesShowed) {
   auto mesh = std::make_shared<Mesh>();
   mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};

@@ -317,6 +317,52 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
   EXPECT_FALSE(differs(&ViewControls::reasons)) << "the light field has none";
 }
 
+TEST_F(Window, BeforeTheFirstImageTheMeshIsThereInGrey) {
+  const auto model = SyntheticLightField({}).snapshot();
+  const auto empty = std::make_shared<SurfaceLightFieldSnapshot>(
+      model->shared_mesh(), model->shared_rings(),
+      std::vector<std::shared_ptr<const RingSnapshot>>(model->mesh().vertices.size()), 0);
+  const ImageU8 picture = draw(empty);
+  const Viewpoint view = window_->controls().orbit.viewpoint(kWidth, kHeight);
+  const RayPainter painter(model->mesh());
+  const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
+  const ImageU8 mask = interior(hits, 0.02);
+  const Eigen::Vector3f eye = view.eye().cast<float>();
+  int looked_at = 0, off = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      if (!mask.at(x, y)) continue;
+      const auto& corners = model->mesh().triangles[hits[y * kWidth + x].triangle];
+      const auto& v = model->mesh().vertices;
+      const Eigen::Vector3f normal = (v[corners[1]] - v[corners[0]]).cross(v[corners[2]] - v[corners[0]]).normalized();
+      const float lit = 0.72f * (0.25f + 0.75f * std::abs(normal.dot((eye - v[corners[0]]).normalized())));
+      EXPECT_EQ(picture.at(x, y, 0), picture.at(x, y, 1));
+      EXPECT_EQ(picture.at(x, y, 0), picture.at(x, y, 2));
+      off += std::abs(picture.at(x, y, 0) - 255 * lit) > 12;
+      ++looked_at;
+    }
+  EXPECT_LT(off, looked_at / 20) << "but for pixels on the edges of triangles";
+  EXPECT_GT(looked_at, 30000);
+}
+
+TEST_F(Window, WhatThePersonWaitsForHasABar) {
+  window_->controls().figures = true;
+  const auto green = [this](double share) {
+    ViewerState state = state_of(SyntheticLightField({.around = 24, .across = 8}).snapshot());
+    state.work = WorkInHand{"SAVING the model: part 13 of 52", share};
+    const ImageU8 picture = window_->draw_once(state);
+    int n = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        n += picture.at(x, y, 0) == 90 && picture.at(x, y, 1) == 220 && picture.at(x, y, 2) == 120;
+    return n;
+  };
+  EXPECT_EQ(green(0), 0);
+  const int quarter = green(0.25);
+  EXPECT_GT(quarter, 200);
+  EXPECT_NEAR(green(1), 4 * quarter, 0.05 * 4 * quarter);
+}
+
 TEST_F(Window, TheMeshLiesOverTheImageThroughTheLens) {
   ViewerState state = state_of(SyntheticLightField({}).snapshot());
   state.capture = synthetic_capture({0.22, -0.1, 0.16});
