@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <set>
 #include <thread>
 
@@ -26,6 +27,12 @@ using std::chrono::seconds;
 
 constexpr int kFrames = 36;                       ///< three seconds
 constexpr std::chrono::seconds kCameraFreed{12};  ///< a camera lets a dead tracker go after about 3 s
+
+/// A fifth of what `attack --kills N` asks for, as an even number; none where ctest asks.
+int wanted_kills() {
+  const char* wanted = std::getenv("SHEEN_ATTACK_KILLS");
+  return wanted ? std::max(std::atoi(wanted) / 10 * 2, 2) : 0;
+}
 
 SimulationOptions small_rig() {
   SimulationOptions options;
@@ -72,6 +79,23 @@ class CameraOnTheWire : public ::testing::Test {
     std::size_t index = 0;
     for (std::uint64_t id = 0; log >> id >> comma >> index;) sent[id] = index;
     return sent;
+  }
+  /// As a supervisor would: again and again until the camera lets it in.
+  std::unique_ptr<Process> track_again(const Words& more) const {
+    std::unique_ptr<Process> rig;
+    for (const auto end = std::chrono::steady_clock::now() + kCameraFreed; std::chrono::steady_clock::now() < end;) {
+      rig = std::make_unique<Process>(track(more));
+      if (rig->prints(" to " + link_.endpoint, kPatience)) break;
+      EXPECT_THAT(rig->output(), ::testing::HasSubstr("wait some seconds if it crashed"));
+    }
+    return rig;
+  }
+  /// False when nothing comes any more.
+  bool wait_for_captures(std::uint64_t count) const {
+    for (const auto end = std::chrono::steady_clock::now() + kPatience; std::chrono::steady_clock::now() < end;
+         std::this_thread::sleep_for(milliseconds(5)))
+      if (captures_so_far(session_) >= count) return true;
+    return false;
   }
   /// Every capture is what the camera sent under its number, to the byte, and its pose is about the true one.
   void expect_true_captures(std::size_t first, std::size_t end) const {
@@ -151,12 +175,7 @@ TEST_F(CameraOnTheWire, ATrackerThatWasKilledComesBackToTheCamera) {
   const std::uint64_t before = captures_so_far(session_);
   EXPECT_GE(before, static_cast<std::uint64_t>(acknowledged)) << "acknowledged and not there";
 
-  // As a supervisor would: again and again until the camera lets it in.
-  for (const auto end = std::chrono::steady_clock::now() + kCameraFreed; std::chrono::steady_clock::now() < end;) {
-    rig = std::make_unique<Process>(track({"--frames", "10"}));
-    if (rig->prints(" to " + link_.endpoint, kPatience)) break;
-    EXPECT_THAT(rig->output(), ::testing::HasSubstr("wait some seconds if it crashed"));
-  }
+  rig = track_again({"--frames", "10"});
   expect_outcome(wait_to_end(*rig), 0, {"10 frames"});
   keeping.signal(SIGINT);
   expect_outcome(wait_to_end(keeping), 0, {"captures="});
@@ -171,6 +190,43 @@ TEST_F(CameraOnTheWire, ATrackerThatWasKilledComesBackToTheCamera) {
   const auto sent = nlohmann::json::parse(read_file(temp_.path() / "tracker.json"));
   EXPECT_EQ(last[captures.back().first], sent["frames"]["sent"]);
   EXPECT_GE(captures.size(), before + 1);
+}
+
+TEST_F(CameraOnTheWire, KilledAgainAndAgainNothingAcknowledgedIsLostAndTheModelIsTheSessions) {
+  const int kills = wanted_kills();
+  if (kills == 0) GTEST_SKIP() << "tests/loopback/attack --kills N runs it";
+  Process camera(serve_camera() + Words{"--loop"});
+  ASSERT_TRUE(camera.prints("serves", kPatience)) << camera.output();
+  std::mt19937 random(21);
+  auto keeping = std::make_unique<Process>(desk({"--once"}));
+  auto rig = std::make_unique<Process>(track({}));
+  for (int killed = 0; killed < kills; ++killed) {
+    ASSERT_TRUE(wait_for_captures(captures_so_far(session_) + 1 + random() % 6)) << rig->output() << keeping->output();
+    const bool rig_dies = killed % 2 == 1;  // the last one, too: its successor ends by itself, and the desk with it
+    const std::uint64_t before = captures_so_far(session_);
+    if (rig_dies) {
+      rig->kill();
+      rig = track_again(killed + 1 < kills ? Words{} : Words{"--frames", "10"});
+    } else {
+      keeping->kill();
+      keeping = std::make_unique<Process>(desk({"--once"}));
+    }
+    EXPECT_GE(captures_so_far(session_), before) << "what was kept is gone";
+  }
+  expect_outcome(wait_to_end(*rig), 0, {"10 frames"});
+  expect_outcome(wait_to_end(*keeping), 0, {"images folded in"});
+  camera.signal(SIGINT);
+  expect_outcome(wait_to_end(camera), 0, {});
+
+  const auto captures = captures_of(session_);
+  std::map<std::string, std::uint64_t> last;
+  for (const auto& [source, sequence] : captures) EXPECT_EQ(sequence, ++last[source]) << source;
+  EXPECT_EQ(last.size(), static_cast<std::size_t>(1 + kills / 2)) << "a source for each run of the tracker";
+  expect_true_captures(0, captures.size());
+  const auto built = temp_.path() / "built";
+  expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", recording_->mesh_file(), "--out", built})), 0,
+                 {});
+  expect_same_model(built, session_ / "model");
 }
 
 }  // namespace
