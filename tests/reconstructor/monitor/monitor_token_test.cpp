@@ -37,7 +37,7 @@ TEST_F(MonitorToken, AFileThatOthersMayReadOrChangeIsRefused) {
   using fs::perms;
   for (const perms more : {perms::others_read, perms::others_write, perms::group_write})
     expect_error<Error>([&] { monitor_token("", file("0123456789abcdef", perms::owner_read | more)); },
-                 {(folder_.path() / "token").string(), "chmod 600"});
+                        {(folder_.path() / "token").string(), "chmod 600"});
   EXPECT_EQ(monitor_token("", file("0123456789abcdef", perms::owner_read | perms::group_read)), "0123456789abcdef");
 }
 
