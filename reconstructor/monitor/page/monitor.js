@@ -137,7 +137,7 @@ function show(s) {
   if (s.ending) $("ending").firstElementChild.style.width = 100 * s.ending.done / Math.max(1, s.ending.total) + "%";
   $("error").hidden = !s.error; text("error", s.error);
   $("next-view").hidden = !s.next_view || s.ending; text("next-view", s.next_view ? (s.well_known ? "Done: " : "Next: ") + s.next_view : "");
-  $("next-view").className = s.well_known ? "done" : "";
+  $("next-view").classList.toggle("done", s.well_known);
   $("hint").hidden = !s.hint; $("hint").firstElementChild.textContent = s.hint;
 
   const f = s.frames, curve = s.held_out_curve, last = curve[curve.length - 1];
