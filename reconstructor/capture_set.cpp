@@ -1,15 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/capture_set.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <memory>
 #include <set>
 #include <vector>
 
 #include "common/datasets/dataset.h"
+#include "common/errors.h"
 #include "common/log.h"
 #include "common/session.h"
 
 namespace sheen {
+
+namespace {
+
+std::vector<PosedCamera> cameras_of(const Dataset& dataset) {
+  std::vector<PosedCamera> cameras;
+  for (const DatasetView& view : dataset.views) cameras.push_back({view.camera, view.camera_from_object});
+  return cameras;
+}
+
+/// Of captures spread over the session: each is decoded for it.
+std::vector<PosedCamera> some_cameras(const Session& session, const std::vector<std::uint64_t>& kept) {
+  constexpr std::size_t kSome = 8;
+  std::vector<PosedCamera> cameras;
+  for (std::size_t i = 0; i < kept.size(); i += std::max<std::size_t>(1, kept.size() / kSome)) {
+    try {
+      const Capture capture = session.read(kept[i]);
+      if (capture.pose.usable()) cameras.push_back({capture.camera, capture.pose.camera_from_object});
+    } catch (const Error&) {  // told when it is its turn
+    }
+  }
+  return cameras;
+}
+
+}  // namespace
 
 CaptureSet open_capture_set(const std::filesystem::path& folder) {
   if (Session::exists(folder)) {
@@ -28,10 +55,17 @@ CaptureSet open_capture_set(const std::filesystem::path& folder) {
       }
     }
     const auto read = [session, kept](std::size_t i) { return session->read(kept[i]); };
-    return {.size = kept.size(), .withdrawn = withdrawn.size(), .damaged = damaged, .read = read};
+    return {.size = kept.size(),
+            .withdrawn = withdrawn.size(),
+            .damaged = damaged,
+            .read = read,
+            .cameras = some_cameras(*session, kept)};
   }
   auto dataset = std::make_shared<Dataset>(load_dataset(folder));
-  return {.size = dataset->views.size(), .read = [dataset](std::size_t i) { return read_capture(*dataset, i); }};
+  if (!dataset->warning.empty()) std::fprintf(stderr, "%s\n", dataset->warning.c_str());
+  return {.size = dataset->views.size(),
+          .read = [dataset](std::size_t i) { return read_capture(*dataset, i); },
+          .cameras = cameras_of(*dataset)};
 }
 
 }  // namespace sheen

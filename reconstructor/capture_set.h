@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/capture.h"
+#include "reconstructor/mesh_scale.h"
 
 namespace sheen {
 
@@ -17,9 +19,11 @@ struct CaptureSet {
   std::size_t withdrawn = 0;
   std::size_t damaged = 0;
   std::function<Capture(std::size_t)> read;
+  std::vector<PosedCamera> cameras;  ///< of a data set all; of a session some
 };
 
-/// Throws FileError when the folder is neither, naming what was looked for.
+/// Tells on standard error what is doubtful about a data set. Throws FileError when the folder is neither, naming what
+/// was looked for.
 CaptureSet open_capture_set(const std::filesystem::path& folder);
 
 }  // namespace sheen

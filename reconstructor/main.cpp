@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
-#include <cstdio>
 
-#include "common/errors.h"
+#include "common/command_line.h"
 #include "common/log.h"
 #include "reconstructor/commands/commands.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("sheen-reconstructor: turns posed images into a surface light field, live or from files.");
+  CLI::App app("Turns posed images into a surface light field, live or from files.", "sheen-reconstructor");
   app.require_subcommand(1);
   app.set_version_flag("--version", SHEEN_VERSION);
   sheen::add_serve_command(app);
@@ -22,21 +21,7 @@ int main(int argc, char** argv) {
   sheen::add_figures_command(app);
 
   sheen::start_logging({});
-  const auto status = [](int s) {
-    sheen::stop_logging();
-    return s;
-  };
-
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return status(app.exit(error) == 0 ? 0 : 2);
-  } catch (const sheen::ConfigError& error) {
-    std::fprintf(stderr, "sheen-reconstructor: %s\n", error.what());
-    return status(2);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "sheen-reconstructor: %s\n", error.what());
-    return status(1);
-  }
-  return status(0);
+  const int status = sheen::run_program(app, argc, argv);
+  sheen::stop_logging();
+  return status;
 }

@@ -46,6 +46,7 @@ class Reconstruction {
   /// Forgets every capture: what is ingested from now on gives the bits that it gives a new one.
   void restart();
 
+  const Mesh& mesh() const { return *mesh_; }
   std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot() { return model_.light_field_snapshot(); }
   const SurfaceLightField& model() const { return model_; }
   const RayPainter& painter() const { return painter_; }

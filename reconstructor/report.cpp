@@ -3,8 +3,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "common/errors.h"
@@ -190,15 +188,8 @@ void print_summary(const json& report) {
                 model["psnr_db"].get<double>(), model["ssim"].get<double>(), constant_psnr.get<double>());
 }
 
-void write_json(const std::filesystem::path& path, const json& document) {
-  if (path == "-") {
-    std::cout << document.dump(2) << '\n';
-    return;
-  }
-  std::ofstream out(path);
-  out << document.dump(2) << '\n';
-  out.close();
-  if (!out) throw FileError(path.string(), "cannot be written; check that the folder exists and the disk has room");
+std::string to_text(const json& document) {
+  return document.dump(2, ' ', false, json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace sheen

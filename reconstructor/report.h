@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
 #include "common/progress.h"
@@ -42,7 +41,7 @@ void print_summary(const nlohmann::json& report);
 /// {file, psnr_db, ssim, ...} a view.
 nlohmann::json views_to_json(const Scores& scores);
 
-/// Throws FileError. "-" is standard output.
-void write_json(const std::filesystem::path& path, const nlohmann::json& json);
+/// A report as its file holds it; what is no UTF-8 (the name of a file) is replaced, not refused.
+std::string to_text(const nlohmann::json& report);
 
 }  // namespace sheen

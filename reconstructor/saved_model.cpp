@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "reconstructor/exchange/model_files.h"
+#include "reconstructor/memory_need.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 namespace sheen {
@@ -14,10 +15,15 @@ constexpr const char* kHeldOutKey = "held_out";  // names, a line each
 
 }  // namespace
 
-Mesh load_mesh_and_warn(const std::filesystem::path& path) {
+Mesh load_mesh_and_warn(const std::filesystem::path& path, const SurfaceLightFieldOptions& options,
+                        std::span<const PosedCamera> cameras) {
   LoadedMesh loaded = load_mesh(path);
-  for (const std::string& warning : loaded.diagnosis.warnings())
-    std::fprintf(stderr, "%s: %s\n", path.c_str(), warning.c_str());
+  const MeshDiagnosis& found = loaded.diagnosis;
+  std::fprintf(stderr, "%s: %zu triangles, %s\n", path.c_str(), found.triangles, size_text(loaded.mesh).c_str());
+  for (const std::string& warning : found.warnings()) std::fprintf(stderr, "%s: %s\n", path.c_str(), warning.c_str());
+  const std::string memory = memory_warning(path, found.vertices, found.triangles, options, machine_memory());
+  if (!memory.empty()) std::fprintf(stderr, "%s\n", memory.c_str());
+  check_scale(path, loaded.mesh, cameras);
   return std::move(loaded.mesh);
 }
 

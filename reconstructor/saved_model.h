@@ -3,15 +3,20 @@
 
 #include <filesystem>
 #include <set>
+#include <span>
 #include <string>
 
 #include "common/progress.h"
+#include "reconstructor/mesh_scale.h"
 #include "reconstructor/reconstruction.h"
 
 namespace sheen {
 
-/// Loads a mesh and tells on standard error what is wrong with it. Throws FileError.
-Mesh load_mesh_and_warn(const std::filesystem::path& path);
+/// Loads a mesh and tells on standard error its size, what is wrong with it, that a model of these options may not fit
+/// into the memory, and that the cameras cannot see it. Throws FileError, also where it can only be of another unit or
+/// where no model of it fits.
+Mesh load_mesh_and_warn(const std::filesystem::path& path, const SurfaceLightFieldOptions& options,
+                        std::span<const PosedCamera> cameras);
 
 /// Saves the light field as it stands, unseen parts filled with a guess, and notes which views it never saw. `source`
 /// says where the images came from. Until the new model is whole, an older one in

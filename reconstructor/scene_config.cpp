@@ -97,6 +97,15 @@ std::string place(const std::filesystem::path& file, const toml::source_region& 
   return file.string() + ":" + std::to_string(source.begin.line) + ": ";
 }
 
+/// Where the key stands that a broken rule ("surface light field: max_rank must be ...") begins with.
+std::string place_of_rule(const std::filesystem::path& file, const toml::table& document, const std::string& rule) {
+  const toml::table* section = document["surface_light_field"].as_table();
+  if (!section) return file.string() + ": ";
+  for (const auto& [key, value] : *section)
+    if (rule.find(": " + std::string(key.str()) + " ") != std::string::npos) return place(file, value.source());
+  return file.string() + ": ";
+}
+
 std::string key_list(const Keys& keys) {
   std::string list;
   for (const auto& [key, unused] : keys) list += (list.empty() ? "" : ", ") + key;
@@ -127,6 +136,11 @@ SceneConfig load_scene_config(const std::filesystem::path& file) {
       if (const std::string demand = known->second.set(value); !demand.empty())
         throw ConfigError(place(file, value.source()) + std::string(key.str()) + " " + demand);
     }
+  }
+  try {
+    require_valid(config.surface_light_field);
+  } catch (const ConfigError& error) {
+    throw ConfigError(place_of_rule(file, document, error.what()) + error.what());
   }
   return config;
 }

@@ -18,6 +18,7 @@
 #include "common/geometry/mesh.h"
 #include "common/session.h"
 #include "common/transport.h"
+#include "reconstructor/mesh_scale.h"
 #include "reconstructor/monitor/monitor_server.h"
 
 namespace sheen {
@@ -95,10 +96,11 @@ const char* to_string(Finding finding) {
 
 std::vector<SetupCheck> check_mesh(const fs::path& mesh) {
   try {
-    const MeshDiagnosis diagnosis = load_mesh(mesh).diagnosis;
+    const LoadedMesh loaded = load_mesh(mesh);
+    const MeshDiagnosis& diagnosis = loaded.diagnosis;
     std::vector<SetupCheck> checks{{"mesh", Finding::kOk,
                                     mesh.string() + ": " + std::to_string(diagnosis.triangles) + " triangles, " +
-                                        std::to_string(diagnosis.vertices) + " vertices"}};
+                                        std::to_string(diagnosis.vertices) + " vertices, " + size_text(loaded.mesh)}};
     for (const std::string& warning : diagnosis.warnings()) checks.push_back({"mesh", Finding::kWarn, warning});
     return checks;
   } catch (const Error& error) {

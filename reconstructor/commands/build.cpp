@@ -3,9 +3,14 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "common/command_line.h"
+#include "common/end_on_stop.h"
 #include "common/errors.h"
+#include "common/files.h"
 #include "common/progress.h"
+#include "common/report_file.h"
 #include "common/stop_signal.h"
 #include "reconstructor/budget.h"
 #include "reconstructor/capture_set.h"
@@ -20,7 +25,7 @@ namespace {
 
 struct BuildArguments {
   std::string dataset, mesh, out, config, json;
-  int hold_out = -1;
+  std::optional<int> hold_out;
   WishArguments wish;
 };
 
@@ -36,8 +41,10 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
       if (stop_requested()) throw Error("stopped after " + std::to_string(i) + " images; no model was written");
       const Capture capture = captures.read(i);
       const IngestReport report = reconstruction->ingest(capture);
-      if (first && report.status == IngestStatus::kRefused)
+      if (first && report.status == IngestStatus::kRefused) {
+        const ProgressPause pause;
         std::fprintf(stderr, "%s: not used: %s\n", capture.name.c_str(), report.reason.c_str());
+      }
       progress.update(i + 1);
     }
   }
@@ -45,7 +52,12 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
   reconstruction->refuse_damaged(captures.damaged);
   if (captures.size == 0 && captures.withdrawn > 0)
     throw FileError(arguments.dataset, "all of its images are withdrawn; `undo --restore` puts them back");
-  if (reconstruction->counts().accepted == 0)
+  const FrameCounts& counts = reconstruction->counts();
+  if (counts.accepted == 0 && counts.held_out > 0)
+    throw FileError(arguments.dataset, "all of its images that show the mesh are held out (" +
+                                           std::to_string(counts.held_out) +
+                                           "): nothing is left to build from; name fewer in test_filenames");
+  if (counts.accepted == 0)
     throw FileError(arguments.dataset, "none of its " + std::to_string(captures.size) +
                                            " images shows the mesh; check that both are in the same frame and units");
   return reconstruction;
@@ -80,11 +92,17 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
 
 void build(const BuildArguments& arguments) {
   install_stop_signals();
+  const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
+  ReportFile json(arguments.json);
   SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
-  if (arguments.hold_out >= 0) config.surface_light_field.hold_out_every = arguments.hold_out;
+  if (arguments.hold_out) config.surface_light_field.hold_out_every = *arguments.hold_out;
   const TradeoffWish wish = arguments.wish.apply(config.surface_light_field);
+  if (arguments.out.empty())
+    std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
+  else
+    check_writable_folder(arguments.out);
   const CaptureSet captures = open_capture_set(arguments.dataset);
-  const Mesh mesh = load_mesh_and_warn(arguments.mesh);
+  const Mesh mesh = load_mesh_and_warn(arguments.mesh, config.surface_light_field, captures.cameras);
   const std::unique_ptr<Reconstruction> built =
       wish.psnr_db ? build_to_target(arguments, mesh, captures, config.surface_light_field, wish)
                    : build_once(arguments, mesh, captures, config.surface_light_field, wish, true);
@@ -92,7 +110,7 @@ void build(const BuildArguments& arguments) {
   if (!arguments.out.empty()) save_reconstruction(reconstruction, arguments.out, arguments.dataset);
   const nlohmann::json report = reconstruction_report(reconstruction);
   print_summary(report);
-  if (!arguments.json.empty()) write_json(arguments.json, report);
+  json.write(to_text(report));
 }
 
 }  // namespace
@@ -104,8 +122,10 @@ void add_build_command(CLI::App& app) {
       ->required();
   command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
   command->add_option("--out", arguments->out, "folder of the model to write");
-  command->add_option("--hold-out", arguments->hold_out,
-                      "hold out every Nth image where the dataset names no test views; 0 = none");
+  command
+      ->add_option("--hold-out", arguments->hold_out,
+                   "hold out every Nth image where the dataset names no test views; 0 = none")
+      ->check(whole_number_in(0, 1'000'000));
   command->add_option("--config", arguments->config, "scene file (TOML)");
   arguments->wish.add_to(*command,
                          "PSNR that held-out views are to reach: 35dB; the cheapest setting that does is searched");

@@ -5,6 +5,7 @@
 
 #include "common/errors.h"
 #include "common/progress.h"
+#include "common/report_file.h"
 #include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/evaluation/foretelling.h"
@@ -25,6 +26,7 @@ struct EvaluateArguments {
 };
 
 void evaluate(const EvaluateArguments& arguments) {
+  ReportFile json(arguments.json);
   const std::shared_ptr<const SurfaceLightFieldSnapshot> model = load_model(arguments.model);
   const std::set<std::string> unseen = held_out_names(arguments.model);
   const CaptureSet captures = open_capture_set(arguments.dataset);
@@ -77,7 +79,7 @@ void evaluate(const EvaluateArguments& arguments) {
     report["baselines"] = baselines_report(baselines);
     print_baselines(light_field, baselines);
   }
-  if (!arguments.json.empty()) write_json(arguments.json, report);
+  json.write(to_text(report));
 }
 
 }  // namespace

@@ -79,13 +79,14 @@ void figures(const FiguresArguments& arguments) {
     throw ConfigError("a data set needs its --mesh; without both, the simulated rig is used");
   install_stop_signals();
   const std::filesystem::path out = arguments.out;
+  check_writable_folder(out);
   make_folder(out / "images");
   const bool simulated = arguments.dataset.empty();
   const std::filesystem::path dataset =
       simulated ? simulated_dataset(arguments) : std::filesystem::path(arguments.dataset);
   const CaptureSet captures = open_capture_set(dataset);
-  const auto mesh = std::make_shared<Mesh>(
-      load_mesh_and_warn(simulated ? dataset / "mesh.ply" : std::filesystem::path(arguments.mesh)));
+  const auto mesh = std::make_shared<Mesh>(load_mesh_and_warn(
+      simulated ? dataset / "mesh.ply" : std::filesystem::path(arguments.mesh), {}, captures.cameras));
   Experiment experiment;
   {
     Progress progress("reading", captures.size);
@@ -124,6 +125,7 @@ void figures(const FiguresArguments& arguments) {
       if (arguments.only.empty() || std::count(arguments.only.begin(), arguments.only.end(), number) > 0) {
         const Figure figure = run();
         page += publish(figure, out, drawn);
+        const ProgressPause pause;
         std::printf("figure %d, %s: %s\n  the paper: %s\n  here: %s\n", number, figure.title.c_str(),
                     figure.holds ? "holds" : "DOES NOT HOLD", figure.paper.c_str(), figure.ours.c_str());
         std::fflush(stdout);

@@ -9,8 +9,10 @@
 #include "common/exr.h"
 #include "common/files.h"
 #include "common/image_io.h"
+#include "common/progress.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/exchange/model_files.h"
+#include "reconstructor/picture_names.h"
 #include "reconstructor/render/ray_painter.h"
 
 namespace sheen {
@@ -31,18 +33,25 @@ void render(const RenderArguments& arguments) {
   const std::shared_ptr<const SurfaceLightFieldSnapshot> model = load_model(arguments.model);
   const std::vector<DatasetView> cameras = load_cameras(arguments.cameras);
   const std::filesystem::path out = arguments.out;
+  check_writable_folder(out);
   make_folder(out);
 
+  std::vector<std::string> views;
+  for (const DatasetView& view : cameras) views.push_back(view.name);
+  const std::vector<std::filesystem::path> names = picture_names(views);
   const RayPainter painter(model->mesh());
-  for (const DatasetView& view : cameras) {
-    PaintedView painted = painter.paint(*model, view.camera, view.camera_from_object);
-    const std::string name = std::filesystem::path(view.name).stem().string();
-    write_png(out / (name + ".png"), to_srgb8(painted.beauty));
+  Progress progress("rendering", cameras.size());
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    PaintedView painted = painter.paint(*model, cameras[i].camera, cameras[i].camera_from_object);
+    const std::string name = (out / names[i]).string();
+    make_folder((out / names[i]).parent_path());
+    write_png(name + ".png", to_srgb8(painted.beauty));
     ExrFile file;
     file.parts.push_back({"beauty", {"R", "G", "B"}, painted.beauty, ExrPrecision::kHalf});
     file.parts.push_back({"heuristic", {"Y"}, painted.heuristic, ExrPrecision::kHalf});
     file.parts.push_back(coverage_part(painted));
-    write_exr(out / (name + ".exr"), file);
+    write_exr(name + ".exr", file);
+    progress.update(i + 1);
   }
   std::printf("%zu views rendered to %s\n", cameras.size(), out.string().c_str());
 }

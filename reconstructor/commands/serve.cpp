@@ -12,11 +12,13 @@
 #include <thread>
 
 #include "common/content_hash.h"
+#include "common/end_on_stop.h"
 #include "common/endpoint.h"
 #include "common/errors.h"
 #include "common/files.h"
 #include "common/log.h"
 #include "common/progress.h"
+#include "common/report_file.h"
 #include "common/stop_signal.h"
 #include "reconstructor/budget.h"
 #include "reconstructor/capture_end.h"
@@ -235,6 +237,7 @@ CaptureEnd::Result finish(CaptureLoop& loop, CaptureEnd& end, ViewerWindow*& win
 void serve(const ServeArguments& arguments) {
   install_stop_signals();
   std::signal(SIGPIPE, SIG_IGN);  // whoever read our messages may be gone before the model is saved
+  ReportFile json(arguments.json);
   SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
   const TradeoffWish wish = arguments.wish.apply(config.surface_light_field);
   // Which maps and terms reach a PSNR shows when all images are there: until then all that the target needs is kept.
@@ -244,7 +247,10 @@ void serve(const ServeArguments& arguments) {
     config.surface_light_field.ring.factor.tolerance = tolerance_of(*wish.psnr_db);
   }
   const ReceiverOptions link = link_options(arguments);
-  Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh), config.surface_light_field);
+  std::optional<EndOnStop> starting("sheen-reconstructor: stopped before the capture began");
+  Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh, config.surface_light_field, {}),
+                                config.surface_light_field);
+  starting.reset();
   Session session = open_session(arguments.session, arguments.mesh);
   reconstruction.keep_within(wish, session.metadata(kEffortKey).value_or(""), session.size());
   if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
@@ -265,6 +271,11 @@ void serve(const ServeArguments& arguments) {
   LoopObserver observer = display.observer();
   observer.on_link = [&link_log](const ReceiverStats& stats) { link_log.look(stats); };
   observer.on_snapshot(reconstruction.snapshot());  // the mesh, for who watches before the first image
+  observer.on_capture = [show = observer.on_capture,
+                         scale = ScaleWatch(reconstruction.mesh())](const Capture& capture) mutable {
+    if (const std::string finding = scale.look(capture); !finding.empty()) log_warning("mesh", finding);
+    if (show) show(capture);
+  };
   CaptureLoop loop(arguments.session, std::move(session), link, reconstruction,
                    {.stop_when_source_ends = arguments.once}, std::move(observer));
   CaptureEnd end(loop, reconstruction, arguments.session);
@@ -284,7 +295,8 @@ void serve(const ServeArguments& arguments) {
     log_info("session", "no model: no image was accepted",
              {{"folder", arguments.session}, {"captures", status.journaled}});
   print_summary(*result.report);
-  if (!arguments.json.empty()) write_json(arguments.json, *result.report);
+  if (!status.link.source_failure.empty()) log_warning("link", "the source failed: " + status.link.source_failure);
+  json.write(to_text(*result.report));
   if (status.ingested > status.counts.withdrawn &&
       reconstruction.counts().accepted + reconstruction.counts().held_out == 0)
     throw FileError(arguments.mesh, "none of the session's " + std::to_string(status.ingested) +

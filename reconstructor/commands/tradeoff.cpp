@@ -9,6 +9,7 @@
 #include "common/errors.h"
 #include "common/files.h"
 #include "common/progress.h"
+#include "common/report_file.h"
 #include "common/stop_signal.h"
 #include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
@@ -178,11 +179,15 @@ nlohmann::json point_to_json(const TradeoffPoint& p) {
 void tradeoff(const TradeoffArguments& arguments) {
   const TradeoffWish wish = parse_wish(arguments.budget, arguments.target, arguments.memory);
   install_stop_signals();
+  ReportFile json(arguments.json);
   const SurfaceLightFieldOptions base =
       (arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config)).surface_light_field;
   const CaptureSet captures = open_capture_set(arguments.dataset);
-  if (!arguments.out.empty()) make_folder(arguments.out);
-  const auto mesh = std::make_shared<Mesh>(load_mesh_and_warn(arguments.mesh));
+  if (!arguments.out.empty()) {
+    check_writable_folder(arguments.out);
+    make_folder(arguments.out);
+  }
+  const auto mesh = std::make_shared<Mesh>(load_mesh_and_warn(arguments.mesh, base, captures.cameras));
   Experiment experiment;
   {
     Progress progress("reading", captures.size);
@@ -241,7 +246,7 @@ void tradeoff(const TradeoffArguments& arguments) {
     report["choice"] = point_to_json(chosen);
     report["choice"]["holds"] = choice.holds;
   }
-  if (!arguments.json.empty()) write_json(arguments.json, report);
+  json.write(to_text(report));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "common/command_line.h"
 #include "common/errors.h"
 #include "common/session.h"
 #include "reconstructor/commands/commands.h"
@@ -114,7 +116,8 @@ void add_undo_command(CLI::App& app) {
       "models leave it out.");
   command->add_option("session", arguments->session, "folder of the session")->required();
   command->add_flag("--last", arguments->last, "the last image that is not withdrawn");
-  command->add_option("--capture", arguments->capture, "an image by its number, from 0");
+  command->add_option("--capture", arguments->capture, "an image by its number, from 0")
+      ->check(whole_number_in(0, std::numeric_limits<std::int64_t>::max()));
   command->add_option("--name", arguments->name, "an image by its name, with or without folders");
   command->add_flag("--list", arguments->list, "list numbers, states and names");
   command->add_flag("--restore", arguments->restore, "put the image back instead");

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "common/command_line.h"
 #include "common/errors.h"
 #include "common/image_io.h"
 #include "reconstructor/commands/commands.h"
@@ -66,6 +67,7 @@ void add_view_command(CLI::App& app) {
   command->add_flag("--states", arguments->states, "tint what is imputed or unseen");
   command->add_option("--size", arguments->size, "of the window or the screenshot, pixels")->capture_default_str();
   command->add_option("--eye", arguments->eye, "where to look from: x,y,z in the model's frame, metres")
+      ->check(number_in(-1e6, 1e6))
       ->delimiter(',')
       ->expected(3);
   command->callback([arguments] { view(*arguments); });

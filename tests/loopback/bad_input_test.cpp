@@ -5,6 +5,8 @@
 #include <sqlite3.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
 
 #include "common/files.h"
 #include "common/geometry/mesh.h"
@@ -86,6 +88,44 @@ TEST_F(BadInput, AnImageOfAnotherSize) {
 TEST_F(BadInput, AnImageThatIsCutOff) {
   fs::resize_file(image_, 2000);
   for (const Outcome& outcome : {build(), track()}) expect_outcome(outcome, 1, {"1002.png", "damaged PNG"});
+}
+
+TEST_F(BadInput, AnImageThatIsCutOffTakesNoneOfTheOthersWithIt) {
+  fs::resize_file(image_, 2000);  // the third of four
+  const std::string address = free_address();
+  const fs::path report = temp_.path() / "rig.json";
+  Process desk(serve(data_.mesh(), session_, {"--once", "--endpoint", address}));
+  expect_outcome(track({"--json", report}, address, "30"), 1, {"1002.png", "damaged PNG", "2 keyframes sent"});
+  expect_outcome(wait_to_end(desk), 0, {"1002.png", "damaged PNG", "2 images folded in"});
+  EXPECT_EQ(captures_of(session_).size(), 2u);
+  const auto told = nlohmann::json::parse(read_file(report));
+  EXPECT_EQ(told["link"]["acknowledged"], 2);
+  EXPECT_THAT(told["failure"].get<std::string>(), ::testing::HasSubstr("1002.png"));
+}
+
+TEST_F(BadInput, AChangedImageIsAnotherDataset) {
+  const std::string address = free_address();
+  const auto capture = [&] {
+    Process desk(serve(data_.mesh(), session_, {"--once", "--endpoint", address}));
+    expect_outcome(track({}, address, "30"), 0, {"4 keyframes sent"});
+    expect_outcome(wait_to_end(desk), 0, {});
+    return captures_of(session_);
+  };
+  ASSERT_EQ(capture().size(), 4u);
+  ASSERT_EQ(capture().size(), 4u) << "the same images are known";
+  write_png(image_, ImageU8(data_.width, data_.height, 3, 100));
+  const auto captures = capture();
+  ASSERT_EQ(captures.size(), 8u) << "a changed image is not";
+  EXPECT_NE(captures[0].first, captures[4].first);
+}
+
+TEST_F(BadInput, KeyframesThatNobodyTookAreNoSuccess) {
+  expect_outcome(track(), 1, {"4 keyframes were not acknowledged", "sheen-reconstructor serve", "again"});
+  Process rig(tracker({"run", "--source", "dataset:" + data_.folder.string(), "--endpoint", free_address()}));
+  ASSERT_TRUE(rig.prints(" to tcp://", kPatience)) << rig.output();
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  rig.signal(SIGINT);
+  expect_outcome(wait_to_end(rig), 1, {"keyframes were not acknowledged"});
 }
 
 TEST_F(BadInput, AMissingMask) {

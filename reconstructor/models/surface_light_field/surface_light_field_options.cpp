@@ -13,7 +13,7 @@ void require_valid(const SurfaceLightFieldOptions& options) {
   };
   require(options.surface_map == 0 || (options.surface_map >= 2 && options.surface_map <= 64),
           "surface_map must be 0 (chosen from the footprint) or 2..64");
-  require(options.map_scale > 0 && options.map_scale <= 4, "map_scale must be in (0, 4]");
+  require(options.map_scale >= 0.05 && options.map_scale <= 4, "map_scale must be in [0.05, 4]");
   require(options.ring.repeat_angle >= 0 && options.ring.repeat_angle < 0.5, "repeat_angle must be in [0, 0.5) rad");
   require(options.hold_out_every >= 0 && options.hold_out_every != 1,
           "hold_out_every must be 0 (none) or at least 2: with 1 nothing would be left to learn from");

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands as a shell has them: where output goes, what is checked before the work, what numbers are taken.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/files.h"
+#include "common/geometry/mesh.h"
+#include "tests/loopback/ball_dataset.h"
+#include "tests/loopback/daemons.h"
+#include "tests/support/temp_folder.h"
+#include "tests/support/test_meshes.h"
+
+namespace sheen::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class CommandLineUse : public ::testing::Test {
+ protected:
+  CommandLineUse() { data_.write(); }
+
+  Words build(const Words& more) const {
+    return reconstructor({"build", data_.folder, "--mesh", data_.mesh(), "--config", data_.scene()}) + more;
+  }
+  Words track(const Words& more) const {
+    return tracker(
+               {"run", "--source", "dataset:" + data_.folder.string(), "--endpoint", free_address(), "--linger", "0"}) +
+           more;
+  }
+  /// The command with its standard output redirected, as a shell does it.
+  static Words to(const fs::path& output, const Words& command) {
+    std::string line;
+    for (const std::string& word : command) line += "'" + word + "' ";
+    return {"sh", "-c", line + "> '" + output.string() + "'"};
+  }
+
+  const TempFolder temp_;
+  const BallDataset data_{.folder = temp_.path() / "data", .views = 6};
+};
+
+TEST_F(CommandLineUse, JsonOnStandardOutputIsOneDocument) {
+  const fs::path out = temp_.path() / "out.json", model = temp_.path() / "model";
+  const auto document = [&](const Words& command, int status) {
+    expect_outcome(run_to_end(to(out, command)), status, {});
+    return nlohmann::json::parse(read_file(out));
+  };
+  EXPECT_EQ(document(build({"--out", model, "--json", "-"}), 0)["frames"]["accepted"], 5);
+  EXPECT_EQ(document(reconstructor({"evaluate", model, data_.folder, "--json", "-"}), 0)["views"].size(), 1u);
+  EXPECT_EQ(document(track({"--json", "-"}), 1)["frames"]["sent"], 6) << "nobody took them";
+  EXPECT_TRUE(document(tracker({"stage", "--out", temp_.path() / "s.svg", "--json"}), 0).contains("tags"));
+}
+
+TEST_F(CommandLineUse, AFullDiskIsAFailure) {
+  for (const Words& command : {build({"--json", "-"}), tracker({"stage", "--out", temp_.path() / "s.svg", "--json"}),
+                               tracker({"--version"}), reconstructor({"build", "--help"})})
+    expect_outcome(run_to_end(to("/dev/full", command)), 1, {"standard output: cannot be written"});
+  expect_outcome(run_to_end(build({"--json", "/dev/full"})), 1, {"/dev/full", "cannot be written"});
+  EXPECT_FALSE(fs::is_regular_file("/dev/full"));
+}
+
+TEST_F(CommandLineUse, WhereResultsGoIsTriedBeforeTheWork) {
+  const fs::path nowhere = temp_.path() / "nowhere" / "report.json", file = temp_.write("file", "x");
+  for (const Outcome& outcome :
+       {run_to_end(build({"--json", nowhere})), run_to_end(track({"--json", nowhere})),
+        run_to_end(build({"--json", temp_.path()})), run_to_end(build({"--out", file / "model"}))}) {
+    EXPECT_EQ(outcome.end.status, 1) << outcome.output;
+    EXPECT_THAT(outcome.output, Not(HasSubstr("images folded in")));
+    EXPECT_THAT(outcome.output, Not(HasSubstr("keyframes sent")));
+  }
+}
+
+TEST_F(CommandLineUse, AModelThatIsNotKeptIsTold) {
+  expect_outcome(run_to_end(build({})), 0, {"no --out", "not kept", "mesh.ply: 320 triangles, 100 x 100 x 100 mm"});
+}
+
+TEST_F(CommandLineUse, NumbersThatMakeNoSense) {
+  struct Case {
+    Words command;
+    const char* option;
+  };
+  const Words run{"run", "--source", "dataset:x"}, stage{"stage", "--out", temp_.path() / "s.svg"};
+  for (const Case& c :
+       {Case{tracker(run + Words{"--frames", "-1"}), "--frames"},
+        Case{tracker(run + Words{"--frames", "1.5"}), "--frames"},
+        Case{tracker(run + Words{"--linger", "nan"}), "--linger"},
+        Case{tracker(run + Words{"--linger", "-1"}), "--linger"}, Case{tracker(stage + Words{"--tag", "inf"}), "--tag"},
+        Case{tracker(stage + Words{"--first-id", "-1"}), "--first-id"},
+        Case{tracker({"simulate", "--out", "x", "--frames", "0"}), "--frames"},
+        Case{tracker({"simulate", "--serve", "x", "--rate", "nan"}), "--rate"},
+        Case{build({"--hold-out", "-1"}), "--hold-out"},
+        Case{reconstructor({"undo", "x", "--capture", "-1"}), "--capture"},
+        Case{reconstructor({"view", "x", "--eye", "0,nan,0"}), "--eye"}})
+    expect_outcome(run_to_end(c.command), 2, {c.option});
+}
+
+TEST_F(CommandLineUse, VersionsAndMisspeltCommands) {
+  expect_outcome(run_to_end(tracker({"--version"})), 0, {"."});
+  expect_outcome(run_to_end(reconstructor({"--version"})), 0, {"."});
+  expect_outcome(run_to_end(reconstructor({"biuld"})), 2, {"biuld", "did you mean \"build\"?", "--help"});
+  expect_outcome(run_to_end(tracker({"simulat"})), 2, {"did you mean \"simulate\"?"});
+}
+
+TEST_F(CommandLineUse, AMeshInMillimetres) {
+  Mesh mesh = load_mesh(data_.mesh()).mesh;
+  for (Eigen::Vector3f& vertex : mesh.vertices) vertex *= 1000;
+  save_ply(mesh, data_.mesh());
+  expect_outcome(run_to_end(build({})), 1,
+                 {"mesh.ply", "100 x 100 x 100 m", "looks like millimetres", "scale the mesh by 0.001"});
+}
+
+TEST_F(CommandLineUse, CtrlCEndsTheWorkOnALargeMesh) {
+  save_ply(sphere_mesh(0.05f, 7), data_.mesh());  // 327,680 triangles: seconds before the first image is in
+  Process work(build({"--out", temp_.path() / "model"}));
+  ASSERT_TRUE(work.prints("327680 triangles", kPatience)) << work.output();
+  work.signal(SIGINT);
+  const auto end = work.wait(std::chrono::seconds(10));
+  ASSERT_TRUE(end) << "still at work";
+  EXPECT_EQ(end->status, 1);
+  EXPECT_THAT(work.output(), HasSubstr("stopped"));
+  EXPECT_FALSE(fs::exists(temp_.path() / "model" / "model.json"));
+}
+
+TEST_F(CommandLineUse, AllViewsHeldOut) {
+  const fs::path file = data_.folder / "transforms.json";
+  auto json = nlohmann::json::parse(read_file(file));
+  json["test_filenames"] = nlohmann::json::array();
+  for (const auto& frame : json["frames"]) json["test_filenames"].push_back(frame["file_path"]);
+  json.erase("train_filenames");
+  write_file(file, json.dump());
+  expect_outcome(run_to_end(build({})), 1, {"all of its images", "held out", "test_filenames"});
+}
+
+TEST_F(CommandLineUse, RenderedFramesOfEqualNamesKeepTheirFolders) {
+  const fs::path model = temp_.path() / "model", out = temp_.path() / "views", cameras = temp_.path() / "cameras.json";
+  ASSERT_EQ(run_to_end(build({"--out", model})).end.status, 0);
+  auto json = nlohmann::json::parse(read_file(data_.folder / "transforms.json"));
+  json["frames"].erase(json["frames"].begin() + 2, json["frames"].end());
+  json["frames"][0]["file_path"] = "left/0000.png";
+  json["frames"][1]["file_path"] = "right/0000.png";  // the lists still name frames that are not here
+  write_file(cameras, json.dump());
+  expect_outcome(run_to_end(reconstructor({"render", model, "--cameras", cameras, "--out", out})), 0, {"2 views"});
+  EXPECT_NE(read_file(out / "left/0000.png"), read_file(out / "right/0000.png"));
+  EXPECT_TRUE(fs::exists(out / "left/0000.exr") && fs::exists(out / "right/0000.exr"));
+}
+
+}  // namespace
+}  // namespace sheen::testing
