@@ -19,6 +19,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kIdle{500};
 constexpr int kBufferedForSubscriber = 4;
+constexpr int kBufferedBySubscriber = 64;         // overtaken ones: it reads them all for the newest
 constexpr std::int64_t kMaxIncomingBytes = 1024;  // subscribers only subscribe
 constexpr milliseconds kReopenAfter{5000};        // the library gives up after a refused handshake
 
@@ -127,7 +128,8 @@ struct MonitorSubscriber::Impl {
   void open() {
     socket.emplace(context, zmq::socket_type::sub);
     set_common_options(*socket);
-    socket->set(zmq::sockopt::conflate, true);
+    // Not ZMQ_CONFLATE: with it, the library ends the process when a message of several parts comes.
+    socket->set(zmq::sockopt::rcvhwm, kBufferedBySubscriber);
     socket->set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(kMaxStatusBytes));
     if (options.keys) set_curve_client(*socket, *options.keys, options.server_public_key);
     connect_endpoint(*socket, options.endpoint);
@@ -135,20 +137,22 @@ struct MonitorSubscriber::Impl {
     last_activity = Clock::now();
   }
 
-  /// Nothing when no message waits, or one that is not a status.
+  /// The newest status of those that wait; nothing when there is none.
   std::optional<Status> receive() {
+    std::optional<Status> newest;
     std::vector<zmq::message_t> parts;
-    if (!receive_parts(*socket, 1, parts)) return std::nullopt;
-    last_activity = Clock::now();
-    try {
-      Status status = decode_status({parts[0].data<std::uint8_t>(), parts[0].size()});
-      ++stats.received;
-      return status;
-    } catch (const ProtocolError& error) {
-      ++stats.rejected;
-      stats.last_error = error.what();
-      return std::nullopt;
+    for (int i = 0; i < 2 * kBufferedBySubscriber && receive_parts(*socket, 1, parts); ++i) {
+      last_activity = Clock::now();
+      try {
+        if (parts.size() != 1) throw ProtocolError("message: has the wrong number of parts");
+        newest = decode_status({parts[0].data<std::uint8_t>(), parts[0].size()});
+        ++stats.received;
+      } catch (const ProtocolError& error) {
+        ++stats.rejected;
+        stats.last_error = error.what();
+      }
     }
+    return newest;
   }
 
   const SubscriberOptions options;

@@ -36,8 +36,7 @@ Status status(const std::string& message, std::size_t preview_bytes = 0) {
   return s;
 }
 
-/// Publishes a status again and again, as daemons do, until the subscriber sees it. (A conflating socket may hold a
-/// single message back until the next one comes.)
+/// Publishes a status again and again, as daemons do, until the subscriber sees it.
 Status publish_until_seen(MonitorPublisher& publisher, MonitorSubscriber& subscriber, const Status& status) {
   Status last;
   EXPECT_TRUE(eventually([&] {
@@ -105,6 +104,28 @@ TEST(Monitor, WhatIsNoStatusIsCounted) {
     return subscriber.stats().rejected > 0;
   }));
   EXPECT_THAT(subscriber.stats().last_error, HasSubstr("version"));
+}
+
+TEST(Monitor, AStatusOfSeveralPartsIsRefusedAndTheWatcherGoesOn) {
+  zmq::context_t context{1};
+  zmq::socket_t publisher(context, zmq::socket_type::pub);
+  publisher.set(zmq::sockopt::linger, 0);
+  publisher.bind(kAnyPort);
+  MonitorSubscriber subscriber(subscriber_options(publisher.get(zmq::sockopt::last_endpoint)));
+  const Bytes good = encode_status(status("good"));
+  EXPECT_TRUE(eventually([&] {
+    for (int i = 0; i < 20; ++i) {
+      publisher.send(zmq::buffer(good), zmq::send_flags::sndmore);
+      publisher.send(zmq::buffer(good), zmq::send_flags::none);
+    }
+    EXPECT_FALSE(subscriber.next(5ms));
+    return subscriber.stats().rejected > 100;
+  }));
+  EXPECT_THAT(subscriber.stats().last_error, HasSubstr("number of parts"));
+  EXPECT_TRUE(eventually([&] {
+    publisher.send(zmq::buffer(good), zmq::send_flags::none);
+    return subscriber.next(5ms).has_value();
+  }));
 }
 
 TEST(Monitor, CurveLetsThoseInWhoMayWatch) {
