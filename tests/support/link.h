@@ -78,10 +78,13 @@ class RawPeer {
     socket.set(zmq::sockopt::rcvtimeo, static_cast<int>(std::chrono::milliseconds(kLong).count()));
   }
 
-  void send(const std::vector<Bytes>& parts) {
-    if (is_router_) socket.send(zmq::buffer(partner_), zmq::send_flags::sndmore);
+  /// False when it took longer than the socket waits.
+  bool send(const std::vector<Bytes>& parts) {
+    if (is_router_ && !socket.send(zmq::buffer(partner_), zmq::send_flags::sndmore)) return false;
     for (std::size_t i = 0; i < parts.size(); ++i)
-      socket.send(zmq::buffer(parts[i]), i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+      if (!socket.send(zmq::buffer(parts[i]), i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none))
+        return false;
+    return true;
   }
   template <typename Message>
   void say(MessageType type, const Message& message, std::uint16_t major = kWireMajor) {
