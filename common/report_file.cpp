@@ -59,7 +59,8 @@ void ReportFile::write(std::string_view text) {
 void finish_standard_output() {
   errno = 0;
   std::cout.flush();
-  if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout) != 0) fail_output();
+  if (std::cout && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  if (errno != EPIPE) fail_output();
 }
 
 }  // namespace sheen

@@ -26,7 +26,7 @@ class ReportFile {
 };
 
 /// Writes out what standard output still holds, as the last thing that a program does: a full disk is told, not passed
-/// over. Throws FileError.
+/// over. A reader who has gone had enough: no error. Throws FileError.
 void finish_standard_output();
 
 }  // namespace sheen

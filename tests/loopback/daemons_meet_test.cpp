@@ -35,11 +35,12 @@ class DaemonsMeet : public ::testing::Test {
     EXPECT_EQ(sequences, all);
   }
   /// SIGINT, and the end that follows.
-  static void expect_stops(Process& process, const Words& words, std::chrono::seconds patience = kStopPatience) {
+  static void expect_stops(Process& process, const Words& words, std::chrono::seconds patience = kStopPatience,
+                           int status = 0) {
     process.signal(SIGINT);
     const auto end = process.wait(patience);
     ASSERT_TRUE(end) << "still runs after Ctrl-C:\n" << process.output();
-    expect_outcome({*end, process.output()}, 0, words);
+    expect_outcome({*end, process.output()}, status, words);
   }
 
   const TempFolder temp_;
@@ -61,7 +62,7 @@ TEST_F(DaemonsMeet, ATrackerWithoutAReconstructorSaysThatNothingIsSafe) {
   Process waiting(track({"--endpoint", address}));
   ASSERT_TRUE(waiting.prints(address, kPatience));
   std::this_thread::sleep_for(milliseconds(300));
-  expect_stops(waiting, {"keyframes were not acknowledged"});
+  expect_stops(waiting, {"keyframes were not acknowledged"}, kStopPatience, 1);
 }
 
 TEST_F(DaemonsMeet, TheReconstructorMayComeLastAndCtrlCFinishesTheModel) {
@@ -85,7 +86,7 @@ TEST_F(DaemonsMeet, AKeyThatIsNotAllowedGetsNothingAndIsTold) {
   EXPECT_THAT(refused.output(), ::testing::HasSubstr("allowlist"));
   EXPECT_EQ(captures_so_far(session_), 0u);
   expect_stops(refused, {});
-  expect_stops(rig, {"6 keyframes were not acknowledged", "Last refusal", "key"});
+  expect_stops(rig, {"6 keyframes were not acknowledged", "last refusal", "key"}, kStopPatience, 1);
 }
 
 TEST_F(DaemonsMeet, ASecondReconstructorIsToldWhyItGetsNothing) {
@@ -146,7 +147,8 @@ class LargeImages : public DaemonsMeet {
 TEST_F(LargeImages, AFullDiskEndsTheCaptureClearlyAndItGoesOnWithRoom) {
   const std::string address = free_address();
   Process rig(track({"--endpoint", address}));
-  expect_outcome(run_to_end(desk({"--endpoint", address}), {.file_bytes = 65536}), 1, {".capture: cannot be written"});
+  expect_outcome(run_to_end(desk({"--endpoint", address}), {.file_bytes = 65536}), 1,
+                 {"captures/incoming.part: cannot be written"});
   EXPECT_LT(captures_of(session_).size(), 6u);
   EXPECT_TRUE(rig.running()) << "it has nobody to give its captures to, but they are not lost";
   Process again(desk({"--endpoint", address, "--once"}));
