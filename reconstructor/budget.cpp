@@ -8,18 +8,15 @@
 #include <sstream>
 
 #include "common/errors.h"
-#include "reconstructor/surface/map_resolution.h"
+#include "reconstructor/memory_account.h"
 
 namespace sheen {
 namespace {
 
-constexpr std::array<double, 7> kShares{1, 0.75, 0.5, 0.35, 0.25, 0.15, 0.08};
+constexpr std::array<double, 8> kShares{1, 0.75, 0.5, 0.35, 0.25, 0.17, 0.12, 0.08};
 constexpr int kTimedBeforeLess = 3;   // images over the budget before less is done
 constexpr int kTimedBeforeMore = 12;  // images with room before more is done
-constexpr double kRoom = 0.7;         // of the budget: the next share up costs up to 1.5 times as much
-constexpr double kMargin = 0.9;       // of the budget, when a rung is chosen: later images cost a little more
-// Of a rung that is taken for its time: beyond it, a share of the rings loses less.
-constexpr double kMostLoss_dB = 0.2;
+constexpr double kRoom = 0.65;        // of the budget: the next share up costs at most 1.5 times as much
 
 bool is_record(std::istream& in) {
   return in.eof() || (in >> std::ws).eof();
@@ -44,12 +41,12 @@ double parse_tolerance(const std::string& word) {
 
 std::span<const Rung> effort_ladder() {
   static constexpr std::array<Rung, 6> kLadder{{
-      {1, 64, 0, 1, 0},
-      {0.8, 64, 0, 0.8, 0.03},
-      {0.65, 16, 0, 0.64, 0.11},
-      {0.65, 12, 4.0 / 3, 0.57, 0.14},
-      {0.5, 12, 4.0 / 3, 0.47, 0.28},
-      {0.4, 12, 4.0 / 3, 0.43, 0.86},
+      {1, 64, 0},
+      {0.8, 64, 0},
+      {0.65, 16, 0},
+      {0.65, 12, 4.0 / 3},
+      {0.5, 12, 4.0 / 3},
+      {0.4, 12, 4.0 / 3},
   }};
   return kLadder;
 }
@@ -64,6 +61,21 @@ SurfaceLightFieldOptions at_rung(const SurfaceLightFieldOptions& options, int ru
     factor.internal_rank =
         std::min(options.ring.factor.terms_kept(), static_cast<int>(std::ceil(r.spare * factor.max_rank)));
   return out;
+}
+
+int rung_within(const MeasuredLadder& ladder, double image_ms, int in_use, double budget_ms) {
+  const auto at = [&](int rung) { return ladder[static_cast<std::size_t>(rung)]; };
+  int rung = in_use;
+  while (rung + 1 < static_cast<int>(ladder.size()) && at(0).psnr_db - at(rung + 1).psnr_db <= kMostLoss_dB &&
+         image_ms * at(rung).image_ms / at(in_use).image_ms > kBudgetMargin * budget_ms)
+    ++rung;
+  return rung;
+}
+
+int rung_reaching(const MeasuredLadder& ladder, double psnr_db) {
+  int rung = static_cast<int>(ladder.size()) - 1;
+  while (rung > 0 && ladder[static_cast<std::size_t>(rung)].psnr_db < psnr_db) --rung;
+  return std::max(rung, 0);
 }
 
 std::vector<SurfaceLightFieldOptions> accuracy_ladder(const SurfaceLightFieldOptions& asked) {
@@ -88,28 +100,9 @@ int finest_rung(const Mesh& mesh, const Capture& first_capture, const SurfaceLig
     SurfaceLightFieldOptions limited = at_rung(options, rung);
     RingFactorOptions& factor = limited.ring.factor;
     factor = factor.limited_to(kWorthwhile.max_rank, kWorthwhile.internal_rank, kWorthwhile.block);
-    if (largest_bytes(mesh, first_capture, limited) <= bytes) break;
+    if (largest_account(mesh, first_capture, limited).total() <= bytes) break;
   }
   return rung;
-}
-
-double largest_bytes(const Mesh& mesh, const Capture& first, const SurfaceLightFieldOptions& options) {
-  const VertexRings rings(
-      mesh, map_resolution(mesh, first.camera, first.pose.camera_from_object,
-                           {options.surface_map, options.min_surface_map, options.max_surface_map, options.map_scale}));
-  const RingFactorOptions& factor = options.ring.factor;
-  const double terms = factor.terms_kept(), views = options.ring.max_views + factor.block;
-  double bytes = 0;
-  for (std::size_t v = 0; v < rings.size(); ++v) {
-    const double rows = 3.0 * rings.ring_samples(v) + 16;  // padded to whole vectors
-    if (rings.ring_samples(v) == 0) continue;
-    bytes += sizeof(RingModel) + sizeof(float) * (rows * (terms + factor.block) + terms * views) +
-             2 * sizeof(double) * terms * terms + views * (sizeof(Eigen::Vector3f) + 8 * sizeof(double)) + rows +
-             views * (rows / 8 + sizeof(double)) +  // a bit a row that a view hides
-             // what it showed of the witness rows
-             views * (sizeof(float) * factor.witnesses(3 * rings.ring_samples(v)) + 8 * sizeof(double));
-  }
-  return bytes;
 }
 
 EffortControl::EffortControl(double image_ms, const std::string& record, std::uint64_t captures)
@@ -126,17 +119,6 @@ EffortControl::EffortControl(double image_ms, const std::string& record, std::ui
   }
   if (!good || !is_record(in)) throw ConfigError("the session's record of its budget cannot be read: " + record);
   rung_ = rung;
-}
-
-int EffortControl::choose_rung(double image_ms, int in_use, int least) const {
-  const std::span<const Rung> ladder = effort_ladder();
-  const double unit_ms = image_ms / ladder[static_cast<std::size_t>(in_use)].cost;
-  int rung = least;
-  while (rung + 1 < static_cast<int>(ladder.size()) &&
-         ladder[static_cast<std::size_t>(rung) + 1].loss_db <= kMostLoss_dB &&
-         unit_ms * ladder[static_cast<std::size_t>(rung)].cost > kMargin * budget_ms_)
-    ++rung;
-  return rung;
 }
 
 double EffortControl::share(std::uint64_t capture) const {
@@ -162,8 +144,10 @@ void EffortControl::set_level(std::uint64_t from, int level) {
   if (level != (level_from_.empty() ? 0 : level_from_.rbegin()->second)) level_from_[from] = level;
 }
 
-void EffortControl::follow_record_until(std::uint64_t captures) {
-  recorded_ = std::max(recorded_, captures);
+void EffortControl::begin_again(std::uint64_t captures) {
+  if (rung_) recorded_ = std::max(recorded_, captures);
+  sum_ms_ = 0;
+  timed_ = 0;
 }
 
 std::string EffortControl::record() const {

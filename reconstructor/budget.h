@@ -26,13 +26,28 @@ struct Rung {
   double map_scale;  ///< of the side of surface maps
   int max_rank;      ///< terms displayed, at most
   double spare;      ///< terms kept inside for each of these, at most; 0 = as asked
-  double cost;       ///< processor time of an image, relative to the first rung
-  double loss_db;    ///< of held-out PSNR against the first rung
 };
-/// Each costs less than the one before; cost and loss as `measure_pipeline` prints them (docs/decisions/budget.md).
+/// None asks for more than the one before. What each saves and loses depends on the scene (docs/decisions/budget.md).
 std::span<const Rung> effort_ladder();
 /// The options with a rung's limits laid on them.
 SurfaceLightFieldOptions at_rung(const SurfaceLightFieldOptions& options, int rung);
+
+/// A rung as `tradeoff` measured it on a scene.
+struct MeasuredRung {
+  double image_ms = 0;
+  double psnr_db = 0;  ///< of held-out views
+};
+/// All rungs in their order, or none.
+using MeasuredLadder = std::vector<MeasuredRung>;
+/// No rung that loses more against the first is taken for its time: a share of the rings loses less.
+inline constexpr double kMostLoss_dB = 0.2;
+/// Of the budget, when a rung is chosen: later images cost a little more than those it is chosen by.
+inline constexpr double kBudgetMargin = 0.9;
+/// The first rung, `in_use` or a coarser one, that keeps the budget, when the one in use takes `image_ms`; where none
+/// does, the last one that loses little enough. `ladder` must not be empty.
+int rung_within(const MeasuredLadder& ladder, double image_ms, int in_use, double budget_ms);
+/// The cheapest rung that reaches a PSNR; 0 when none does.
+int rung_reaching(const MeasuredLadder& ladder, double psnr_db);
 
 /// Settings from the cheapest to the most accurate: the rungs, and what goes beyond the settings asked for. Where a
 /// PSNR is to be reached.
@@ -43,17 +58,15 @@ struct TermLimit {
   int max_rank, internal_rank, block;  ///< as in RingFactorOptions
 };
 std::span<const TermLimit> memory_steps();
-/// The rung, `first` or a coarser one, with the finest maps of which the memory can hold at least eight terms whatever
-/// comes; the last one when it can of none.
+/// The rung, `first` or a coarser one, with the finest maps of which the memory can hold eight terms (as many as there
+/// are where the options allow fewer) whatever images come, held-out views apart; the last one when it can of none.
 int finest_rung(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
                 double bytes);
 
-/// Upper bound of the rings' memory once every ring holds all the terms and views that the options allow.
-double largest_bytes(const Mesh& mesh, const Capture& first, const SurfaceLightFieldOptions& options);
-
-/// Keeps the time of an image within a budget: a rung for the whole capture, chosen from the first images; after that
-/// the share of rings that an image updates. What was decided is recorded, so that the model stays a function of the
-/// captures and the record: with the record of an earlier run, the same captures give the same bits.
+/// Brings the time of an image towards a budget: a rung for the whole capture, chosen by the first images; after that
+/// the share of rings that an image updates. It follows a few images later: single images may take longer, and where
+/// the least share still takes too long, all do. What was decided is recorded, so that the model is a function of the
+/// captures, their numbers and the record: with the record of an earlier run, the same captures give the same bits.
 class EffortControl {
  public:
   static constexpr std::uint64_t kProbeImages = 8;  ///< updates that are timed before the rung is chosen
@@ -65,15 +78,13 @@ class EffortControl {
   double budget_ms() const { return budget_ms_; }
   std::optional<int> rung() const { return rung_; }  ///< nothing until it is chosen
   void set_rung(int rung) { rung_ = rung; }
-  /// The cheapest need be: the first rung from `least` on that keeps the budget when the rung in use takes `image_ms`.
-  int choose_rung(double image_ms, int in_use, int least) const;
 
   /// Share of the rings that capture number `capture` may update.
   double share(std::uint64_t capture) const;
   /// The update of a capture took so long: decides for the captures after it, unless the record speaks of them.
   void observe(std::uint64_t capture, double update_ms);
-  /// Captures up to this number are to be treated as they were.
-  void follow_record_until(std::uint64_t captures);
+  /// The captures come again from the first: so many of them are to be treated as they were, if a rung was chosen.
+  void begin_again(std::uint64_t captures);
 
   std::string record() const;
 

@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPoll{50};
 constexpr int kLateSnapshotFactor = 5;
-constexpr std::size_t kJudgedAtOnce = 2;  // held-out views a live judgement looks at, in turn
+constexpr int kJudgementsRest = 4;  // times as long as the last live judgement took, before the next
 
 std::int64_t now_ns() {
   return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
@@ -114,7 +114,9 @@ void CaptureLoop::ingest(std::stop_token stop) {
   try {
     const Session journal = patiently(stop, [&] { return Session::open_read_only(folder_); });
     auto last_snapshot = Clock::now(), last_judged = Clock::now(), last_change = Clock::now();
-    bool changed = false;  // since the last snapshot
+    Clock::duration rest = options_.judge_interval;
+    bool changed = false;   // since the last snapshot
+    bool unjudged = false;  // since the last live judgement
     const auto show = [&] {
       if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
       last_snapshot = Clock::now();
@@ -129,13 +131,14 @@ void CaptureLoop::ingest(std::stop_token stop) {
       if (followed == Followed::kMustBeAnew) begin_anew(next);
       if (followed == Followed::kTakenOut) {
         show();
+        unjudged = true;
         last_change = Clock::now();
       }
       const Waited waited = wait_for_capture(next, stop);
       const bool over = waited == Waited::kOver, ended = over || waited == Waited::kSourceEnded;
       if (waited == Waited::kArrived) {
         take_in(journal, next++);
-        changed = true;
+        changed = unjudged = true;
         last_change = Clock::now();
       } else if (inexact_ && (ended || Clock::now() - last_change >= options_.pause)) {
         begin_anew(next);
@@ -145,12 +148,14 @@ void CaptureLoop::ingest(std::stop_token stop) {
       const bool late = behind(next);
       const auto interval = (late ? kLateSnapshotFactor : 1) * options_.snapshot_interval;
       if (changed && (ended || Clock::now() - last_snapshot >= interval)) show();
-      if (!ended && !late && !reconstruction_.held_out().empty() &&
-          Clock::now() - last_judged >= options_.judge_interval) {
+      if (over && patiently(stop, [&] { return journal.withdrawals_after(last_withdrawal_); }).empty()) break;
+      if (unjudged && !late && Clock::now() - last_judged >= rest) {
+        const auto begun = Clock::now();
         judge_live();
         last_judged = Clock::now();
+        rest = std::max<Clock::duration>(options_.judge_interval, kJudgementsRest * (last_judged - begun));
+        unjudged = false;
       }
-      if (over && patiently(stop, [&] { return journal.withdrawals_after(last_withdrawal_); }).empty()) break;
     }
   } catch (const std::exception& error) {
     const bool stopped_waiting = stop.stop_requested() && dynamic_cast<const SessionBusy*>(&error);
@@ -185,15 +190,17 @@ CaptureLoop::Followed CaptureLoop::follow_withdrawals(const Session& journal, st
   for (const Withdrawal& w : news) {
     const bool changed = w.capture < ingested && now.contains(w.capture) != withdrawn_.contains(w.capture);
     if (!changed || !looked_at.insert(w.capture).second) continue;
+    if (!withdrawn_.contains(w.capture)) return Followed::kMustBeAnew;
+    const Reconstruction::Withdrawn how = reconstruction_.withdraw(journal.read(w.capture));
     const bool being_made_anew = ingested < anew_until_;
-    if (being_made_anew || !withdrawn_.contains(w.capture) || !reconstruction_.withdraw(journal.read(w.capture)))
+    if (how == Reconstruction::Withdrawn::kNot || (how == Reconstruction::Withdrawn::kNearly && being_made_anew))
       return Followed::kMustBeAnew;
+    if (how == Reconstruction::Withdrawn::kNearly) inexact_ = true;
     followed = Followed::kTakenOut;
   }
   if (followed == Followed::kNothing) return followed;
-  inexact_ = true;
   const std::lock_guard lock(mutex_);
-  status_.exact = false;
+  status_.exact = !inexact_ && ingested >= anew_until_;
   status_.counts = reconstruction_.counts();
   return followed;
 }
@@ -247,19 +254,12 @@ void CaptureLoop::take_in(const Session& journal, std::uint64_t index) {
 
 void CaptureLoop::judge_live() {
   const std::vector<HeldOutView>& views = reconstruction_.held_out();
-  const std::shared_ptr<const SurfaceLightFieldSnapshot> model = fill_unseen(*reconstruction_.snapshot());
-  const std::shared_ptr<const ModelSnapshot> constant = reconstruction_.model().constant_colour();
-  LoopStatus::HeldOutPoint point{.images = reconstruction_.counts().accepted};
-  const std::size_t n = std::min(kJudgedAtOnce, views.size());
-  for (std::size_t i = 0; i < n; ++i) {
-    const HeldOutView& view = views[next_judged_++ % views.size()];
-    const ViewScore s = score(view, *model, reconstruction_.painter());
-    point.psnr_db += s.psnr_db / static_cast<double>(n);
-    point.ssim += s.ssim / static_cast<double>(n);
-    point.constant_psnr_db += score(view, *constant, reconstruction_.painter()).psnr_db / static_cast<double>(n);
-  }
+  const Eigen::Vector3d centre = bounding_sphere(reconstruction_.mesh()).centre.cast<double>();
+  if (const std::vector<std::size_t> panel = judging_panel(views, centre); !panel.empty())
+    held_out_curve_.judge(views, panel, reconstruction_.counts().accepted, *fill_unseen(*reconstruction_.snapshot()),
+                          *reconstruction_.model().constant_colour(), reconstruction_.painter());
   const std::lock_guard lock(mutex_);
-  status_.held_out_curve.push_back(point);
+  status_.held_out_curve = held_out_curve_.points();
   status_.rank_histogram = reconstruction_.model().rank_histogram();
   status_.model_bytes = reconstruction_.model().bytes();
   for (const auto& [stage, seconds] : reconstruction_.stages()) status_.stage_s[stage] = seconds.median_s();

@@ -18,6 +18,7 @@
 
 #include "common/session.h"
 #include "common/transport.h"
+#include "reconstructor/evaluation/held_out_curve.h"
 #include "reconstructor/reconstruction.h"
 
 namespace sheen {
@@ -46,11 +47,8 @@ struct LoopStatus {
   /// From the grab to durable here, by the measured offset of the two machines' clocks; captures that came while there
   /// was none are not in it.
   RunningStatistics latency;
-  /// Live figures on views the model never saw: images folded in, PSNR, SSIM, and the constant colour's PSNR.
-  struct HeldOutPoint {
-    std::uint64_t images = 0;
-    double psnr_db = 0, ssim = 0, constant_psnr_db = 0;
-  };
+  /// Live figures on views the model never saw.
+  using HeldOutPoint = HeldOutCurve::Point;
   std::vector<HeldOutPoint> held_out_curve;
   std::string error;  ///< what stopped the loop, if anything did (a full disk, say)
 };
@@ -64,14 +62,14 @@ struct LoopObserver {
 
 struct CaptureLoopOptions {
   std::chrono::milliseconds snapshot_interval{400};  ///< at most this often; a snapshot costs about one image's time
-  std::chrono::milliseconds judge_interval{1500};    ///< of the live held-out figures
+  std::chrono::milliseconds judge_interval{1500};    ///< at least, between live judgements of a model that changes
   std::chrono::milliseconds pause{2000};  ///< without a capture, after which there is time to make a model anew
   bool stop_when_source_ends = false;
 };
 
 /// The live loop. Two threads and a journal between them:
 ///   receive:  link -> journal (durable) -> acknowledge
-///   ingest:   journal -> model -> snapshot -> observers; now and then the held-out views are judged
+///   ingest:   journal -> model -> snapshot -> observers; now and then some held-out views judge what has changed
 /// The model is a function of the journal alone: after a crash the same captures in the same order give the same model,
 /// and a slow model only lags behind; nothing is lost and nothing waits for it. A capture whose file is damaged counts
 /// as refused. While another program keeps the session locked, captures wait unacknowledged. When a capture that the
@@ -127,7 +125,7 @@ class CaptureLoop {
   std::uint64_t last_withdrawal_ = 0;  ///< number of the last entry that is followed
   bool inexact_ = false;               ///< an image was taken out of the finished model
   std::uint64_t anew_until_ = 0;       ///< captures that the model knew when it was last begun anew
-  std::size_t next_judged_ = 0;
+  HeldOutCurve held_out_curve_;
   std::string effort_record_;  ///< as the session has it
   std::atomic<bool> finished_{false};
   // Not the threads' own: either may ask both to stop while `start` still assigns them.

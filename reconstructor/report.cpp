@@ -56,13 +56,24 @@ json settings_report(const Reconstruction& reconstruction, double psnr_db) {
     report["budget"] = {{"asked_ms", *wish.image_ms}, {"image_ms", image_ms}, {"holds", image_ms <= *wish.image_ms}};
   }
   if (wish.bytes) {
-    const auto bytes = static_cast<double>(reconstruction.model().bytes());
-    report["memory"] = {{"asked_bytes", *wish.bytes}, {"bytes", bytes}, {"holds", bytes <= *wish.bytes}};
+    const double grown = resident_memory().bytes - reconstruction.resident_before();
+    report["memory"] = {{"asked_bytes", *wish.bytes}, {"bytes", grown}, {"holds", grown <= *wish.bytes}};
   }
   if (wish.psnr_db)
     report["target"] = {
         {"asked_db", *wish.psnr_db}, {"psnr_db", number(psnr_db)}, {"reached", psnr_db >= *wish.psnr_db}};
   return report;
+}
+
+/// What is held, by part, beside what the operating system says that the process has grown by.
+json memory_report(const Reconstruction& reconstruction) {
+  const MemoryAccount account = reconstruction.memory();
+  const ResidentMemory resident = resident_memory();
+  return {{"parts", account.parts()},
+          {"counted_bytes", account.total()},
+          {"resident_growth_bytes", resident.bytes - reconstruction.resident_before()},
+          {"resident_bytes", resident.bytes},
+          {"peak_resident_bytes", resident.peak_bytes}};
 }
 
 json reconstruction_report(Reconstruction& reconstruction, const StepsDone& progress) {
@@ -88,6 +99,7 @@ json reconstruction_report(Reconstruction& reconstruction, const StepsDone& prog
   const Reconstruction::RingCounts& rings = reconstruction.rings();
   report["rings"] = {{"updated", rings.updated}, {"skipped", rings.skipped}, {"left_out", rings.left_out}};
   const Reconstruction::Judgement judged = reconstruction.judge(progress);
+  report["memory"] = memory_report(reconstruction);
   report["settings"] = settings_report(reconstruction, judged.light_field.psnr_db);
   report["held_out"] = {{"views", judged.light_field.views.size()},
                         {"protocol", kProtocol},

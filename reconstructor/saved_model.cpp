@@ -2,16 +2,22 @@
 #include "reconstructor/saved_model.h"
 
 #include <cstdio>
-#include <sstream>
+#include <nlohmann/json.hpp>
 
+#include "common/errors.h"
 #include "reconstructor/exchange/model_files.h"
 #include "reconstructor/memory_need.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
+#include "reconstructor/scene_config.h"
 
 namespace sheen {
 namespace {
 
-constexpr const char* kHeldOutKey = "held_out";  // names, a line each
+using nlohmann::json;
+
+constexpr const char* kSceneKey = "scene";        // the settings as a scene file
+constexpr const char* kCapturesKey = "captures";  // a JSON list: source_session, sequence, part, exposure_gain
+constexpr const char *kHeldOut = "held_out", *kFolded = "folded", *kRepeated = "repeated";
 
 }  // namespace
 
@@ -29,21 +35,50 @@ Mesh load_mesh_and_warn(const std::filesystem::path& path, const SurfaceLightFie
 
 void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& folder, const std::string& source,
                          const StepsDone& progress) {
-  std::string names;
-  for (const HeldOutView& view : reconstruction.held_out()) names += view.name + "\n";
+  json captures = json::array();
+  for (const KnownCapture& c : reconstruction.captures()) {
+    if (c.status == IngestStatus::kRefused) continue;
+    captures.push_back({{"source_session", c.source_session},
+                        {"sequence", c.sequence},
+                        {"part", c.status == IngestStatus::kHeldOut ? kHeldOut : (c.repeated ? kRepeated : kFolded)},
+                        {"exposure_gain", c.exposure_gain}});
+  }
   save_model(*fill_unseen(*reconstruction.snapshot()), folder,
-             {{"source", source}, {"images", std::to_string(reconstruction.counts().accepted)}, {kHeldOutKey, names}},
+             {{"source", source},
+              {"images", std::to_string(reconstruction.counts().accepted)},
+              {kSceneKey, to_toml(reconstruction.model().options())},
+              {kCapturesKey, captures.dump(-1, ' ', false, json::error_handler_t::replace)}},
              {.progress = progress});
 }
 
-std::set<std::string> held_out_names(const std::filesystem::path& model_folder) {
-  std::set<std::string> names;
+const KnownCapture* ModelOrigin::find(const Capture& capture) const {
+  const auto found = captures.find({capture.source_session, capture.sequence});
+  return found == captures.end() ? nullptr : &found->second;
+}
+
+ModelOrigin load_origin(const std::filesystem::path& model_folder) {
   const ModelMetadata metadata = load_model_metadata(model_folder);
-  if (const auto found = metadata.find(kHeldOutKey); found != metadata.end()) {
-    std::istringstream lines(found->second);
-    for (std::string line; std::getline(lines, line);) names.insert(line);
+  if (!metadata.contains(kSceneKey) || !metadata.contains(kCapturesKey))
+    throw FileError(model_folder.string(),
+                    "does not say which images it was built from, as models of an older Sheen do not; build it anew");
+  const std::filesystem::path file = model_folder / "model.json";
+  ModelOrigin origin{.options = parse_scene_config(metadata.at(kSceneKey), file).surface_light_field};
+  try {
+    for (const json& entry : json::parse(metadata.at(kCapturesKey))) {
+      const auto part = entry.at("part").get<std::string>();
+      KnownCapture known{.source_session = entry.at("source_session"),
+                         .sequence = entry.at("sequence"),
+                         .status = part == kHeldOut ? IngestStatus::kHeldOut : IngestStatus::kAccepted,
+                         .repeated = part == kRepeated,
+                         .exposure_gain = entry.at("exposure_gain")};
+      if (!(known.exposure_gain > 0))
+        throw FileError(file.string(), "metadata.captures: exposure_gain must be positive");
+      origin.captures.insert_or_assign({known.source_session, known.sequence}, std::move(known));
+    }
+  } catch (const json::exception& error) {
+    throw FileError(file.string(), std::string("metadata.captures: ") + error.what());
   }
-  return names;
+  return origin;
 }
 
 }  // namespace sheen

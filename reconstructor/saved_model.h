@@ -2,9 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <set>
+#include <map>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "common/progress.h"
 #include "reconstructor/mesh_scale.h"
@@ -18,13 +19,22 @@ namespace sheen {
 Mesh load_mesh_and_warn(const std::filesystem::path& path, const SurfaceLightFieldOptions& options,
                         std::span<const PosedCamera> cameras);
 
-/// Saves the light field as it stands, unseen parts filled with a guess, and notes which views it never saw. `source`
-/// says where the images came from. Until the new model is whole, an older one in
-/// the folder stays.
+/// Saves the light field as it stands, unseen parts filled with a guess, and notes its settings and what became of
+/// every capture. `source` says where the images came from. Until the new model is whole, an older one in the folder
+/// stays.
 void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& folder, const std::string& source,
                          const StepsDone& progress = {});
 
-/// Names of the views that a saved model never saw; empty when it was built from everything.
-std::set<std::string> held_out_names(const std::filesystem::path& model_folder);
+/// What a saved model notes of its making.
+struct ModelOrigin {
+  SurfaceLightFieldOptions options;
+  /// By source session and sequence: names begin again with each run of a tracker. Refused captures are left out.
+  std::map<std::pair<std::string, std::uint64_t>, KnownCapture> captures;
+
+  /// Null when the model does not know it.
+  const KnownCapture* find(const Capture& capture) const;
+};
+/// Throws FileError where the model does not say.
+ModelOrigin load_origin(const std::filesystem::path& model_folder);
 
 }  // namespace sheen

@@ -2,6 +2,7 @@
 #include "reconstructor/scene_config.h"
 
 #include <toml++/toml.h>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <limits>
@@ -10,6 +11,7 @@
 #include <string>
 
 #include "common/errors.h"
+#include "common/files.h"
 
 namespace sheen {
 namespace {
@@ -112,22 +114,48 @@ std::string key_list(const Keys& keys) {
   return list;
 }
 
+/// All rungs of the ladder, as `tradeoff` measured them.
+MeasuredLadder ladder_of(const toml::node& rungs, const std::filesystem::path& file) {
+  const auto fail = [&](const toml::node& at) {
+    throw ConfigError(place(file, at.source()) + "[[rung]]: takes image_ms above 0 and psnr_db, " +
+                      std::to_string(effort_ladder().size()) + " times; `tradeoff --out` writes them");
+  };
+  MeasuredLadder ladder;
+  const toml::array* list = rungs.as_array();
+  if (!list || list->size() != effort_ladder().size()) fail(rungs);
+  for (const toml::node& entry : *list) {
+    const toml::table* table = entry.as_table();
+    if (!table || table->size() != 2) fail(entry);
+    const auto ms = (*table)["image_ms"].value<double>(), db = (*table)["psnr_db"].value<double>();
+    if (!ms || !db || !(*ms > 0) || !std::isfinite(*ms) || !std::isfinite(*db)) fail(entry);
+    ladder.push_back({*ms, *db});
+  }
+  return ladder;
+}
+
 }  // namespace
 
 SceneConfig load_scene_config(const std::filesystem::path& file) {
+  return parse_scene_config(read_file(file), file);
+}
+
+SceneConfig parse_scene_config(std::string_view text, const std::filesystem::path& file) {
   toml::table document;
   try {
-    document = toml::parse_file(file.string());
+    document = toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
-    if (error.source().begin.line == 0) throw FileError(file.string(), std::string(error.description()));
     throw ConfigError(place(file, error.source()) + std::string(error.description()));
   }
   SceneConfig config;
   const Keys keys = keys_of(config.surface_light_field);
   for (const auto& [section, content] : document) {
+    if (section == "rung") {
+      config.ladder = ladder_of(content, file);
+      continue;
+    }
     if (section != "surface_light_field" || !content.is_table())
       throw ConfigError(place(file, content.source()) + "unknown section [" + std::string(section.str()) +
-                        "]; a scene has [surface_light_field]");
+                        "]; a scene has [surface_light_field] and, from `tradeoff`, [[rung]]");
     for (const auto& [key, value] : *content.as_table()) {
       const auto known = keys.find(key.str());
       if (known == keys.end())
@@ -149,6 +177,16 @@ std::string to_toml(const SurfaceLightFieldOptions& options) {
   SurfaceLightFieldOptions copy = options;
   std::string text = "[surface_light_field]\n";
   for (const auto& [name, key] : keys_of(copy)) text += name + " = " + key.text() + '\n';
+  return text;
+}
+
+std::string rungs_to_toml(const MeasuredLadder& ladder) {
+  std::string text;
+  for (const MeasuredRung& rung : ladder) {
+    char entry[96];
+    std::snprintf(entry, sizeof entry, "[[rung]]\nimage_ms = %.9g\npsnr_db = %.9g\n", rung.image_ms, rung.psnr_db);
+    text += entry;
+  }
   return text;
 }
 

@@ -32,9 +32,9 @@ struct BuildArguments {
 /// The data set's model with these settings.
 std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, const Mesh& mesh,
                                            const CaptureSet& captures, const SurfaceLightFieldOptions& options,
-                                           const TradeoffWish& wish, bool first) {
+                                           const TradeoffWish& wish, const MeasuredLadder& ladder, bool first) {
   auto reconstruction = std::make_unique<Reconstruction>(mesh, options);
-  reconstruction->keep_within(wish);
+  reconstruction->keep_within(wish, {}, 0, ladder);
   {
     Progress progress("building", captures.size);
     for (std::size_t i = 0; i < captures.size; ++i) {
@@ -71,7 +71,7 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
   std::unique_ptr<Reconstruction> best;
   double best_db = 0;
   for (const SurfaceLightFieldOptions& step : accuracy_ladder(options)) {
-    auto built = build_once(arguments, mesh, captures, step, wish, !best);
+    auto built = build_once(arguments, mesh, captures, step, wish, {}, !best);
     if (built->held_out().empty())
       throw ConfigError("--target needs held-out views to judge by: name test views or give --hold-out N");
     const double db = built->judge().light_field.psnr_db;
@@ -105,7 +105,7 @@ void build(const BuildArguments& arguments) {
   const Mesh mesh = load_mesh_and_warn(arguments.mesh, config.surface_light_field, captures.cameras);
   const std::unique_ptr<Reconstruction> built =
       wish.psnr_db ? build_to_target(arguments, mesh, captures, config.surface_light_field, wish)
-                   : build_once(arguments, mesh, captures, config.surface_light_field, wish, true);
+                   : build_once(arguments, mesh, captures, config.surface_light_field, wish, config.ladder, true);
   Reconstruction& reconstruction = *built;
   if (!arguments.out.empty()) save_reconstruction(reconstruction, arguments.out, arguments.dataset);
   const nlohmann::json report = reconstruction_report(reconstruction);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "common/errors.h"
 #include "common/progress.h"
@@ -28,44 +27,47 @@ struct EvaluateArguments {
 void evaluate(const EvaluateArguments& arguments) {
   ReportFile json(arguments.json);
   const std::shared_ptr<const SurfaceLightFieldSnapshot> model = load_model(arguments.model);
-  const std::set<std::string> unseen = held_out_names(arguments.model);
+  const ModelOrigin origin = load_origin(arguments.model);
   const CaptureSet captures = open_capture_set(arguments.dataset);
   const RayPainter painter(model->mesh());
 
   // The constant colour is the mean of each sample over the images that the model was built from.
-  RingVisibility visibility(model->mesh(), model->rings(), {});
+  RingVisibility visibility(model->mesh(), model->rings(), origin.options.visibility);
   ConstantColour mean(model->shared_mesh(), model->shared_rings());
-  const auto photographs = std::make_shared<PhotographSet>(model->shared_mesh(), VisibilityOptions{});
+  const auto photographs = std::make_shared<PhotographSet>(model->shared_mesh(), origin.options.visibility);
   RadianceImage image;
   Eigen::Matrix3Xf encoded;
   std::vector<HeldOutView> views;
+  std::size_t known_captures = 0;
   {
     Progress progress("evaluating", captures.size);
     for (std::size_t i = 0; i < captures.size; ++i) {
       const Capture capture = captures.read(i);
-      const bool held_out = unseen.empty() ? capture.purpose == Purpose::kHeldOut : unseen.contains(capture.name);
-      if (held_out) {
-        views.push_back(make_held_out_view(capture, 1, painter));
+      const KnownCapture* known = origin.find(capture);
+      if (known) ++known_captures;
+      if (known && known->status == IngestStatus::kHeldOut) {
+        views.push_back(make_held_out_view(capture, known->exposure_gain, painter));
         if (!arguments.truth.empty()) take_truth_from(arguments.truth, views.back());
-      } else if (capture.pose.usable()) {
+      } else if (known) {
         const SurfaceView& view =
             visibility.look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
-        image.load(capture, view);
-        resample(image, view, model->rings(), 1, encoded);
-        mean.add(view, encoded);
-        if (arguments.baselines) {
-          const ImageF linear =
-              to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
-          photographs->add(capture, linear, view);
+        if (!known->repeated) {
+          image.load(capture, view);
+          resample(image, view, model->rings(), known->exposure_gain, encoded, origin.options.sampling);
+          mean.add(view, encoded);
         }
+        if (arguments.baselines) photographs->add(capture, level_radiance(capture, known->exposure_gain), view);
       }
       progress.update(i + 1);
     }
   }
+  if (known_captures == 0)
+    throw FileError(arguments.dataset, "has none of the images that " + arguments.model +
+                                           " was built from; give the data set or session that it was built from");
   if (views.empty())
     throw FileError(arguments.dataset,
                     "has no view that the model never saw; name some in test_filenames, or build with --hold-out");
-  const std::shared_ptr<const ModelSnapshot> constant = mean.snapshot();
+  const std::shared_ptr<const ModelSnapshot> constant = mean.snapshot(model->exposure());
   const Scores light_field = score(views, *model, painter), constant_scores = score(views, *constant, painter);
   nlohmann::json report = evaluation_report(light_field, constant_scores);
   print_summary(report);

@@ -240,8 +240,9 @@ void serve(const ServeArguments& arguments) {
   ReportFile json(arguments.json);
   SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
   const TradeoffWish wish = arguments.wish.apply(config.surface_light_field);
-  // Which maps and terms reach a PSNR shows when all images are there: until then all that the target needs is kept.
-  if (wish.psnr_db) {
+  // Which maps and terms reach a PSNR shows when all images are there, or was measured: until then all that the target
+  // needs is kept.
+  if (wish.psnr_db && config.ladder.empty()) {
     if (!arguments.wish.tolerance.empty())
       throw ConfigError("--target and --tolerance exclude each other: the target sets the tolerance");
     config.surface_light_field.ring.factor.tolerance = tolerance_of(*wish.psnr_db);
@@ -252,7 +253,7 @@ void serve(const ServeArguments& arguments) {
                                 config.surface_light_field);
   starting.reset();
   Session session = open_session(arguments.session, arguments.mesh);
-  reconstruction.keep_within(wish, session.metadata(kEffortKey).value_or(""), session.size());
+  reconstruction.keep_within(wish, session.metadata(kEffortKey).value_or(""), session.size(), config.ladder);
   if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
 
   LiveDisplay display(reconstruction.painter(),

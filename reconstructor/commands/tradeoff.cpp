@@ -11,6 +11,7 @@
 #include "common/progress.h"
 #include "common/report_file.h"
 #include "common/stop_signal.h"
+#include "reconstructor/budget.h"
 #include "reconstructor/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/evaluation/patches.h"
@@ -24,6 +25,8 @@
 
 namespace sheen {
 namespace {
+
+constexpr const char* kLadderPart = "ladder";
 
 struct TradeoffArguments {
   std::string dataset, mesh, out, config, json, budget, target, memory;
@@ -176,6 +179,13 @@ nlohmann::json point_to_json(const TradeoffPoint& p) {
           {"psnr_db", p.psnr_db},      {"ssim", p.ssim},         {"scene", to_toml(p.setting.options)}};
 }
 
+/// The default, and the rungs that stand from `first_rung` on.
+MeasuredLadder measured_ladder(const std::vector<TradeoffPoint>& points, std::size_t first_rung) {
+  MeasuredLadder ladder{{points.front().image_ms, points.front().psnr_db}};
+  for (std::size_t i = first_rung; i < points.size(); ++i) ladder.push_back({points[i].image_ms, points[i].psnr_db});
+  return ladder;
+}
+
 void tradeoff(const TradeoffArguments& arguments) {
   const TradeoffWish wish = parse_wish(arguments.budget, arguments.target, arguments.memory);
   install_stop_signals();
@@ -198,8 +208,10 @@ void tradeoff(const TradeoffArguments& arguments) {
     experiment = load_experiment(mesh, captures.size, read, {.hold_out_every = base.hold_out_every},
                                  [&](std::size_t done) { progress.update(done); });
   }
-  const std::vector<Setting> settings =
-      arguments.parts ? part_settings(base) : tradeoff_settings(base, arguments.quick);
+  std::vector<Setting> settings = arguments.parts ? part_settings(base) : tradeoff_settings(base, arguments.quick);
+  const std::size_t first_rung = settings.size();
+  for (std::size_t r = 1; !arguments.parts && r < effort_ladder().size(); ++r)
+    settings.push_back({"rung " + std::to_string(r) + " of --budget", kLadderPart, at_rung(base, static_cast<int>(r))});
   std::vector<TradeoffPoint> points;
   {
     Progress progress("measuring", settings.size());
@@ -228,6 +240,13 @@ void tradeoff(const TradeoffArguments& arguments) {
     report["patches"] = patches_to_json(patches);
   }
   if (!arguments.out.empty()) write_plots(points, frontiers, arguments.dataset, arguments.out);
+  if (!arguments.out.empty() && !arguments.parts && points.size() == settings.size()) {
+    const std::filesystem::path scene = std::filesystem::path(arguments.out) / "scene.toml";
+    write_file(scene, to_toml(base) + "\n# What --budget and --target can choose from, as measured.\n" +
+                          rungs_to_toml(measured_ladder(points, first_rung)));
+    std::printf("\n%s: for --config of build and serve, whose --budget and --target then go by these figures\n",
+                scene.c_str());
+  }
   for (std::size_t i = 0; i < points.size(); ++i) {
     nlohmann::json point = point_to_json(points[i]);
     if (arguments.parts) point.erase("scene");  // there are no keys for what is built in
@@ -258,7 +277,9 @@ void add_tradeoff_command(CLI::App& app) {
   command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
       ->required();
   command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
-  command->add_option("--out", arguments->out, "folder for the plots (SVG) and their tables (CSV)");
+  command->add_option("--out", arguments->out,
+                      "folder for the plots (SVG), their tables (CSV) and the scene file (TOML) with the rungs of "
+                      "--budget as measured");
   command->add_option("--config", arguments->config, "scene file (TOML): what the sweep starts from");
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->add_flag("--quick", arguments->quick, "about half of the settings");

@@ -50,15 +50,19 @@ double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth, const Imag
 
 }  // namespace
 
+ImageF level_radiance(const Capture& capture, float gain) {
+  return scaled(to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data()),
+                1 / gain);
+}
+
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter) {
   HeldOutView view{.name = capture.name,
                    .source_session = capture.source_session,
                    .sequence = capture.sequence,
                    .camera = capture.camera,
                    .camera_from_object = capture.pose.camera_from_object};
-  const ImageF linear =
-      to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
-  view.truth = to_srgb8(scaled(linear, 1 / gain));
+  const ImageF linear = level_radiance(capture, gain);
+  view.truth = to_srgb8(linear);
   const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
   ImageU8 silhouette(view.camera.width, view.camera.height, 1);
   for (std::size_t i = 0; i < hits.size(); ++i) silhouette.data()[i] = hits[i] && hits[i].front ? 255 : 0;
@@ -106,6 +110,16 @@ ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPa
   }
   score.uncovered = object > 0 ? double(uncovered) / double(object) : 0;
   return score;
+}
+
+SquaredError object_error(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter) {
+  const ImageU8 picture = to_srgb8(painter.paint(model, view.camera, view.camera_from_object).beauty);
+  return squared_error(picture, view.truth, view.object);
+}
+
+ObjectScore score_object(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter) {
+  const ImageU8 picture = to_srgb8(painter.paint(model, view.camera, view.camera_from_object).beauty);
+  return {squared_error(picture, view.truth, view.object).psnr_db(), ssim(picture, view.truth, view.object)};
 }
 
 Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter,

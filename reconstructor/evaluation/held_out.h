@@ -26,6 +26,8 @@ struct HeldOutView {
                    ///< pixels that are NaN or infinite do not count
   ImageU8 inside;  ///< of these, eroded by 3 with a mask too: none that mixes the object with what is behind it
 };
+/// The capture's linear radiance, RGB, divided by `gain`.
+ImageF level_radiance(const Capture& capture, float gain);
 /// `gain`: how much brighter the image is than the model's level; the truth is divided by it.
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter);
 
@@ -45,6 +47,13 @@ struct ViewScore {
   double uncovered = 0;  ///< share of the object's pixels that no training image showed
 };
 ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter);
+
+/// The object's pixels alone: what is judged again and again while a capture runs.
+struct ObjectScore {
+  double psnr_db = 0, ssim = 0;
+};
+SquaredError object_error(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter);
+ObjectScore score_object(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter);
 
 /// Means over views, as published figures are; `psnr_pooled_db` from the pooled squared error.
 struct Scores {

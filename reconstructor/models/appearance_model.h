@@ -30,7 +30,7 @@ struct IngestReport {
   /// PSNR, encoded values, of foretelling a sample of the image from the images before it: the held-out figure, live.
   /// NaN where the model knew nothing of what the image shows.
   double foretold_psnr_db = std::numeric_limits<double>::quiet_NaN();
-  float exposure_gain = 1;  ///< by which the camera says that this image is brighter than the model's level
+  float exposure_gain = 1;  ///< by which this image is brighter than the model's level, as the camera or the image says
 };
 
 /// How well a part of the surface is known, and why it is not.

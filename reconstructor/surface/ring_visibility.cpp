@@ -9,12 +9,17 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "common/batch_projection.h"
 
 namespace sheen {
-RingVisibility::RingVisibility(const Mesh& mesh, const VertexRings& rings, const VisibilityOptions& options)
-    : mesh_(mesh), rings_(rings), options_(options), scene_(mesh) {
+RingVisibility::RingVisibility(const Mesh& mesh, const VertexRings& rings, const VisibilityOptions& options,
+                               std::shared_ptr<const RayScene> scene)
+    : mesh_(mesh),
+      rings_(rings),
+      options_(options),
+      scene_(scene ? std::move(scene) : std::make_shared<const RayScene>(mesh)) {
   view_.pixel.resize(rings.total_samples());
   view_.visible.resize(rings.total_samples());
   view_.visible_in_triangle.resize(mesh.triangles.size());
@@ -84,7 +89,7 @@ void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_
         const Eigen::Vector3f& ray = rays_[std::size_t(y) * w + view_.box.x0 + i];
         rays[i] = std::isnan(ray.x()) ? Ray{eye, {0, 0, 1}, 0, -1} : Ray{eye, rotation * ray};
       }
-      scene_.intersect(rays, hits);
+      scene_->intersect(rays, hits);
       float* out = depth_.row(y) + view_.box.x0;
       for (int i = 0; i < n; ++i) out[i] = hits[i] && hits[i].front ? hits[i].distance : 0;  // rays have z = 1
       if (mask.empty()) continue;

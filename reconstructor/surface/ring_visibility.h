@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "common/camera.h"
@@ -45,7 +46,9 @@ struct SurfaceView {
 /// in.
 class RingVisibility {
  public:
-  RingVisibility(const Mesh& mesh, const VertexRings& rings, const VisibilityOptions& options);
+  /// `scene`: of the mesh, where there is one already.
+  RingVisibility(const Mesh& mesh, const VertexRings& rings, const VisibilityOptions& options,
+                 std::shared_ptr<const RayScene> scene = nullptr);
 
   /// `mask`: empty, or the image's size with 0 where pixels are to be ignored. Not thread-safe (buffers are reused).
   const SurfaceView& look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
@@ -63,7 +66,7 @@ class RingVisibility {
   const Mesh& mesh_;
   const VertexRings& rings_;
   VisibilityOptions options_;
-  RayScene scene_;
+  std::shared_ptr<const RayScene> scene_;
   std::array<Lattice, 256> lattices_;  ///< of the resolutions that triangles have
   std::size_t longest_lattice_ = 0;    ///< samples
   Camera rays_of_;                     ///< whose pixel rays are cached

@@ -42,6 +42,22 @@ TEST(Tradeoff, MeasuresPlotsAndChooses) {
   EXPECT_EQ(best, 0) << "with memory to spare the best one is chosen";
   EXPECT_TRUE(json["choice"]["holds"]);
 
+  // What it writes is a scene file whose rungs --budget and --target go by.
+  const auto rung = [&](std::size_t r) { return json["points"][json["points"].size() - 6 + r]; };
+  EXPECT_EQ(rung(1)["part"], "ladder");
+  const std::string target = std::to_string(rung(5)["psnr_db"].get<double>() - 0.01) + "dB";
+  const SecureLink link(temp.path());
+  Process desk(serve(data.mesh(), temp.path() / "session",
+                     link.reconstructor_options() + Words{"--once", "--config", out / "scene.toml", "--target", target,
+                                                          "--json", temp.path() / "desk.json"}));
+  expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data.folder.string()}) + link.tracker_options()),
+                 0, {});
+  expect_outcome(wait_to_end(desk), 0, {"14 images folded in"});
+  const auto served = nlohmann::json::parse(read_file(temp.path() / "desk.json"));
+  EXPECT_EQ(served["settings"]["rung"], 5);
+  EXPECT_EQ(served["held_out"]["psnr_db"], rung(5)["psnr_db"]) << "the very model that was measured";
+  EXPECT_TRUE(served["settings"]["target"]["reached"]);
+
   // What it prints is a scene file.
   const fs::path scene = temp.write("chosen.toml", json["choice"]["scene"].get<std::string>());
   expect_outcome(run_to_end(reconstructor({"build", data.folder, "--mesh", data.mesh(), "--config", scene})), 0,

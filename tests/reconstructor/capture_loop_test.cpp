@@ -13,9 +13,10 @@
 namespace sheen {
 namespace {
 
+using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::size_t kImages = 12;
+constexpr std::size_t kImages = 14, kRefused = 12, kRepeated = 13;
 
 /// 127.0.0.1 without a tracker.
 ReceiverOptions nobody() {
@@ -24,18 +25,22 @@ ReceiverOptions nobody() {
   return link;
 }
 
-/// A loop over a session that nobody adds to; images 3 and 7 are held out.
+/// A loop over a session that nobody adds to; images 3, 7 and 11 are held out.
 class CaptureLoopTest : public ::testing::Test {
  protected:
   CaptureLoopTest() {
     options_.hold_out_every = 4;
     images_ = captures({object_.surface, analytic::two_terms(0.1)}, analytic::eyes(kImages, 0.5, 0.55));
+    images_[kRefused].pose.status = PoseStatus::kNoTags;
+    images_[kRepeated] = images_[4];
+    images_[kRepeated].sequence = kRepeated + 1;
     Session session = Session::create(folder_);
     for (const Capture& image : images_) session.append(image);
     reconstruction_ = std::make_unique<Reconstruction>(*object_.mesh, options_);
     loop_ = std::make_unique<CaptureLoop>(
         folder_, std::move(session), nobody(), *reconstruction_,
-        CaptureLoopOptions{.snapshot_interval = std::chrono::milliseconds(0), .pause = std::chrono::milliseconds(300)},
+        CaptureLoopOptions{
+            .snapshot_interval = milliseconds(0), .judge_interval = milliseconds(10), .pause = milliseconds(300)},
         LoopObserver{.on_snapshot = [this](auto snapshot) { images_shown_.push_back(most_views(*snapshot)); }});
     loop_->start();
     wait_until([](const LoopStatus& s) { return s.ingested == kImages; });
@@ -52,7 +57,7 @@ class CaptureLoopTest : public ::testing::Test {
     const auto deadline = std::chrono::steady_clock::now() + seconds(30);
     while (!condition(loop_->status())) {
       ASSERT_LT(std::chrono::steady_clock::now(), deadline) << loop_->status().error;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      std::this_thread::sleep_for(milliseconds(5));
     }
   }
   void expect_model_without(const std::set<std::size_t>& missing) {
@@ -91,13 +96,12 @@ TEST_F(CaptureLoopTest, WhatAnotherProgramWithdrawsIsForgottenToTheBit) {
 }
 
 TEST_F(CaptureLoopTest, TheLastOnesAreTakenBackOneByOneWhileTheWholeModelIsShown) {
-  EXPECT_EQ(loop_->withdraw_last(), kImages - 1);
-  EXPECT_EQ(loop_->withdraw_last(), kImages - 2);
-  wait_until([](const LoopStatus& s) { return s.exact && s.counts.withdrawn == 2; });
-  expect_model_without({kImages - 1, kImages - 2});
+  for (std::size_t last = kImages; last > kImages - 4; --last) EXPECT_EQ(loop_->withdraw_last(), last - 1);
+  wait_until([](const LoopStatus& s) { return s.exact && s.counts.withdrawn == 4; });
+  expect_model_without({kImages - 1, kImages - 2, kImages - 3, kImages - 4});
   // Up to the whole model, then to the one without: never back to a few images in between.
   const auto whole = std::max_element(images_shown_.begin(), images_shown_.end());
-  for (auto shown = whole; shown != images_shown_.end(); ++shown) EXPECT_GE(*shown, *whole - 2);
+  for (auto shown = whole; shown != images_shown_.end(); ++shown) EXPECT_GE(*shown, *whole - 1);
 }
 
 TEST_F(CaptureLoopTest, WhatIsTakenBackIsGoneFromThePictureBeforeTheModelIsMadeAnew) {
@@ -112,6 +116,32 @@ TEST_F(CaptureLoopTest, WhatIsTakenBackIsGoneFromThePictureBeforeTheModelIsMadeA
   EXPECT_EQ(whole, *std::max_element(shown.begin(), shown.end()));
   EXPECT_EQ(shown[shown.size() - 2], whole - 1) << "taken out";
   EXPECT_EQ(shown.back(), whole - 1) << "made anew";
+}
+
+TEST_F(CaptureLoopTest, WhatTheModelTookNothingOfIsTakenBackWithoutMakingItAnew) {
+  Session desk = Session::open_to_withdraw(folder_);
+  for (const std::size_t image : {kRefused, kRepeated}) {
+    desk.set_withdrawn(image, true);
+    LoopStatus then;
+    wait_until([&](const LoopStatus& s) { return (then = s).counts.withdrawn > (image == kRefused ? 0u : 1u); });
+    EXPECT_TRUE(then.exact) << image;
+    EXPECT_EQ(then.anew_until, 0u) << image;
+    EXPECT_EQ(then.ingested, kImages) << image;
+  }
+  expect_model_without({kRefused, kRepeated});
+}
+
+TEST_F(CaptureLoopTest, AnIdleLoopJudgesNoMore) {
+  const auto judged = [](const LoopStatus& s) {
+    return !s.held_out_curve.empty() && s.held_out_curve.back().images == s.counts.accepted;
+  };
+  wait_until(judged);
+  const std::size_t points = loop_->status().held_out_curve.size();
+  std::this_thread::sleep_for(milliseconds(500));  // fifty judgements, were they made
+  EXPECT_EQ(loop_->status().held_out_curve.size(), points);
+  EXPECT_GT(loop_->status().model_bytes, 0u);
+  Session::open_to_withdraw(folder_).set_withdrawn(5, true);
+  wait_until([&](const LoopStatus& s) { return s.exact && s.counts.withdrawn == 1 && judged(s); });
 }
 
 TEST_F(CaptureLoopTest, WhatIsPutBackIsThereAgain) {

@@ -111,7 +111,7 @@ TEST(Reconstruction, AnImageTakenOutOfARealCaptureLeavesTheErrorOfOneThatNeverSa
     model.ingest(image);
   }
   const double without = pooled_rms(never), with = pooled_rms(model);
-  ASSERT_TRUE(model.withdraw(*hand));
+  ASSERT_EQ(model.withdraw(*hand), Reconstruction::Withdrawn::kNearly);
   const double ratio = pooled_rms(model) / without;
   std::printf("error with the image %.4f, taken out %.5f of that without\n", with / without, ratio);
   EXPECT_GT(with, 1.01 * without) << "it was worth taking out";
@@ -122,10 +122,25 @@ TEST(Reconstruction, AnImageTakenOutOfARealCaptureLeavesTheErrorOfOneThatNeverSa
   const std::string name = model.held_out().front().name;
   for (std::size_t i = 0; i < 40; i += 3)
     if (Capture image = set.read(i); image.name == name) {
-      EXPECT_TRUE(model.withdraw(image));
+      EXPECT_EQ(model.withdraw(image), Reconstruction::Withdrawn::kExactly);
     }
   EXPECT_EQ(model.held_out().size() + 1, never.held_out().size());
   EXPECT_EQ(model.counts().withdrawn, 2u);
+}
+
+TEST(SurfaceLightField, LooksAtTheRaySceneThatItWasGivenAlsoAfterImagesThatShowNothing) {
+  const Object object = square_object();
+  const Scene scene{object.surface, analytic::diffuse(0.06)};
+  std::vector<Capture> images = captures(scene, eyes(4, 0.5, 0.8));
+  for (int i = 0; i < 3; ++i) images[i].pose.camera_from_object = look_at({0, 0, 0.5}, {0, 0, 1}, {0, 1, 0});
+  // A scene made anew of the model's own mesh would not have the lid that hides it.
+  const auto lid = std::make_shared<const RayScene>(square_mesh(0.2f, 0.1f, 1));
+  SurfaceLightField hidden(object.mesh, plain_options(), lid), open(object.mesh, plain_options());
+  for (const Capture& image : images) {
+    const IngestStatus expected = &image == &images.back() ? IngestStatus::kAccepted : IngestStatus::kRefused;
+    EXPECT_EQ(open.ingest(image).status, expected);
+    EXPECT_EQ(hidden.ingest(image).reason, "object_not_in_view");
+  }
 }
 
 TEST(CaptureSet, ASessionGivesItsCapturesInOrderAndTheSameModelToTheBit) {

@@ -331,6 +331,30 @@ std::size_t RingModel::bytes() const {
          directions_.size() * (sizeof(Eigen::Vector3f) + sizeof(float)) + nearest_.size() * sizeof(Nearest);
 }
 
+std::size_t RingModel::snapshot_bytes() const {
+  if (images_ == 0) return 0;
+  const auto rank = static_cast<std::size_t>(factor_.displayed_rank()),
+             views = static_cast<std::size_t>(factor_.views());
+  return sizeof(RingSnapshot) + shown_.size() +
+         sizeof(float) * (3 * shown_.size() * rank + views * (3 + rank) + 2 * rank);
+}
+
+double RingModel::largest_bytes(int samples, const RingModelOptions& options) {
+  const RingFactorOptions& factor = options.factor;
+  const double terms = factor.terms_kept(), views = options.max_views + factor.block,
+               rows = 3.0 * samples + 16;  // padded to whole vectors
+  // A view: direction, weights and the like; where images hide rows of it, a bit a row and what it showed of some rows.
+  const double view = sizeof(Eigen::Vector3f) + 17 * sizeof(double) + rows / 8 +
+                      sizeof(float) * static_cast<double>(factor.witnesses(3 * samples));
+  return sizeof(RingModel) + sizeof(float) * (rows * (terms + factor.block) + terms * views) +
+         2 * sizeof(double) * terms * terms + rows + views * view;
+}
+
+double RingModel::largest_snapshot_bytes(int samples, const RingModelOptions& options) {
+  const double rank = options.factor.max_rank, views = options.max_views + options.factor.block;
+  return sizeof(RingSnapshot) + samples + sizeof(float) * (3.0 * samples * rank + views * (3 + rank) + 2 * rank);
+}
+
 std::shared_ptr<const RingSnapshot> RingModel::snapshot(const Eigen::Matrix3f& frame, std::span<const int> resolution) {
   if (snapshot_ || images_ == 0) return snapshot_;
   if (factor_.pending() == 0) {

@@ -52,10 +52,15 @@ ImageName name_of(const Capture& capture) {
 }  // namespace
 
 struct SurfaceLightField::Pipeline {
-  Pipeline(std::shared_ptr<const Mesh> of_mesh, const SurfaceLightFieldOptions& chosen)
-      : mesh(std::move(of_mesh)), options(chosen), interpolation(*mesh, options.ring.interpolation) {}
+  Pipeline(std::shared_ptr<const Mesh> of_mesh, const SurfaceLightFieldOptions& chosen,
+           std::shared_ptr<const RayScene> of_scene)
+      : mesh(std::move(of_mesh)),
+        scene(std::move(of_scene)),
+        options(chosen),
+        interpolation(*mesh, options.ring.interpolation) {}
 
   std::shared_ptr<const Mesh> mesh;
+  std::shared_ptr<const RayScene> scene;
   SurfaceLightFieldOptions options;
   std::vector<Eigen::Matrix3f> frames;  ///< of the vertices' hemispheres
 
@@ -64,23 +69,30 @@ struct SurfaceLightField::Pipeline {
   std::unique_ptr<RingVisibility> visibility;
   std::unique_ptr<ConstantColour> constant_colour;
   std::vector<std::unique_ptr<RingModel>> ring_models;  ///< null until an image shows enough of the ring
-  double reference_exposure = 0;
-  double share = 1;  ///< of the rings that an image shows: those that it updates
+  double share = 1;                                     ///< of the rings that an image shows: those that it updates
 
   RadianceImage image;
   Eigen::Matrix3Xf samples;  ///< encoded values of the current image
   InterpolationUpkeep interpolation;
   struct Folded {
     ImageName name;
+    float gain;      ///< that its values were divided by
     float log_gain;  ///< estimated; 0 where the gain is known
     Eigen::Vector3d eye;
-    bool whole = true;  ///< false: some rings that it shows skipped it or were left out
+    std::vector<bool> taken;  ///< a ring: whether it took what it was shown; empty when all did
   };
   std::vector<Folded> folded;
-  std::optional<ImageName> first;  ///< image that showed something: it has decided about maps and exposure
+  /// The first image that shows something decides about maps and exposure.
+  struct Beginning {
+    ImageName image;
+    Camera camera;
+    Rigid3 camera_from_object;
+    double exposure;  ///< its product, 0 when unknown
+  };
+  std::optional<Beginning> beginning;
   std::uint64_t version = 0;
 
-  void start(const Capture& first);
+  void start(const Beginning& first);
   IngestReport ingest(const Capture& capture);
   bool withdraw(const Capture& capture);
   float known_gain(const Capture& capture) const;
@@ -89,18 +101,17 @@ struct SurfaceLightField::Pipeline {
   std::vector<std::uint32_t> shown_rings(const SurfaceView& view) const;
   bool repeats_earlier_image(const SurfaceView& view, IngestReport& report);
   std::vector<std::uint32_t> rings_to_update(const SurfaceView& view, IngestReport& report) const;
-  void absorb(const SurfaceView& view, IngestReport& report);
+  std::vector<bool> absorb(const SurfaceView& view, IngestReport& report);
   double foretold_psnr_db(const SurfaceView& view, const std::vector<std::uint32_t>& shown) const;
 };
 
-void SurfaceLightField::Pipeline::start(const Capture& first) {
-  rings = std::make_shared<VertexRings>(*mesh, map_resolution(*mesh, first.camera, first.pose.camera_from_object,
+void SurfaceLightField::Pipeline::start(const Beginning& first) {
+  rings = std::make_shared<VertexRings>(*mesh, map_resolution(*mesh, first.camera, first.camera_from_object,
                                                               {options.surface_map, options.min_surface_map,
                                                                options.max_surface_map, options.map_scale}));
-  visibility = std::make_unique<RingVisibility>(*mesh, *rings, options.visibility);
+  visibility = std::make_unique<RingVisibility>(*mesh, *rings, options.visibility, scene);
   constant_colour = std::make_unique<ConstantColour>(mesh, rings);
   ring_models.resize(mesh->vertices.size());
-  reference_exposure = exposure_product(first);
 }
 
 IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
@@ -111,14 +122,15 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   };
   if (!has_pose(capture.pose)) return refuse("no_pose");
   if (!sizes_agree(capture)) return refuse("image_size");
-  if (!first) start(capture);  // a first image that shows nothing decides nothing
+  const Beginning here{name_of(capture), capture.camera, capture.pose.camera_from_object, exposure_product(capture)};
+  if (!beginning) start(here);  // a first image that shows nothing decides nothing
 
   StageClock clock(report);
   const SurfaceView& view = visibility->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   clock.done("visibility");
   if (view.visible_samples == 0) return refuse("object_not_in_view");
 
-  if (!first) first = name_of(capture);
+  if (!beginning) beginning = here;
   report.exposure_gain = known_gain(capture);
   if (is_held_out(capture, options.hold_out_every)) {
     report.status = IngestStatus::kHeldOut;
@@ -135,12 +147,15 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   resample(image, view, *rings, report.exposure_gain, samples, options.sampling);
   clock.done("resample");
   const float gain = estimated_gain(capture, view);
-  if (gain != 1) resample(image, view, *rings, gain, samples, options.sampling);
+  if (gain != 1) {
+    report.exposure_gain = gain;
+    resample(image, view, *rings, gain, samples, options.sampling);
+  }
   clock.done("exposure");
   constant_colour->add(view, samples);
-  absorb(view, report);
+  std::vector<bool> taken = absorb(view, report);
   clock.done("factorize");
-  folded.push_back({name_of(capture), std::log(gain), view.eye, report.rings_skipped + report.rings_left_out == 0});
+  folded.push_back({name_of(capture), report.exposure_gain, std::log(gain), view.eye, std::move(taken)});
   report.status = IngestStatus::kAccepted;
   return report;
 }
@@ -148,16 +163,16 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
 bool SurfaceLightField::Pipeline::withdraw(const Capture& capture) {
   const ImageName name = name_of(capture);
   const auto found = std::find_if(folded.begin(), folded.end(), [&](const Folded& f) { return f.name == name; });
-  if (first == name || found == folded.end() || !found->whole) return false;
+  if (found == folded.end() || beginning->image == name) return false;
   const SurfaceView& view = visibility->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   image.load(capture, view);
-  resample(image, view, *rings, found->log_gain != 0 ? std::exp(found->log_gain) : known_gain(capture), samples,
-           options.sampling);
+  resample(image, view, *rings, found->gain, samples, options.sampling);
   constant_colour->remove(view, samples);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ring_models.size(), 32), [&](const auto& range) {
     RingColumn column;
     for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (ring_models[v] && gather(*rings, v, mesh->vertices[v], view, samples, column))
+      if ((found->taken.empty() ? ring_models[v] != nullptr : found->taken[v]) &&
+          gather(*rings, v, mesh->vertices[v], view, samples, column))
         ring_models[v]->withdraw(column.values, column.visible, column.direction);
   });
   folded.erase(found);
@@ -167,9 +182,9 @@ bool SurfaceLightField::Pipeline::withdraw(const Capture& capture) {
 
 /// By what the camera reports, how much brighter the image is than the first one; 1 when that is unknown.
 float SurfaceLightField::Pipeline::known_gain(const Capture& capture) const {
-  if (options.exposure == ExposureCompensation::kOff || reference_exposure == 0) return 1;
+  if (options.exposure == ExposureCompensation::kOff || beginning->exposure == 0) return 1;
   const double product = exposure_product(capture);
-  return product > 0 ? static_cast<float>(product / reference_exposure) : 1;
+  return product > 0 ? static_cast<float>(product / beginning->exposure) : 1;
 }
 
 /// How much brighter an image of unknown exposure is than the model, from what all surfaces say.
@@ -249,7 +264,8 @@ std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const Su
   return shown;
 }
 
-void SurfaceLightField::Pipeline::absorb(const SurfaceView& view, IngestReport& report) {
+/// Which rings took what they were shown; empty when all did.
+std::vector<bool> SurfaceLightField::Pipeline::absorb(const SurfaceView& view, IngestReport& report) {
   const std::vector<std::uint32_t> chosen = rings_to_update(view, report);
   report.foretold_psnr_db = foretold_psnr_db(view, chosen);
   std::vector<RingModel::Absorbed> absorbed(chosen.size());
@@ -278,6 +294,10 @@ void SurfaceLightField::Pipeline::absorb(const SurfaceView& view, IngestReport& 
   }
   report.relative_residual = energy > 0 ? std::sqrt(residual / energy) : 0;
   interpolation.after_image(folded.size() + 1, undecided, frames, ring_models);
+  if (report.rings_skipped + report.rings_left_out == 0) return {};
+  std::vector<bool> taken(ring_models.size(), false);
+  for (std::size_t i = 0; i < chosen.size(); ++i) taken[chosen[i]] = !repeated[i];
+  return taken;
 }
 
 /// PSNR of a few rings of the image, encoded, as foretold from the images before it; NaN where none came before.
@@ -303,9 +323,11 @@ double SurfaceLightField::Pipeline::foretold_psnr_db(const SurfaceView& view,
   return -10 * std::log10(all.squared_error / static_cast<double>(all.values));
 }
 
-SurfaceLightField::SurfaceLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options) {
+SurfaceLightField::SurfaceLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options,
+                                     std::shared_ptr<const RayScene> scene) {
   require_valid(options);
-  pipeline_ = std::make_unique<Pipeline>(std::move(mesh), options);
+  if (!scene) scene = std::make_shared<const RayScene>(*mesh);
+  pipeline_ = std::make_unique<Pipeline>(std::move(mesh), options, std::move(scene));
   const std::vector<Eigen::Vector3f> normals = vertex_normals(*pipeline_->mesh);
   pipeline_->frames.reserve(normals.size());
   for (const Eigen::Vector3f& normal : normals) pipeline_->frames.push_back(hemisphere_frame(normal));
@@ -322,7 +344,7 @@ bool SurfaceLightField::withdraw(const Capture& capture) {
 }
 
 bool SurfaceLightField::began_with(const Capture& capture) const {
-  return pipeline_->first == name_of(capture);
+  return pipeline_->beginning && pipeline_->beginning->image == name_of(capture);
 }
 
 void SurfaceLightField::restart() {
@@ -331,11 +353,18 @@ void SurfaceLightField::restart() {
 
 void SurfaceLightField::restart(const SurfaceLightFieldOptions& options) {
   require_valid(options);
-  auto fresh = std::make_unique<Pipeline>(pipeline_->mesh, options);
+  auto fresh = std::make_unique<Pipeline>(pipeline_->mesh, options, pipeline_->scene);
   fresh->frames = std::move(pipeline_->frames);
   fresh->version = pipeline_->version;
   fresh->share = pipeline_->share;
   pipeline_ = std::move(fresh);
+}
+
+void SurfaceLightField::fold_anew(const SurfaceLightFieldOptions& options) {
+  std::optional<Pipeline::Beginning> beginning = std::move(pipeline_->beginning);
+  restart(options);
+  pipeline_->beginning = std::move(beginning);
+  if (pipeline_->beginning) pipeline_->start(*pipeline_->beginning);
 }
 
 const SurfaceLightFieldOptions& SurfaceLightField::options() const {
@@ -383,6 +412,11 @@ std::shared_ptr<const ModelSnapshot> SurfaceLightField::constant_colour() const 
   return ConstantColour(pipeline_->mesh, std::make_shared<VertexRings>(*pipeline_->mesh, coarse)).snapshot();
 }
 
+bool SurfaceLightField::folded(const Capture& capture) const {
+  return std::any_of(pipeline_->folded.begin(), pipeline_->folded.end(),
+                     [name = name_of(capture)](const Pipeline::Folded& f) { return f.name == name; });
+}
+
 std::size_t SurfaceLightField::images() const {
   return pipeline_->folded.size();
 }
@@ -403,6 +437,17 @@ std::size_t SurfaceLightField::bytes() const {
   for (const auto& ring : pipeline_->ring_models)
     if (ring) bytes += ring->bytes();
   return bytes;
+}
+
+std::size_t SurfaceLightField::snapshot_bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& ring : pipeline_->ring_models)
+    if (ring) bytes += ring->snapshot_bytes();
+  return bytes;
+}
+
+const VertexRings* SurfaceLightField::rings() const {
+  return pipeline_->rings.get();
 }
 
 double SurfaceLightField::bytes_per_ring() const {

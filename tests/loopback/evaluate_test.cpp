@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// `evaluate` judges a saved model as `build` judged it: the same views, levels and settings.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/files.h"
+#include "common/geometry/mesh.h"
+#include "common/session.h"
+#include "tests/loopback/daemons.h"
+#include "tests/support/analytic_scene.h"
+#include "tests/support/temp_folder.h"
+#include "tests/support/test_meshes.h"
+
+namespace sheen::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// Two runs of a tracker, whose frames have the same names, of a camera that is set anew for each image.
+class Evaluate : public ::testing::Test {
+ protected:
+  static constexpr int kEachRun = 14;
+
+  Evaluate() {
+    save_ply(square_mesh(0.1f, 0, 8), mesh_);
+    Session session = Session::create(session_);
+    const std::vector<Eigen::Vector3d> eyes = analytic::eyes(2 * kEachRun, 0.5, 0.55);
+    for (int i = 0; i < 2 * kEachRun; ++i) {
+      // The last of a run stands where its first one stood, so that it is a repetition.
+      const int place = i % kEachRun == kEachRun - 1 ? i - kEachRun + 1 : i;
+      session.append(photograph(eyes[static_cast<std::size_t>(place)], i / kEachRun, i % kEachRun));
+    }
+  }
+
+  static Capture photograph(const Eigen::Vector3d& eye, int run, int frame) {
+    const Camera camera{.width = 160, .height = 120, .fx = 250, .fy = 250, .cx = 79.5, .cy = 59.5};
+    const double exposure_s[] = {0.01, 0.02, 0.005, 0.0125, 0.008};
+    analytic::Scene scene{analytic::square(0.1, 0), analytic::two_terms(0.1)};
+    Capture capture;
+    capture.exposure.exposure_s = exposure_s[(2 * run + frame) % 5];
+    const double factor = capture.exposure.exposure_s / 0.01;
+    const analytic::Radiance radiance = scene.radiance;
+    scene.radiance = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& d) {
+      return Eigen::Vector3d(factor * radiance(p, d));
+    };
+    const Exposure exposure = capture.exposure;
+    capture = analytic::capture(scene, camera, analytic::towards_origin(eye));
+    capture.exposure = exposure;
+    capture.source_session = "run " + std::to_string(run);
+    capture.sequence = static_cast<std::uint64_t>(frame + 1);
+    capture.name = "frame " + std::to_string(frame + 3 * run);  // not every Nth of both by name
+    return capture;
+  }
+
+  Json build(const std::string& scene, const fs::path& out) const {
+    const fs::path report = temp_.path() / "built.json";
+    expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", mesh_, "--config",
+                                             temp_.write("scene.toml", "[surface_light_field]\n" + scene), "--out", out,
+                                             "--json", report})),
+                   0, {});
+    return Json::parse(read_file(report));
+  }
+
+  const TempFolder temp_;
+  const fs::path session_ = temp_.path() / "session", mesh_ = temp_.path() / "square.ply",
+                 model_ = temp_.path() / "model";
+};
+
+TEST_F(Evaluate, GivesTheFiguresThatBuildReportedToTheLastDigit) {
+  for (const char* keys : {"sampling = \"linear\"\nerosion_px = 3\nsurface_map = 6\nexposure = \"known\"",
+                           "exposure = \"estimate\"", "exposure = \"off\""}) {
+    const std::string scene = std::string("hold_out_every = 4\n") + keys;
+    const Json built = build(scene, model_);
+    const fs::path scores = temp_.path() / "scores.json";
+    expect_outcome(run_to_end(reconstructor({"evaluate", model_, session_, "--json", scores})), 0, {"held-out views"});
+    const Json evaluated = Json::parse(read_file(scores));
+    ASSERT_EQ(built["held_out"]["views"], 6) << scene;
+    EXPECT_EQ(evaluated["views"].size(), 6u) << scene;
+    if (scene.ends_with("\"known\"")) {
+      EXPECT_GT(built["rings"]["skipped"], 0) << "a repetition, which is no part of the mean colours";
+    }
+    for (const char* figure : {"psnr_db", "ssim", "psnr_pooled_db", "psnr_gain_aligned_db"})
+      EXPECT_EQ(evaluated["object"][figure], built["held_out"][figure]) << figure << '\n' << scene;
+    EXPECT_EQ(evaluated["constant"]["psnr_db"], built["held_out"]["constant_psnr_db"]) << scene;
+    EXPECT_EQ(evaluated["constant"]["ssim"], built["held_out"]["constant_ssim"]) << scene;
+    EXPECT_EQ(evaluated["views"], built["held_out"]["per_view"]) << scene;
+    EXPECT_EQ(evaluated["constant_views"], built["held_out"]["constant_per_view"]) << scene;
+  }
+}
+
+TEST_F(Evaluate, AModelThatDoesNotSayWhatItIsMadeOfIsRefused) {
+  build("hold_out_every = 4", model_);
+  Json description = Json::parse(read_file(model_ / "model.json"));
+  description["metadata"].erase("captures");
+  write_file(model_ / "model.json", description.dump());
+  expect_outcome(run_to_end(reconstructor({"evaluate", model_, session_})), 1, {model_, "build it anew"});
+}
+
+TEST_F(Evaluate, ImagesThatTheModelWasNotBuiltFromAreNoHeldOutViews) {
+  build("hold_out_every = 4", model_);
+  const fs::path other = temp_.path() / "other";
+  {
+    Session session = Session::create(other);
+    for (int i = 0; i < 4; ++i) session.append(photograph({0.1, 0.02 * i, 0.45}, 2, i));
+  }
+  expect_outcome(run_to_end(reconstructor({"evaluate", model_, other})), 1, {other, "none of the images", model_});
+}
+
+}  // namespace
+}  // namespace sheen::testing
