@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 
-#include "common/command_line.h"
-#include "common/log.h"
+#include "common/base/command_line.h"
+#include "common/base/log.h"
 #include "reconstructor/commands/commands.h"
 
 int main(int argc, char** argv) {

@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-#include "common/capture.h"
+#include "common/capture/capture.h"
 
 namespace sheen {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 
-#include "common/command_line.h"
-#include "common/stop_signal.h"
+#include "common/base/command_line.h"
+#include "common/base/stop_signal.h"
 #include "tracker/commands/commands.h"
 
 int main(int argc, char** argv) {

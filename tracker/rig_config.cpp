@@ -9,8 +9,8 @@
 #include <map>
 #include <set>
 
-#include "common/endpoint.h"
-#include "common/errors.h"
+#include "common/base/errors.h"
+#include "common/link/endpoint.h"
 
 namespace sheen {
 namespace {

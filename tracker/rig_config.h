@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "common/camera.h"
+#include "common/camera/camera.h"
 #include "common/stage/stage_layout.h"
 #include "tracker/pose/keyframe_gate.h"
 #include "tracker/sources/source_uri.h"

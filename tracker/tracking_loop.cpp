@@ -7,8 +7,8 @@
 #include <functional>
 #include <thread>
 
-#include "common/bounded_queue.h"
-#include "common/errors.h"
+#include "common/base/bounded_queue.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 namespace {

@@ -6,9 +6,9 @@
 #include <memory>
 #include <optional>
 
-#include "common/camera.h"
+#include "common/camera/camera.h"
+#include "common/link/status.h"
 #include "common/stage/stage_layout.h"
-#include "common/status.h"
 #include "tracker/capture_sink.h"
 #include "tracker/fiducials/corner_refiner.h"
 #include "tracker/fiducials/tag_detector.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/capture.h"
+#include "common/capture/capture.h"
 #include "tracker/sources/frame_source.h"
 
 namespace sheen {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 

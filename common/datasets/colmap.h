@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/camera.h"
-#include "common/rigid3.h"
+#include "common/camera/camera.h"
+#include "common/camera/rigid3.h"
 
 namespace sheen {
 

@@ -2,8 +2,8 @@
 #include <charconv>
 #include <optional>
 
+#include "common/base/errors.h"
 #include "common/datasets/colmap.h"
-#include "common/errors.h"
 
 namespace sheen {
 

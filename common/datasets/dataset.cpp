@@ -5,13 +5,13 @@
 #include <cmath>
 #include <set>
 
-#include "common/content_hash.h"
+#include "common/base/content_hash.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/datasets/colmap.h"
 #include "common/datasets/transforms_json.h"
-#include "common/errors.h"
-#include "common/exif.h"
-#include "common/files.h"
-#include "common/image_io.h"
+#include "common/image/exif.h"
+#include "common/image/image_io.h"
 
 namespace sheen {
 

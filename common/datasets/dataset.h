@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/capture.h"
+#include "common/capture/capture.h"
 
 namespace sheen {
 

@@ -9,8 +9,8 @@
 #include <set>
 #include <string_view>
 
+#include "common/base/errors.h"
 #include "common/datasets/pose_check.h"
-#include "common/errors.h"
 
 namespace sheen {
 

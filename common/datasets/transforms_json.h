@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/datasets/dataset.h"
-#include "common/image_io.h"
+#include "common/image/image_io.h"
 
 namespace sheen {
 

@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/datasets/dataset.h"
-#include "common/errors.h"
-#include "common/files.h"
 
 namespace sheen {
 

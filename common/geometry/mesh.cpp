@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "common/errors.h"
-#include "common/files.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/geometry/mesh_io.h"
 
 namespace sheen {

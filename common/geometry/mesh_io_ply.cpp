@@ -3,8 +3,8 @@
 #include <cstring>
 #include <map>
 
-#include "common/errors.h"
-#include "common/files.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/geometry/mesh_io.h"
 
 namespace sheen {

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "common/simulation/procedural_noise.h"
 
 namespace sheen {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/geometry/ray_scene.h"
-#include "common/image.h"
+#include "common/image/image.h"
 #include "common/simulation/stage_surface.h"
 #include "common/simulation/studio_lighting.h"
 #include "common/simulation/test_object.h"

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 namespace {

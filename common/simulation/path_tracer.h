@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "common/camera.h"
-#include "common/image.h"
-#include "common/rigid3.h"
+#include "common/camera/camera.h"
+#include "common/camera/rigid3.h"
+#include "common/image/image.h"
 #include "common/simulation/light_bake.h"
 
 namespace sheen {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <limits>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 

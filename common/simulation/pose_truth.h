@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "common/capture.h"
+#include "common/capture/capture.h"
 #include "common/simulation/rig_recording.h"
 
 namespace sheen {

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "common/color.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/datasets/dataset.h"
-#include "common/errors.h"
-#include "common/exr.h"
-#include "common/files.h"
-#include "common/image_io.h"
+#include "common/image/color.h"
+#include "common/image/exr.h"
+#include "common/image/image_io.h"
 #include "common/simulation/procedural_noise.h"
 #include "common/simulation/simulated_rig.h"
 

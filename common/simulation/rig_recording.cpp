@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/files.h"
-#include "common/json_fields.h"
+#include "common/base/files.h"
+#include "common/base/json_fields.h"
 
 namespace sheen {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "common/image.h"
-#include "common/raw_image.h"
+#include "common/image/image.h"
+#include "common/image/raw_image.h"
 
 namespace sheen {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "common/simulation/bronze.h"
 #include "common/simulation/glaze.h"
 #include "common/simulation/implicit_surface.h"

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "common/errors.h"
-#include "common/files.h"
-#include "common/json_fields.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/json_fields.h"
 #include "common/stage/tag_pattern.h"
 
 namespace sheen {

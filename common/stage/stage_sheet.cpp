@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/errors.h"
-#include "common/files.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/stage/tag_pattern.h"
 
 namespace sheen {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 

@@ -5,20 +5,20 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "common/command_line.h"
-#include "common/end_on_stop.h"
-#include "common/errors.h"
-#include "common/files.h"
-#include "common/progress.h"
-#include "common/report_file.h"
-#include "common/stop_signal.h"
-#include "reconstructor/budget.h"
-#include "reconstructor/capture_set.h"
+#include "common/base/command_line.h"
+#include "common/base/end_on_stop.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/progress.h"
+#include "common/base/report_file.h"
+#include "common/base/stop_signal.h"
+#include "reconstructor/capture/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/wish_options.h"
-#include "reconstructor/report.h"
-#include "reconstructor/saved_model.h"
-#include "reconstructor/scene_config.h"
+#include "reconstructor/effort/budget.h"
+#include "reconstructor/capture/saved_model.h"
+#include "reconstructor/report/report.h"
+#include "reconstructor/scene/scene_config.h"
 
 namespace sheen {
 namespace {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/setup_checks.h"
+#include "reconstructor/commands/setup_checks.h"
 
 namespace sheen {
 namespace {

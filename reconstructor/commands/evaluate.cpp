@@ -2,19 +2,19 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "common/errors.h"
-#include "common/progress.h"
-#include "common/report_file.h"
-#include "reconstructor/capture_set.h"
+#include "common/base/errors.h"
+#include "common/base/progress.h"
+#include "common/base/report_file.h"
+#include "reconstructor/capture/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/evaluation/foretelling.h"
 #include "reconstructor/evaluation/held_out.h"
 #include "reconstructor/evaluation/photographs.h"
-#include "reconstructor/exchange/model_files.h"
+#include "reconstructor/capture/saved_model.h"
 #include "reconstructor/models/surface_light_field/constant_colour.h"
-#include "reconstructor/models/surface_light_field/ring_resampler.h"
-#include "reconstructor/report.h"
-#include "reconstructor/saved_model.h"
+#include "reconstructor/models/surface_light_field/files/model_files.h"
+#include "reconstructor/radiance/ring_resampler.h"
+#include "reconstructor/report/report.h"
 
 namespace sheen {
 namespace {

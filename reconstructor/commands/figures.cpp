@@ -6,17 +6,17 @@
 #include <functional>
 #include <map>
 
-#include "common/errors.h"
-#include "common/files.h"
-#include "common/image_io.h"
-#include "common/progress.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/progress.h"
+#include "common/base/stop_signal.h"
+#include "common/image/image_io.h"
 #include "common/simulation/simulated_rig.h"
-#include "common/stop_signal.h"
-#include "reconstructor/capture_set.h"
+#include "reconstructor/capture/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/study_options.h"
-#include "reconstructor/evaluation/figure.h"
-#include "reconstructor/saved_model.h"
+#include "reconstructor/capture/saved_model.h"
+#include "reconstructor/studies/figure.h"
 
 namespace sheen {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <thread>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/monitor/monitor_client.h"
 #include "reconstructor/monitor/monitor_token.h"

@@ -3,16 +3,16 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "common/color.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/progress.h"
 #include "common/datasets/dataset.h"
-#include "common/errors.h"
-#include "common/exr.h"
-#include "common/files.h"
-#include "common/image_io.h"
-#include "common/progress.h"
+#include "common/image/color.h"
+#include "common/image/exr.h"
+#include "common/image/image_io.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/exchange/model_files.h"
-#include "reconstructor/picture_names.h"
+#include "reconstructor/commands/picture_names.h"
+#include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/render/ray_painter.h"
 
 namespace sheen {

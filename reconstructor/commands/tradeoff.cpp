@@ -6,22 +6,22 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "common/errors.h"
-#include "common/files.h"
-#include "common/progress.h"
-#include "common/report_file.h"
-#include "common/stop_signal.h"
-#include "reconstructor/budget.h"
-#include "reconstructor/capture_set.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/progress.h"
+#include "common/base/report_file.h"
+#include "common/base/stop_signal.h"
+#include "reconstructor/capture/capture_set.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/evaluation/patches.h"
-#include "reconstructor/evaluation/plot.h"
-#include "reconstructor/evaluation/precision.h"
-#include "reconstructor/evaluation/tradeoff.h"
-#include "reconstructor/evaluation/tradeoff_wish.h"
-#include "reconstructor/report.h"
-#include "reconstructor/saved_model.h"
-#include "reconstructor/scene_config.h"
+#include "reconstructor/effort/budget.h"
+#include "reconstructor/effort/tradeoff_wish.h"
+#include "reconstructor/capture/saved_model.h"
+#include "reconstructor/report/report.h"
+#include "reconstructor/scene/scene_config.h"
+#include "reconstructor/studies/patches.h"
+#include "reconstructor/studies/plot.h"
+#include "reconstructor/studies/precision.h"
+#include "reconstructor/studies/tradeoff.h"
 
 namespace sheen {
 namespace {

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "common/command_line.h"
-#include "common/errors.h"
-#include "common/session.h"
+#include "common/base/command_line.h"
+#include "common/base/errors.h"
+#include "common/session/session.h"
 #include "reconstructor/commands/commands.h"
 
 namespace sheen {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "common/command_line.h"
-#include "common/errors.h"
-#include "common/image_io.h"
+#include "common/base/command_line.h"
+#include "common/base/errors.h"
+#include "common/image/image_io.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/exchange/model_files.h"
+#include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/render/gl/viewer_window.h"
 
 namespace sheen {

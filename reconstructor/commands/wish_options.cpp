@@ -3,8 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/errors.h"
-#include "reconstructor/budget.h"
+#include "common/base/errors.h"
+#include "reconstructor/effort/budget.h"
 
 namespace sheen {
 

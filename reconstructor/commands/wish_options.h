@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "reconstructor/evaluation/tradeoff_wish.h"
+#include "reconstructor/effort/tradeoff_wish.h"
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 
 namespace CLI {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "common/color.h"
+#include "common/image/color.h"
 #include "reconstructor/evaluation/paper_heuristic.h"
 
 namespace sheen {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "common/color.h"
-#include "common/errors.h"
-#include "common/exr.h"
+#include "common/base/errors.h"
+#include "common/image/color.h"
+#include "common/image/exr.h"
 
 namespace sheen {
 namespace {

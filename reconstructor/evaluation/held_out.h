@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "common/capture.h"
-#include "common/image.h"
-#include "common/image_metrics.h"
-#include "common/progress.h"
+#include "common/base/progress.h"
+#include "common/capture/capture.h"
+#include "common/image/image.h"
+#include "common/image/image_metrics.h"
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/render/ray_painter.h"
 

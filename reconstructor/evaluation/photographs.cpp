@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "common/color.h"
+#include "common/image/color.h"
 #include "reconstructor/numerics/view_kernel.h"
 #include "reconstructor/surface/edge_fill.h"
 

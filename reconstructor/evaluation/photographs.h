@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "common/capture.h"
-#include "common/image.h"
+#include "common/capture/capture.h"
+#include "common/image/image.h"
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/surface/ring_visibility.h"
 

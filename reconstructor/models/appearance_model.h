@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "common/capture.h"
+#include "common/capture/capture.h"
 #include "common/geometry/mesh.h"
 
 namespace sheen {

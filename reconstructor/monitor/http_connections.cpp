@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 namespace {

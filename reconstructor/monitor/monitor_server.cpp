@@ -11,7 +11,7 @@
 #include <optional>
 #include <string_view>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "reconstructor/monitor/http_connections.h"
 #include "reconstructor/monitor/metrics.h"
 #include "reconstructor/monitor/status_json.h"

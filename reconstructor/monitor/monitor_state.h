@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/running_statistics.h"
+#include "common/base/running_statistics.h"
 
 namespace sheen {
 

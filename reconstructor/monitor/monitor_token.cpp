@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "common/errors.h"
-#include "common/files.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
 
 namespace sheen {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/camera.h"
+#include "common/camera/camera.h"
+#include "common/camera/rigid3.h"
 #include "common/geometry/ray_scene.h"
-#include "common/image.h"
-#include "common/rigid3.h"
+#include "common/image/image.h"
 #include "reconstructor/models/appearance_model.h"
 
 namespace sheen {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/camera.h"
+#include "common/camera/camera.h"
+#include "common/camera/rigid3.h"
 #include "common/geometry/mesh.h"
-#include "common/rigid3.h"
 
 namespace sheen {
 

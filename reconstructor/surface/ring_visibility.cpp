@@ -11,7 +11,7 @@
 #include <span>
 #include <utility>
 
-#include "common/batch_projection.h"
+#include "common/camera/batch_projection.h"
 
 namespace sheen {
 RingVisibility::RingVisibility(const Mesh& mesh, const VertexRings& rings, const VisibilityOptions& options,

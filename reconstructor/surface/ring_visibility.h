@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "common/camera.h"
+#include "common/camera/camera.h"
+#include "common/camera/rigid3.h"
 #include "common/geometry/ray_scene.h"
-#include "common/image.h"
-#include "common/rigid3.h"
+#include "common/image/image.h"
 #include "reconstructor/surface/vertex_ring.h"
 
 namespace sheen {

@@ -28,12 +28,12 @@ TEST(IncludeRules, HoldInThisRepository) {
 
 TEST(IncludeRules, EachForbidsWhatItIsThereFor) {
   const std::vector<std::pair<std::string, std::string>> violations = {
-      {"common/camera.h", "tracker/pose/pose_solver.h"},
-      {"common/simulation/rig.cpp", "reconstructor/report.h"},
+      {"common/camera/camera.h", "tracker/pose/pose_solver.h"},
+      {"common/simulation/rig.cpp", "reconstructor/report/report.h"},
       {"tracker/tracking_loop.cpp", "reconstructor/surface/vertex_ring.h"},
-      {"reconstructor/capture_loop.cpp", "tracker/tracking_loop.h"},
-      {"reconstructor/report.cpp", "tests/support/matchers.h"},
-      {"reconstructor/numerics/ring_factor.cpp", "common/camera.h"},
+      {"reconstructor/capture/capture_loop.cpp", "tracker/tracking_loop.h"},
+      {"reconstructor/report/report.cpp", "tests/support/matchers.h"},
+      {"reconstructor/numerics/ring_factor.cpp", "common/camera/camera.h"},
       {"reconstructor/numerics/ring_factor.cpp", "tbb/parallel_for.h"},
       {"reconstructor/surface/vertex_ring.h", "reconstructor/models/appearance_model.h"},
       {"reconstructor/surface/vertex_ring.h", "reconstructor/evaluation/held_out.h"},
@@ -41,17 +41,22 @@ TEST(IncludeRules, EachForbidsWhatItIsThereFor) {
       {"reconstructor/models/surface_light_field/quality.h", "reconstructor/commands/commands.h"},
       {"reconstructor/models/irradiance_field/lamp.cpp", "reconstructor/models/surface_light_field/quality.h"},
       {"reconstructor/models/appearance_model.h", "reconstructor/models/surface_light_field/quality.h"},
-      {"reconstructor/render/gl/window.cpp", "reconstructor/capture_loop.h"},
-      {"reconstructor/monitor/monitor_server.h", "reconstructor/reconstruction.h"},
-      {"reconstructor/capture_loop.cpp", "reconstructor/commands/commands.h"},
+      {"reconstructor/render/gl/window.cpp", "reconstructor/capture/capture_loop.h"},
+      {"reconstructor/monitor/monitor_server.h", "reconstructor/capture/reconstruction.h"},
+      {"reconstructor/capture/capture_loop.cpp", "reconstructor/commands/commands.h"},
       {"reconstructor/models/surface_light_field/quality.cpp", "embree3/rtcore.h"},
       {"tracker/tracking_loop.cpp", "proto/capture.pb.h"},
       {"tests/loopback/link_test.cpp", "proto/capture.pb.h"},
-      {"reconstructor/capture_loop.cpp", "zmq.hpp"},
-      {"common/session.h", "sqlite3.h"},
+      {"reconstructor/capture/capture_loop.cpp", "zmq.hpp"},
+      {"common/session/session.h", "sqlite3.h"},
       {"tracker/sources/aravis_devices.h", "arv.h"},
       {"reconstructor/surface/view_hemisphere.h", "opencv2/imgproc.hpp"},
-      {"common/stage/stage_layout.h", "common/json_fields.h"},
+      {"common/stage/stage_layout.h", "common/base/json_fields.h"},
+      {"common/image/raw_image.h", "common/camera/camera.h"},
+      {"common/image/image_codec.h", "common/link/wire.h"},
+      {"common/link/wire.h", "common/session/session.h"},
+      {"common/session/session.h", "common/datasets/dataset.h"},
+      {"common/camera/camera.h", "common/loose.h"},
   };
   for (const auto& [file, target] : violations)
     EXPECT_THAT(verdict(file, target), testing::Not(IsEmpty())) << file << " includes " << target;
@@ -59,10 +64,10 @@ TEST(IncludeRules, EachForbidsWhatItIsThereFor) {
 
 TEST(IncludeRules, AllowWhatTheLayersAreFor) {
   const std::vector<std::pair<std::string, std::string>> fine = {
-      {"common/wire.cpp", "proto/capture.pb.h"},
-      {"common/transport.cpp", "zmq.hpp"},
+      {"common/link/wire.cpp", "proto/capture.pb.h"},
+      {"common/link/transport.cpp", "zmq.hpp"},
       {"common/geometry/ray_scene.cpp", "embree3/rtcore.h"},
-      {"common/session.cpp", "sqlite3.h"},
+      {"common/session/session.cpp", "sqlite3.h"},
       {"reconstructor/numerics/ring_factor.h", "Eigen/Core"},
       {"reconstructor/numerics/ring_factor.h", "vector"},
       {"reconstructor/models/surface_light_field/quality.h", "reconstructor/models/surface_light_field/snapshot.h"},
@@ -70,7 +75,7 @@ TEST(IncludeRules, AllowWhatTheLayersAreFor) {
       {"reconstructor/render/ray_painter.h", "reconstructor/models/appearance_model.h"},
       {"reconstructor/main.cpp", "reconstructor/commands/commands.h"},
       {"reconstructor/commands/build.cpp", "reconstructor/commands/commands.h"},
-      {"reconstructor/report.h", "nlohmann/json_fwd.hpp"},
+      {"reconstructor/report/report.h", "nlohmann/json_fwd.hpp"},
   };
   for (const auto& [file, target] : fine) EXPECT_THAT(verdict(file, target), IsEmpty()) << file << " <- " << target;
 }
@@ -81,15 +86,15 @@ TEST(IncludeRules, AreFoundInATreeOnDisk) {
   fs::remove_all(root);
   fs::create_directories(root / "common");
   fs::create_directories(root / "reconstructor" / "numerics");
-  std::ofstream(root / "common" / "camera.h") << "#pragma once\n#include \"reconstructor/report.h\"\n";
+  std::ofstream(root / "common" / "camera.h") << "#pragma once\n#include \"reconstructor/report/report.h\"\n";
   std::ofstream(root / "reconstructor" / "numerics" / "svd.cpp")
-      << "#include <Eigen/SVD>\n// #include \"common/camera.h\"\n  #  include <opencv2/core.hpp>  // why not\n";
+      << "#include <Eigen/SVD>\n// #include \"common/camera/camera.h\"\n  #  include <opencv2/core.hpp>  // why not\n";
   std::ofstream(root / "common" / "notes.txt") << "#include \"tracker/main.h\"\n";
 
   EXPECT_THAT(includes_below(root), SizeIs(3));
   std::vector<std::string> broken = broken_include_rules(includes_below(root));
   std::sort(broken.begin(), broken.end());
-  EXPECT_THAT(broken, ElementsAre(HasSubstr("common/camera.h:2 includes reconstructor/report.h"),
+  EXPECT_THAT(broken, ElementsAre(HasSubstr("common/camera/camera.h:2 includes reconstructor/report/report.h"),
                                   HasSubstr("reconstructor/numerics/svd.cpp:3 includes opencv2/core.hpp")));
   fs::remove_all(root);
 }

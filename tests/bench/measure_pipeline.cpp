@@ -13,8 +13,8 @@
 #include "common/simulation/camera_path.h"
 #include "common/simulation/sensor.h"
 #include "common/simulation/test_object.h"
-#include "reconstructor/budget.h"
-#include "reconstructor/reconstruction.h"
+#include "reconstructor/capture/reconstruction.h"
+#include "reconstructor/effort/budget.h"
 #include "reconstructor/render/ray_painter.h"
 #include "tests/bench/goal_rows.h"
 

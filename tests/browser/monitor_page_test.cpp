@@ -12,7 +12,7 @@
 #include <stop_token>
 #include <thread>
 
-#include "common/image_io.h"
+#include "common/image/image_io.h"
 #include "reconstructor/monitor/monitor_server.h"
 #include "tests/reconstructor/monitor/sample_state.h"
 

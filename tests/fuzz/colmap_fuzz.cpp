@@ -7,7 +7,7 @@
 #include <optional>
 #include <type_traits>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace {

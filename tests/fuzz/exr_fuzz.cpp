@@ -4,9 +4,9 @@
 #include <cmath>
 #include <set>
 
-#include "common/errors.h"
-#include "common/exr.h"
-#include "common/files.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/image/exr.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/support/temp_folder.h"
 

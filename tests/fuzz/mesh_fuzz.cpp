@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whatever a PLY, OBJ or OFF file holds: a mesh with finite vertices and no index beyond them, which is the same
 // through any of the three formats and stays as it is when it is cleaned again; or a FileError.
-#include "common/errors.h"
-#include "common/files.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/geometry/mesh.h"
 #include "common/geometry/mesh_io.h"
 #include "tests/fuzz/fuzz_input.h"

@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "common/content_hash.h"
-#include "common/errors.h"
-#include "common/files.h"
+#include "common/base/content_hash.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/geometry/mesh.h"
-#include "reconstructor/exchange/model_files.h"
+#include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/surface/view_hemisphere.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/support/temp_folder.h"

@@ -3,10 +3,10 @@
 // its EXIF data say of the exposure makes sense, and is the same in either byte order and either kind of file.
 #include <cmath>
 
-#include "common/errors.h"
-#include "common/exif.h"
-#include "common/files.h"
-#include "common/image_io.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/image/exif.h"
+#include "common/image/image_io.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/support/temp_folder.h"
 

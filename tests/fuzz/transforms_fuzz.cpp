@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdlib>
 
+#include "common/base/errors.h"
 #include "common/datasets/transforms_json.h"
-#include "common/errors.h"
 
 namespace {
 

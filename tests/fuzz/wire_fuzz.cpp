@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "common/capture_validation.h"
-#include "common/errors.h"
-#include "common/image_codec.h"
-#include "common/wire.h"
-#include "common/wire_messages.h"
+#include "common/base/errors.h"
+#include "common/capture/capture_validation.h"
+#include "common/image/image_codec.h"
+#include "common/link/wire.h"
+#include "common/link/wire_messages.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/support/sample_capture.h"
 

@@ -15,9 +15,9 @@
 #include <iostream>
 #include <random>
 
-#include "common/capture_validation.h"
-#include "common/errors.h"
-#include "common/monitor_socket.h"
+#include "common/base/errors.h"
+#include "common/capture/capture_validation.h"
+#include "common/link/monitor_socket.h"
 #include "reconstructor/monitor/monitor_server.h"
 #include "tests/support/link.h"
 

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/files.h"
+#include "common/base/files.h"
 #include "common/geometry/mesh.h"
-#include "common/image_io.h"
+#include "common/image/image_io.h"
 #include "tests/loopback/ball_dataset.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/temp_folder.h"

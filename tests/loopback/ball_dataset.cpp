@@ -5,10 +5,10 @@
 #include <fstream>
 #include <string>
 
-#include "common/camera.h"
+#include "common/camera/camera.h"
 #include "common/datasets/dataset.h"
 #include "common/geometry/mesh.h"
-#include "common/image_io.h"
+#include "common/image/image_io.h"
 #include "tests/support/test_meshes.h"
 
 namespace sheen::testing {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "common/image.h"
+#include "common/image/image.h"
 
 namespace sheen::testing {
 

@@ -12,9 +12,9 @@
 #include <set>
 #include <thread>
 
-#include "common/files.h"
-#include "common/monitor_socket.h"
-#include "common/session.h"
+#include "common/base/files.h"
+#include "common/link/monitor_socket.h"
+#include "common/session/session.h"
 #include "common/simulation/simulated_rig.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/temp_folder.h"

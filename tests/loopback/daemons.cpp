@@ -7,10 +7,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/errors.h"
-#include "common/files.h"
-#include "common/session.h"
-#include "common/transport.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/link/transport.h"
+#include "common/session/session.h"
 
 namespace sheen::testing {
 

@@ -5,8 +5,8 @@
 
 #include <fstream>
 
-#include "common/session.h"
-#include "common/transport.h"
+#include "common/link/transport.h"
+#include "common/session/session.h"
 #include "tests/loopback/ball_dataset.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/temp_folder.h"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/files.h"
+#include "common/base/files.h"
 #include "reconstructor/monitor/monitor_client.h"
 #include "tests/loopback/ball_dataset.h"
 #include "tests/loopback/daemons.h"

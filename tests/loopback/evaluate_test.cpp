@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/files.h"
+#include "common/base/files.h"
 #include "common/geometry/mesh.h"
-#include "common/session.h"
+#include "common/session/session.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/temp_folder.h"

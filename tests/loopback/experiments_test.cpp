@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/files.h"
+#include "common/base/files.h"
 #include "tests/loopback/ball_dataset.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/temp_folder.h"

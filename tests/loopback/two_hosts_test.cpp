@@ -15,7 +15,7 @@
 #include <functional>
 #include <thread>
 
-#include "common/transport.h"
+#include "common/link/transport.h"
 #include "tests/support/link.h"
 #include "tests/support/temp_folder.h"
 

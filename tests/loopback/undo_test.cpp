@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/files.h"
-#include "common/session.h"
+#include "common/base/files.h"
+#include "common/session/session.h"
 #include "tests/loopback/ball_dataset.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/temp_folder.h"

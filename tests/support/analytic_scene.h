@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "common/capture.h"
-#include "common/color.h"
+#include "common/capture/capture.h"
+#include "common/image/color.h"
 
 /// Pictures with exact truth: a sphere or square whose radiance is a closed form of place and direction, evaluated a
 /// pixel by solving for the surface. Shares only the camera's lens with what it tests; casts no ray at a mesh.

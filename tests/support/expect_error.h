@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/capture.h"
+#include "common/capture/capture.h"
 
 namespace sheen::testing {
 

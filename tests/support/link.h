@@ -11,8 +11,8 @@
 #include <vector>
 #include <zmq.hpp>
 
-#include "common/transport.h"
-#include "common/wire_messages.h"
+#include "common/link/transport.h"
+#include "common/link/wire_messages.h"
 #include "tests/support/patience.h"
 #include "tests/support/sample_capture.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "common/capture.h"
+#include "common/capture/capture.h"
 
 namespace sheen::testing {
 

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
-#include "common/image_io.h"
-#include "common/transport.h"
+#include "common/base/errors.h"
+#include "common/image/image_io.h"
+#include "common/link/transport.h"
 #include "tests/support/temp_folder.h"
 #include "tracker/tracking_loop.h"
 

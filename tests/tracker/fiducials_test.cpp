@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-#include "common/image_io.h"
+#include "common/image/image_io.h"
 #include "tests/support/shared_data.h"
 #include "tests/tracker/synthetic_stage.h"
 #include "tracker/fiducials/corner_refiner.h"

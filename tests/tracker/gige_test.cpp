@@ -9,7 +9,7 @@
 #include <random>
 #include <thread>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "tracker/camera_server/camera_server.h"
 #include "tracker/sources/aravis_source.h"
 

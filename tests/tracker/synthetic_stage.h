@@ -4,8 +4,8 @@
 #include <random>
 #include <vector>
 
-#include "common/camera.h"
-#include "common/capture.h"
+#include "common/camera/camera.h"
+#include "common/capture/capture.h"
 #include "common/stage/stage_layout.h"
 
 namespace sheen::testing {

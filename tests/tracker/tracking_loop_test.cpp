@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "tests/tracker/synthetic_stage.h"
 
 namespace sheen {

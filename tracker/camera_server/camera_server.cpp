@@ -9,8 +9,8 @@
 #include <mutex>
 #include <utility>
 
-#include "common/errors.h"
-#include "common/files.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
 
 namespace sheen {
 namespace {

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "common/errors.h"
-#include "common/transport.h"
+#include "common/base/errors.h"
+#include "common/link/transport.h"
 #include "tracker/commands/commands.h"
 #include "tracker/rig_config.h"
 #include "tracker/sources/aravis_devices.h"

@@ -4,7 +4,7 @@
 #include <iostream>
 #include <memory>
 
-#include "common/transport.h"
+#include "common/link/transport.h"
 #include "tracker/commands/commands.h"
 
 namespace sheen {

@@ -10,14 +10,14 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/command_line.h"
-#include "common/end_on_stop.h"
-#include "common/errors.h"
-#include "common/progress.h"
-#include "common/session.h"
+#include "common/base/command_line.h"
+#include "common/base/end_on_stop.h"
+#include "common/base/errors.h"
+#include "common/base/progress.h"
+#include "common/base/stop_signal.h"
+#include "common/session/session.h"
 #include "common/simulation/pose_truth.h"
 #include "common/simulation/simulated_rig.h"
-#include "common/stop_signal.h"
 #include "tracker/camera_server/camera_server.h"
 #include "tracker/commands/commands.h"
 

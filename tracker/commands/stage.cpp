@@ -5,8 +5,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/command_line.h"
-#include "common/errors.h"
+#include "common/base/command_line.h"
+#include "common/base/errors.h"
 #include "common/stage/stage_sheet.h"
 #include "tracker/commands/commands.h"
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "common/camera.h"
-#include "common/capture.h"
-#include "common/image.h"
+#include "common/camera/camera.h"
+#include "common/capture/capture.h"
+#include "common/image/image.h"
 
 namespace sheen {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/capture.h"
+#include "common/capture/capture.h"
 
 namespace sheen {
 

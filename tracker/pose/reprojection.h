@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "common/camera.h"
-#include "common/rigid3.h"
+#include "common/camera/camera.h"
+#include "common/camera/rigid3.h"
 
 namespace sheen {
 

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <vector>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 namespace {

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "tracker/sources/aravis_camera.h"
 #include "tracker/sources/frame_ids.h"
 

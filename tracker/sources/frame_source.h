@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "common/capture.h"
-#include "common/status.h"
+#include "common/capture/capture.h"
+#include "common/link/status.h"
 
 namespace sheen {
 

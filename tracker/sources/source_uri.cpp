@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracker/sources/source_uri.h"
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "tracker/sources/aravis_source.h"
 #include "tracker/sources/dataset_source.h"
 #include "tracker/sources/video_source.h"

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/color.h"
+#include "common/image/color.h"
 #include "reconstructor/surface/nearest_seen.h"
 
 namespace sheen {

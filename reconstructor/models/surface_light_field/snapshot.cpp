@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/color.h"
+#include "common/image/color.h"
 #include "reconstructor/models/surface_light_field/quality.h"
 
 namespace sheen {
@@ -84,11 +84,6 @@ SampleState sample_state(std::uint8_t shown) {
   constexpr int kHalf = 128;
   if (shown == 0) return SampleState::kUnseen;
   return shown < kHalf ? SampleState::kImputed : SampleState::kMeasured;
-}
-
-float ExposureField::at(const Eigen::Vector3d& eye) const {
-  if (directions.cols() == 0) return 1;
-  return std::exp(interpolate(log_gain, directions, kernel, (eye.cast<float>() - centre).normalized())[0]);
 }
 
 void RingSnapshot::set_interpolation(ViewInterpolant interpolant, const ViewKernel& view_kernel,

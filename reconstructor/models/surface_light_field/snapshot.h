@@ -9,23 +9,11 @@
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/numerics/view_kriging.h"
+#include "reconstructor/radiance/exposure_field.h"
 #include "reconstructor/surface/vertex_ring.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
-
-/// How bright an image from a place is expected to be: images of unknown exposure are brought to one level before they
-/// are factorised, and what a camera with automatic exposure would have chosen is interpolated from what it chose
-/// nearby.
-struct ExposureField {
-  Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< of the object: directions run from here to the cameras
-  Eigen::Matrix3Xf directions;
-  ViewInterpolant log_gain;  ///< 1 x views; empty when all exposures were known
-  ViewKernel kernel;
-
-  /// Factor on the decoded radiance for this eye; 1 when exposures were known.
-  float at(const Eigen::Vector3d& eye) const;
-};
 
 /// Share of a ring's images that showed a sample, in 255ths; 0 only where none did, and no more than 255.
 std::uint8_t shown_share(int showed_it, int images);

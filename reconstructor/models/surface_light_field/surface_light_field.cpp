@@ -12,13 +12,14 @@
 #include <tuple>
 #include <utility>
 
-#include "common/errors.h"
-#include "reconstructor/models/surface_light_field/capture_rules.h"
-#include "reconstructor/models/surface_light_field/exposure_gain.h"
+#include "common/base/errors.h"
+#include "common/base/stage_clock.h"
 #include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
 #include "reconstructor/models/surface_light_field/ring_column.h"
-#include "reconstructor/models/surface_light_field/ring_resampler.h"
-#include "reconstructor/models/surface_light_field/stage_clock.h"
+#include "reconstructor/radiance/capture_rules.h"
+#include "reconstructor/radiance/exposure_field.h"
+#include "reconstructor/radiance/exposure_gain.h"
+#include "reconstructor/radiance/ring_resampler.h"
 #include "reconstructor/surface/map_resolution.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
@@ -125,7 +126,7 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   const Beginning here{name_of(capture), capture.camera, capture.pose.camera_from_object, exposure_product(capture)};
   if (!beginning) start(here);  // a first image that shows nothing decides nothing
 
-  StageClock clock(report);
+  StageClock clock(report.stage_ms);
   const SurfaceView& view = visibility->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   clock.done("visibility");
   if (view.visible_samples == 0) return refuse("object_not_in_view");

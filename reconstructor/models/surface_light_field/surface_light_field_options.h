@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "reconstructor/models/surface_light_field/radiance_image.h"
 #include "reconstructor/models/surface_light_field/ring_model.h"
+#include "reconstructor/radiance/radiance_image.h"
 #include "reconstructor/surface/ring_visibility.h"
 
 namespace sheen {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "common/color.h"
+#include "common/image/color.h"
 
 namespace sheen {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "common/image.h"
+#include "common/image/image.h"
 
 namespace sheen {
 

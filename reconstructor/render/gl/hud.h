@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "reconstructor/render/gl/guidance.h"
 #include "reconstructor/render/gl/overlay_painter.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/gl/viewer_state.h"
+#include "reconstructor/render/guidance.h"
 
 namespace sheen {
 

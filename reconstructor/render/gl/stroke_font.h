@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/image.h"
+#include "common/image/image.h"
 
 namespace sheen {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "reconstructor/models/surface_light_field/gl/light_field_renderer.h"
 #include "reconstructor/render/gl/camera_picture.h"
 #include "reconstructor/render/gl/hud.h"
-#include "reconstructor/render/gl/light_field_renderer.h"
 #include "reconstructor/render/gl/overlay_painter.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/gl/viewer_state.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "common/capture.h"
+#include "common/capture/capture.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 
 namespace sheen {

@@ -11,8 +11,8 @@
 #include <optional>
 #include <string>
 
-#include "common/errors.h"
-#include "common/image_io.h"
+#include "common/base/errors.h"
+#include "common/image/image_io.h"
 #include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/gl/lost_display.h"
 #include "reconstructor/render/gl/viewer_scene.h"

@@ -7,8 +7,8 @@
 #include <stop_token>
 #include <string>
 
-#include "common/image.h"
-#include "reconstructor/render/gl/light_field_renderer.h"
+#include "common/image/image.h"
+#include "reconstructor/models/surface_light_field/gl/light_field_renderer.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/gl/viewer_feed.h"
 #include "reconstructor/render/gl/viewer_state.h"

@@ -5,9 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/exr.h"
-#include "common/files.h"
-#include "common/image_io.h"
+#include "common/base/files.h"
+#include "common/image/exr.h"
+#include "common/image/image_io.h"
 #include "support/expect_error.h"
 #include "support/shared_data.h"
 #include "support/temp_folder.h"

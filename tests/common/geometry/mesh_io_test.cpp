@@ -7,7 +7,7 @@
 #include <limits>
 #include <map>
 
-#include "common/files.h"
+#include "common/base/files.h"
 #include "common/geometry/mesh.h"
 #include "support/expect_error.h"
 #include "support/shared_data.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "common/stage/stage_layout.h"
 
 namespace sheen {

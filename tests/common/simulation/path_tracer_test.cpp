@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "common/simulation/camera_path.h"
 
 namespace sheen {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "tests/support/temp_folder.h"
 
 namespace sheen {

@@ -8,11 +8,11 @@
 #include <fstream>
 #include <sstream>
 
+#include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/datasets/dataset.h"
-#include "common/errors.h"
-#include "common/exr.h"
-#include "common/files.h"
-#include "common/image_io.h"
+#include "common/image/exr.h"
+#include "common/image/image_io.h"
 
 namespace sheen {
 namespace {

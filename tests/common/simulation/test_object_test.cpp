@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "common/geometry/ray_scene.h"
 #include "common/simulation/implicit_surface.h"
 #include "common/simulation/procedural_noise.h"

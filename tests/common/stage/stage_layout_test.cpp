@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 namespace {

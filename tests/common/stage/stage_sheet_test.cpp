@@ -13,8 +13,8 @@
 #include <memory>
 #include <sstream>
 
-#include "common/errors.h"
-#include "common/files.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
 
 namespace sheen {
 namespace {

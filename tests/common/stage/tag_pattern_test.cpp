@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 
 namespace sheen {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/color.h"
+#include "common/image/color.h"
 #include "tests/support/plain_model.h"
 #include "tests/support/test_meshes.h"
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
-#include "common/color.h"
-#include "common/errors.h"
-#include "common/exr.h"
+#include "common/base/errors.h"
+#include "common/image/color.h"
+#include "common/image/exr.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/plain_model.h"
 #include "tests/support/temp_folder.h"

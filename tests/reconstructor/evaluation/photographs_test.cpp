@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/color.h"
-#include "common/image_metrics.h"
+#include "common/image/color.h"
+#include "common/image/image_metrics.h"
 #include "reconstructor/render/ray_painter.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/plain_model.h"

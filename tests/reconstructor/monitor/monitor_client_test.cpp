@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "reconstructor/monitor/monitor_server.h"
 #include "tests/reconstructor/monitor/sample_state.h"
 

@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "tests/reconstructor/monitor/exposition_parser.h"
 #include "tests/reconstructor/monitor/sample_state.h"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
 

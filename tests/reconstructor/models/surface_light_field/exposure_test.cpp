@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "reconstructor/models/surface_light_field/exposure_gain.h"
+#include "reconstructor/radiance/exposure_gain.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
 namespace sheen {

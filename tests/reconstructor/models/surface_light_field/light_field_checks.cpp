@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "common/image_metrics.h"
+#include "common/image/image_metrics.h"
 #include "reconstructor/render/ray_painter.h"
 
 namespace sheen {

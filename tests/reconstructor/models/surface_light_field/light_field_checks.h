@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/camera.h"
+#include "common/camera/camera.h"
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/test_meshes.h"

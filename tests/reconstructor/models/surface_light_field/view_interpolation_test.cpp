@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/color.h"
+#include "common/image/color.h"
 #include "reconstructor/models/surface_light_field/ring_model.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/test_matrices.h"

@@ -3,7 +3,7 @@
 //   tests/support/with_xvfb build/bin/render_gl_bench
 #include <benchmark/benchmark.h>
 
-#include "common/errors.h"
+#include "common/base/errors.h"
 #include "reconstructor/render/gl/viewer_window.h"
 #include "tests/reconstructor/render/gl/synthetic_light_field.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "common/capture.h"
+#include "common/capture/capture.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 
 namespace sheen {

@@ -4,11 +4,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
-#include "common/errors.h"
-#include "common/image_io.h"
-#include "common/raw_image.h"
+#include "common/base/errors.h"
+#include "common/image/image_io.h"
+#include "common/image/raw_image.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/exchange/model_files.h"
+#include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/render/gl/viewer_window.h"
 #include "tests/reconstructor/render/gl/synthetic_light_field.h"
 #include "tests/support/temp_folder.h"

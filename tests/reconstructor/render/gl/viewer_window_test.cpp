@@ -10,10 +10,10 @@
 #include <map>
 #include <thread>
 
-#include "common/color.h"
-#include "common/errors.h"
-#include "common/image_io.h"
-#include "common/image_metrics.h"
+#include "common/base/errors.h"
+#include "common/image/color.h"
+#include "common/image/image_io.h"
+#include "common/image/image_metrics.h"
 #include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/ray_painter.h"
 #include "tests/reconstructor/render/gl/synthetic_light_field.h"

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/base/end_on_stop.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <mutex>
+
+#include "common/base/progress.h"
+#include "common/base/stop_signal.h"
+
+namespace sheen {
+namespace {
+
+constexpr std::chrono::milliseconds kLook{20};
+constexpr std::chrono::milliseconds kPatience{700};
+constexpr int kFailed = 1;
+
+}  // namespace
+
+EndOnStop::EndOnStop(std::string message)
+    : watcher_([message = std::move(message)](const std::stop_token& done) {
+        std::mutex mutex;
+        std::condition_variable_any changed;
+        std::unique_lock lock(mutex);
+        const auto wait = [&](std::chrono::milliseconds time) {
+          return changed.wait_for(lock, done, time, [&] { return done.stop_requested(); });
+        };
+        while (!stop_requested())
+          if (wait(kLook)) return;
+        if (wait(kPatience)) return;
+        const ProgressPause pause;
+        std::fprintf(stderr, "%s\n", message.c_str());
+        ::_exit(kFailed);  // no destructors: the work may hold any lock
+      }) {}
+
+}  // namespace sheen

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/image/exr.h"
+
+#include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
+#include <ImfStringAttribute.h>
+#include <ImfThreading.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "common/base/errors.h"
+#include "common/base/files.h"
+
+namespace sheen {
+
+namespace {
+
+constexpr std::string_view kNumbers[] = {"expTime", "isoSpeed", "aperture"};
+constexpr int kMaxSide = 1 << 20;
+
+/// Threads that compress and decompress, one pool for the process.
+int pool_threads() {
+  static const int threads = [] {
+    const int count = static_cast<int>(std::thread::hardware_concurrency());
+    Imf::setGlobalThreadCount(count);
+    return count;
+  }();
+  return threads;
+}
+
+bool is_number_attribute(const std::string& name) {
+  return std::find(std::begin(kNumbers), std::end(kNumbers), name) != std::end(kNumbers);
+}
+
+Imf::Header header_of(const ExrPartInfo& part, int picture_width, int picture_height) {
+  const int right = part.width - 1, bottom = part.height - 1;
+  Imf::Header header(Imath::Box2i({0, 0}, {picture_width - 1, picture_height - 1}),
+                     Imath::Box2i({part.left, part.top}, {part.left + right, part.top + bottom}));
+  header.setName(part.name);
+  header.setType(Imf::SCANLINEIMAGE);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const std::string& channel : part.channels)
+    header.channels().insert(channel, Imf::Channel(part.precision == ExrPrecision::kHalf ? Imf::HALF : Imf::FLOAT));
+  return header;
+}
+
+void add_attributes(const ExrAttributes& attributes, Imf::Header& header) {
+  for (const auto& [name, text] : attributes)
+    if (is_number_attribute(name))
+      header.insert(name, Imf::FloatAttribute(std::strtof(text.c_str(), nullptr)));
+    else
+      header.insert(name, Imf::StringAttribute(text));
+}
+
+/// A slice whose pixel (left, top) is `data[channel]`.
+template <typename T>
+Imf::Slice slice(T* data, Imf::PixelType type, int channel, int width, int channels, int left, int top) {
+  const std::ptrdiff_t x_stride = sizeof(T) * channels, y_stride = x_stride * width;
+  char* base = reinterpret_cast<char*>(data + channel) - left * x_stride - top * y_stride;
+  return Imf::Slice(type, base, x_stride, y_stride);
+}
+
+std::vector<half> to_half(const ImageF& image) {
+  std::vector<half> out(image.size());
+  std::transform(image.data(), image.data() + image.size(), out.begin(), [](float value) {
+    return half(std::isfinite(value) ? std::clamp<float>(value, -HALF_MAX, HALF_MAX) : value);
+  });
+  return out;
+}
+
+void write_part(const ExrPartInfo& part, const ImageF& image, Imf::OutputPart out) {
+  if (image.width() != part.width || image.height() != part.height || image.channels() != int(part.channels.size()))
+    throw Error("part \"" + part.name + "\": its image is not of the size that was announced");
+  std::vector<half> halves;
+  if (part.precision == ExrPrecision::kHalf) halves = to_half(image);
+  const int width = image.width(), channels = image.channels();
+  Imf::FrameBuffer buffer;
+  for (int c = 0; c < channels; ++c)
+    buffer.insert(part.channels[c],
+                  part.precision == ExrPrecision::kHalf
+                      ? slice(halves.data(), Imf::HALF, c, width, channels, part.left, part.top)
+                      : slice(const_cast<float*>(image.data()), Imf::FLOAT, c, width, channels, part.left, part.top));
+  out.setFrameBuffer(buffer);
+  out.writePixels(image.height());
+}
+
+void check_writable(const std::filesystem::path& path, const std::vector<ExrPartInfo>& parts) {
+  if (parts.empty()) throw FileError(path.string(), "cannot be written: an EXR file needs a part");
+  std::set<std::string> names;
+  for (const ExrPartInfo& part : parts) {
+    const auto fail = [&](const char* what) {
+      throw FileError(path.string(), "cannot be written: part \"" + part.name + "\" " + what);
+    };
+    if (part.width < 1 || part.height < 1 || part.channels.empty()) fail("has no pixels");
+    if (std::set(part.channels.begin(), part.channels.end()).size() != part.channels.size())
+      fail("has two channels of one name");
+    if (part.name.empty() || !names.insert(part.name).second) fail("needs a name of its own");
+  }
+}
+
+/// R, G, B, A first, within their layer.
+bool channel_before(const std::string& a, const std::string& b) {
+  const auto key = [](const std::string& name) {
+    const std::size_t dot = name.rfind('.');
+    const std::size_t last = dot == std::string::npos ? 0 : dot + 1;
+    const std::size_t rank = name.size() - last == 1 ? std::string_view("RGBA").find(name[last]) : std::string::npos;
+    return std::tuple(name.substr(0, last), rank, name);
+  };
+  return key(a) < key(b);
+}
+
+/// The library makes room for an attribute before it reads it: none may claim more than the file holds.
+void check_attributes(const std::filesystem::path& path, std::uintmax_t file_bytes) {
+  constexpr std::uint32_t kMultiPart = 0x1000;
+  std::ifstream file(path, std::ios::binary);
+  const auto number = [&] {
+    unsigned char bytes[4] = {};
+    file.read(reinterpret_cast<char*>(bytes), sizeof bytes);
+    return bytes[0] | std::uint32_t(bytes[1]) << 8 | std::uint32_t(bytes[2]) << 16 | std::uint32_t(bytes[3]) << 24;
+  };
+  number();  // what makes it an EXR
+  const bool several = number() & kMultiPart;
+  std::string name, type;
+  for (bool in_header = false; std::getline(file, name, '\0');) {
+    if (name.empty()) {  // the end of a header; a header without anything is the end of them
+      if (!several || !in_header) return;
+      in_header = false;
+      continue;
+    }
+    in_header = true;
+    std::getline(file, type, '\0');
+    const std::uint32_t size = number();
+    if (!file || size > file_bytes - static_cast<std::uintmax_t>(file.tellg()))
+      throw Error("attribute \"" + name.substr(0, 40) + "\" claims " + std::to_string(size) +
+                  " bytes, more than the file holds");
+    file.seekg(size, std::ios::cur);
+  }
+}
+
+/// Pixels of one compressed block, which the library makes room for whole, however few of them the part has.
+double block_pixels(const Imf::Header& header, double width) {
+  if (header.hasTileDescription()) return double(header.tileDescription().xSize) * header.tileDescription().ySize;
+  switch (header.compression()) {
+    case Imf::NO_COMPRESSION:
+    case Imf::RLE_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION:
+      return width;
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION:
+      return 16 * width;
+    case Imf::DWAB_COMPRESSION:
+      return 256 * width;
+    default:
+      return 32 * width;
+  }
+}
+
+ExrPart read_part(Imf::MultiPartInputFile& file, int index, std::uintmax_t file_bytes) {
+  const Imf::Header& header = file.header(index);
+  ExrPart part;
+  part.name = header.hasName() ? header.name() : "";
+  const std::string where = "part " + std::to_string(index) + (part.name.empty() ? "" : " (\"" + part.name + "\")");
+  if (header.hasType() && Imf::isDeepData(header.type())) throw Error(where + " is deep; only flat parts can be read");
+
+  part.precision = ExrPrecision::kHalf;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+    if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
+      throw Error(where + ", channel " + c.name() + ": is subsampled, which cannot be read");
+    if (c.channel().type != Imf::HALF) part.precision = ExrPrecision::kFloat;
+    part.channels.push_back(c.name());
+  }
+  if (part.channels.empty()) throw Error(where + " has no channel");
+  std::sort(part.channels.begin(), part.channels.end(), channel_before);
+
+  const Imath::Box2i window = header.dataWindow(), picture = header.displayWindow();
+  const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1,
+                     height = std::int64_t(window.max.y) - window.min.y + 1;
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide)
+    throw Error(where + " claims " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
+  // No compression packs more densely than this, but for pictures too small to matter.
+  const double pixels = std::max(double(width) * double(height), block_pixels(header, double(width)));
+  const double claimed = pixels * double(part.channels.size()) * sizeof(float);
+  if (claimed > 64e6 + 2000.0 * double(file_bytes))
+    throw Error(where + " claims " + std::to_string(width) + " x " + std::to_string(height) +
+                " pixels, more than the file can hold");
+  part.image = ImageF(int(width), int(height), int(part.channels.size()));
+  part.left = window.min.x - picture.min.x;
+  part.top = window.min.y - picture.min.y;
+
+  Imf::FrameBuffer buffer;
+  for (std::size_t c = 0; c < part.channels.size(); ++c)
+    buffer.insert(part.channels[c], slice(part.image.data(), Imf::FLOAT, int(c), int(width), part.image.channels(),
+                                          window.min.x, window.min.y));
+  try {
+    Imf::InputPart in(file, index);
+    in.setFrameBuffer(buffer);
+    in.readPixels(window.min.y, window.max.y);
+  } catch (const std::exception& error) {
+    throw Error(where + ": " + error.what());
+  }
+  return part;
+}
+
+std::string shortest_text(float value) {
+  char text[32];
+  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
+}
+
+ExrAttributes read_attributes(const Imf::Header& header) {
+  ExrAttributes attributes;
+  for (auto a = header.begin(); a != header.end(); ++a) {
+    const std::string name = a.name();
+    if (name == "name" || name == "type") continue;
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
+      attributes[name] = text->value();
+    else if (const auto* number = dynamic_cast<const Imf::FloatAttribute*>(&a.attribute());
+             number && is_number_attribute(name))
+      attributes[name] = shortest_text(number->value());
+  }
+  return attributes;
+}
+
+}  // namespace
+
+const ExrPart* ExrFile::find(const std::string& name) const {
+  const auto found = std::find_if(parts.begin(), parts.end(), [&](const ExrPart& part) { return part.name == name; });
+  return found == parts.end() ? nullptr : &*found;
+}
+
+void write_exr(const std::filesystem::path& path, const ExrFile& file) {
+  std::vector<ExrPartInfo> parts;
+  for (const ExrPart& part : file.parts)
+    parts.push_back(
+        {part.name, part.channels, part.image.width(), part.image.height(), part.precision, part.left, part.top});
+  write_exr(path, parts, file.attributes, [&](std::size_t i) { return file.parts[i].image; });
+}
+
+void write_exr(const std::filesystem::path& path, const std::vector<ExrPartInfo>& parts,
+               const ExrAttributes& attributes, const std::function<ImageF(std::size_t)>& image) {
+  check_writable(path, parts);
+  // The picture's size is shared by all parts: that of part 0, where it was not cropped.
+  const int width = parts[0].left + parts[0].width, height = parts[0].top + parts[0].height;
+  std::vector<Imf::Header> headers;
+  for (const ExrPartInfo& part : parts) headers.push_back(header_of(part, width, height));
+  add_attributes(attributes, headers[0]);
+  write_file(path, [&](const std::filesystem::path& unfinished) {
+    try {
+      Imf::MultiPartOutputFile out(unfinished.c_str(), headers.data(), int(headers.size()),
+                                   /*overrideSharedAttributes=*/false, pool_threads());
+      for (std::size_t i = 0; i < parts.size(); ++i) write_part(parts[i], image(i), Imf::OutputPart(out, int(i)));
+    } catch (const std::exception& error) {
+      throw FileError(path.string(), std::string("cannot be written: ") + error.what());
+    }
+  });
+}
+
+void write_exr(const std::filesystem::path& path, const ImageF& image) {
+  if (image.channels() != 1 && image.channels() != 3)
+    throw FileError(path.string(), "cannot be written: an image of " + std::to_string(image.channels()) +
+                                       " channels needs names for them");
+  ExrFile file;
+  file.parts.push_back({"beauty",
+                        image.channels() == 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"},
+                        image, ExrPrecision::kFloat});
+  write_exr(path, file);
+}
+
+ExrFile read_exr(const std::filesystem::path& path) {
+  ExrFile file;
+  file.attributes = read_exr(
+      path, [](const std::string&) { return true; }, [&](ExrPart&& part) { file.parts.push_back(std::move(part)); });
+  return file;
+}
+
+ExrAttributes read_exr(const std::filesystem::path& path, const std::function<bool(const std::string& part)>& wanted,
+                       const std::function<void(ExrPart&&)>& visit) {
+  std::error_code missing;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
+  if (missing) throw FileError(path.string(), "cannot be read: " + missing.message());
+  try {
+    check_attributes(path, bytes);
+    Imf::MultiPartInputFile in(path.c_str(), pool_threads(), /*reconstructChunkOffsetTable=*/false);
+    for (int i = 0; i < in.parts(); ++i)
+      if (wanted(in.header(i).hasName() ? in.header(i).name() : "")) visit(read_part(in, i, bytes));
+    return read_attributes(in.header(0));
+  } catch (const FileError&) {
+    throw;  // from `visit`, which knows more
+  } catch (const std::exception& error) {
+    throw FileError(path.string(), std::string("is no readable EXR: ") + error.what());
+  }
+}
+
+}  // namespace sheen

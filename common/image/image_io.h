@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "common/image/image.h"
+#include "common/image/raw_image.h"
+
+namespace sheen {
+
+/// Reads JPEG, PNG (8 bit: grey or RGB, sRGB) or EXR (linear float; its first part). Alpha is dropped, an EXIF
+/// orientation is not applied: poses belong to the pixels as they are stored. Throws FileError, for damaged data too.
+RawImage read_image(const std::filesystem::path& path);
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+/// Of such a file, without decoding its pixels. Throws FileError.
+ImageSize read_image_size(const std::filesystem::path& path);
+
+/// First channel of an 8-bit image: 0 = ignore. Throws FileError.
+ImageU8 read_mask(const std::filesystem::path& path);
+
+/// 1 or 3 channels, lossless. Throws FileError.
+void write_png(const std::filesystem::path& path, const ImageU8& image);
+
+/// JPEG bytes of an 8-bit grey or RGB image, quality 1..100.
+std::vector<std::uint8_t> encode_jpeg(const ImageU8& image, int quality);
+
+}  // namespace sheen

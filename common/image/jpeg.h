@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "common/image/image.h"
+#include "common/image/image_io.h"
+
+namespace sheen {
+
+/// Throw Error with the reason (the caller knows the file's name).
+ImageU8 decode_jpeg(std::string_view bytes);
+ImageSize decode_jpeg_size(std::string_view bytes);
+
+}  // namespace sheen

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "common/image/image.h"
+#include "common/image/raw_image.h"
+
+namespace sheen {
+
+/// Reads a raw image as linear radiance, part by part: `to_linear_rgb` says what the values are. The image must be
+/// valid
+/// (`validation_error`) and outlive the reader. Const members are thread-safe.
+class LinearReader {
+ public:
+  explicit LinearReader(const RawImage& image, float black_level = 0, const float white_balance[3] = nullptr);
+
+  /// Writes the pixels of `box`, which lies inside the image, row by row: `channels` floats a pixel (3; or 4, the last
+  /// of which is 0), rows `stride` floats apart.
+  void read(const PixelBox& box, int channels, float* out, std::size_t stride) const;
+
+ private:
+  void read_bayer(const PixelBox& box, int channels, float* out, std::size_t stride) const;
+
+  const RawImage& image_;
+  float balance_[3];
+  float linear_[256];  ///< of an 8-bit value; of a mosaic's site as `demosaic` takes it
+};
+
+}  // namespace sheen

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/link/transport.h"
+
+namespace zmq {
+class context_t;
+class message_t;
+class socket_t;
+}  // namespace zmq
+
+// Shared by the ends of the data link and of the monitor socket; nobody else includes it.
+namespace sheen {
+
+/// Throws ConfigError when an endpoint is malformed, or other machines can reach it and it has no keys.
+void require_keys_beyond_loopback(const std::string& endpoint, bool has_keys);
+bool is_z85_key(const std::string& text);
+
+struct AllowedPeer {
+  std::string role;
+  std::string name;
+};
+
+/// The file of public keys that may connect; a line each: "KEY role name", '#' begins a comment.
+class Allowlist {
+ public:
+  explicit Allowlist(std::filesystem::path path);  ///< throws ConfigError naming file and line
+  /// Reads the file again if it has changed. A file that is gone or broken by then allows nobody.
+  std::optional<AllowedPeer> find(const std::string& public_key);
+  const std::string& error() const { return error_; }  ///< why nobody is allowed at present
+
+ private:
+  void load();
+  std::filesystem::path path_;
+  std::string stamp_;
+  std::map<std::string, AllowedPeer> peers_;
+  std::string error_;
+};
+
+/// Wakes a thread that polls on sockets.
+class Wakeup {
+ public:
+  Wakeup();
+  ~Wakeup();
+  Wakeup(const Wakeup&) = delete;
+  Wakeup& operator=(const Wakeup&) = delete;
+  int fd() const { return fd_; }
+  void notify();
+  void drain();
+
+ private:
+  int fd_;
+};
+
+/// Tells the log who was refused and why: at once, and what goes on no more than once a minute.
+class RefusalLog {
+ public:
+  /// `subject`: the key or the kind of fault, of which one line a minute is enough.
+  void tell(const std::string& subject, const std::string& message);
+
+ private:
+  std::map<std::string, std::chrono::steady_clock::time_point> told_;
+};
+
+/// Answers the authentication requests (ZeroMQ RFC 27) of all CURVE servers in one context. Must exist before they
+/// bind.
+class ZapHandler {
+ public:
+  ZapHandler(zmq::context_t& context, const std::filesystem::path& allowlist, std::set<std::string> roles);
+  ~ZapHandler();
+  void* socket();
+  void answer(RefusalLog& log);  ///< all requests that wait; never blocks
+  /// Empty when the key may still be connected, else why not.
+  std::string refusal(const std::string& public_key);
+  std::uint64_t refused() const { return refused_; }
+  const std::string& last_refusal() const { return last_refusal_; }
+
+ private:
+  std::unique_ptr<zmq::socket_t> socket_;
+  Allowlist allowlist_;
+  std::set<std::string> roles_;
+  std::uint64_t refused_ = 0;
+  std::string last_refusal_;
+};
+
+/// What happens to a socket's connections. Must be drained whenever it is readable: unread events stop the socket.
+class SocketEvents {
+ public:
+  /// `kHandshakeFailed`: the two sides' keys do not fit, or only one has any. `kHandshakeBroken`: the other side went
+  /// away before it, or said nothing for too long.
+  enum class Kind { kConnected, kDisconnected, kKeyRefused, kHandshakeFailed, kHandshakeBroken };
+  SocketEvents(zmq::context_t& context, zmq::socket_t& watched, const std::string& name);
+  ~SocketEvents();
+  void* socket();
+  std::vector<Kind> drain();
+
+ private:
+  zmq::socket_t& watched_;
+  std::unique_ptr<zmq::socket_t> socket_;
+};
+
+/// Leaves signals to the other threads: here they would only interrupt system calls.
+void block_signals();
+
+/// Heartbeats, buffers, no lingering: the same on every socket that leaves the process.
+void set_common_options(zmq::socket_t& socket);
+void set_curve_server(zmq::socket_t& socket, const CurveKeys& keys);
+void set_curve_client(zmq::socket_t& socket, const CurveKeys& keys, const std::string& server_public_key);
+
+/// Binds; returns the address with its port. Throws DeviceError.
+std::string bind_endpoint(zmq::socket_t& socket, const std::string& endpoint);
+void connect_endpoint(zmq::socket_t& socket, const std::string& endpoint);  ///< throws ConfigError
+
+/// Takes one whole message; false when none waits. Of a message of more than `max_parts` one more part is kept to tell.
+bool receive_parts(zmq::socket_t& socket, std::size_t max_parts, std::vector<zmq::message_t>& parts);
+
+/// The first word of an error: what it is counted under.
+std::string reason_of(const std::string& error);
+
+std::int64_t steady_now_ns();
+
+}  // namespace sheen

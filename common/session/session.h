@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/base/errors.h"
+#include "common/capture/capture.h"
+#include "common/link/wire.h"
+
+namespace sheen {
+
+inline constexpr int kSessionVersion = 2;  ///< of the layout on disk; a newer one is refused with both versions named
+
+/// An entry of a session's list of withdrawals: a capture was taken back, or put back. The last entry of a capture
+/// counts.
+struct Withdrawal {
+  std::uint64_t number = 0;  ///< of the entry, rising
+  std::uint64_t capture = 0;
+  bool withdrawn = false;
+};
+
+/// Another program keeps the session's index locked. What was asked for may be asked for again.
+class SessionBusy : public FileError {
+ public:
+  using FileError::FileError;
+};
+
+/// One capture cannot be read. The others can.
+class DamagedCapture : public FileError {
+ public:
+  using FileError::FileError;
+};
+
+/// Journal of a capture: a folder with `session.sqlite` (index, metadata) and one file a capture in `captures/` (the
+/// wire encoding, lossless). A capture is durable when `append` returns: file and index are flushed to the disk.
+/// One writer at a time (locked). A capture can be withdrawn: it stays, marked, and models leave it out. Readers may
+/// withdraw beside the writer.
+///
+/// Opening deletes nothing. What the index does not know is taken in from the capture files, each of which says whose
+/// it is (session_repair.h); whoever only reads does so in memory. What was found is logged, and told by `diagnosis`.
+class Session {
+ public:
+  static Session create(const std::filesystem::path& folder);  ///< throws FileError; the folder may exist if empty
+  static Session open(const std::filesystem::path& folder);    ///< for appending; throws FileError
+  static Session open_read_only(const std::filesystem::path& folder);  ///< throws FileError
+  /// For reading and for withdrawing, also while another program writes. Throws FileError.
+  static Session open_to_withdraw(const std::filesystem::path& folder);
+  /// An index, or captures that have lost theirs.
+  static bool exists(const std::filesystem::path& folder);
+  Session(Session&&) noexcept;
+  ~Session();
+
+  /// Appends and flushes; returns the capture's index. A (source_session, sequence) that is there already returns the
+  /// index it has. Throws FileError, a full disk included, and within a second SessionBusy; the session stays usable
+  /// and consistent.
+  std::uint64_t append(const Capture& capture);
+  std::uint64_t size() const;
+  /// Throws DamagedCapture naming the file when it is missing or its checksum is wrong.
+  Capture read(std::uint64_t index) const;
+  /// Throws what `read` would, but unpacks nothing.
+  void check(std::uint64_t index) const;
+  /// Reads no pixels. Throws DamagedCapture when not even the label can be read.
+  CaptureLabel label(std::uint64_t index) const;
+  /// Highest sequence that is durable, without a gap before it, a source session.
+  std::map<std::string, std::uint64_t> held() const;
+
+  /// Takes a capture back, or puts it back; durable when it returns. False when it was so already. Throws FileError
+  /// when there is no such capture.
+  bool set_withdrawn(std::uint64_t index, bool withdrawn);
+  std::set<std::uint64_t> withdrawn() const;
+  /// The entries after a number, in their order: what a reader that knows of the earlier ones has missed.
+  std::vector<Withdrawal> withdrawals_after(std::uint64_t number) const;
+  /// The last capture that is not withdrawn.
+  std::optional<std::uint64_t> last() const;
+
+  /// Small text values: the mesh's path and hash, the model's configuration, tool versions.
+  void set_metadata(const std::string& key, const std::string& value);
+  std::optional<std::string> metadata(const std::string& key) const;
+
+  /// What opening found amiss and what it did about it, a line each; empty for a session in order.
+  const std::vector<std::string>& diagnosis() const;
+
+ private:
+  struct Impl;
+  explicit Session(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/capture/capture_loop.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "common/base/log.h"
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+
+namespace sheen {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kPoll{50};
+constexpr int kLateSnapshotFactor = 5;
+constexpr int kJudgementsRest = 4;  // times as long as the last live judgement took, before the next
+
+std::int64_t now_ns() {
+  return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
+}
+
+/// Does it again for as long as another program keeps the session's index locked; SessionBusy gets out once it is asked
+/// to stop.
+template <typename Action>
+auto patiently(const std::stop_token& stop, const Action& action) {
+  for (bool told = false;; told = true) {
+    try {
+      return action();
+    } catch (const SessionBusy& error) {
+      if (stop.stop_requested()) throw;
+      if (!told) log_warning("session", std::string("waits, nothing is lost: ") + error.what());
+      std::this_thread::sleep_for(kPoll);
+    }
+  }
+}
+
+}  // namespace
+
+CaptureLoop::CaptureLoop(const std::filesystem::path& session_folder, Session session, ReceiverOptions link,
+                         Reconstruction& reconstruction, const CaptureLoopOptions& options, LoopObserver observer)
+    : folder_(session_folder),
+      session_(std::move(session)),
+      reconstruction_(reconstruction),
+      options_(options),
+      observer_(std::move(observer)),
+      receiver_([&] {
+        link.held = session_.held();
+        return link;
+      }()) {
+  status_.journaled = session_.size();
+  effort_record_ = session_.metadata(kEffortKey).value_or("");
+}
+
+CaptureLoop::~CaptureLoop() {
+  stop();
+}
+
+void CaptureLoop::start() {
+  receive_thread_ = std::jthread([this] { receive(stop_receiving_.get_token()); });
+  ingest_thread_ = std::jthread([this] { ingest(stop_ingesting_.get_token()); });
+}
+
+void CaptureLoop::finish() {
+  stop_receiving_.request_stop();
+  if (receive_thread_.joinable()) receive_thread_.join();
+  const std::lock_guard lock(mutex_);
+  finishing_ = true;
+}
+
+void CaptureLoop::stop() {
+  stop_receiving_.request_stop();
+  stop_ingesting_.request_stop();
+  journaled_changed_.notify_all();
+  if (receive_thread_.joinable()) receive_thread_.join();
+  if (ingest_thread_.joinable()) ingest_thread_.join();
+}
+
+void CaptureLoop::receive(std::stop_token stop) {
+  std::uint64_t journaled = status().journaled;
+  while (!stop.stop_requested()) {
+    std::optional<Received> received = receiver_.next(kPoll);
+    if (received) {
+      received->capture.times.received_ns = now_ns();
+      if (observer_.on_capture) observer_.on_capture(received->capture);
+      if (!received->live) {
+        try {
+          const std::uint64_t index = patiently(stop, [&] { return session_.append(received->capture); });
+          journaled = std::max(journaled, index + 1);
+        } catch (const SessionBusy&) {
+          return;  // asked to stop before it could be kept: the tracker keeps it
+        } catch (const std::exception& error) {
+          return fail(error.what());  // not acknowledged: the tracker keeps it for the next start
+        }
+        receiver_.acknowledge(received->capture.source_session, received->capture.sequence);
+      }
+    }
+    const ReceiverStats link = receiver_.stats();
+    if (observer_.on_link) observer_.on_link(link);
+    const std::lock_guard lock(mutex_);
+    status_.link = link;
+    status_.journaled = journaled;
+    if (received && !received->live && status_.link.clock) {
+      const std::int64_t trackers_now_ns = now_ns() + status_.link.clock->offset_ns;
+      status_.latency.add(1e-9 * static_cast<double>(trackers_now_ns - received->capture.times.grabbed_ns));
+    }
+    journaled_changed_.notify_all();
+  }
+}
+
+void CaptureLoop::ingest(std::stop_token stop) {
+  try {
+    const Session journal = patiently(stop, [&] { return Session::open_read_only(folder_); });
+    auto last_snapshot = Clock::now(), last_judged = Clock::now(), last_change = Clock::now();
+    Clock::duration rest = options_.judge_interval;
+    bool changed = false;   // since the last snapshot
+    bool unjudged = false;  // since the last live judgement
+    const auto show = [&] {
+      if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
+      last_snapshot = Clock::now();
+      changed = false;
+    };
+    for (std::uint64_t next = 0; !stop.stop_requested();) {
+      Followed followed = Followed::kMustBeAnew;
+      try {
+        followed = follow_withdrawals(journal, next);
+      } catch (const DamagedCapture&) {  // what it did to the model cannot be told from its file any more
+      }
+      if (followed == Followed::kMustBeAnew) begin_anew(next);
+      if (followed == Followed::kTakenOut) {
+        show();
+        unjudged = true;
+        last_change = Clock::now();
+      }
+      const Waited waited = wait_for_capture(next, stop);
+      const bool over = waited == Waited::kOver, ended = over || waited == Waited::kSourceEnded;
+      if (waited == Waited::kArrived) {
+        take_in(journal, next++);
+        changed = unjudged = true;
+        last_change = Clock::now();
+      } else if (inexact_ && (ended || Clock::now() - last_change >= options_.pause)) {
+        begin_anew(next);
+      }
+      if (next < anew_until_) continue;  // who watches keeps the last whole model
+      // Images come first: while some wait, pictures of the model are rarer and nothing is judged.
+      const bool late = behind(next);
+      const auto interval = (late ? kLateSnapshotFactor : 1) * options_.snapshot_interval;
+      if (changed && (ended || Clock::now() - last_snapshot >= interval)) show();
+      if (over && patiently(stop, [&] { return journal.withdrawals_after(last_withdrawal_); }).empty()) break;
+      if (unjudged && !late && Clock::now() - last_judged >= rest) {
+        const auto begun = Clock::now();
+        judge_live();
+        last_judged = Clock::now();
+        rest = std::max<Clock::duration>(options_.judge_interval, kJudgementsRest * (last_judged - begun));
+        unjudged = false;
+      }
+    }
+  } catch (const std::exception& error) {
+    const bool stopped_waiting = stop.stop_requested() && dynamic_cast<const SessionBusy*>(&error);
+    if (!stopped_waiting) return fail(error.what());
+  }
+  finished_ = true;
+}
+
+CaptureLoop::Waited CaptureLoop::wait_for_capture(std::uint64_t index, std::stop_token stop) {
+  std::unique_lock lock(mutex_);
+  journaled_changed_.wait_for(lock, stop, kPoll, [&] { return status_.journaled > index; });
+  if (status_.journaled > index) return Waited::kArrived;
+  if (finishing_ || (status_.link.ended && options_.stop_when_source_ends)) return Waited::kOver;
+  return status_.link.ended ? Waited::kSourceEnded : Waited::kNothing;
+}
+
+CaptureLoop::Followed CaptureLoop::follow_withdrawals(const Session& journal, std::uint64_t ingested) {
+  const std::vector<Withdrawal> news =
+      patiently(stop_ingesting_.get_token(), [&] { return journal.withdrawals_after(last_withdrawal_); });
+  if (news.empty()) return Followed::kNothing;
+  last_withdrawal_ = news.back().number;
+  std::set<std::uint64_t> now = withdrawn_;
+  for (const Withdrawal& w : news) {
+    if (w.withdrawn)
+      now.insert(w.capture);
+    else
+      now.erase(w.capture);
+  }
+  std::swap(now, withdrawn_);
+  Followed followed = Followed::kNothing;
+  std::set<std::uint64_t> looked_at;
+  for (const Withdrawal& w : news) {
+    const bool changed = w.capture < ingested && now.contains(w.capture) != withdrawn_.contains(w.capture);
+    if (!changed || !looked_at.insert(w.capture).second) continue;
+    if (!withdrawn_.contains(w.capture)) return Followed::kMustBeAnew;
+    const Reconstruction::Withdrawn how = reconstruction_.withdraw(journal.read(w.capture));
+    const bool being_made_anew = ingested < anew_until_;
+    if (how == Reconstruction::Withdrawn::kNot || (how == Reconstruction::Withdrawn::kNearly && being_made_anew))
+      return Followed::kMustBeAnew;
+    if (how == Reconstruction::Withdrawn::kNearly) inexact_ = true;
+    followed = Followed::kTakenOut;
+  }
+  if (followed == Followed::kNothing) return followed;
+  const std::lock_guard lock(mutex_);
+  status_.exact = !inexact_ && ingested >= anew_until_;
+  status_.counts = reconstruction_.counts();
+  return followed;
+}
+
+/// What an image left in others goes only when the model is made anew.
+void CaptureLoop::begin_anew(std::uint64_t& next) {
+  reconstruction_.restart();
+  anew_until_ = std::max(anew_until_, next);
+  next = 0;
+  inexact_ = false;
+  const std::lock_guard lock(mutex_);
+  status_.exact = false;
+}
+
+/// Whether captures wait to be ingested.
+bool CaptureLoop::behind(std::uint64_t next) const {
+  const std::lock_guard lock(mutex_);
+  return status_.journaled > next;
+}
+
+/// One damaged file stops neither this capture nor the next start.
+IngestReport CaptureLoop::ingest_if_whole(const Session& journal, std::uint64_t index) {
+  try {
+    return reconstruction_.ingest(patiently(stop_ingesting_.get_token(), [&] { return journal.read(index); }));
+  } catch (const DamagedCapture& error) {
+    log_error("session", std::string("left out: ") + error.what());
+    reconstruction_.refuse_damaged(1);
+    return {.status = IngestStatus::kRefused};
+  }
+}
+
+void CaptureLoop::take_in(const Session& journal, std::uint64_t index) {
+  IngestReport report;
+  if (withdrawn_.contains(index))
+    reconstruction_.leave_out(1);
+  else
+    report = ingest_if_whole(journal, index);
+  if (std::string record = reconstruction_.effort_record(); record != effort_record_) {
+    patiently(stop_ingesting_.get_token(), [&] { session_.set_metadata(kEffortKey, record); });
+    effort_record_ = std::move(record);
+  }
+  const std::lock_guard lock(mutex_);
+  status_.ingested = index + 1;
+  status_.anew_until = status_.ingested < anew_until_ ? anew_until_ : 0;
+  status_.exact = !inexact_ && status_.anew_until == 0;
+  status_.counts = reconstruction_.counts();
+  if (report.status == IngestStatus::kAccepted) status_.last = report;
+  status_.images_per_s = reconstruction_.images_per_s();
+  status_.effort = reconstruction_.effort();
+}
+
+void CaptureLoop::judge_live() {
+  const std::vector<HeldOutView>& views = reconstruction_.held_out();
+  const Eigen::Vector3d centre = bounding_sphere(reconstruction_.mesh()).centre.cast<double>();
+  if (const std::vector<std::size_t> panel = judging_panel(views, centre); !panel.empty())
+    held_out_curve_.judge(views, panel, reconstruction_.counts().accepted, *fill_unseen(*reconstruction_.snapshot()),
+                          *reconstruction_.model().constant_colour(), reconstruction_.painter());
+  const std::lock_guard lock(mutex_);
+  status_.held_out_curve = held_out_curve_.points();
+  status_.rank_histogram = reconstruction_.model().rank_histogram();
+  status_.model_bytes = reconstruction_.model().bytes();
+  for (const auto& [stage, seconds] : reconstruction_.stages()) status_.stage_s[stage] = seconds.median_s();
+  status_.update = reconstruction_.updates();
+}
+
+void CaptureLoop::fail(const std::string& what) {
+  {
+    const std::lock_guard lock(mutex_);
+    status_.error = what;
+  }
+  stop_receiving_.request_stop();
+  stop_ingesting_.request_stop();
+  finished_ = true;
+}
+
+std::optional<std::uint64_t> CaptureLoop::withdraw_last() {
+  const std::optional<std::uint64_t> last = session_.last();
+  if (last) session_.set_withdrawn(*last, true);
+  return last;
+}
+
+LoopStatus CaptureLoop::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+}  // namespace sheen

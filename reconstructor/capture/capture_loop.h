@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/link/transport.h"
+#include "common/session/session.h"
+#include "reconstructor/capture/reconstruction.h"
+#include "reconstructor/evaluation/held_out_curve.h"
+
+namespace sheen {
+
+/// Metadata of a session: `Reconstruction::effort_record` of the daemon that captured it.
+inline constexpr const char* kEffortKey = "effort";
+
+/// What the loop tells whoever watches; plain values, copied.
+struct LoopStatus {
+  FrameCounts counts;
+  std::uint64_t journaled = 0;   ///< captures that are durable
+  std::uint64_t ingested = 0;    ///< of these, how many the model has seen or left out
+  std::uint64_t anew_until = 0;  ///< after a withdrawal: captures of which the model is being made anew; else 0
+  /// Captures that are durable and not in the model yet: journaled = accepted + held out + refused + withdrawn + these.
+  std::uint64_t waiting() const { return journaled - std::min(journaled, ingested); }
+  /// False from a withdrawal until the model is, to the bit, one that never saw the image.
+  bool exact = true;
+  ReceiverStats link;
+  IngestReport last;
+  double images_per_s = 0;
+  Reconstruction::Effort effort;
+  std::vector<std::size_t> rank_histogram;
+  std::uint64_t model_bytes = 0;
+  std::map<std::string, double> stage_s;  ///< median a stage
+  RunningStatistics update;               ///< of the model by an image
+  /// From the grab to durable here, by the measured offset of the two machines' clocks; captures that came while there
+  /// was none are not in it.
+  RunningStatistics latency;
+  /// Live figures on views the model never saw.
+  using HeldOutPoint = HeldOutCurve::Point;
+  std::vector<HeldOutPoint> held_out_curve;
+  std::string error;  ///< what stopped the loop, if anything did (a full disk, say)
+};
+
+/// Who watches a loop. Calls come from the loop's threads, must be quick and must not throw.
+struct LoopObserver {
+  std::function<void(std::shared_ptr<const SurfaceLightFieldSnapshot>)> on_snapshot;
+  std::function<void(const Capture&)> on_capture;     ///< every capture that arrives, live or to be kept
+  std::function<void(const ReceiverStats&)> on_link;  ///< many times a second, from the start
+};
+
+struct CaptureLoopOptions {
+  std::chrono::milliseconds snapshot_interval{400};  ///< at most this often; a snapshot costs about one image's time
+  std::chrono::milliseconds judge_interval{1500};    ///< at least, between live judgements of a model that changes
+  std::chrono::milliseconds pause{2000};  ///< without a capture, after which there is time to make a model anew
+  bool stop_when_source_ends = false;
+};
+
+/// The live loop. Two threads and a journal between them:
+///   receive:  link -> journal (durable) -> acknowledge
+///   ingest:   journal -> model -> snapshot -> observers; now and then some held-out views judge what has changed
+/// The model is a function of the journal alone: after a crash the same captures in the same order give the same model,
+/// and a slow model only lags behind; nothing is lost and nothing waits for it. A capture whose file is damaged counts
+/// as refused. While another program keeps the session locked, captures wait unacknowledged. When a capture that the
+/// model knows is withdrawn from the journal, by whichever program, it is taken out of the model at once, and in the
+/// next pause of the capture the model is made anew without it, to the bit, while the last snapshot stays.
+class CaptureLoop {
+ public:
+  /// The session's captures so far are ingested first.
+  CaptureLoop(const std::filesystem::path& session_folder, Session session, ReceiverOptions link,
+              Reconstruction& reconstruction, const CaptureLoopOptions& options, LoopObserver observer);
+  ~CaptureLoop();
+
+  void start();
+  /// No more captures are taken from the link; the loop has finished once those in the journal are in the model, and
+  /// what was taken back is out of it, to the bit.
+  void finish();
+  /// Asks the loop to end and waits for it; what is journaled but not ingested yet is left to the next start.
+  void stop();
+  /// True when nothing more comes and everything has been ingested, or an error stopped the loop.
+  bool finished() const { return finished_; }
+  LoopStatus status() const;
+  /// Withdraws the last capture of the journal that is not withdrawn, and returns its index; nothing where there is
+  /// none. Throws FileError.
+  std::optional<std::uint64_t> withdraw_last();
+
+ private:
+  void receive(std::stop_token stop);
+  void ingest(std::stop_token stop);
+  enum class Waited { kArrived, kNothing, kSourceEnded, kOver };
+  Waited wait_for_capture(std::uint64_t index, std::stop_token stop);
+  bool behind(std::uint64_t next) const;
+  IngestReport ingest_if_whole(const Session& journal, std::uint64_t index);
+  void take_in(const Session& journal, std::uint64_t index);
+  void begin_anew(std::uint64_t& next);
+  enum class Followed { kNothing, kTakenOut, kMustBeAnew };
+  /// Takes what is withdrawn out of the model, which has taken in so many captures, where that can be done at once.
+  Followed follow_withdrawals(const Session& journal, std::uint64_t ingested);
+  void judge_live();
+  void fail(const std::string& what);
+
+  std::filesystem::path folder_;
+  Session session_;
+  Reconstruction& reconstruction_;
+  CaptureLoopOptions options_;
+  LoopObserver observer_;
+  CaptureReceiver receiver_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any journaled_changed_;
+  bool finishing_ = false;
+  LoopStatus status_;
+  std::set<std::uint64_t> withdrawn_;
+  std::uint64_t last_withdrawal_ = 0;  ///< number of the last entry that is followed
+  bool inexact_ = false;               ///< an image was taken out of the finished model
+  std::uint64_t anew_until_ = 0;       ///< captures that the model knew when it was last begun anew
+  HeldOutCurve held_out_curve_;
+  std::string effort_record_;  ///< as the session has it
+  std::atomic<bool> finished_{false};
+  // Not the threads' own: either may ask both to stop while `start` still assigns them.
+  std::stop_source stop_receiving_, stop_ingesting_;
+  std::jthread receive_thread_, ingest_thread_;
+};
+
+}  // namespace sheen

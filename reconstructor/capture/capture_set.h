@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/capture/capture.h"
+#include "reconstructor/scene/mesh_scale.h"
+
+namespace sheen {
+
+/// Captures in their order, wherever they lie: posed photographs (transforms.json, COLMAP) or the journal of a session,
+/// of which only those that are not withdrawn and not damaged count. Each that is damaged is told to the log.
+struct CaptureSet {
+  std::size_t size = 0;
+  std::size_t withdrawn = 0;
+  std::size_t damaged = 0;
+  std::function<Capture(std::size_t)> read;
+  std::vector<PosedCamera> cameras;  ///< of a data set all; of a session some
+};
+
+/// Tells on standard error what is doubtful about a data set. Throws FileError when the folder is neither, naming what
+/// was looked for.
+CaptureSet open_capture_set(const std::filesystem::path& folder);
+
+}  // namespace sheen

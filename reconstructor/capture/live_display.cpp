@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/capture/live_display.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "common/image/color.h"
+#include "common/image/image_io.h"
+#include "reconstructor/models/surface_light_field/next_view.h"
+#include "reconstructor/render/gl/view_controls.h"
+#include "reconstructor/render/guidance.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kPreviewWidth = 480;
+constexpr int kJpegQuality = 80;
+
+std::shared_ptr<const std::string> jpeg_text(const ImageU8& image) {
+  const std::vector<std::uint8_t> bytes = encode_jpeg(image, kJpegQuality);
+  return std::make_shared<const std::string>(bytes.begin(), bytes.end());
+}
+
+Camera preview_camera(const Camera& camera) {
+  return camera.scaled(kPreviewWidth, std::max(1, camera.height * kPreviewWidth / camera.width));
+}
+
+/// Every nth pixel: quick, and good enough for a thumbnail.
+ImageU8 thumbnail(const ImageU8& image, int width) {
+  const int height = std::max(1, image.height() * width / image.width());
+  ImageU8 small(width, height, image.channels());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < image.channels(); ++c)
+        small.at(x, y, c) = image.at(x * image.width() / width, y * image.height() / height, c);
+  return small;
+}
+
+TrackerLink link_of(const LoopStatus& status, const EndProgress& end,
+                    const std::optional<MonitorState::Clock::time_point>& last) {
+  if (status.link.ended || end.stage != EndStage::kCapturing) return TrackerLink::kEnded;
+  if (!last) return TrackerLink::kWaiting;
+  const bool fresh = MonitorState::Clock::now() - *last < kStaleAfter;
+  return status.link.connected && fresh ? TrackerLink::kConnected : TrackerLink::kStale;
+}
+
+std::string message_of(const LoopStatus& status, TrackerLink link, const std::string& tracker_command) {
+  if (!status.error.empty()) return status.error;
+  if (status.anew_until > 0)
+    return "without what was taken back: image " + std::to_string(status.ingested) + " of " +
+           std::to_string(status.anew_until);
+  const bool nobody = link == TrackerLink::kWaiting && !status.link.connected && status.link.last_error.empty();
+  if (nobody && !tracker_command.empty()) return "start a tracker: " + tracker_command;
+  return status.link.last_error;
+}
+
+/// The mesh lit from the eye, where there is no light field yet; as the window has it.
+ImageU8 plain_picture(const RayPainter& painter, const Mesh& mesh, const Camera& camera,
+                      const Rigid3& camera_from_object) {
+  const std::vector<Hit> hits = painter.cast(camera, camera_from_object);
+  const Eigen::Vector3f eye = camera_centre(camera_from_object).cast<float>();
+  ImageU8 picture(camera.width, camera.height, 3);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (!hits[i]) continue;
+    const auto& triangle = mesh.triangles[hits[i].triangle];
+    const Eigen::Vector3f &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]],
+                          &c = mesh.vertices[triangle[2]];
+    const float facing = std::abs((b - a).cross(c - a).normalized().dot((eye - a).normalized()));
+    std::fill_n(picture.data() + 3 * i, 3, static_cast<std::uint8_t>(255 * 0.72f * (0.25f + 0.75f * facing)));
+  }
+  return picture;
+}
+
+/// From where a person would look at the mesh before there is a camera.
+Viewpoint first_look(const std::shared_ptr<const Mesh>& mesh) {
+  ViewControls controls;
+  controls.frame(mesh);
+  return controls.orbit.viewpoint(kPreviewWidth, 3 * kPreviewWidth / 4);
+}
+
+std::optional<WorkInHand> work_of(const EndProgress& end) {
+  const auto done = [&end](const char* what) {
+    std::string text = what;
+    if (end.total > 0) text += " " + std::to_string(end.done) + " of " + std::to_string(end.total);
+    return text;
+  };
+  constexpr const char* kNoModel = "Q: end now, without the model; the images are kept";
+  constexpr const char* kNoReport = "the model is saved; Q: end now, without the report";
+  const double share = end.total > 0 ? static_cast<double>(end.done) / static_cast<double>(end.total) : 0;
+  switch (end.stage) {
+    case EndStage::kCapturing:
+      break;
+    case EndStage::kFinishing:
+      return WorkInHand{done("FINISHING: image"), share, kNoModel};
+    case EndStage::kSaving:
+      return WorkInHand{done("SAVING the model: part"), share, kNoModel};
+    case EndStage::kJudging:
+      return WorkInHand{done("JUDGING the model on held-out views: picture"), share, kNoReport};
+  }
+  return std::nullopt;
+}
+
+std::optional<MonitorState::Ending> ending_of(const EndProgress& end) {
+  switch (end.stage) {
+    case EndStage::kCapturing:
+      break;
+    case EndStage::kFinishing:
+      return MonitorState::Ending{CaptureState::kFinishing, end.done, end.total};
+    case EndStage::kSaving:
+      return MonitorState::Ending{CaptureState::kSaving, end.done, end.total};
+    case EndStage::kJudging:
+      return MonitorState::Ending{CaptureState::kJudging, end.done, end.total};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+LoopObserver LiveDisplay::observer() {
+  return {.on_snapshot =
+              [this](std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot) {
+                const std::lock_guard lock(mutex_);
+                latest_.snapshot = std::move(snapshot);
+              },
+          .on_capture =
+              [this](const Capture& capture) {
+                auto copy = std::make_shared<const Capture>(capture);
+                const std::lock_guard lock(mutex_);
+                latest_.capture = std::move(copy);
+                latest_.capture_at = MonitorState::Clock::now();
+              }};
+}
+
+LiveDisplay::Latest LiveDisplay::latest() const {
+  const std::lock_guard lock(mutex_);
+  return latest_;
+}
+
+void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress& end) {
+  const Latest now = latest();
+  update_next_view(now);
+  CaptureFigures figures{.frames_received = status.journaled,
+                         .frames_accepted = status.counts.accepted + status.counts.held_out,
+                         .frames_held_out = status.counts.held_out,
+                         .frames_refused = status.counts.refused,
+                         .frames_withdrawn = status.counts.withdrawn,
+                         .frames_waiting = status.waiting(),
+                         .images_per_s = status.images_per_s};
+  if (status.counts.accepted > 0) figures.residual = status.last.relative_residual;
+  if (std::isfinite(status.last.foretold_psnr_db)) figures.foretold_psnr_db = status.last.foretold_psnr_db;
+  if (!status.held_out_curve.empty()) {
+    figures.held_out_psnr_db = status.held_out_curve.back().psnr_db;
+    figures.held_out_ssim = status.held_out_curve.back().ssim;
+  }
+  const TrackerLink link = link_of(status, end, now.capture_at);
+  feed_.publish({.snapshot = now.snapshot,
+                 .capture = now.capture,
+                 .figures = figures,
+                 .link = link,
+                 .next_view = next_view_,
+                 .work = work_of(end),
+                 .message = message_of(status, link, names_.tracker_command)});
+}
+
+MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgress& end) {
+  const Latest now = latest();
+  update_previews(now);
+  update_next_view(now);
+  MonitorState state;
+  state.version = SHEEN_VERSION;
+  state.model = "surface-light-field";
+  state.session_folder = names_.session_folder;
+  if (now.capture) state.source_session = now.capture->source_session;
+  tracker_came_ |= status.link.connected || now.capture;
+  state.links.push_back({.name = "tracker",
+                         .endpoint = names_.endpoint,
+                         .connected = status.link.connected,
+                         .encrypted = names_.encrypted,
+                         .last_error = status.link.last_error,
+                         .came = tracker_came_});
+  if (!tracker_came_) state.hint = names_.tracker_command;
+  state.ended = status.link.ended;
+  state.ending = ending_of(end);
+  state.error = status.error;
+  state.last_frame = now.capture_at;
+  state.received = status.journaled;
+  state.accepted = status.counts.accepted;
+  state.held_out = status.counts.held_out;
+  state.withdrawn = status.counts.withdrawn;
+  state.waiting = status.waiting();
+  state.journaled = status.journaled;
+  state.sequence_gaps = status.link.missing;
+  state.refused = status.counts.refused;
+  state.images_per_s = status.images_per_s;
+  state.queues["ingest"] = {status.waiting(), 0};
+  state.stage_s = status.stage_s;
+  state.update = summarize(status.update);
+  state.latency = summarize(status.latency);
+  state.rank_histogram = status.rank_histogram;
+  state.model_bytes = status.model_bytes;
+  for (const LoopStatus::HeldOutPoint& p : status.held_out_curve)
+    state.held_out_curve.push_back({p.images, p.psnr_db, p.ssim, p.constant_psnr_db});
+  state.next_view = guidance_in_words(now);
+  state.well_known = next_view_ && next_view_->well_known;
+  state.preview_jpeg = preview_jpeg_;
+  state.camera_jpeg = camera_jpeg_;
+  return state;
+}
+
+void LiveDisplay::update_previews(const Latest& now) {
+  if (now.capture && now.capture != drawn_capture_) {
+    drawn_capture_ = now.capture;
+    camera_jpeg_ = jpeg_text(thumbnail(to_srgb8(to_linear_rgb(now.capture->image)), kPreviewWidth));
+  }
+  if (!now.snapshot || now.snapshot->version() == drawn_version_) return;
+  const bool posed = now.capture && now.capture->pose.usable(), untouched = now.snapshot->max_rank() == 0;
+  if (!posed && !untouched) return;
+  drawn_version_ = now.snapshot->version();
+  const Viewpoint from = posed ? Viewpoint{preview_camera(now.capture->camera), now.capture->pose.camera_from_object}
+                               : first_look(now.snapshot->shared_mesh());
+  if (untouched)
+    preview_jpeg_ = jpeg_text(plain_picture(painter_, now.snapshot->mesh(), from.camera, from.camera_from_object));
+  else
+    preview_jpeg_ = jpeg_text(to_srgb8(painter_.paint(*now.snapshot, from.camera, from.camera_from_object).beauty));
+}
+
+void LiveDisplay::update_next_view(const Latest& now) {
+  if (!now.snapshot || !now.capture || !now.capture->pose.usable() || now.snapshot->version() == advised_version_)
+    return;
+  advised_version_ = now.snapshot->version();
+  const ViewAdvice advice = advise_next_view(*now.snapshot, camera_centre(now.capture->pose.camera_from_object));
+  next_view_ = NextView{advice.eye, advice.reason, advice.well_known()};
+  if (!next_view_->well_known) return;
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), "even from the least known place %.0f dB are expected",
+                advice.foretold_psnr_db);
+  next_view_->reason = text.data();
+}
+
+std::string LiveDisplay::guidance_in_words(const Latest& now) const {
+  if (!next_view_ || !now.snapshot || !now.capture || !now.capture->pose.usable()) return {};
+  if (next_view_->well_known) return next_view_->reason;
+  const Guidance way =
+      guide(now.capture->pose.camera_from_object, bounding_sphere(now.snapshot->mesh()).centre, next_view_->eye);
+  return (way.there() ? "" : "move ") + in_words(way) + ": " + next_view_->reason;
+}
+
+}  // namespace sheen

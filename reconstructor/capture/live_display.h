@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "common/capture/capture.h"
+#include "reconstructor/capture/capture_end.h"
+#include "reconstructor/capture/capture_loop.h"
+#include "reconstructor/monitor/monitor_state.h"
+#include "reconstructor/render/gl/viewer_feed.h"
+#include "reconstructor/render/ray_painter.h"
+
+namespace sheen {
+
+/// Gathers what a running loop tells and puts it in the words of those who watch: the window and the monitor page.
+/// Latest wins everywhere; the loop never waits.
+class LiveDisplay {
+ public:
+  struct Names {
+    std::string session_folder, endpoint;
+    bool encrypted = false;
+    std::string tracker_command;  ///< that starts a tracker for us
+  };
+  LiveDisplay(const RayPainter& painter, Names names) : painter_(painter), names_(std::move(names)) {}
+
+  /// What the loop calls.
+  LoopObserver observer();
+
+  const ViewerFeed& feed() const { return feed_; }
+  /// Hands the window what has come since.
+  void publish_to_window(const LoopStatus& status, const EndProgress& end = {});
+  /// Draws the small previews, so not for a thread that must be quick.
+  MonitorState monitor_state(const LoopStatus& status, const EndProgress& end = {});
+
+ private:
+  struct Latest {
+    std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot;
+    std::shared_ptr<const Capture> capture;
+    std::optional<MonitorState::Clock::time_point> capture_at;
+  };
+  Latest latest() const;
+  void update_previews(const Latest& now);
+  void update_next_view(const Latest& now);
+  std::string guidance_in_words(const Latest& now) const;
+
+  const RayPainter& painter_;
+  Names names_;
+  ViewerFeed feed_;
+  mutable std::mutex mutex_;
+  Latest latest_;
+  std::uint64_t drawn_version_ = ~std::uint64_t{0};
+  std::shared_ptr<const Capture> drawn_capture_;
+  std::shared_ptr<const std::string> preview_jpeg_, camera_jpeg_;
+  std::uint64_t advised_version_ = ~std::uint64_t{0};
+  std::optional<NextView> next_view_;
+  bool tracker_came_ = false;
+};
+
+}  // namespace sheen

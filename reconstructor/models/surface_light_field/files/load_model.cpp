@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tbb/parallel_for.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/base/content_hash.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "reconstructor/models/surface_light_field/files/model_files.h"
+#include "reconstructor/models/surface_light_field/files/model_layout.h"
+
+namespace sheen {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr std::uint64_t kOnlySnapshot = 1;  ///< number of a model that does not change
+
+/// model.json, read field by field.
+class Description {
+ public:
+  explicit Description(const fs::path& folder) : file_((folder / kJsonFile).string()) {
+    if (!fs::exists(folder)) throw FileError(folder.string(), "no such folder");
+    try {
+      json_ = Json::parse(read_file(file_));
+    } catch (const Json::exception& error) {
+      throw FileError(file_, std::string("is no valid JSON: ") + error.what());
+    }
+    if (!json_.is_object() || text("format") != kModelFormat)
+      throw FileError(file_, "describes no surface light field");
+    const auto version = number<std::int64_t>(json_, "version");
+    if (version > kModelVersion)
+      throw FileError(file_, "is of version " + std::to_string(version) + ", but this program reads version " +
+                                 std::to_string(kModelVersion) + "; use a newer Sheen");
+    if (version < 1) fail("version", "must be at least 1");
+    if (version < kModelVersion)
+      throw FileError(file_, "is of version " + std::to_string(version) + ", but this program reads version " +
+                                 std::to_string(kModelVersion) + "; build the model anew from its images");
+  }
+
+  [[noreturn]] void fail(const std::string& field, const std::string& what) const {
+    throw FileError(file_, field + ": " + what);
+  }
+  std::string text(const char* field) const {
+    const auto found = json_.find(field);
+    if (found == json_.end() || !found->is_string()) fail(field, "must be a text");
+    return found->get<std::string>();
+  }
+  /// A list of so many numbers within low..high.
+  template <typename T>
+  std::vector<T> list(const Json& object, const char* field, std::size_t size, double low, double high) const {
+    const auto found = object.find(field);
+    if (found == object.end() || !found->is_array()) fail(field, "must be a list");
+    if (found->size() != size)
+      fail(field, "has " + std::to_string(found->size()) + " entries instead of " + std::to_string(size));
+    std::vector<T> out;
+    for (const Json& value : *found) {
+      const bool fits = std::is_integral_v<T> ? value.is_number_integer() : value.is_number();
+      if (!fits || !(value.get<double>() >= low && value.get<double>() <= high))
+        fail(field, "entry " + std::to_string(out.size()) + " is no number that can stand there");
+      out.push_back(value.get<T>());
+    }
+    return out;
+  }
+  const Json& json() const { return json_; }
+  const Json& rings() const {
+    const auto found = json_.find("rings");
+    if (found == json_.end() || !found->is_object()) fail("rings", "must be an object");
+    return *found;
+  }
+  std::size_t ring_count() const {
+    const auto found = rings().find("vertex");
+    if (found == rings().end() || !found->is_array()) fail("rings.vertex", "must be a list");
+    return found->size();
+  }
+  ModelMetadata metadata() const {
+    ModelMetadata metadata;
+    const auto found = json_.find("metadata");
+    if (found == json_.end()) return metadata;
+    if (!found->is_object()) fail("metadata", "must be an object");
+    for (const auto& [key, value] : found->items()) {
+      if (!value.is_string()) fail("metadata." + key, "must be a text");
+      metadata[key] = value.get<std::string>();
+    }
+    return metadata;
+  }
+
+ private:
+  template <typename T>
+  T number(const Json& object, const char* field) const {
+    const auto found = object.find(field);
+    if (found == object.end() || !found->is_number_integer()) fail(field, "must be a whole number");
+    return found->get<T>();
+  }
+
+  std::string file_;
+  Json json_;
+};
+
+std::shared_ptr<const Mesh> read_mesh(const Description& description, const fs::path& folder) {
+  const fs::path file = folder / kMeshFile;
+  if (content_hash(read_file(file)) != description.text("mesh_hash"))
+    throw FileError(file.string(), "is not the mesh that model.json was written for (a save cut short, or an edit?)");
+  return std::make_shared<Mesh>(load_mesh_unchanged(file));
+}
+
+std::shared_ptr<const VertexRings> read_rings(const Description& description, const Mesh& mesh) {
+  auto resolution =
+      description.list<std::uint8_t>(description.json(), "lattice_resolution", mesh.triangles.size(), 2, 255);
+  constexpr std::int64_t kMostSamples = std::int64_t{1} << 28;  // values of a ring's samples are counted in 32 bits
+  std::int64_t samples = 0;
+  for (const std::uint8_t side : resolution) samples += 3 * std::int64_t{lattice_samples(side)};
+  if (samples > kMostSamples)
+    description.fail("lattice_resolution", "asks for " + std::to_string(samples) + " samples, more than " +
+                                               std::to_string(kMostSamples) + " that a model may have");
+  return std::make_shared<VertexRings>(mesh, std::move(resolution));
+}
+
+ExposureField read_exposure(const Description& description) {
+  const auto found = description.json().find("exposure");
+  if (found == description.json().end() || !found->is_object()) description.fail("exposure", "must be an object");
+  const auto directions = found->find("directions");
+  if (directions == found->end() || !directions->is_array() || directions->size() % 3 != 0)
+    description.fail("exposure.directions", "must be a list of three numbers a view");
+  const std::size_t views = directions->size() / 3;
+  const auto list = [&](const char* field, std::size_t size) {
+    return description.list<float>(*found, field, size, -1e6, 1e6);
+  };
+  ExposureField exposure;
+  exposure.centre = Eigen::Map<const Eigen::Vector3f>(list("centre", 3).data());
+  if (views == 0) return exposure;
+  exposure.directions =
+      Eigen::Map<const Eigen::Matrix3Xf>(list("directions", 3 * views).data(), 3, static_cast<Eigen::Index>(views));
+  exposure.log_gain.mean = Eigen::Map<const Eigen::VectorXf>(list("mean", 1).data(), 1);
+  exposure.log_gain.weights =
+      Eigen::Map<const Eigen::RowVectorXf>(list("weights", views).data(), static_cast<Eigen::Index>(views));
+  const std::vector<float> kernel = list("kernel", 3);
+  if (kernel[0] <= 0 || kernel[1] < 0 || (kernel[2] != 0 && kernel[2] != 1))
+    description.fail("exposure.kernel", "must be a positive scale, a nugget and a shape");
+  exposure.kernel = {kernel[0], kernel[1], static_cast<KernelShape>(kernel[2])};
+  return exposure;
+}
+
+/// Null where no ring uses it.
+std::shared_ptr<const ReflectionDrift> read_reflection(const Description& description) {
+  const auto found = description.json().find("reflection");
+  if (found == description.json().end() || !found->is_array()) description.fail("reflection", "must be a list");
+  if (found->empty()) return nullptr;
+  auto reflection = std::make_shared<ReflectionDrift>();
+  reflection->coefficients = Eigen::Map<const Harmonics>(
+      description.list<float>(description.json(), "reflection", kHarmonics, -1e6, 1e6).data());
+  return reflection;
+}
+
+/// Rings with all but what maps.exr holds, and where that stands.
+struct Rings {
+  ModelLayout layout;
+  std::vector<std::shared_ptr<RingSnapshot>> data;  ///< in the order of the layout
+  std::shared_ptr<const ReflectionDrift> reflection;
+};
+
+Rings read_ring_list(const Description& description, const VertexRings& vertex_rings) {
+  constexpr int kMaxViews = 60000, kMaxCount = 1 << 30;
+  const Json& json = description.rings();
+  const std::size_t count = description.ring_count();
+  const auto vertex = description.list<std::uint32_t>(json, "vertex", count, 0, double(vertex_rings.size()) - 1);
+  const auto rank = description.list<int>(json, "rank", count, 0, kMaxRank);
+  const auto views = description.list<int>(json, "views", count, 0, kMaxViews);
+  const auto folded = description.list<int>(json, "views_folded", count, 0, kMaxCount);
+  const auto scale = description.list<float>(json, "kernel_scale_rad", count, 1e-6, 1e6);
+  const auto nugget = description.list<float>(json, "kernel_nugget", count, 0, 1e6);
+  const auto shape = description.list<int>(json, "kernel_shape", count, 0, 1);
+  const auto sill = description.list<float>(json, "sill", count, 0, 1e6);
+  const auto residual = description.list<float>(json, "residual", count, 0, 1e6);
+  const auto cosine = description.list<float>(json, "best_cosine", count, -2, 2);
+  Rings rings;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0 && vertex[i] <= vertex[i - 1]) description.fail("rings.vertex", "must rise from entry to entry");
+    const int samples = vertex_rings.ring_samples(vertex[i]);
+    if (rank[i] > 3 * samples)
+      description.fail("rings.rank", "entry " + std::to_string(i) + " exceeds the ring's rows");
+    rings.layout.add(vertex[i], samples, rank[i], views[i]);
+    auto ring = std::make_shared<RingSnapshot>();
+    ring->kernel = {scale[i], nugget[i], static_cast<KernelShape>(shape[i])};
+    ring->sill = sill[i];
+    ring->residual = residual[i];
+    ring->best_cosine = cosine[i];
+    ring->views_folded = folded[i];
+    rings.data.push_back(std::move(ring));
+  }
+  return rings;
+}
+
+/// Takes the parts of maps.exr into the rings.
+class MapsReader {
+ public:
+  MapsReader(fs::path file, Rings& rings) : file_(std::move(file)), rings_(rings) {
+    const ModelLayout& layout = rings.layout;
+    for (int r = 0; r < layout.max_rank; ++r)
+      expect(rank_part("surface", r), {"R", "G", "B"}, layout.samples,
+             [this, r](const ImageF& image) { take_surface(image, r); });
+    expect("measured", {"Y"}, layout.samples, [this](const ImageF& image) { take_measured(image); });
+    expect("views", views_channels(layout.max_rank), layout.views, [this](const ImageF& image) { take_views(image); });
+    expect("rings", rings_channels(layout.max_rank), layout.rings.size(),
+           [this](const ImageF& image) { take_rings(image); });
+  }
+
+  void read(const std::string& id) {
+    std::set<std::string> there;
+    const ExrAttributes attributes = read_exr(
+        file_,
+        [&](const std::string& name) {
+          there.insert(name);
+          return false;
+        },
+        nullptr);
+    for (const auto& [name, part] : expected_)
+      if (!there.contains(name)) fail(name, "is missing");
+    const auto found = attributes.find(kModelIdAttribute);
+    if (found == attributes.end() || found->second != id)
+      throw FileError(file_.string(), "does not belong to model.json (a save cut short?)");
+    // Memory for the maps only now that a part stands behind each rank, and only as much as the file can hold.
+    constexpr double kSlack = 64e6, kDensest = 2000;  // as for a single part (exr.cpp)
+    double claimed = 0;
+    for (const RingEntry& entry : rings_.layout.rings) claimed += 3.0 * entry.samples * entry.rank * sizeof(float);
+    if (claimed > kSlack + kDensest * double(fs::file_size(file_)))
+      throw FileError(file_.string(), "is too small for the " + std::to_string(std::int64_t(claimed / 1e6)) +
+                                          " MB of surface maps that model.json describes");
+    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
+      const RingEntry& entry = rings_.layout.rings[i];
+      rings_.data[i]->basis.resize(3 * entry.samples, entry.rank);
+    }
+    read_exr(
+        file_, [&](const std::string& name) { return expected_.contains(name); }, [&](ExrPart&& part) { take(part); });
+  }
+
+ private:
+  struct Expected {
+    std::vector<std::string> channels;
+    std::size_t pixels;
+    std::function<void(const ImageF&)> take;
+  };
+
+  [[noreturn]] void fail(const std::string& part, const std::string& what) const {
+    throw FileError(file_.string(), "part \"" + part + "\" " + what);
+  }
+  void expect(const std::string& name, std::vector<std::string> channels, std::size_t pixels,
+              std::function<void(const ImageF&)> take) {
+    expected_[name] = {std::move(channels), pixels, std::move(take)};
+  }
+  void take(const ExrPart& part) {
+    const Expected& expected = expected_.at(part.name);
+    if (part.channels != expected.channels) fail(part.name, "has other channels than its ranks ask for");
+    const AtlasSize size = atlas_size(expected.pixels);
+    if (part.image.width() != size.width || part.image.height() != size.height)
+      fail(part.name, "has " + std::to_string(part.image.width()) + " x " + std::to_string(part.image.height()) +
+                          " pixels instead of " + std::to_string(size.width) + " x " + std::to_string(size.height));
+    if (!Eigen::Map<const Eigen::ArrayXf>(part.image.data(), Eigen::Index(part.image.size())).allFinite())
+      fail(part.name, "holds a value that is not finite");
+    expected.take(part.image);
+  }
+
+  void take_surface(const ImageF& image, int rank) {
+    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
+      const RingEntry& entry = rings_.layout.rings[i];
+      if (rank < entry.rank)
+        rings_.data[i]->basis.col(rank) =
+            Eigen::Map<const Eigen::VectorXf>(image.data() + 3 * entry.first_sample, 3 * entry.samples);
+    }
+  }
+  void take_measured(const ImageF& image) {
+    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
+      const RingEntry& entry = rings_.layout.rings[i];
+      rings_.data[i]->shown.resize(entry.samples);
+      for (int s = 0; s < entry.samples; ++s) {
+        const float share = image.data()[entry.first_sample + s];
+        if (!(share >= 0 && share <= 1)) fail("measured", "holds a share outside 0..1");
+        rings_.data[i]->shown[s] = static_cast<std::uint8_t>(std::lround(255 * share));
+      }
+    }
+  }
+  void take_views(const ImageF& image) {
+    const int channels = image.channels();
+    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
+      const RingEntry& entry = rings_.layout.rings[i];
+      const Eigen::Map<const Eigen::MatrixXf> pixels(image.data() + channels * entry.first_view, channels, entry.views);
+      rings_.data[i]->directions = pixels.topRows<3>();
+      rings_.data[i]->weights = pixels.middleRows(3, entry.rank);
+      for (int k = 0; k < entry.views; ++k)
+        if (std::abs(rings_.data[i]->directions.col(k).norm() - 1) > 1e-3f)
+          fail("views", "vertex " + std::to_string(entry.vertex) + ": a direction is no unit vector");
+    }
+  }
+  void take_rings(const ImageF& image) {
+    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
+      const float* pixel = image.data() + std::size_t(image.channels()) * i;
+      Eigen::Matrix3f& frame = rings_.data[i]->frame;
+      frame = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(pixel);
+      if ((frame * frame.transpose() - Eigen::Matrix3f::Identity()).cwiseAbs().maxCoeff() > 1e-3f)
+        fail("rings", "vertex " + std::to_string(rings_.layout.rings[i].vertex) + ": the frame is not orthonormal");
+      const int rank = rings_.layout.rings[i].rank;
+      rings_.data[i]->mean = Eigen::Map<const Eigen::VectorXf>(pixel + 9, rank);
+      const Eigen::Map<const Eigen::VectorXf> drift(pixel + 9 + rings_.layout.max_rank, rank);
+      if (!rings_.reflection || drift.isZero(0)) continue;
+      rings_.data[i]->drift = drift;
+      rings_.data[i]->reflection = rings_.reflection;
+    }
+  }
+
+  fs::path file_;
+  Rings& rings_;
+  std::map<std::string, Expected> expected_;
+};
+
+}  // namespace
+
+std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& folder) {
+  const Description description(folder);
+  const auto mesh = read_mesh(description, folder);
+  const auto vertex_rings = read_rings(description, *mesh);
+  Rings rings = read_ring_list(description, *vertex_rings);
+  rings.reflection = read_reflection(description);
+  MapsReader(folder / kMapsFile, rings).read(description.text("id"));
+
+  std::vector<std::shared_ptr<const RingSnapshot>> ring_data(mesh->vertices.size());
+  for (std::size_t i = 0; i < rings.data.size(); ++i) ring_data[rings.layout.rings[i].vertex] = rings.data[i];
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, vertex_rings, std::move(ring_data), kOnlySnapshot,
+                                                     read_exposure(description));
+}
+
+ModelMetadata load_model_metadata(const fs::path& folder) {
+  return Description(folder).metadata();
+}
+
+}  // namespace sheen

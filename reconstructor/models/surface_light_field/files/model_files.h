@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "common/base/progress.h"
+#include "common/image/exr.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
+
+namespace sheen {
+
+/// What a person or a script wants to know of a model later: source, date, settings. Keys and texts in UTF-8.
+using ModelMetadata = std::map<std::string, std::string>;
+
+struct SaveOptions {
+  ExrPrecision surface = ExrPrecision::kFloat;  ///< of the surface maps; with half a reopened model is not the same
+  int view_map = 32;                            ///< side of the portable view maps (000 sec. 4.2); 0 = write none
+  StepsDone progress;
+};
+
+/// Writes a surface light field as a folder that is created where needed:
+///   mesh.ply    the mesh
+///   model.json  version, conventions, a triangle's lattice resolution, list of rings with their kernels, metadata
+///   maps.exr    surface.rank00 ...  atlas of all rings' basis rows, RGB
+///               measured            the same atlas: share of the ring's images that showed the sample, 0..1: 0 unseen,
+///                                   below 1/2 imputed, else measured (older models have 1 wherever any did)
+///               views               kriging: directions and weights, a pixel a view of a ring
+///               rings               frame, mean and drift coefficients, a pixel a ring
+///               view.rank00 ...     view maps, a tile a ring, for readers that do not krige
+/// They are written into the folder ".unfinished" in it and moved when all are whole: until then an older model stays.
+/// model.json comes last and is tied to the other two, so a save that was cut short is noticed. Throws FileError.
+void save_model(const SurfaceLightFieldSnapshot& model, const std::filesystem::path& folder,
+                const ModelMetadata& metadata = {}, const SaveOptions& options = {});
+
+/// Opens such a folder: the model renders as the one that was saved, bit for bit. Throws FileError that names file and
+/// part where one is missing or broken, and both versions where the folder was written by another version of Sheen.
+std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const std::filesystem::path& folder);
+
+ModelMetadata load_model_metadata(const std::filesystem::path& folder);
+
+}  // namespace sheen

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/image/image.h"
+
+namespace sheen {
+
+/// 2: kernels have a shape; rings a drift. 3: rings a sill. Earlier versions are refused.
+inline constexpr int kModelVersion = 3;
+inline constexpr const char* kModelFormat = "sheen surface light field";
+inline constexpr const char* kModelIdAttribute = "sheen.model";
+inline constexpr const char* kMeshFile = "mesh.ply";
+inline constexpr const char* kJsonFile = "model.json";
+inline constexpr const char* kMapsFile = "maps.exr";
+
+inline constexpr int kMaxRank = 100;  ///< so that names with two digits stay in order
+
+/// A ring as the files have it: rings stand one after the other in the order of their vertices.
+struct RingEntry {
+  std::uint32_t vertex = 0;
+  int samples = 0, rank = 0, views = 0;
+  std::size_t first_sample = 0;  ///< pixel of the surface atlas
+  std::size_t first_view = 0;    ///< pixel of the part "views"
+};
+
+/// Where everything stands in maps.exr.
+struct ModelLayout {
+  std::vector<RingEntry> rings;
+  std::size_t samples = 0, views = 0;
+  int max_rank = 0;
+
+  void add(std::uint32_t vertex, int ring_samples, int rank, int ring_views);
+};
+
+/// Lists of pixels are laid row by row into images of this width.
+inline constexpr int kAtlasWidth = 4096;
+struct AtlasSize {
+  int width, height;
+};
+/// Of so many pixels; at least one.
+AtlasSize atlas_size(std::size_t pixels);
+
+/// "surface.rank07"
+std::string rank_part(const char* layer, int rank);
+/// Channel names of the parts "views" (direction, a weight a rank) and "rings" (frame row by row, a mean and a drift a
+/// rank).
+std::vector<std::string> views_channels(int max_rank);
+std::vector<std::string> rings_channels(int max_rank);
+
+}  // namespace sheen

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/gl/light_field_renderer.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+
+#include "common/base/errors.h"
+#include "reconstructor/models/surface_light_field/gl/light_field_shaders.h"
+
+namespace sheen {
+namespace {
+
+enum TextureUnit { kPositions, kCorners, kResolutions, kSlots, kCoefficients, kQuality, kBasis };
+
+/// OpenCV camera -> OpenGL clip space: pixel centres of the camera fall on pixel centres of the panel.
+Eigen::Matrix4f clip_from_object(const Viewpoint& view, const BoundingSphere& object) {
+  const Camera& c = view.camera;
+  const double depth = (view.camera_from_object * object.centre).z();
+  const double far = std::max(depth + 1.01 * object.radius, 1e-3 * object.radius);
+  const double near = std::max(depth - 1.01 * object.radius, 1e-3 * far);
+  Eigen::Matrix4d projection = Eigen::Matrix4d::Zero();
+  projection(0, 0) = 2 * c.fx / c.width;
+  projection(0, 2) = (2 * c.cx + 1) / c.width - 1;
+  projection(1, 1) = -2 * c.fy / c.height;
+  projection(1, 2) = 1 - (2 * c.cy + 1) / c.height;
+  projection(2, 2) = (far + near) / (far - near);
+  projection(2, 3) = -2 * far * near / (far - near);
+  projection(3, 2) = 1;
+  return (projection * view.camera_from_object.matrix()).cast<float>();
+}
+
+}  // namespace
+
+Eigen::Vector3f reason_color(QualityReason reason) {
+  switch (reason) {  // told apart by colour-blind people too (Okabe and Ito)
+    case QualityReason::kGood:
+      return {0.30f, 0.34f, 0.38f};
+    case QualityReason::kUnseen:
+      return {0.80f, 0.47f, 0.65f};
+    case QualityReason::kOblique:
+      return {0.90f, 0.62f, 0.00f};
+    case QualityReason::kSparseDirections:
+      return {0.34f, 0.71f, 0.91f};
+    case QualityReason::kHighResidual:
+      return {0.94f, 0.89f, 0.26f};
+  }
+  return {1, 1, 1};
+}
+
+Eigen::Vector3f state_color(SampleState state) {
+  switch (state) {
+    case SampleState::kUnseen:
+      return reason_color(QualityReason::kUnseen);
+    case SampleState::kImputed:
+      return {0.34f, 0.71f, 0.91f};
+    case SampleState::kMeasured:
+      break;
+  }
+  return {1, 1, 1};
+}
+
+LightFieldRenderer::LightFieldRenderer(const LightFieldRendererOptions& options)
+    : options_(options),
+      program_("surface light field", kSurfaceVertexShader, kSurfaceFragmentShader),
+      vertex_array_(make_gl_vertex_array()),
+      store_(options.max_buffer_texels),
+      positions_(GL_RGBA32F, 16),
+      corners_(GL_RG32UI, 8),
+      resolutions_(GL_R8UI, 1),
+      slots_(GL_RG32UI, 8),
+      coefficients_(GL_R32F, 4),
+      quality_(GL_RG32F, 8) {
+  program_.use();
+  const auto set = [&](const char* name, int unit) { glUniform1i(program_.uniform(name), unit); };
+  set("positions", kPositions);
+  set("corners", kCorners);
+  set("resolutions", kResolutions);
+  set("slots", kSlots);
+  set("coefficients", kCoefficients);
+  set("quality", kQuality);
+  for (int b = 0; b < BasisStore::kMaxBuffers; ++b) set(("basis" + std::to_string(b)).c_str(), kBasis + b);
+  for (int reason = 0; reason < 5; ++reason)
+    glUniform3fv(program_.uniform(("reason_colors[" + std::to_string(reason) + "]").c_str()), 1,
+                 reason_color(static_cast<QualityReason>(reason)).data());
+  for (int state = 0; state < 2; ++state)
+    glUniform3fv(program_.uniform(("state_colors[" + std::to_string(state) + "]").c_str()), 1,
+                 state_color(static_cast<SampleState>(state)).data());
+  check_gl("setting up the light field's shader");
+}
+
+bool LightFieldRenderer::update(const std::shared_ptr<const SurfaceLightFieldSnapshot>& snapshot) {
+  if (!snapshot) return true;
+  if (snapshot->shared_mesh() != mesh_ || snapshot->shared_rings() != rings_) upload_mesh(*snapshot);
+  const bool complete = upload_rings(*snapshot);
+  exposure_ = snapshot->exposure();
+  check_gl("uploading surface maps");
+  return complete;
+}
+
+void LightFieldRenderer::upload_mesh(const SurfaceLightFieldSnapshot& snapshot) {
+  const Mesh& mesh = snapshot.mesh();
+  const VertexRings& rings = snapshot.rings();
+  std::vector<Eigen::Vector4f> positions;
+  for (const Eigen::Vector3f& p : mesh.vertices) positions.push_back(p.homogeneous());
+  std::vector<std::uint32_t> corners;
+  std::vector<std::uint8_t> resolutions;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int c = 0; c < 3; ++c) {
+      corners.push_back(mesh.triangles[t][c]);
+      corners.push_back(rings.membership(t, c).first_sample);
+    }
+    resolutions.push_back(static_cast<std::uint8_t>(rings.resolution(t)));
+  }
+  positions_.assign(positions.size(), positions.data());
+  corners_.assign(corners.size() / 2, corners.data());
+  resolutions_.assign(resolutions.size(), resolutions.data());
+
+  for (const BasisSlot& slot : ring_slots_) store_.release(slot);
+  uploaded_.assign(mesh.vertices.size(), nullptr);
+  ring_slots_.assign(mesh.vertices.size(), {});
+  shortened_rings_ = 0;
+  triangle_count_ = mesh.triangles.size();
+  mesh_ = snapshot.shared_mesh();
+  rings_ = snapshot.shared_rings();
+  shown_.reset();
+}
+
+bool LightFieldRenderer::upload_rings(const SurfaceLightFieldSnapshot& snapshot) {
+  const auto& wanted = snapshot.ring_data();
+  std::vector<std::size_t> changed;
+  std::size_t growth = 0;
+  for (std::size_t v = 0; v < wanted.size(); ++v) {
+    if (wanted[v] == uploaded_[v]) continue;
+    changed.push_back(v);
+    if (!wanted[v]) continue;
+    if (wanted[v]->basis.rows() != 3 * rings_->ring_samples(v))
+      throw Error("vertex " + std::to_string(v) + ": the ring has " + std::to_string(rings_->ring_samples(v)) +
+                  " samples, its surface maps have " + std::to_string(wanted[v]->basis.rows()) + " / 3");
+    const std::size_t texels = static_cast<std::size_t>(wanted[v]->basis.size() / 3);
+    growth += texels - std::min<std::size_t>(texels, ring_slots_[v].texels);
+  }
+  if (changed.empty() && shown_) return true;
+
+  std::stable_partition(changed.begin(), changed.end(), [&](std::size_t v) { return !uploaded_[v]; });
+  store_.reserve(growth);
+  std::size_t texels = 0, done = 0;
+  for (; done < changed.size() && (done == 0 || texels < options_.texels_per_update); ++done) {
+    const std::size_t v = changed[done];
+    if (uploaded_[v] && ring_slots_[v].rank < uploaded_[v]->rank()) --shortened_rings_;
+    store_.release(ring_slots_[v]);
+    ring_slots_[v] = wanted[v] ? store_.store(*wanted[v]) : BasisSlot{};
+    if (wanted[v] && ring_slots_[v].rank < wanted[v]->rank()) ++shortened_rings_;
+    uploaded_[v] = wanted[v];
+    texels += ring_slots_[v].texels;
+  }
+
+  std::vector<std::uint32_t> slots;
+  for (const BasisSlot& slot : ring_slots_) {
+    slots.push_back(slot.first);
+    slots.push_back(slot.rank | std::uint32_t(slot.buffer) << 16);
+  }
+  slots_.assign(ring_slots_.size(), slots.data());
+  shown_.emplace(mesh_, rings_, uploaded_, snapshot.version());
+  coefficients_eye_.reset();
+  quality_eye_.reset();
+  return done == changed.size();
+}
+
+void LightFieldRenderer::upload_coefficients(const Eigen::Vector3d& eye) {
+  if (coefficients_eye_ == eye) return;
+  const Eigen::MatrixXf coefficients = shown_->coefficients_for(eye);
+  stride_ = static_cast<int>(coefficients.rows());
+  if (stride_ > 0) coefficients_.assign(static_cast<std::size_t>(coefficients.size()), coefficients.data());
+  coefficients_eye_ = eye;
+}
+
+void LightFieldRenderer::upload_quality(const Eigen::Vector3d& eye) {
+  if (quality_eye_ == eye) return;
+  std::vector<Eigen::Vector2f> quality;
+  for (const SurfaceQuality& q : shown_->quality_for(eye))
+    quality.emplace_back(q.heuristic(), static_cast<float>(q.reason()));
+  quality_.assign(quality.size(), quality.data());
+  quality_eye_ = eye;
+}
+
+void LightFieldRenderer::draw(const Viewpoint& viewpoint, const Panel& panel, int target_height,
+                              SurfaceShading shading) {
+  if (!shown_ || triangle_count_ == 0) return;
+  const Eigen::Vector3d eye = viewpoint.eye();
+  if (shading == SurfaceShading::kLightField || shading == SurfaceShading::kStates)
+    upload_coefficients(eye);
+  else if (shading != SurfaceShading::kPlain)
+    upload_quality(eye);
+
+  program_.use();
+  const Eigen::Matrix4f clip = clip_from_object(viewpoint, bounding_sphere(*mesh_));
+  const Eigen::Vector3f eye_f = eye.cast<float>();
+  glUniformMatrix4fv(program_.uniform("clip_from_object"), 1, GL_FALSE, clip.data());
+  glUniform3fv(program_.uniform("eye"), 1, eye_f.data());
+  glUniform1f(program_.uniform("exposure"), exposure_.at(eye));
+  glUniform1i(program_.uniform("coefficient_stride"), stride_);
+  glUniform1i(program_.uniform("shading"), static_cast<int>(shading));
+  positions_.bind(kPositions);
+  corners_.bind(kCorners);
+  resolutions_.bind(kResolutions);
+  slots_.bind(kSlots);
+  coefficients_.bind(kCoefficients);
+  quality_.bind(kQuality);
+  store_.bind(kBasis);
+
+  glViewport(panel.x, target_height - panel.y - panel.height, panel.width, panel.height);
+  glScissor(panel.x, target_height - panel.y - panel.height, panel.width, panel.height);
+  glEnable(GL_SCISSOR_TEST);
+  glEnable(GL_DEPTH_TEST);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glBindVertexArray(vertex_array_.id());
+  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * triangle_count_));
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_SCISSOR_TEST);
+  check_gl("drawing the surface light field");
+}
+
+}  // namespace sheen

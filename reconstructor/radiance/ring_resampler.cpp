@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/radiance/ring_resampler.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <span>
+#include <vector>
+
+#include "common/image/color.h"
+
+namespace sheen {
+
+namespace {
+
+/// `values`: a buffer that is reused.
+void resample_triangle(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings, std::size_t t,
+                       float gain, Eigen::Matrix3Xf& encoded, Sampling sampling, std::vector<float>& values) {
+  const int visible = view.visible_in_triangle[t];
+  if (visible == 0) return;
+  const std::size_t first = rings.first_sample(t), samples = rings.first_sample(t + 1) - first;
+  values.resize(3 * static_cast<std::size_t>(visible) + 1);
+  image.sample(std::span(view.pixel).subspan(first, samples), std::span(view.visible).subspan(first, samples),
+               view.step_px[t], sampling, values.data());
+  if (gain != 1)
+    for (float& v : values) v *= 1 / gain;
+  srgb_encode_fast(std::span(values).first(values.size() - 1));
+  const Eigen::Map<const Eigen::Matrix3Xf> colours(values.data(), 3, visible);
+  Eigen::Index n = 0;
+  for (std::size_t s = first; s < first + samples; ++s)
+    if (view.visible[s]) encoded.col(static_cast<Eigen::Index>(s)) = colours.col(n++);
+}
+
+}  // namespace
+
+void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings, float gain,
+              Eigen::Matrix3Xf& encoded, Sampling sampling) {
+  encoded.resize(3, static_cast<Eigen::Index>(rings.total_samples()));
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.cosine.size(), 128), [&](const auto& range) {
+    std::vector<float> values;
+    for (std::size_t t = range.begin(); t < range.end(); ++t)
+      resample_triangle(image, view, rings, t, gain, encoded, sampling, values);
+  });
+}
+
+void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings,
+              std::span<const std::uint32_t> triangles, float gain, Eigen::Matrix3Xf& encoded, Sampling sampling) {
+  encoded.resize(3, static_cast<Eigen::Index>(rings.total_samples()));
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 128), [&](const auto& range) {
+    std::vector<float> values;
+    for (std::size_t i = range.begin(); i < range.end(); ++i)
+      resample_triangle(image, view, rings, triangles[i], gain, encoded, sampling, values);
+  });
+}
+
+}  // namespace sheen

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/render/guidance.h"
+
+#include <cmath>
+
+namespace sheen {
+namespace {
+
+constexpr double kThereDeg = 4;
+
+}  // namespace
+
+bool Guidance::there() const {
+  return std::hypot(right_deg, up_deg) < kThereDeg;
+}
+
+Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, const Eigen::Vector3d& next_eye) {
+  const Eigen::Matrix3d camera = camera_from_object.rotation.toRotationMatrix();
+  const Eigen::Vector3d out = (camera_centre(camera_from_object) - centre).normalized();
+  const Eigen::Vector3d image_up = -camera.row(1).transpose();
+  const Eigen::Vector3d right = image_up.cross(out).normalized();
+  const Eigen::Vector3d up = out.cross(right);
+  const Eigen::Vector3d next = (next_eye - centre).normalized();
+  const Eigen::Vector2d across(next.dot(right), next.dot(up));
+  const double degrees = std::atan2(across.norm(), next.dot(out)) * 180 / M_PI;
+  const Eigen::Vector2d way = across.norm() > 1e-9 ? Eigen::Vector2d(across.normalized()) : Eigen::Vector2d(1, 0);
+  return {degrees * way.x(), degrees * way.y()};
+}
+
+std::string in_words(const Guidance& guidance) {
+  if (guidance.there()) return "here, hold still";
+  const auto whole = [](double degrees) { return std::to_string(std::lround(std::abs(degrees))); };
+  const bool across = std::abs(guidance.right_deg) >= 1, along = std::abs(guidance.up_deg) >= 1;
+  const char* const up = guidance.up_deg > 0 ? " up" : " down";
+  if (!across) return whole(guidance.up_deg) + " degrees" + up;
+  return whole(guidance.right_deg) + " degrees to the " + (guidance.right_deg > 0 ? "right" : "left") +
+         (along ? ", " + whole(guidance.up_deg) + up : "");
+}
+
+}  // namespace sheen

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/studies/experiment.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <numeric>
+
+#include "common/base/errors.h"
+#include "reconstructor/radiance/capture_rules.h"
+
+namespace sheen {
+namespace {
+
+/// The image as linear radiance of the level of an exposure `1 / factor` times as long.
+void rescale(Capture& capture, double factor) {
+  ImageF linear = to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+  for (std::size_t i = 0; i < linear.size(); ++i) linear.data()[i] *= static_cast<float>(factor);
+  RawImage& image = capture.image;
+  image.format = PixelFormat::kRGB32f;
+  image.stride = sizeof(float) * 3 * linear.width();
+  image.bytes.resize(image.stride * linear.height());
+  std::memcpy(image.bytes.data(), linear.data(), image.bytes.size());
+  capture.exposure.black_level = 0;
+  capture.exposure.white_balance = {1, 1, 1};
+  capture.exposure.exposure_s *= factor;
+}
+
+bool shows_object(const Capture& capture, const RayPainter& painter) {
+  if (!capture.pose.usable()) return false;
+  const std::vector<Hit> hits = painter.cast(capture.camera, capture.pose.camera_from_object);
+  for (std::size_t i = 0; i < hits.size(); ++i)
+    if (hits[i] && hits[i].front && (capture.mask.empty() || capture.mask.data()[i] != 0)) return true;
+  return false;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+double process_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+std::size_t Experiment::image_bytes() const {
+  std::size_t bytes = 0;
+  for (const Capture& capture : training) bytes += capture.image.bytes.size();
+  return bytes;
+}
+
+std::vector<const Capture*> Experiment::in_order() const {
+  std::vector<const Capture*> captures;
+  for (const Capture& capture : training) captures.push_back(&capture);
+  return captures;
+}
+
+Experiment load_experiment(std::shared_ptr<const Mesh> mesh, std::size_t count,
+                           const std::function<Capture(std::size_t)>& read, const ExperimentOptions& options,
+                           const std::function<void(std::size_t)>& done) {
+  Experiment experiment;
+  experiment.mesh = std::move(mesh);
+  experiment.painter = std::make_shared<RayPainter>(*experiment.mesh);
+  std::size_t used = 0;
+  double reference = 0;
+  std::vector<HeldOutView> held_out;
+  for (std::size_t i = 0; i < count; ++i) {
+    Capture capture = read(i);
+    if (shows_object(capture, *experiment.painter)) {
+      ++used;
+      const double product = exposure_product(capture);
+      if (used == 1) reference = product;
+      if (reference > 0 && product > 0 && product != reference) rescale(capture, reference / product);
+      if (is_held_out(capture, options.hold_out_every)) {
+        held_out.push_back(make_held_out_view(capture, 1, *experiment.painter));
+      } else {
+        capture.purpose = Purpose::kTraining;
+        experiment.training.push_back(std::move(capture));
+      }
+    }
+    if (done) done(i + 1);
+  }
+  if (experiment.training.empty())
+    throw Error("none of the " + std::to_string(count) +
+                " images shows the mesh; check that both are in the same frame and units");
+  if (held_out.empty())
+    throw Error("there is no held-out view to judge by: no test view is named and none was taken out");
+  const std::size_t kept = std::min(held_out.size(), std::max<std::size_t>(options.max_held_out, 1));
+  for (std::size_t i = 0; i < kept; ++i) experiment.held_out.push_back(std::move(held_out[i * held_out.size() / kept]));
+  return experiment;
+}
+
+double OnlineRun::median_ms() const {
+  std::vector<double> values = image_ms;
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double OnlineRun::total_s() const {
+  return shown_s + finish_s + 1e-3 * std::accumulate(image_ms.begin(), image_ms.end(), 0.0);
+}
+
+OnlineRun build_online(std::shared_ptr<const Mesh> mesh, std::span<const Capture* const> captures,
+                       const SurfaceLightFieldOptions& options) {
+  OnlineRun run;
+  SurfaceLightField model(std::move(mesh), options);
+  const double cpu = process_cpu_s();
+  for (const Capture* capture : captures) {
+    if (capture == captures.back()) {
+      const auto before = std::chrono::steady_clock::now();
+      model.light_field_snapshot();
+      run.shown_s = seconds_since(before);
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const IngestReport report = model.ingest(*capture);
+    run.image_ms.push_back(1e3 * seconds_since(start));
+    if (const auto stage = report.stage_ms.find("factorize"); stage != report.stage_ms.end())
+      run.factorize_ms += stage->second / static_cast<double>(captures.size());
+  }
+  const auto start = std::chrono::steady_clock::now();
+  run.model = model.light_field_snapshot();
+  run.finish_s = seconds_since(start);
+  run.cpu_s = process_cpu_s() - cpu;
+  run.bytes = model.bytes();
+  const std::vector<std::size_t> histogram = model.rank_histogram();
+  double rings = 0, ranks = 0;
+  for (std::size_t r = 0; r < histogram.size(); ++r) {
+    rings += static_cast<double>(histogram[r]);
+    ranks += static_cast<double>(r * histogram[r]);
+  }
+  run.mean_rank = rings > 0 ? ranks / rings : 0;
+  return run;
+}
+
+}  // namespace sheen

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/studies/figure.h"
+
+#include <chrono>
+#include <cstdarg>
+#include <cstdio>
+
+#include "common/image/color.h"
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+
+namespace sheen {
+
+std::string format(const char* pattern, ...) {
+  char text[4096];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+double mean_psnr_db(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter) {
+  double sum = 0;
+  for (const HeldOutView& view : views)
+    sum += squared_error(to_srgb8(painter.paint(model, view.camera, view.camera_from_object).beauty), view.truth,
+                         view.object)
+               .psnr_db();
+  return sum / static_cast<double>(views.size());
+}
+
+BatchRun build_batch(const Experiment& experiment, const FigureOptions& options, const BatchFactorization& how) {
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  BatchRun run;
+  const double cpu = process_cpu_s();
+  const Clock::time_point start = Clock::now();
+  run.columns = std::make_unique<BatchLightField>(experiment.mesh, options.model);
+  for (const Capture& capture : experiment.training) run.columns->add(capture);
+  run.collect_s = since(start);
+  const Clock::time_point last = Clock::now();
+  run.model = run.columns->factorize(how);
+  run.factorize_s = since(last);
+  run.cpu_s = process_cpu_s() - cpu;
+  run.psnr_db = mean_psnr_db(experiment.held_out, *fill_unseen(*run.model), *experiment.painter);
+  return run;
+}
+
+}  // namespace sheen

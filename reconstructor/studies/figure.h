@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/image/image.h"
+#include "reconstructor/studies/batch_light_field.h"
+#include "reconstructor/studies/experiment.h"
+#include "reconstructor/studies/plot.h"
+
+namespace sheen {
+
+/// One of the paper's experiments (000 sec. 5), run again.
+struct Figure {
+  int number = 0;  ///< in the paper
+  std::string title;
+  std::string paper;  ///< what the paper reports
+  std::string ours;   ///< what was measured, in figures
+  bool holds = true;  ///< whether it supports the paper's claim, or Sheen's own goal where that is stricter
+
+  struct NamedPlot {
+    std::string file;  ///< without a suffix
+    Plot plot;
+  };
+  std::vector<NamedPlot> plots;
+  struct Picture {
+    std::string file, caption;
+    ImageU8 image;
+  };
+  std::vector<Picture> pictures;
+};
+
+struct FigureOptions {
+  SurfaceLightFieldOptions model;  ///< of every light field; rank is `rank`
+  int rank = 6;                    ///< terms displayed: the paper's
+  std::uint64_t seed = 1;          ///< of random orders and choices
+  bool quick = false;              ///< fewer orders, ranks and counts
+};
+
+/// Mean PSNR of the object's pixels over views: what `score` calls psnr_db, without the rest.
+double mean_psnr_db(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter);
+
+/// "%.2f" and the like.
+std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+
+/// A batch light field of all training images, and what it took.
+struct BatchRun {
+  std::unique_ptr<BatchLightField> columns;
+  std::shared_ptr<const SurfaceLightFieldSnapshot> model;
+  double collect_s = 0;    ///< wall time of seeing and resampling all images
+  double factorize_s = 0;  ///< wall time from the last image to the model
+  double cpu_s = 0;        ///< processor time of both, all threads
+  double psnr_db = 0;      ///< of the held-out views
+};
+BatchRun build_batch(const Experiment& experiment, const FigureOptions& options, const BatchFactorization& how);
+
+/// Figure 4: error of rings against rank; online at that rank, online at twice that rank inside, and PCA.
+Figure figure_rank_error(const BatchRun& batch, const FigureOptions& options);
+
+/// Figure 5: missing values imputed or not.
+Figure figure_imputation(const Experiment& experiment, const FigureOptions& options);
+
+/// Figure 8: pictures of the online and of the batch light field.
+Figure figure_online_and_batch(const Experiment& experiment, const BatchRun& batch, const FigureOptions& options);
+
+/// Figure 9: time to a finished model for each mesh, with the same images.
+struct NamedMesh {
+  std::string name;
+  std::shared_ptr<const Mesh> mesh;
+};
+Figure figure_time(const Experiment& experiment, const std::vector<NamedMesh>& meshes, const FigureOptions& options);
+
+/// Figure 10: convergence with images chosen by the heuristic, at random, and farthest from those already chosen.
+Figure figure_view_choice(const Experiment& experiment, const FigureOptions& options);
+
+/// Figure 11: random orders of the images, orders sorted by their norm, and PCA.
+Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const FigureOptions& options);
+
+}  // namespace sheen

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/studies/patches.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "common/image/color.h"
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+
+namespace sheen {
+namespace {
+
+/// By place, not by index: meshes may have several vertices at one place.
+bool touch(const Mesh& mesh, std::uint32_t a, std::uint32_t b) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (mesh.corner(a, i) == mesh.corner(b, j)) return true;
+  return false;
+}
+
+PatchRow measure(const char* name, const Experiment& experiment, const OnlineRun& run, double copies) {
+  const auto model = fill_unseen(*run.model);
+  const RayPainter painter(model->mesh());
+  const Scores scores = score(experiment.held_out, *model, painter);
+  SeamError seams;
+  for (const HeldOutView& view : experiment.held_out)
+    seams += seam_error(model->mesh(), painter.cast(view.camera, view.camera_from_object),
+                        to_srgb8(painter.paint(*model, view.camera, view.camera_from_object).beauty), view.truth,
+                        view.object);
+  const auto& rings = run.model->ring_data();
+  const auto reached = static_cast<double>(std::count_if(rings.begin(), rings.end(), [](const auto& r) { return r; }));
+  return {.name = name,
+          .patches = static_cast<std::size_t>(reached / copies),
+          .factorize_ms = run.factorize_ms / copies,
+          .bytes = static_cast<double>(run.bytes) / copies,
+          .psnr_db = scores.psnr_db,
+          .ssim = scores.ssim,
+          .seam = seams.ratio()};
+}
+
+}  // namespace
+
+Mesh split_triangles(const Mesh& mesh) {
+  Mesh split;
+  split.vertices.reserve(3 * mesh.triangles.size());
+  split.triangles.reserve(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto first = static_cast<std::uint32_t>(3 * t);
+    for (int c = 0; c < 3; ++c) split.vertices.push_back(mesh.corner(t, c));
+    split.triangles.push_back({first, first + 1, first + 2});
+  }
+  return split;
+}
+
+SeamError& SeamError::operator+=(const SeamError& other) {
+  across2 += other.across2;
+  within2 += other.within2;
+  across += other.across;
+  within += other.within;
+  return *this;
+}
+
+double SeamError::ratio() const {
+  if (across == 0 || within == 0) return std::numeric_limits<double>::quiet_NaN();
+  if (across2 == 0 && within2 == 0) return 1;
+  if (within2 == 0) return std::numeric_limits<double>::infinity();
+  return std::sqrt((across2 / static_cast<double>(across)) / (within2 / static_cast<double>(within)));
+}
+
+SeamError seam_error(const Mesh& mesh, std::span<const Hit> hits, const ImageU8& picture, const ImageU8& truth,
+                     const ImageU8& object) {
+  SeamError seams;
+  const int w = picture.width(), h = picture.height();
+  const auto count = [&](int x0, int y0, int x1, int y1) {
+    if (object.at(x0, y0) == 0 || object.at(x1, y1) == 0) return;
+    const Hit &a = hits[std::size_t(y0) * w + x0], &b = hits[std::size_t(y1) * w + x1];
+    if (!a || !b) return;
+    const bool same = a.triangle == b.triangle;
+    if (!same && !touch(mesh, a.triangle, b.triangle)) return;
+    for (int c = 0; c < 3; ++c) {
+      const double change =
+          (picture.at(x1, y1, c) - truth.at(x1, y1, c)) - (picture.at(x0, y0, c) - truth.at(x0, y0, c));
+      (same ? seams.within2 : seams.across2) += change * change;
+    }
+    (same ? seams.within : seams.across) += 3;
+  };
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      if (x + 1 < w) count(x, y, x + 1, y);
+      if (y + 1 < h) count(x, y, x, y + 1);
+    }
+  return seams;
+}
+
+PatchStudy study_patches(const Experiment& experiment, const SurfaceLightFieldOptions& options, const OnlineRun& ring) {
+  PatchStudy study;
+  study.ring = measure("ring", experiment, ring, 1);
+  const OnlineRun three_alike =
+      build_online(std::make_shared<Mesh>(split_triangles(*experiment.mesh)), experiment.in_order(), options);
+  study.triangle = measure("triangle", experiment, three_alike, 3);
+  return study;
+}
+
+}  // namespace sheen

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "common/geometry/ray_scene.h"
+#include "common/image/image.h"
+#include "reconstructor/studies/experiment.h"
+
+namespace sheen {
+
+/// The mesh with three vertices of its own for every triangle, in the triangles' order: a triangle's corners lie where
+/// they lay, and the ring round each is that triangle alone.
+Mesh split_triangles(const Mesh& mesh);
+
+/// How much more a picture's error changes from triangle to triangle than within one.
+struct SeamError {
+  double across2 = 0, within2 = 0;     ///< sums of squared changes of the error
+  std::size_t across = 0, within = 0;  ///< values: pairs of pixels times channels
+
+  SeamError& operator+=(const SeamError& other);
+  /// RMS change across edges over RMS change within triangles. 1 where the error changes nowhere; infinity where it
+  /// changes at edges only; NaN where pairs of either kind are missing.
+  double ratio() const;
+};
+
+/// Over pairs of pixels beside or below each other, both of the object (`object` not 0): the change of the error,
+/// picture - truth in 8-bit values, from one to the other. A pair counts as within when both pixels show one triangle
+/// and as across when they show two that have a corner's place in common; all others lie across a step in depth.
+/// `hits`: first hits of the pixels, row by row. Pictures have 3 channels; sizes must agree.
+SeamError seam_error(const Mesh& mesh, std::span<const Hit> hits, const ImageU8& picture, const ImageU8& truth,
+                     const ImageU8& object);
+
+/// What factorising patches of one kind costs and is worth.
+struct PatchRow {
+  const char* name;
+  std::size_t patches = 0;  ///< that images reached
+  double factorize_ms = 0;  ///< mean wall time an image of folding columns in
+  double bytes = 0;         ///< of the patches' state
+  double psnr_db = 0, ssim = 0;
+  double seam = 0;  ///< `SeamError::ratio` over all held-out views
+};
+
+struct PatchStudy {
+  PatchRow ring{.name = "ring"}, triangle{.name = "triangle"};
+};
+
+/// A patch a vertex ring, as the light field has them, beside a patch a triangle.
+///
+/// A patch a triangle is the same light field on `split_triangles` of the mesh: each of the three rings of a triangle
+/// is that triangle, so it is factorised three times alike; bytes and time of the triangles are a third of what this
+/// takes. (Of the time, fitting the reflection that all patches share is divided too, although it does not grow with
+/// them.) Rings blend three predictions that rest on different triangles; here all three rest on one and differ only by
+/// the direction to the eye, which is taken from each corner. The surface bends at edges, so errors change
+/// there whatever the patch: the seam figure of triangles says something only beside that of rings. What is not had on
+/// the split mesh: a corner's normal is its triangle's own, not the mean of those round it, and a patch chooses its
+/// kernel without its neighbours.
+///
+/// `ring`: the light field of these images and options.
+PatchStudy study_patches(const Experiment& experiment, const SurfaceLightFieldOptions& options, const OnlineRun& ring);
+
+}  // namespace sheen

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/studies/precision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/studies/batch_light_field.h"
+
+namespace sheen {
+namespace {
+
+double thread_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// A ring's columns factorised in a number format.
+struct Factorised {
+  Eigen::MatrixXd basis, coefficients;  ///< of the displayed terms
+  double cpu_s = 0;
+  std::size_t bytes = 0;
+
+  Eigen::MatrixXd product() const { return basis * coefficients; }
+};
+
+template <typename Scalar>
+Factorised factorise(const RingMatrix& ring, const RingFactorOptions& options, unsigned phase) {
+  using Factor = BasicRingFactor<Scalar>;
+  const typename Factor::Matrix columns = ring.columns.cast<Scalar>();
+  Factor factor(static_cast<int>(columns.rows()), options, phase);
+  const double start = thread_cpu_s();
+  for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+    const auto known = ring.known.col(j);
+    const bool whole = (known != 0).all();
+    factor.add(columns.col(j),
+               whole ? std::span<const std::uint8_t>()
+                     : std::span<const std::uint8_t>(known.data(), static_cast<std::size_t>(known.size())));
+  }
+  const Factor all = factor.settled();
+  return {.basis = all.displayed_basis().template cast<double>(),
+          .coefficients = all.displayed_coefficients().template cast<double>(),
+          .cpu_s = thread_cpu_s() - start,
+          .bytes = factor.bytes()};
+}
+
+Eigen::MatrixXd rounded_to_half(const Eigen::MatrixXd& m) {
+  return m.cast<Eigen::half>().cast<double>();
+}
+
+/// Sums over rings; a row is made of them.
+struct Sums {
+  double cpu_s = 0, bytes = 0, error2 = 0, difference2 = 0;
+
+  void add(const RingMatrix& ring, const Eigen::MatrixXd& product, const Eigen::MatrixXd& exact) {
+    const auto known = ring.known.cast<double>();
+    error2 += ((product - ring.columns.cast<double>()).array() * known).square().sum();
+    difference2 += ((product - exact).array() * known).square().sum();
+  }
+  void into(PrecisionRow& row, double columns, double rings, double energy) const {
+    row.column_us = 1e6 * cpu_s / columns;
+    row.ring_bytes = bytes / rings;
+    row.relative_error = std::sqrt(error2 / energy);
+    row.difference = std::sqrt(difference2 / energy);
+  }
+};
+
+std::shared_ptr<const SurfaceLightFieldSnapshot> terms_in_half(const SurfaceLightFieldSnapshot& whole) {
+  std::vector<std::shared_ptr<const RingSnapshot>> rings;
+  for (const auto& ring : whole.ring_data()) {
+    if (!ring) {
+      rings.push_back(nullptr);
+      continue;
+    }
+    auto rounded = std::make_shared<RingSnapshot>(*ring);
+    for (Eigen::MatrixXf* m : {&rounded->basis, &rounded->weights}) *m = m->cast<Eigen::half>().cast<float>();
+    rings.push_back(std::move(rounded));
+  }
+  return std::make_shared<SurfaceLightFieldSnapshot>(whole.shared_mesh(), whole.shared_rings(), std::move(rings),
+                                                     whole.version(), whole.exposure());
+}
+
+}  // namespace
+
+PrecisionStudy study_precision(const Experiment& experiment, const SurfaceLightFieldOptions& options,
+                               const SurfaceLightFieldSnapshot& whole, std::size_t rings) {
+  BatchLightField columns(experiment.mesh, options,
+                          std::max<std::size_t>(1, experiment.mesh->vertices.size() / std::max<std::size_t>(rings, 1)));
+  for (const Capture& capture : experiment.training) columns.add(capture);
+  RingFactorOptions factor = options.ring.factor;
+  factor.channels = 3;
+
+  PrecisionStudy study;
+  Sums single, twice, stored, stored_half;
+  double energy = 0;
+  for (std::size_t v = 0; v < columns.rings(); ++v) {
+    const RingMatrix ring = columns.ring(v);
+    if (ring.views() == 0) continue;
+    ++study.rings;
+    study.columns += static_cast<std::size_t>(ring.views());
+    energy += ring.columns.cast<double>().squaredNorm();
+    const auto phase = static_cast<unsigned>(v);
+    const Factorised f = factorise<float>(ring, factor, phase), d = factorise<double>(ring, factor, phase);
+    const Eigen::MatrixXd exact = d.product();
+    for (auto [sums, of] : {std::pair{&single, &f}, {&twice, &d}}) {
+      sums->cpu_s += of->cpu_s;
+      sums->bytes += static_cast<double>(of->bytes);
+      sums->add(ring, of->product(), exact);
+    }
+    const auto terms = static_cast<double>(f.basis.size() + f.coefficients.size());
+    stored.bytes += sizeof(float) * terms;
+    stored.add(ring, f.product(), exact);
+    stored_half.bytes += sizeof(Eigen::half) * terms;
+    stored_half.add(ring, rounded_to_half(f.basis) * rounded_to_half(f.coefficients), exact);
+  }
+  const auto n = static_cast<double>(std::max<std::size_t>(study.columns, 1));
+  const auto r = static_cast<double>(std::max<std::size_t>(study.rings, 1));
+  for (auto [sums, row] : {std::pair{&single, &study.single},
+                           {&twice, &study.twice},
+                           {&stored, &study.stored},
+                           {&stored_half, &study.stored_half}})
+    sums->into(*row, n, r, std::max(energy, 1e-300));
+  study.psnr_db = score(experiment.held_out, *fill_unseen(whole), *experiment.painter).psnr_db;
+  study.psnr_half_db = score(experiment.held_out, *fill_unseen(*terms_in_half(whole)), *experiment.painter).psnr_db;
+  return study;
+}
+
+}  // namespace sheen

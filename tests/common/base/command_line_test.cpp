@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/base/command_line.h"
+
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+
+namespace sheen {
+namespace {
+
+TEST(CommandLine, NumbersOutOfRangeAreNoNumbers) {
+  CLI::Validator number = number_in(0, 10), whole = whole_number_in(-2, 65535);
+  for (std::string text : {"0", "10", "3.5", "1e-300"}) EXPECT_EQ(number(text), "") << text;
+  for (std::string text : {"-1", "10.1", "nan", "inf", "-inf", "1e999", "", "soon", "3s", " 3"})
+    EXPECT_NE(number(text), "") << text;
+  for (std::string text : {"-2", "0", "65535"}) EXPECT_EQ(whole(text), "") << text;
+  for (std::string text : {"-3", "65536", "3.5", "18446744073709551615", "nan", "", "1e3"})
+    EXPECT_NE(whole(text), "") << text;
+}
+
+TEST(CommandLine, TheNearestWord) {
+  const std::vector<std::string> words{"serve", "build", "render", "evaluate", "undo"};
+  EXPECT_EQ(nearest_word("biuld", words), "build");
+  EXPECT_EQ(nearest_word("evalute", words), "evaluate");
+  EXPECT_EQ(nearest_word("server", words), "serve");
+  EXPECT_EQ(nearest_word("frobnicate", words), "");
+  EXPECT_EQ(nearest_word("x", words), "");
+  EXPECT_EQ(nearest_word("", words), "");
+}
+
+int run(const std::function<void()>& work, std::vector<const char*> words) {
+  CLI::App app("a program", "prog");
+  app.require_subcommand(1);
+  app.add_subcommand("build")->callback(work);
+  words.insert(words.begin(), "prog");
+  return run_program(app, static_cast<int>(words.size()), const_cast<char**>(words.data()));
+}
+
+TEST(CommandLine, TheExitStatusSaysWhatHappened) {
+  const auto nothing = [] {};
+  EXPECT_EQ(run(nothing, {"build"}), 0);
+  EXPECT_EQ(run(nothing, {"--help"}), 0);
+  EXPECT_EQ(run(nothing, {}), 2);
+  EXPECT_EQ(run([] { throw std::runtime_error("x"); }, {"build"}), 1);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run(nothing, {"biuld"}), 2);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("did you mean \"build\"?"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sheen

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/image/image_io.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "common/base/files.h"
+#include "common/image/exr.h"
+#include "support/expect_error.h"
+#include "support/temp_folder.h"
+
+namespace sheen {
+namespace {
+
+ImageU8 noise(int width, int height, int channels) {
+  std::mt19937 random(3);
+  ImageU8 image(width, height, channels);
+  for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] = static_cast<std::uint8_t>(random());
+  return image;
+}
+
+/// Slow waves, which JPEG keeps well.
+ImageU8 waves(int width, int height, int channels) {
+  ImageU8 image(width, height, channels);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < channels; ++c)
+        image.at(x, y, c) = static_cast<std::uint8_t>(128 + 90 * std::sin(0.1 * x + c) * std::cos(0.07 * y));
+  return image;
+}
+
+std::string text_of(const std::vector<std::uint8_t>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(Png, GreyAndColourComeBackBitForBit) {
+  const TempFolder folder;
+  for (const int channels : {1, 3}) {
+    const ImageU8 image = noise(33, 21, channels);
+    write_png(folder.path() / "a.png", image);
+    const RawImage raw = read_image(folder.path() / "a.png");
+    EXPECT_EQ(raw.format, channels == 1 ? PixelFormat::kMono8 : PixelFormat::kRGB8);
+    EXPECT_EQ(raw.transfer, Transfer::kSrgb);
+    EXPECT_EQ(validation_error(raw), "");
+    EXPECT_TRUE(std::equal(raw.bytes.begin(), raw.bytes.end(), image.data(), image.data() + image.size()));
+    const ImageSize size = read_image_size(folder.path() / "a.png");
+    EXPECT_EQ(size.width, 33);
+    EXPECT_EQ(size.height, 21);
+  }
+}
+
+// Written by hand: 2 x 1 pixels, RGBA, the first with alpha 0; deflate blocks stored without compression.
+TEST(Png, AlphaIsDroppedNotBlended) {
+  const TempFolder folder;
+  const auto crc = [](const std::string& data) {
+    std::uint32_t value = 0xffffffffu;
+    for (const unsigned char byte : data) {
+      value ^= byte;
+      for (int bit = 0; bit < 8; ++bit) value = (value >> 1) ^ (value & 1 ? 0xedb88320u : 0);
+    }
+    return ~value;
+  };
+  const auto big = [](std::uint32_t v) { return std::string{char(v >> 24), char(v >> 16), char(v >> 8), char(v)}; };
+  const auto chunk = [&](const std::string& type, const std::string& data) {
+    return big(std::uint32_t(data.size())) + type + data + big(crc(type + data));
+  };
+  const std::string row("\0\x10\x20\x30\x00\x40\x50\x60\xff", 9);
+  std::uint32_t a = 1, b = 0;
+  for (const unsigned char byte : row) b = (b + (a = (a + byte) % 65521)) % 65521;
+  const std::string deflated = std::string("\x78\x01\x01\x09\x00\xf6\xff", 7) + row + big(b << 16 | a);
+  const std::string head("\x89PNG\r\n\x1a\n", 8);
+  const auto file = folder.write("a.png", head + chunk("IHDR", big(2) + big(1) + std::string("\x08\x06\0\0\0", 5)) +
+                                              chunk("IDAT", deflated) + chunk("IEND", ""));
+  const RawImage raw = read_image(file);
+  EXPECT_EQ(raw.format, PixelFormat::kRGB8);
+  EXPECT_EQ(raw.bytes, (std::vector<std::uint8_t>{0x10, 0x20, 0x30, 0x40, 0x50, 0x60}));
+
+  // Headers of absurd size, and of 16 bits.
+  expect_error(
+      [&] {
+        read_image(
+            folder.write("b.png", head + chunk("IHDR", big(900000) + big(900000) + std::string("\x08\x02\0\0\0", 5)) +
+                                      chunk("IDAT", deflated) + chunk("IEND", "")));
+      },
+      {"b.png", "900000 x 900000", "more than the file can hold"});
+  expect_error(
+      [&] {
+        read_image(folder.write("c.png", head + chunk("IHDR", big(2) + big(1) + std::string("\x10\x02\0\0\0", 5)) +
+                                             chunk("IDAT", deflated) + chunk("IEND", "")));
+      },
+      {"c.png", "16 bits"});
+}
+
+TEST(Jpeg, KeepsAPictureWithinItsQuality) {
+  const TempFolder folder;
+  for (const int channels : {1, 3}) {
+    const ImageU8 image = waves(65, 43, channels);
+    const auto file = folder.write("a.jpg", text_of(encode_jpeg(image, 95)));
+    const RawImage raw = read_image(file);
+    EXPECT_EQ(raw.format, channels == 1 ? PixelFormat::kMono8 : PixelFormat::kRGB8);
+    ASSERT_EQ(raw.bytes.size(), image.size());
+    double squares = 0;
+    for (std::size_t i = 0; i < image.size(); ++i) squares += std::pow(double(raw.bytes[i]) - image.data()[i], 2);
+    EXPECT_LT(std::sqrt(squares / double(image.size())), 3);
+    EXPECT_EQ(read_image_size(file).width, 65);
+  }
+  EXPECT_GT(encode_jpeg(waves(64, 64, 3), 95).size(), encode_jpeg(waves(64, 64, 3), 30).size());
+  EXPECT_THROW(encode_jpeg({}, 90), Error);
+  EXPECT_THROW(encode_jpeg(ImageU8(4, 4, 2), 90), Error);
+  EXPECT_THROW(encode_jpeg(ImageU8(4, 4, 3), 0), Error);
+}
+
+TEST(Jpeg, CutOffIsAnErrorNotGreyPixels) {
+  const TempFolder folder;
+  const std::string whole = text_of(encode_jpeg(noise(64, 64, 3), 90));
+  for (std::size_t size = 0; size + 40 < whole.size(); size += 53)
+    EXPECT_THROW(read_image(folder.write("a.jpg", whole.substr(0, size))), FileError) << size;
+  expect_error([&] { read_image(folder.write("a.jpg", whole.substr(0, whole.size() / 2))); },
+               {"a.jpg", "damaged JPEG"});
+}
+
+TEST(Jpeg, ClaimedSizeIsNotBelieved) {
+  const TempFolder folder;
+  std::string bytes = text_of(encode_jpeg(waves(16, 16, 3), 90));
+  const std::size_t frame = bytes.find(std::string("\xff\xc0", 2));
+  ASSERT_NE(frame, std::string::npos);
+  bytes.replace(frame + 5, 4, std::string("\xf0\0\xf0\0", 4));
+  expect_error([&] { read_image(folder.write("a.jpg", bytes)); }, {"a.jpg", "61440 x 61440"});
+}
+
+TEST(ImageFiles, DamagedBytesAreReadOrRefused) {
+  const TempFolder folder;
+  write_png(folder.path() / "a.png", waves(40, 30, 3));
+  for (const std::string& whole : {read_file(folder.path() / "a.png"), text_of(encode_jpeg(waves(40, 30, 3), 80))})
+    for (std::size_t i = 0; i < whole.size(); i += 3) {
+      std::string damaged = whole;
+      damaged[i] = static_cast<char>(damaged[i] ^ 0xa5);
+      try {
+        const RawImage image = read_image(folder.write("damaged", damaged));
+        EXPECT_EQ(validation_error(image), "") << i;
+      } catch (const FileError&) {
+        continue;
+      }
+    }
+}
+
+TEST(ImageFiles, MissingEmptyAndUnknown) {
+  const TempFolder folder;
+  expect_error([&] { read_image(folder.path() / "none.png"); }, {"none.png", "no such file"});
+  expect_error([&] { read_image(folder.write("empty.png", "")); }, {"empty.png", "is empty"});
+  expect_error([&] { read_image(folder.write("text.png", "hello")); }, {"text.png", "neither JPEG nor PNG nor EXR"});
+  expect_error([&] { read_image(folder.path()); }, {"regular file"});
+  expect_error([&] { write_png("/dev/full/a.png", waves(4, 4, 1)); }, {"a.png", "cannot be written"});
+  expect_error([&] { write_png(folder.path() / "a.png", ImageU8(4, 4, 2)); }, {"a.png", "1 or 3 channels"});
+}
+
+TEST(ExrImages, LinearFloatsOfTheFirstPart) {
+  const TempFolder folder;
+  ImageF image(3, 2, 3);
+  for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] = 0.37f * float(i) - 1;
+  write_exr(folder.path() / "a.exr", image);
+  const RawImage raw = read_image(folder.path() / "a.exr");
+  EXPECT_EQ(raw.format, PixelFormat::kRGB32f);
+  EXPECT_EQ(raw.transfer, Transfer::kLinear);
+  EXPECT_EQ(validation_error(raw), "");
+  EXPECT_EQ(std::memcmp(raw.bytes.data(), image.data(), raw.bytes.size()), 0);
+
+  ImageF grey(2, 1, 1);
+  grey.at(1, 0) = 0.25f;
+  write_exr(folder.path() / "grey.exr", grey);
+  const RawImage from_grey = read_image(folder.path() / "grey.exr");
+  float values[6];
+  ASSERT_EQ(from_grey.bytes.size(), sizeof values);
+  std::memcpy(values, from_grey.bytes.data(), sizeof values);
+  EXPECT_EQ(values[2], 0);
+  EXPECT_EQ(values[3], 0.25f);
+  EXPECT_EQ(values[5], 0.25f);
+}
+
+TEST(ExrImages, RefusesWhatIsNoPicture) {
+  const TempFolder folder;
+  ExrFile file;
+  file.parts.push_back({"normals", {"X", "Y", "Z"}, ImageF(2, 2, 3)});
+  write_exr(folder.path() / "xyz.exr", file);
+  expect_error([&] { read_image(folder.path() / "xyz.exr"); }, {"xyz.exr", "R, G, B"});
+  file.parts[0] = {"beauty", {"R", "G", "B"}, ImageF(2, 2, 3), ExrPrecision::kHalf, 1, 0};
+  write_exr(folder.path() / "crop.exr", file);
+  expect_error([&] { read_image(folder.path() / "crop.exr"); }, {"crop.exr", "crop"});
+}
+
+TEST(Mask, FirstChannelOfAnything8Bit) {
+  const TempFolder folder;
+  ImageU8 image(2, 1, 3);
+  image.at(0, 0, 1) = 200;
+  image.at(1, 0, 0) = 255;
+  write_png(folder.path() / "a.png", image);
+  const ImageU8 mask = read_mask(folder.path() / "a.png");
+  EXPECT_EQ(mask.channels(), 1);
+  EXPECT_EQ(mask.at(0, 0), 0);
+  EXPECT_EQ(mask.at(1, 0), 255);
+  write_exr(folder.path() / "a.exr", ImageF(2, 1, 1));
+  expect_error([&] { read_mask(folder.path() / "a.exr"); }, {"a.exr", "8-bit"});
+}
+
+}  // namespace
+}  // namespace sheen

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/capture/live_display.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/image/jpeg.h"
+#include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
+
+namespace sheen {
+namespace {
+
+TEST(LiveDisplay, SaysWhetherImagesAreStillToCome) {
+  const Mesh mesh = square_mesh(0.1f, 0, 1);
+  const RayPainter painter(mesh);
+  LiveDisplay display(painter, {});
+  const auto shown = [&](const LoopStatus& status) {
+    display.publish_to_window(status);
+    return display.feed().latest()->link;
+  };
+  LoopStatus status;
+  EXPECT_EQ(shown(status), TrackerLink::kWaiting);
+  status.link.ended = true;
+  EXPECT_EQ(shown(status), TrackerLink::kEnded) << "not a saved model that is looked at";
+}
+
+TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
+  const auto mesh = std::make_shared<const Mesh>(sphere_mesh(0.1f, 2));
+  const RayPainter painter(*mesh);
+  Reconstruction nothing_yet(*mesh, SurfaceLightFieldOptions{});
+  LiveDisplay display(painter, {.endpoint = "tcp://127.0.0.1:7410", .tracker_command = "sheen-tracker run"});
+  display.observer().on_snapshot(nothing_yet.snapshot());
+  const auto now = MonitorState::Clock::now();
+  const MonitorState waiting = display.monitor_state({});
+  EXPECT_EQ(capture_state(waiting, now, now), CaptureState::kWaiting);
+  EXPECT_EQ(waiting.hint, "sheen-tracker run");
+  EXPECT_EQ(waiting.next_view, "");
+  ASSERT_TRUE(waiting.preview_jpeg);
+  const ImageU8 picture = decode_jpeg(*waiting.preview_jpeg);
+  EXPECT_GT(picture.at(picture.width() / 2, picture.height() / 2, 0), 100) << "the mesh, in grey";
+  EXPECT_LT(picture.at(2, 2, 0), 20);
+  display.publish_to_window({});
+  EXPECT_EQ(display.feed().latest()->message, "start a tracker: sheen-tracker run");
+
+  LoopStatus status;
+  status.link.connected = true;
+  EXPECT_EQ(display.monitor_state(status).hint, "");
+  status.link.connected = false;
+  EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kDisconnected);
+}
+
+TEST(LiveDisplay, ThePageSaysInWhichDirectionTheNextImageIs) {
+  const Object object = square_object();
+  const auto images =
+      captures({object.surface, analytic::two_terms(0.1)}, {{0.02, 0, 0.5}, {0.05, 0.02, 0.5}, {0, 0.04, 0.5}});
+  Reconstruction reconstruction(*object.mesh, plain_options());
+  LiveDisplay display(reconstruction.painter(), {});
+  LoopObserver observer = display.observer();
+  for (const Capture& image : images) {
+    observer.on_capture(image);
+    reconstruction.ingest(image);
+  }
+  observer.on_snapshot(reconstruction.snapshot());
+  EXPECT_THAT(display.monitor_state({}).next_view,
+              ::testing::MatchesRegex("move [0-9]+ degrees (to the (left|right)(, [0-9]+ (up|down))?|up|down): .+"));
+}
+
+TEST(LiveDisplay, WhatIsReceivedIsUsedRefusedTakenBackOrWaits) {
+  const Mesh mesh = square_mesh(0.1f, 0, 1);
+  const RayPainter painter(mesh);
+  LiveDisplay display(painter, {});
+  LoopStatus status;
+  status.journaled = 20;
+  status.ingested = 12;
+  status.counts = {.received = 12, .accepted = 7, .held_out = 1, .refused = {{"no_pose", 3}}, .withdrawn = 1};
+  display.publish_to_window(status);
+  const CaptureFigures shown = *display.feed().latest()->figures;
+  EXPECT_EQ(shown.frames_received, 20u);
+  EXPECT_EQ(shown.frames_waiting, 8u);
+  EXPECT_EQ(shown.frames_received,
+            shown.frames_accepted + shown.frames_refused.at("no_pose") + shown.frames_withdrawn + shown.frames_waiting);
+  const MonitorState page = display.monitor_state(status);
+  EXPECT_EQ(page.received, 20u);
+  EXPECT_EQ(page.received, page.accepted + page.held_out + page.refused.at("no_pose") + page.withdrawn + page.waiting);
+}
+
+TEST(LiveDisplay, FinishingSavingAndJudgingAreStatesWithABar) {
+  const Mesh mesh = square_mesh(0.1f, 0, 1);
+  const RayPainter painter(mesh);
+  LiveDisplay display(painter, {});
+  const auto long_ago = MonitorState::Clock::now() - std::chrono::minutes(1);
+  const auto expect = [&](EndStage stage, CaptureState state, const std::string& word) {
+    const EndProgress end{stage, 3, 12};
+    display.publish_to_window({}, end);
+    const auto window = display.feed().latest();
+    ASSERT_TRUE(window->work);
+    EXPECT_EQ(window->work->what.substr(0, word.size()), word);
+    EXPECT_EQ(window->work->share, 0.25);
+    EXPECT_EQ(window->link, TrackerLink::kEnded) << "not a tracker that fell silent";
+    MonitorState page = display.monitor_state({}, end);
+    page.last_frame = long_ago;
+    EXPECT_EQ(capture_state(page, MonitorState::Clock::now(), MonitorState::Clock::now()), state);
+    EXPECT_EQ(page.ending->done, 3u);
+    EXPECT_EQ(page.ending->total, 12u);
+  };
+  expect(EndStage::kFinishing, CaptureState::kFinishing, "FINISHING: image 3 of 12");
+  expect(EndStage::kSaving, CaptureState::kSaving, "SAVING");
+  expect(EndStage::kJudging, CaptureState::kJudging, "JUDGING");
+  display.publish_to_window({});
+  EXPECT_FALSE(display.feed().latest()->work);
+}
+
+}  // namespace
+}  // namespace sheen

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/effort/budget.h"
+
+#include <gtest/gtest.h>
+
+#include <tuple>
+
+#include "common/base/errors.h"
+#include "reconstructor/capture/reconstruction.h"
+#include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
+#include "tests/support/expect_error.h"
+
+namespace sheen {
+namespace {
+
+std::vector<Capture> glossy_captures(int count) {
+  const analytic::Scene scene{square_object().surface, analytic::two_terms(0.2)};
+  return captures(scene, analytic::eyes(count, 0.5, 0.55));
+}
+
+TEST(Tolerance, IsARelativeErrorOrDecibels) {
+  EXPECT_DOUBLE_EQ(parse_tolerance("0.01"), 0.01);
+  EXPECT_DOUBLE_EQ(parse_tolerance("40dB"), 0.01);
+  EXPECT_DOUBLE_EQ(parse_tolerance("0"), 0);
+  for (const char* wrong : {"", "1", "-0.1", "40db", "0.01x", "nan", "-3dB", "dB"})
+    expect_error<ConfigError>([&] { parse_tolerance(wrong); }, {"--tolerance", wrong, "0.01", "40dB"});
+}
+
+TEST(EffortLadder, NoRungAsksForMoreThanTheOneBefore) {
+  const SurfaceLightFieldOptions asked = plain_options();
+  SurfaceLightFieldOptions before = at_rung(asked, 0);
+  EXPECT_EQ(before.map_scale, asked.map_scale);
+  EXPECT_EQ(before.ring.factor.max_rank, asked.ring.factor.max_rank);
+  for (std::size_t r = 1; r < effort_ladder().size(); ++r) {
+    const SurfaceLightFieldOptions at = at_rung(asked, static_cast<int>(r));
+    EXPECT_LE(at.map_scale, before.map_scale);
+    EXPECT_LE(at.ring.factor.max_rank, before.ring.factor.max_rank);
+    EXPECT_LE(at.ring.factor.terms_kept(), before.ring.factor.terms_kept());
+    EXPECT_NE(std::make_tuple(at.map_scale, at.ring.factor.max_rank, at.ring.factor.terms_kept()),
+              std::make_tuple(before.map_scale, before.ring.factor.max_rank, before.ring.factor.terms_kept()));
+    before = at;
+  }
+}
+
+TEST(MeasuredLadder, TheFirstRungThatKeepsTheBudgetIsTakenAndNoneThatLosesTooMuch) {
+  const MeasuredLadder ladder{{100, 32}, {80, 31.95}, {60, 31.9}, {50, 31.81}, {40, 31.5}, {30, 31.9}};
+  EXPECT_EQ(rung_within(ladder, 10, 0, 33), 0);
+  EXPECT_EQ(rung_within(ladder, 10, 2, 33), 2) << "no finer than memory allows";
+  EXPECT_EQ(rung_within(ladder, 45, 0, 33), 2) << "0.9 of the budget at 0.6 of the time";
+  EXPECT_EQ(rung_within(ladder, 27, 2, 33), 2);
+  EXPECT_EQ(rung_within(ladder, 1e6, 0, 33), 3) << "the next one loses half a decibel";
+  EXPECT_EQ(rung_reaching(ladder, 31.85), 5);
+  EXPECT_EQ(rung_reaching(ladder, 31.92), 1);
+  EXPECT_EQ(rung_reaching(ladder, 40), 0) << "where none does, the finest";
+}
+
+TEST(EffortControl, TheNextShareUpCostsAtMostOneAndAHalfTimesAsMuch) {
+  EffortControl control(1);
+  control.set_rung(0);
+  std::uint64_t image = 0;
+  double before = 1;
+  for (int step = 0; control.share(image) > 0.081; ++step) {
+    ASSERT_LT(step, 100);
+    for (int i = 0; i < 3; ++i, ++image) control.observe(image, 100);
+    EXPECT_LE(before / control.share(image), 1.5 + 1e-9);
+    EXPECT_LT(control.share(image), before);
+    before = control.share(image);
+  }
+}
+
+TEST(EffortControl, SettlesWhereAnImageCostsWhatItsShareDoes) {
+  for (double whole_ms = 20; whole_ms < 1000; whole_ms *= 1.01)
+    for (const double fixed_ms : {0.0, 2.0}) {
+      EffortControl control(33);
+      control.set_rung(0);
+      std::uint64_t image = 0;
+      const auto go_on = [&](int images) {
+        for (int i = 0; i < images; ++i, ++image) control.observe(image, fixed_ms + control.share(image) * whole_ms);
+      };
+      go_on(100);
+      const std::string settled = control.record();
+      go_on(300);
+      ASSERT_EQ(control.record(), settled) << whole_ms;
+    }
+}
+
+TEST(EffortControl, DoesLessWhenImagesTakeTooLongAndMoreWhenThereIsRoom) {
+  EffortControl control(33);
+  control.set_rung(0);
+  std::uint64_t image = 0;
+  for (; image < 30; ++image) control.observe(image, 30);
+  EXPECT_EQ(control.share(image), 1) << "within the budget nothing changes";
+  for (; image < 40; ++image) control.observe(image, 60);
+  const double less = control.share(image);
+  EXPECT_LT(less, 0.5);
+  EXPECT_EQ(control.share(29), 1) << "what was decided for earlier images stays";
+  for (; image < 200; ++image) control.observe(image, 5);
+  EXPECT_EQ(control.share(image), 1);
+}
+
+TEST(EffortControl, TheRecordGivesTheSameSharesAgain) {
+  EffortControl first(33);
+  first.set_rung(3);
+  for (std::uint64_t image = 0; image < 100; ++image) first.observe(image, image < 50 ? 50 : 10);
+  EffortControl second(33, first.record(), 100);
+  EXPECT_EQ(second.rung(), 3);
+  for (std::uint64_t image = 0; image < 100; ++image) {
+    second.observe(image, 1e9);  // however long they take this time
+    EXPECT_EQ(second.share(image), first.share(image)) << image;
+  }
+  EXPECT_EQ(second.record(), first.record());
+  for (const char* wrong : {"x", "-1", "99", "1 3", "1 3:", "1 3:99", "1 a:1", "1 3:1 x"})
+    expect_error<ConfigError>([&] { EffortControl(33, wrong, 5); }, {"record", wrong});
+}
+
+TEST(Budget, OneThatCannotHoldLeavesRingsOutAndTheRecordReproducesTheModel) {
+  const std::vector<Capture> images = glossy_captures(40);
+  const SurfaceLightFieldOptions options = plain_options();
+  Reconstruction hurried(*square_object().mesh, options);
+  hurried.keep_within({.image_ms = 1e-9});  // no machine holds it, so what happens does not hang on its speed
+  for (const Capture& image : images) hurried.ingest(image);
+  EXPECT_GT(hurried.effort().rung, 0) << "coarser maps lose nothing of a scene as smooth as this";
+  EXPECT_LT(hurried.effort().share, 0.2);
+  EXPECT_GT(hurried.rings().left_out, hurried.rings().updated / 4);
+  EXPECT_EQ(hurried.counts().accepted, images.size());
+  EXPECT_EQ(hurried.counts().received, images.size());
+
+  Reconstruction again(*square_object().mesh, options);
+  again.keep_within({.image_ms = 1e9}, hurried.effort_record(), images.size());
+  for (const Capture& image : images) again.ingest(image);
+  expect_same_rings(*hurried.snapshot(), *again.snapshot());
+}
+
+TEST(Budget, OneThatHoldsChangesNothing) {
+  const std::vector<Capture> images = glossy_captures(12);
+  Reconstruction free(*square_object().mesh, plain_options()), within(*square_object().mesh, plain_options());
+  within.keep_within({.image_ms = 1e9});
+  for (const Capture& image : images) {
+    free.ingest(image);
+    within.ingest(image);
+  }
+  expect_same_rings(*free.snapshot(), *within.snapshot());
+  EXPECT_EQ(within.effort(), Reconstruction::Effort{});
+  EXPECT_EQ(within.rings().left_out, 0u);
+}
+
+TEST(Budget, ARungIsTakenForWhatItLosesOnTheScene) {
+  // Waves no longer than a few samples of the finest maps: no coarser ones hold them.
+  const analytic::Scene fine{square_object().surface, analytic::two_terms(0.004)};
+  const std::vector<Capture> images = captures(fine, analytic::eyes(12, 0.5, 0.55));
+  Reconstruction hurried(*square_object().mesh, plain_options());
+  hurried.keep_within({.image_ms = 1e-9});
+  for (const Capture& image : images) hurried.ingest(image);
+  EXPECT_EQ(hurried.effort().rung, 0);
+}
+
+TEST(Budget, WhatWasMeasuredOnTheSceneDecides) {
+  const std::vector<Capture> images = glossy_captures(10);
+  MeasuredLadder ladder(effort_ladder().size(), {.image_ms = 10, .psnr_db = 30});
+  for (std::size_t r = 2; r < ladder.size(); ++r) ladder[r].psnr_db = 29;
+  Reconstruction hurried(*square_object().mesh, plain_options());
+  hurried.keep_within({.image_ms = 1e-9}, {}, 0, ladder);
+  for (const Capture& image : images) hurried.ingest(image);
+  EXPECT_EQ(hurried.effort().rung, 1);
+
+  Reconstruction wanted(*square_object().mesh, plain_options());
+  wanted.keep_within({.psnr_db = 28.5}, {}, 0, ladder);
+  EXPECT_EQ(wanted.effort().rung, static_cast<int>(ladder.size()) - 1);
+  wanted.keep_within({.psnr_db = 29.5}, {}, 0, ladder);
+  EXPECT_EQ(wanted.effort().rung, 1);
+}
+
+TEST(Memory, TheBoundHoldsWhateverComes) {
+  SurfaceLightFieldOptions options = plain_options();
+  options.ring.factor.tolerance = 0;  // all the terms that there may be
+  const std::vector<Capture> images = glossy_captures(90);
+  const Object object = square_object();
+  const Mesh& mesh = *object.mesh;
+  const MemoryAccount bound = largest_account(mesh, images[0], options);
+  Reconstruction all(mesh, options);
+  for (const Capture& image : images) all.ingest(image);
+  const MemoryAccount held = all.memory();
+  EXPECT_LE(held.rings, bound.rings);
+  EXPECT_GT(held.rings, 0.2 * bound.rings) << "a bound that says something";
+  EXPECT_LE(held.snapshots, bound.snapshots);
+  EXPECT_GT(held.snapshots, 0.2 * bound.snapshots);
+  EXPECT_LE(held.total(), bound.total());
+}
+
+TEST(Memory, TheRingsAreCutDownAfterAnyImageThatWouldExceedIt) {
+  SurfaceLightFieldOptions options = plain_options();
+  options.ring.factor = {.max_rank = 24, .tolerance = 0};
+  const std::vector<Capture> images = glossy_captures(90);
+  const Object object = square_object();
+  Reconstruction free(*object.mesh, options), bounded(*object.mesh, options);
+  for (const Capture& image : images) free.ingest(image);
+  const MemoryAccount full = free.memory();
+  const double asked = full.total() - 0.4 * (full.rings + full.snapshots);
+  bounded.keep_within({.bytes = asked});
+  for (const Capture& image : images) {
+    bounded.ingest(image);
+    ASSERT_LE(bounded.memory().total(), asked) << bounded.counts().received;
+  }
+  EXPECT_LT(bounded.model().options().ring.factor.terms_kept(), options.ring.factor.terms_kept());
+  EXPECT_GT(bounded.memory().rings, 0.3 * full.rings) << "no smaller than need be";
+}
+
+TEST(Memory, WhatWasCutDownIsAFunctionOfTheCaptures) {
+  SurfaceLightFieldOptions options = plain_options();
+  options.ring.factor = {.max_rank = 24, .tolerance = 0};
+  const std::vector<Capture> images = glossy_captures(60);
+  Reconstruction free(*square_object().mesh, options), once(*square_object().mesh, options),
+      watched(*square_object().mesh, options);
+  for (const Capture& image : images) free.ingest(image);
+  const MemoryAccount full = free.memory();
+  for (Reconstruction* r : {&once, &watched})
+    r->keep_within({.bytes = full.total() - 0.4 * (full.rings + full.snapshots)});
+  for (const Capture& image : images) once.ingest(image);
+  for (int turn = 0; turn < 2; ++turn) {  // the second time as after an image was taken back
+    watched.restart();
+    for (const Capture& image : images) {
+      watched.ingest(image);
+      watched.snapshot();
+    }
+    expect_same_rings(*once.snapshot(), *watched.snapshot());
+  }
+  EXPECT_LT(once.model().options().ring.factor.terms_kept(), options.ring.factor.terms_kept());
+}
+
+}  // namespace
+}  // namespace sheen

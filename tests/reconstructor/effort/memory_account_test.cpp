@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/effort/memory_account.h"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <algorithm>
+
+#include "reconstructor/capture/reconstruction.h"
+#include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
+
+namespace sheen {
+namespace {
+
+/// Large enough to tell: some hundred megabytes beside a program of some ten.
+class ResidentMemoryTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "a sanitizer has memory of its own";
+#endif
+  }
+  ResidentMemoryTest() {
+    options_.hold_out_every = 4;
+    options_.surface_map = 12;
+    options_.ring.factor.tolerance = 0;
+    images_ = captures({analytic::sphere(0.09), analytic::two_terms(0.02)}, analytic::eyes(36, 0.5, -0.9));
+    malloc_trim(0);  // what earlier tests have left would be taken again, and nothing would grow
+  }
+  /// As `serve` does it: one snapshot is shown while the next is made.
+  void take_in(Reconstruction& reconstruction) {
+    for (const Capture& image : images_) {
+      reconstruction.ingest(image);
+      const auto next = reconstruction.snapshot();
+      shown_ = next;
+    }
+  }
+
+  const Mesh mesh_ = sphere_mesh(0.09f, 4);
+  SurfaceLightFieldOptions options_;
+  std::vector<Capture> images_;
+  std::shared_ptr<const SurfaceLightFieldSnapshot> shown_;
+};
+
+TEST_F(ResidentMemoryTest, ThePartsAddUpToWhatTheProcessHasGrownBy) {
+  Reconstruction reconstruction(mesh_, options_);
+  take_in(reconstruction);
+  const MemoryAccount account = reconstruction.memory();
+  const double grown = resident_memory().bytes - reconstruction.resident_before();
+  double sum = 0;
+  for (const auto& [part, bytes] : account.parts()) {
+    std::printf("%-10s %8.1f MB\n", part.c_str(), bytes / 1e6);
+    sum += bytes;
+  }
+  std::printf("counted %.1f MB, the process has grown by %.1f MB\n", sum / 1e6, grown / 1e6);
+  EXPECT_EQ(sum, account.total());
+  ASSERT_GT(grown, 150e6);
+  EXPECT_GT(sum, 0.8 * grown);
+  EXPECT_LT(sum, 1.1 * grown);
+}
+
+TEST_F(ResidentMemoryTest, ALimitHoldsForTheProcess) {
+  Reconstruction reconstruction(mesh_, options_);
+  const double asked = 120e6;
+  reconstruction.keep_within({.bytes = asked});
+  take_in(reconstruction);
+  const double grown = resident_memory().bytes - reconstruction.resident_before();
+  std::printf("asked %.1f MB, counted %.1f MB, the process has grown by %.1f MB\n", asked / 1e6,
+              reconstruction.memory().total() / 1e6, grown / 1e6);
+  EXPECT_LE(reconstruction.memory().total(), asked);
+  EXPECT_GT(reconstruction.memory().total(), 0.4 * asked);
+  EXPECT_LE(grown, 1.2 * asked) << "what the allocator keeps beside it";
+}
+
+}  // namespace
+}  // namespace sheen
