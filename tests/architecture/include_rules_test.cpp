@@ -94,7 +94,7 @@ TEST(IncludeRules, AreFoundInATreeOnDisk) {
   EXPECT_THAT(includes_below(root), SizeIs(3));
   std::vector<std::string> broken = broken_include_rules(includes_below(root));
   std::sort(broken.begin(), broken.end());
-  EXPECT_THAT(broken, ElementsAre(HasSubstr("common/camera/camera.h:2 includes reconstructor/report/report.h"),
+  EXPECT_THAT(broken, ElementsAre(HasSubstr("common/camera.h:2 includes reconstructor/report/report.h"),
                                   HasSubstr("reconstructor/numerics/svd.cpp:3 includes opencv2/core.hpp")));
   fs::remove_all(root);
 }
