@@ -49,8 +49,9 @@ std::optional<CaptureEnd::Result> CaptureEnd::run() {
     result.model = folder_ / "model";
     save_reconstruction(reconstruction_, *result.model, folder_.string(), steps_of(EndStage::kSaving));
   }
-  result.report =
-      std::make_shared<nlohmann::json>(live_report(reconstruction_, loop_.status(), steps_of(EndStage::kJudging)));
+  const Reconstruction::Judgement judged = reconstruction_.judge(steps_of(EndStage::kJudging));
+  if (result.model) note_calibration(calibrate(judged.light_field), *result.model);
+  result.report = std::make_shared<nlohmann::json>(live_report(reconstruction_, judged, loop_.status()));
   return result;
 }
 

@@ -17,6 +17,7 @@ using nlohmann::json;
 
 constexpr const char* kSceneKey = "scene";        // the settings as a scene file
 constexpr const char* kCapturesKey = "captures";  // a JSON list: source_session, sequence, part, exposure_gain
+constexpr const char* kCalibrationKey = "error_calibration";  // JSON: views, offset_db, half_width_db
 constexpr const char *kHeldOut = "held_out", *kFolded = "folded", *kRepeated = "repeated";
 
 }  // namespace
@@ -49,6 +50,30 @@ void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::
               {kSceneKey, to_toml(reconstruction.model().options())},
               {kCapturesKey, captures.dump(-1, ' ', false, json::error_handler_t::replace)}},
              {.progress = progress});
+}
+
+void note_calibration(const ErrorCalibration& calibration, const std::filesystem::path& model_folder) {
+  if (!calibration.known()) return;
+  note_in_model(model_folder, kCalibrationKey,
+                json{{"views", calibration.views},
+                     {"offset_db", calibration.offset_db},
+                     {"half_width_db", calibration.half_width_db}}
+                    .dump());
+}
+
+ErrorCalibration load_calibration(const std::filesystem::path& model_folder) {
+  const ModelMetadata metadata = load_model_metadata(model_folder);
+  const auto noted = metadata.find(kCalibrationKey);
+  if (noted == metadata.end()) return {};
+  try {
+    const json calibration = json::parse(noted->second);
+    return {.views = calibration.at("views"),
+            .offset_db = calibration.at("offset_db"),
+            .half_width_db = calibration.at("half_width_db")};
+  } catch (const json::exception& error) {
+    throw FileError((model_folder / "model.json").string(),
+                    std::string("metadata.") + kCalibrationKey + ": " + error.what());
+  }
 }
 
 const KnownCapture* ModelOrigin::find(const Capture& capture) const {

@@ -9,6 +9,7 @@
 
 #include "common/base/progress.h"
 #include "reconstructor/capture/reconstruction.h"
+#include "reconstructor/evaluation/error_calibration.h"
 #include "reconstructor/scene/mesh_scale.h"
 
 namespace sheen {
@@ -24,6 +25,11 @@ Mesh load_mesh_and_warn(const std::filesystem::path& path, const SurfaceLightFie
 /// stays.
 void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& folder, const std::string& source,
                          const StepsDone& progress = {});
+
+/// What the model's predicted errors were off by on its held-out views goes into the saved model, once they are judged.
+void note_calibration(const ErrorCalibration& calibration, const std::filesystem::path& model_folder);
+/// Not known where nothing was noted: no view was held out, or too few. Throws FileError.
+ErrorCalibration load_calibration(const std::filesystem::path& model_folder);
 
 /// What a saved model notes of its making.
 struct ModelOrigin {

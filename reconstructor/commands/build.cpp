@@ -108,7 +108,9 @@ void build(const BuildArguments& arguments) {
                    : build_once(arguments, mesh, captures, config.surface_light_field, wish, config.ladder, true);
   Reconstruction& reconstruction = *built;
   if (!arguments.out.empty()) save_reconstruction(reconstruction, arguments.out, arguments.dataset);
-  const nlohmann::json report = reconstruction_report(reconstruction);
+  const Reconstruction::Judgement judged = reconstruction.judge();
+  if (!arguments.out.empty()) note_calibration(calibrate(judged.light_field), arguments.out);
+  const nlohmann::json report = reconstruction_report(reconstruction, judged);
   print_summary(report);
   json.write(to_text(report));
 }

@@ -73,7 +73,8 @@ void evaluate(const EvaluateArguments& arguments) {
   print_summary(report);
   const Foretelling foretelling = judge_foretelling(views, *model, painter);
   report["foretelling"] = foretelling_report(foretelling);
-  print_foretelling(foretelling, light_field);
+  report["predicted_error"] = prediction_report(light_field);
+  print_predictions(light_field, foretelling);
   if (arguments.baselines) {
     const BaselineScores baselines{
         constant_scores, score(views, *PhotographSet::nearest_photograph(photographs, constant), painter),

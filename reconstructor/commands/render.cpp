@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -10,8 +11,10 @@
 #include "common/image/color.h"
 #include "common/image/exr.h"
 #include "common/image/image_io.h"
+#include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/picture_names.h"
+#include "reconstructor/evaluation/held_out.h"
 #include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/render/ray_painter.h"
 
@@ -29,6 +32,21 @@ ExrPart coverage_part(const PaintedView& view) {
   return {"coverage", {"Y"}, std::move(coverage), ExrPrecision::kHalf};
 }
 
+/// What the model expects of its pictures' errors; the mean over them.
+void print_prediction(double predicted_db, const ErrorCalibration& calibration) {
+  if (!std::isfinite(predicted_db)) return;
+  if (!calibration.known()) {
+    std::printf("predicted PSNR of the surface, mean over views: %.2f dB, not calibrated (needs %zu held-out views)\n",
+                predicted_db, ErrorCalibration::kFewestViews);
+    return;
+  }
+  std::printf(
+      "predicted PSNR of the surface, mean over views: %.2f dB, calibrated on %zu held-out views %.2f dB; %.0f %% of "
+      "single views are to lie within %.2f dB of theirs\n",
+      predicted_db, calibration.views, calibration.apply(predicted_db).db, 100 * ErrorCalibration::kCoverage,
+      calibration.half_width_db);
+}
+
 void render(const RenderArguments& arguments) {
   const std::shared_ptr<const SurfaceLightFieldSnapshot> model = load_model(arguments.model);
   const std::vector<DatasetView> cameras = load_cameras(arguments.cameras);
@@ -40,9 +58,16 @@ void render(const RenderArguments& arguments) {
   for (const DatasetView& view : cameras) views.push_back(view.name);
   const std::vector<std::filesystem::path> names = picture_names(views);
   const RayPainter painter(model->mesh());
+  const ErrorCalibration calibration = load_calibration(arguments.model);
+  double predicted_db = 0;
+  std::size_t predicted_views = 0;
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     PaintedView painted = painter.paint(*model, cameras[i].camera, cameras[i].camera_from_object);
+    if (const double db = predicted_psnr_db(painted, painted.coverage); std::isfinite(db)) {
+      predicted_db += db;
+      ++predicted_views;
+    }
     const std::string name = (out / names[i]).string();
     make_folder((out / names[i]).parent_path());
     write_png(name + ".png", to_srgb8(painted.beauty));
@@ -54,6 +79,7 @@ void render(const RenderArguments& arguments) {
     progress.update(i + 1);
   }
   std::printf("%zu views rendered to %s\n", cameras.size(), out.string().c_str());
+  print_prediction(predicted_db / static_cast<double>(predicted_views), calibration);
 }
 
 }  // namespace

@@ -55,23 +55,16 @@ Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const Surfa
     const std::vector<float> heuristic = paper.seen_from(camera_centre(view.camera_from_object));
     std::vector<TriangleError> errors(model.mesh().triangles.size());
     std::vector<double> expected(errors.size());
-    double foretold_sum = 0;
-    std::size_t pixels = 0;
     for (std::size_t i = 0; i < hits.size(); ++i) {
       if (!view.inside.data()[i] || !hits[i]) continue;
-      const double error = painted.foretold.data()[i];
-      foretold_sum += error * error;
-      ++pixels;
       TriangleError& triangle = errors[hits[i].triangle];
       ++triangle.pixels;
-      expected[hits[i].triangle] = error;
+      expected[hits[i].triangle] = painted.foretold.data()[i];
       for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
         const double difference = (double(picture.data()[c]) - double(view.truth.data()[c])) / 255;
         triangle.sum += difference * difference;
       }
     }
-    result.foretold_psnr_db -=
-        10 * std::log10(foretold_sum / static_cast<double>(pixels)) / static_cast<double>(views.size());
     for (std::size_t t = 0; t < errors.size(); ++t) {
       if (errors[t].pixels < kFewestPixels) continue;
       foretold.push_back(expected[t]);

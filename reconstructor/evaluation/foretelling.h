@@ -9,11 +9,9 @@
 
 namespace sheen {
 
-/// How far what a model says of its own errors (`SurfaceQuality::error`) is true of views that it never saw.
+/// How far what a model says of its own errors (`SurfaceQuality::error`) tells places apart in views that it never saw;
+/// how far its sum is true says `CalibrationCheck`.
 struct Foretelling {
-  /// By the errors foretold of the object's pixels away from its edge, encoded; mean over views. What it is:
-  /// `Scores::psnr_inside_db`.
-  double foretold_psnr_db = 0;
   /// Spearman's correlation of the error foretold of a triangle in a view with the RMS error there, over all that show
   /// four pixels or more away from the edge of the object; NaN where there are none.
   double rank_correlation = 0;

@@ -92,6 +92,19 @@ void take_truth_from(const std::filesystem::path& folder, HeldOutView& view) {
   view.truth = to_srgb8(radiance);
 }
 
+double predicted_psnr_db(const PaintedView& painted, const ImageU8& mask) {
+  double squares = 0;
+  std::size_t pixels = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (mask.data()[i] == 0) continue;
+    const double error = painted.foretold.data()[i];
+    squares += error * error;
+    ++pixels;
+  }
+  return pixels > 0 ? -10 * std::log10(squares / static_cast<double>(pixels))
+                    : std::numeric_limits<double>::quiet_NaN();
+}
+
 ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter) {
   const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object);
   const ImageU8 picture = to_srgb8(painted.beauty);
@@ -100,6 +113,7 @@ ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPa
   score.psnr_db = score.error.psnr_db();
   score.ssim = ssim(picture, view.truth, view.object);
   score.psnr_inside_db = squared_error(picture, view.truth, view.inside).psnr_db();
+  score.predicted_inside_db = predicted_psnr_db(painted, view.inside);
   score.psnr_gain_aligned_db = gain_aligned_psnr(painted.beauty, view.truth, view.object);
   score.full_psnr_db = squared_error(picture, view.truth, {}).psnr_db();
   score.full_ssim = ssim(picture, view.truth, {});
@@ -127,7 +141,8 @@ Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, 
   Scores scores;
   if (views.empty()) {  // nothing was judged, which is not the same as a score of 0
     const double none = std::numeric_limits<double>::quiet_NaN();
-    scores.psnr_db = scores.ssim = scores.psnr_inside_db = scores.psnr_gain_aligned_db = none;
+    scores.psnr_db = scores.ssim = scores.psnr_inside_db = scores.predicted_inside_db = scores.psnr_gain_aligned_db =
+        none;
     scores.psnr_pooled_db = scores.full_psnr_db = scores.full_ssim = scores.uncovered = none;
     return scores;
   }
@@ -139,6 +154,7 @@ Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, 
     scores.psnr_db += share * s.psnr_db;
     scores.ssim += share * s.ssim;
     scores.psnr_inside_db += share * s.psnr_inside_db;
+    scores.predicted_inside_db += share * s.predicted_inside_db;
     scores.psnr_gain_aligned_db += share * s.psnr_gain_aligned_db;
     scores.full_psnr_db += share * s.full_psnr_db;
     scores.full_ssim += share * s.full_ssim;
@@ -147,6 +163,21 @@ Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, 
   }
   scores.psnr_pooled_db = pooled.psnr_db();
   return scores;
+}
+
+ErrorCalibration calibrate(const Scores& scores) {
+  std::vector<double> differences;
+  for (const ViewScore& view : scores.views) differences.push_back(view.psnr_inside_db - view.predicted_inside_db);
+  return calibrate(differences);
+}
+
+CalibrationCheck check_calibration(const Scores& scores) {
+  std::vector<double> predicted, measured;
+  for (const ViewScore& view : scores.views) {
+    predicted.push_back(view.predicted_inside_db);
+    measured.push_back(view.psnr_inside_db);
+  }
+  return check_calibration(predicted, measured);
 }
 
 }  // namespace sheen

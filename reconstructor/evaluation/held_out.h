@@ -9,6 +9,7 @@
 #include "common/capture/capture.h"
 #include "common/image/image.h"
 #include "common/image/image_metrics.h"
+#include "reconstructor/evaluation/error_calibration.h"
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/render/ray_painter.h"
 
@@ -35,11 +36,15 @@ HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPain
 /// scale: `folder`/NAME.exr, where NAME is the view's without folder and extension. Throws FileError.
 void take_truth_from(const std::filesystem::path& folder, HeldOutView& view);
 
+/// PSNR by the errors that a model predicts of its picture, over the pixels where `mask` is non-zero; NaN without any.
+double predicted_psnr_db(const PaintedView& painted, const ImageU8& mask);
+
 struct ViewScore {
   std::string name;
   double psnr_db = 0;               ///< object pixels, 8-bit sRGB
   double ssim = 0;                  ///< object pixels
   double psnr_inside_db = 0;        ///< the object's pixels but for those at its edge
+  double predicted_inside_db = 0;   ///< the same as the model predicts it; NaN where no pixel is inside
   double psnr_gain_aligned_db = 0;  ///< after the one gain of linear radiance that fits the object's pixels best
   double full_psnr_db = 0;          ///< the whole picture; where there is no surface it is black
   double full_ssim = 0;
@@ -59,9 +64,13 @@ ObjectScore score_object(const HeldOutView& view, const ModelSnapshot& model, co
 struct Scores {
   std::vector<ViewScore> views;
   double psnr_db = 0, ssim = 0, psnr_inside_db = 0, psnr_gain_aligned_db = 0, psnr_pooled_db = 0;
+  double predicted_inside_db = 0;
   double full_psnr_db = 0, full_ssim = 0, uncovered = 0;
 };
 Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter,
              const StepsDone& progress = {});
+/// By what the model predicted of these views and what was measured inside the object's edge.
+ErrorCalibration calibrate(const Scores& scores);
+CalibrationCheck check_calibration(const Scores& scores);
 
 }  // namespace sheen

@@ -28,6 +28,18 @@ json means_to_json(const Scores& s) {
           {"psnr_gain_aligned_db", number(s.psnr_gain_aligned_db)}};
 }
 
+json calibration_to_json(const ErrorCalibration& calibration) {
+  if (!calibration.known())
+    return {{"calibrated", false},
+            {"views", calibration.views},
+            {"fewest_views", static_cast<std::size_t>(ErrorCalibration::kFewestViews)}};
+  return {{"calibrated", true},
+          {"views", calibration.views},
+          {"offset_db", calibration.offset_db},
+          {"half_width_db", calibration.half_width_db},
+          {"holds", double(ErrorCalibration::kCoverage)}};
+}
+
 }  // namespace
 
 json views_to_json(const Scores& scores) {
@@ -76,7 +88,7 @@ json memory_report(const Reconstruction& reconstruction) {
           {"peak_resident_bytes", resident.peak_bytes}};
 }
 
-json reconstruction_report(Reconstruction& reconstruction, const StepsDone& progress) {
+json reconstruction_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged) {
   const FrameCounts& counts = reconstruction.counts();
   json refused = json::object();
   for (const auto& [reason, n] : counts.refused) refused[reason] = n;
@@ -98,9 +110,9 @@ json reconstruction_report(Reconstruction& reconstruction, const StepsDone& prog
   report["bytes_per_ring"] = reconstruction.model().bytes_per_ring();
   const Reconstruction::RingCounts& rings = reconstruction.rings();
   report["rings"] = {{"updated", rings.updated}, {"skipped", rings.skipped}, {"left_out", rings.left_out}};
-  const Reconstruction::Judgement judged = reconstruction.judge(progress);
   report["memory"] = memory_report(reconstruction);
   report["settings"] = settings_report(reconstruction, judged.light_field.psnr_db);
+  report["predicted_error"] = calibration_to_json(calibrate(judged.light_field));
   report["held_out"] = {{"views", judged.light_field.views.size()},
                         {"protocol", kProtocol},
                         {"psnr_db", number(judged.light_field.psnr_db)},
@@ -116,8 +128,9 @@ json reconstruction_report(Reconstruction& reconstruction, const StepsDone& prog
   return report;
 }
 
-json live_report(Reconstruction& reconstruction, const LoopStatus& status, const StepsDone& progress) {
-  json report = reconstruction_report(reconstruction, progress);
+json live_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged,
+                 const LoopStatus& status) {
+  json report = reconstruction_report(reconstruction, judged);
   report["frames"].update({{"sent", status.journaled + status.link.missing},
                            {"received", status.journaled},
                            {"waiting", status.waiting()},
@@ -169,18 +182,55 @@ void print_baselines(const Scores& light_field, const BaselineScores& baselines)
 }
 
 json foretelling_report(const Foretelling& foretelling) {
-  return {{"foretold_psnr_db", number(foretelling.foretold_psnr_db)},
-          {"rank_correlation", number(foretelling.rank_correlation)},
+  return {{"rank_correlation", number(foretelling.rank_correlation)},
           {"paper_rank_correlation", number(foretelling.paper_rank_correlation)}};
 }
 
-void print_foretelling(const Foretelling& foretelling, const Scores& measured) {
-  std::printf(
-      "foretold of these views, inside the object: %.2f dB, measured %.2f dB; rank correlation with the errors of "
-      "their triangles: %.2f (the paper's "
-      "heuristic: %.2f)\n",
-      foretelling.foretold_psnr_db, measured.psnr_inside_db, foretelling.rank_correlation,
-      foretelling.paper_rank_correlation);
+json prediction_report(const Scores& scores) {
+  const CalibrationCheck check = check_calibration(scores);
+  json report = {{"predicted_db", number(check.predicted_db)},
+                 {"calibrated_db", number(check.calibrated_db)},
+                 {"measured_db", number(check.measured_db)},
+                 {"coverage", number(check.coverage)},
+                 {"calibration", calibration_to_json(calibrate(scores))},
+                 {"views", json::array()}};
+  for (const PredictedView& view : check.views) {
+    const CalibratedPsnr calibrated = view.calibrated();
+    report["views"].push_back({{"file", scores.views[view.index].name},
+                               {"predicted_db", view.predicted_db},
+                               {"calibrated_db", number(calibrated.db)},
+                               {"low_db", number(calibrated.low_db)},
+                               {"high_db", number(calibrated.high_db)},
+                               {"measured_db", view.measured_db}});
+  }
+  return report;
+}
+
+void print_predictions(const Scores& scores, const Foretelling& foretelling) {
+  const CalibrationCheck check = check_calibration(scores);
+  const ErrorCalibration all = calibrate(scores);
+  constexpr double kPercent = 100 * ErrorCalibration::kCoverage;
+  if (check.known()) {
+    for (const PredictedView& view : check.views) {
+      const CalibratedPsnr calibrated = view.calibrated();
+      std::printf("  %s: predicted %.2f dB, calibrated %.2f [%.2f, %.2f] dB, measured %.2f dB%s\n",
+                  scores.views[view.index].name.c_str(), view.predicted_db, calibrated.db, calibrated.low_db,
+                  calibrated.high_db, view.measured_db, view.inside() ? "" : ": outside");
+    }
+    std::printf(
+        "predicted PSNR inside the object's edge: %.2f dB, calibrated (each view by the others) %.2f dB, measured %.2f "
+        "dB; %.0f %% of the %zu views lie in their %.0f %% intervals\n"
+        "calibration by all: %+.2f dB, %.0f %% of such views within %.2f dB of that\n",
+        check.predicted_db, check.calibrated_db, check.measured_db, 100 * check.coverage, check.views.size(), kPercent,
+        all.offset_db, kPercent, all.half_width_db);
+  } else {
+    std::printf(
+        "predicted PSNR inside the object's edge: %.2f dB, not calibrated (needs %zu held-out views, there are %zu); "
+        "measured %.2f dB\n",
+        check.predicted_db, ErrorCalibration::kFewestViews + 1, check.views.size(), check.measured_db);
+  }
+  std::printf("rank correlation of predicted and measured errors of triangles: %.2f (the paper's heuristic: %.2f)\n",
+              foretelling.rank_correlation, foretelling.paper_rank_correlation);
 }
 
 void print_summary(const json& report) {

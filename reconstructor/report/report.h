@@ -11,11 +11,12 @@
 namespace sheen {
 
 /// The part of a report that `build` and `serve` share: frames, rates, stages, ranks, bytes, held-out scores beside
-/// those of the constant-colour model. `progress`: of the judging, which takes its time.
-nlohmann::json reconstruction_report(Reconstruction& reconstruction, const StepsDone& progress = {});
+/// those of the constant-colour model. `judged`: by `Reconstruction::judge`.
+nlohmann::json reconstruction_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged);
 /// The same of a live capture, with what only its loop knows: what waits, what was lost, how long it took to be
 /// durable.
-nlohmann::json live_report(Reconstruction& reconstruction, const LoopStatus& status, const StepsDone& progress = {});
+nlohmann::json live_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged,
+                           const LoopStatus& status);
 
 /// The report of `evaluate`: object, full picture, constant colour, and each view.
 nlohmann::json evaluation_report(const Scores& light_field, const Scores& constant);
@@ -32,8 +33,10 @@ nlohmann::json baselines_report(const BaselineScores& baselines);
 void print_baselines(const Scores& light_field, const BaselineScores& baselines);
 
 nlohmann::json foretelling_report(const Foretelling& foretelling);
-/// A line for a person: what the model said of its errors, and whether it was so.
-void print_foretelling(const Foretelling& foretelling, const Scores& measured);
+/// What the model predicted of each of these views before and after calibration by the others, and what came of it.
+nlohmann::json prediction_report(const Scores& scores);
+/// The same for a person: a line a view, one for all, and how well it ranks the errors of triangles.
+void print_predictions(const Scores& scores, const Foretelling& foretelling);
 
 /// One line for a person: held-out figures beside the constant colour's.
 void print_summary(const nlohmann::json& report);

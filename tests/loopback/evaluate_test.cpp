@@ -87,6 +87,11 @@ TEST_F(Evaluate, GivesTheFiguresThatBuildReportedToTheLastDigit) {
     EXPECT_EQ(evaluated["constant"]["ssim"], built["held_out"]["constant_ssim"]) << scene;
     EXPECT_EQ(evaluated["views"], built["held_out"]["per_view"]) << scene;
     EXPECT_EQ(evaluated["constant_views"], built["held_out"]["constant_per_view"]) << scene;
+    EXPECT_EQ(evaluated["predicted_error"]["calibration"], built["predicted_error"]) << scene;
+    EXPECT_EQ(built["predicted_error"]["views"], 6) << scene;
+    const Json model = Json::parse(read_file(model_ / "model.json"));
+    const Json noted = Json::parse(model["metadata"]["error_calibration"].get<std::string>());
+    EXPECT_EQ(noted["offset_db"], built["predicted_error"]["offset_db"]) << scene;
   }
 }
 

@@ -203,7 +203,7 @@ TEST(CaptureLoopEnds, TheAccountAddsUpWhileImagesWait) {
   const LoopStatus status = loop.status();
   EXPECT_EQ(status.journaled, kImages);
   EXPECT_EQ(status.counts.accepted + status.counts.held_out + status.waiting(), kImages);
-  const nlohmann::json frames = live_report(reconstruction, status)["frames"];
+  const nlohmann::json frames = live_report(reconstruction, reconstruction.judge(), status)["frames"];
   EXPECT_EQ(frames["received"], kImages);
   EXPECT_EQ(frames["waiting"], status.waiting());
   EXPECT_EQ(frames["lost"], 0) << "what is journaled is kept";

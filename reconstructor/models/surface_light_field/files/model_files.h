@@ -41,4 +41,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const std::filesyste
 
 ModelMetadata load_model_metadata(const std::filesystem::path& folder);
 
+/// Notes one more thing of a saved model, or another value of it; all else stays. Throws FileError.
+void note_in_model(const std::filesystem::path& folder, const std::string& key, const std::string& value);
+
 }  // namespace sheen
