@@ -234,8 +234,7 @@ void LiveDisplay::update_next_view(const Latest& now) {
   next_view_ = NextView{advice.eye, advice.reason, advice.well_known()};
   if (!next_view_->well_known) return;
   std::array<char, 80> text{};
-  std::snprintf(text.data(), text.size(), "even from the least known place %.0f dB are expected",
-                advice.foretold_psnr_db);
+  std::snprintf(text.data(), text.size(), "even from the least known place %.0f dB are expected", advice.worst_psnr_db);
   next_view_->reason = text.data();
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/next_view.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +14,7 @@ namespace sheen {
 namespace {
 
 constexpr int kCandidates = 48;
-constexpr std::size_t kRingsLookedAt = 400;
+constexpr std::size_t kRingsLookedAt = 200;
 constexpr double kLowest = 0.15;  // sine of the elevation: a camera needs room above the stage
 constexpr double kHighest = 0.97;
 
@@ -39,23 +41,20 @@ const char* describe(QualityReason reason) {
   return "well covered";
 }
 
-}  // namespace
+/// How well the surface in sight of a place is known from there.
+struct Prospect {
+  double heuristic = 0, psnr_db = 0;
+  QualityReason reason = QualityReason::kGood;  ///< which has most of the heuristic
+};
 
-ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eigen::Vector3d& eye) {
+Prospect prospect_from(const SurfaceLightFieldSnapshot& snapshot, const std::vector<Eigen::Vector3f>& normals,
+                       const Eigen::Vector3d& eye) {
   const Mesh& mesh = snapshot.mesh();
-  const BoundingSphere bounds = bounding_sphere(mesh);
-  const double distance = (eye - bounds.centre).norm();
-  const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
   const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kRingsLookedAt);
-  std::vector<Eigen::Vector3d> places;
-  for (int i = 0; i < kCandidates; ++i) places.push_back(bounds.centre + distance * candidate(i));
-  const std::vector<double> worth = image_worth(snapshot, places);
-  ViewAdvice best;
-  best.eye = places[static_cast<std::size_t>(std::max_element(worth.begin(), worth.end()) - worth.begin())];
   double sum = 0, squared_error = 0, weight = 0;
   std::array<double, 5> by_reason{};
   for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) {
-    const Eigen::Vector3f direction = (best.eye.cast<float>() - mesh.vertices[v]).normalized();
+    const Eigen::Vector3f direction = (eye.cast<float>() - mesh.vertices[v]).normalized();
     const double facing = normals[v].dot(direction);
     if (facing < 0.2) continue;
     SurfaceQuality quality;
@@ -66,14 +65,39 @@ ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eig
     weight += facing;
     by_reason[static_cast<std::size_t>(quality.reason())] += facing * quality.heuristic();
   }
-  best.heuristic = weight > 0 ? sum / weight : 0;
-  if (squared_error > 0) best.foretold_psnr_db = -10 * std::log10(squared_error / weight);
-  const auto best_reason = static_cast<QualityReason>(
+  Prospect prospect;
+  prospect.heuristic = weight > 0 ? sum / weight : 0;
+  if (squared_error > 0) prospect.psnr_db = -10 * std::log10(squared_error / weight);
+  prospect.reason = static_cast<QualityReason>(
       std::distance(by_reason.begin(), std::max_element(by_reason.begin(), by_reason.end())));
-  const Eigen::Vector3d from = (eye - bounds.centre).normalized(), to = (best.eye - bounds.centre).normalized();
-  best.turn_deg = std::acos(std::clamp(from.dot(to), -1.0, 1.0)) * 180 / M_PI;
-  best.reason = describe(best_reason);
-  return best;
+  return prospect;
+}
+
+}  // namespace
+
+ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eigen::Vector3d& eye) {
+  const BoundingSphere bounds = bounding_sphere(snapshot.mesh());
+  const double distance = (eye - bounds.centre).norm();
+  const std::vector<Eigen::Vector3f> normals = vertex_normals(snapshot.mesh());
+  std::vector<Eigen::Vector3d> places;
+  for (int i = 0; i < kCandidates; ++i) places.push_back(bounds.centre + distance * candidate(i));
+  std::vector<Prospect> prospects(places.size());
+  tbb::parallel_for(std::size_t{0}, places.size(),
+                    [&](std::size_t i) { prospects[i] = prospect_from(snapshot, normals, places[i]); });
+  const std::vector<double> worth = image_worth(snapshot, places);
+  const auto worst = static_cast<std::size_t>(
+      std::min_element(prospects.begin(), prospects.end(),
+                       [](const Prospect& a, const Prospect& b) { return a.psnr_db < b.psnr_db; }) -
+      prospects.begin());
+  auto best = static_cast<std::size_t>(std::max_element(worth.begin(), worth.end()) - worth.begin());
+  if (prospects[best].psnr_db >= kWellKnownDb) best = worst;
+  ViewAdvice advice{.eye = places[best],
+                    .heuristic = prospects[best].heuristic,
+                    .reason = describe(prospects[best].reason),
+                    .worst_psnr_db = prospects[worst].psnr_db};
+  const Eigen::Vector3d from = (eye - bounds.centre).normalized(), to = (advice.eye - bounds.centre).normalized();
+  advice.turn_deg = std::acos(std::clamp(from.dot(to), -1.0, 1.0)) * 180 / M_PI;
+  return advice;
 }
 
 }  // namespace sheen

@@ -202,7 +202,26 @@ TEST(NextView, SaysWhenAllIsCoveredAndBeforeAnythingIs) {
   EXPECT_LT(last.heuristic, 0.35);
   EXPECT_GT(last.heuristic, 0);
   EXPECT_TRUE(last.eye.allFinite());
-  EXPECT_TRUE(last.well_known()) << last.foretold_psnr_db;
+  EXPECT_TRUE(last.well_known()) << last.worst_psnr_db;
+}
+
+TEST(NextView, IsDoneOnlyWhenTheLeastKnownPlaceIsWellKnown) {
+  const Object object = sphere_object();
+  const Scene scene{object.surface, analytic::diffuse(0.2)};
+  std::vector<Eigen::Vector3d> all = eyes(120, kDistance, -0.3), half;
+  for (const Eigen::Vector3d& eye : all)
+    if (eye.x() > 0.1) half.push_back(eye);
+  SurfaceLightField model(object.mesh, plain_options());
+  ingest_all(model, captures(scene, half));
+  const Eigen::Vector3d eye(0.3, 0, 0.4);
+  const ViewAdvice before = advise_next_view(*model.light_field_snapshot(), eye);
+  EXPECT_FALSE(before.well_known()) << before.worst_psnr_db;
+  EXPECT_LT(before.eye.x(), 0) << "where no image was taken";
+  for (const Eigen::Vector3d& other : all)
+    if (other.x() <= 0.1) model.ingest(analytic::capture(scene, camera_at(other), analytic::towards_origin(other)));
+  const ViewAdvice after = advise_next_view(*model.light_field_snapshot(), eye);
+  EXPECT_TRUE(after.well_known()) << after.worst_psnr_db;
+  EXPECT_GT(after.worst_psnr_db, before.worst_psnr_db);
 }
 
 }  // namespace
