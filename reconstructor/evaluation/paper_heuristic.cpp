@@ -28,12 +28,20 @@ Terms assess(const RingSnapshot& ring, const ViewTriangulation& views, const Eig
 
 }  // namespace
 
-PaperHeuristic::PaperHeuristic(const SurfaceLightFieldSnapshot& snapshot)
+PaperHeuristic::PaperHeuristic(const SurfaceLightFieldSnapshot& snapshot, std::size_t every)
     : snapshot_(snapshot), views_(snapshot.ring_data().size()) {
   tbb::parallel_for(std::size_t{0}, views_.size(), [&](std::size_t v) {
     const RingSnapshot* ring = snapshot_.ring_data()[v].get();
-    if (ring && ring->rank() > 0) views_[v] = triangulate_views(ring->frame, ring->directions);
+    if (v % every == 0 && ring && ring->rank() > 0) views_[v] = triangulate_views(ring->frame, ring->directions);
   });
+}
+
+float PaperHeuristic::of_ring(std::size_t vertex, const Eigen::Vector3d& eye) const {
+  const RingSnapshot* ring = snapshot_.ring_data()[vertex].get();
+  if (!ring || ring->rank() == 0) return 1;
+  const Terms terms =
+      assess(*ring, views_[vertex], (eye.cast<float>() - snapshot_.mesh().vertices[vertex]).normalized());
+  return std::sqrt(0.5f * (terms.projection * terms.projection + terms.hemisphere * terms.hemisphere));
 }
 
 std::vector<float> PaperHeuristic::seen_from(const Eigen::Vector3d& eye) const {

@@ -16,10 +16,13 @@ namespace sheen {
 class PaperHeuristic {
  public:
   /// `snapshot` must outlive this.
-  explicit PaperHeuristic(const SurfaceLightFieldSnapshot& snapshot);
+  /// `every`: only rings 0, every, 2 every, ... can be asked for, in less time.
+  explicit PaperHeuristic(const SurfaceLightFieldSnapshot& snapshot, std::size_t every = 1);
 
   /// A triangle; 1 where one of its rings shows nothing.
   std::vector<float> seen_from(const Eigen::Vector3d& eye) const;
+  /// A ring alone.
+  float of_ring(std::size_t vertex, const Eigen::Vector3d& eye) const;
 
  private:
   const SurfaceLightFieldSnapshot& snapshot_;

@@ -73,8 +73,13 @@ struct NamedMesh {
 };
 Figure figure_time(const Experiment& experiment, const std::vector<NamedMesh>& meshes, const FigureOptions& options);
 
-/// Figure 10: convergence with images chosen by the heuristic, at random, and farthest from those already chosen.
+/// Figure 10: convergence with images chosen by the guidance, by the red and by the paper's heuristic (added up alike),
+/// at random, and farthest from those already chosen. It holds when the guidance needs at most three quarters of the
+/// images for what the farthest view makes of all.
 Figure figure_view_choice(const Experiment& experiment, const FigureOptions& options);
+
+/// Images at which a curve first has `y`, by linear interpolation; NaN where it never does.
+double images_to_reach(const PlotSeries& curve, double y);
 
 /// Figure 11: random orders of the images, orders sorted by their norm, and PCA.
 Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const FigureOptions& options);

@@ -6,36 +6,45 @@
 #include <numeric>
 #include <random>
 
+#include "reconstructor/evaluation/paper_heuristic.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/models/surface_light_field/image_worth.h"
+#include "reconstructor/models/surface_light_field/quality.h"
 #include "reconstructor/studies/figure.h"
-#include "reconstructor/evaluation/paper_heuristic.h"
 
 namespace sheen {
 namespace {
 
-/// A photograph that may be chosen: where it was taken from and what it shows.
+constexpr std::size_t kRingsLookedAt = 400;
+
+std::size_t ring_stride(const Mesh& mesh) {
+  return std::max<std::size_t>(1, mesh.vertices.size() / kRingsLookedAt);
+}
+
+/// A photograph that may be chosen: where it was taken from and what it shows of the rings looked at.
 struct Candidate {
   const Capture* capture;
   Eigen::Vector3d eye, direction;  ///< direction: unit, from the object's centre
   struct Seen {
-    std::uint32_t triangle;
-    float pixels;
+    std::size_t vertex;
+    float pixels;  ///< of the triangles round it
   };
   std::vector<Seen> seen;
 };
 
 std::vector<Candidate> candidates_of(const Experiment& experiment) {
-  const BoundingSphere bounds = bounding_sphere(*experiment.mesh);
+  const Mesh& mesh = *experiment.mesh;
+  const BoundingSphere bounds = bounding_sphere(mesh);
   std::vector<Candidate> candidates;
   for (const Capture& capture : experiment.training) {
     Candidate c{.capture = &capture, .eye = camera_centre(capture.pose.camera_from_object)};
     c.direction = (c.eye - bounds.centre).normalized();
-    std::vector<float> pixels(experiment.mesh->triangles.size(), 0);
+    std::vector<float> pixels(mesh.vertices.size(), 0);
     for (const Hit& hit : experiment.painter->cast(capture.camera, capture.pose.camera_from_object))
-      if (hit && hit.front) ++pixels[hit.triangle];
-    for (std::uint32_t t = 0; t < pixels.size(); ++t)
-      if (pixels[t] > 0) c.seen.push_back({t, pixels[t]});
+      if (hit && hit.front)
+        for (const std::uint32_t v : mesh.triangles[hit.triangle]) ++pixels[v];
+    for (std::size_t v = 0; v < pixels.size(); v += ring_stride(mesh))
+      if (pixels[v] > 0) c.seen.push_back({v, pixels[v]});
     candidates.push_back(std::move(c));
   }
   return candidates;
@@ -56,27 +65,45 @@ std::size_t most(const std::vector<std::size_t>& left, const std::function<doubl
   return best;
 }
 
-std::size_t by_paper_heuristic(const std::vector<Candidate>& all, const std::vector<std::size_t>&,
-                               const std::vector<std::size_t>& left, SurfaceLightField& model) {
-  const auto snapshot = model.light_field_snapshot();
-  const PaperHeuristic heuristic(*snapshot);
+/// The image whose object pixels have the highest mean of a quality heuristic: both heuristics are added up like this.
+std::size_t most_wanting(const std::vector<Candidate>& all, const std::vector<std::size_t>& left,
+                         const std::function<float(std::size_t vertex, const Eigen::Vector3d& eye)>& heuristic) {
   return most(left, [&](std::size_t i) {
-    const std::vector<float> of_triangle = heuristic.seen_from(all[i].eye);
     double sum = 0, pixels = 0;
-    for (const auto& [triangle, count] : all[i].seen) {
-      sum += count * of_triangle[triangle];
+    for (const auto& [vertex, count] : all[i].seen) {
+      sum += count * heuristic(vertex, all[i].eye);
       pixels += count;
     }
     return pixels > 0 ? sum / pixels : 0;
   });
 }
 
-std::size_t by_worth(const std::vector<Candidate>& all, const std::vector<std::size_t>&,
-                     const std::vector<std::size_t>& left, SurfaceLightField& model) {
+std::size_t by_paper_heuristic(const std::vector<Candidate>& all, const std::vector<std::size_t>&,
+                               const std::vector<std::size_t>& left, SurfaceLightField& model) {
+  const auto snapshot = model.light_field_snapshot();
+  const PaperHeuristic heuristic(*snapshot, ring_stride(snapshot->mesh()));
+  return most_wanting(all, left,
+                      [&](std::size_t vertex, const Eigen::Vector3d& eye) { return heuristic.of_ring(vertex, eye); });
+}
+
+/// What the window paints red.
+std::size_t by_red(const std::vector<Candidate>& all, const std::vector<std::size_t>&,
+                   const std::vector<std::size_t>& left, SurfaceLightField& model) {
+  const auto snapshot = model.light_field_snapshot();
+  return most_wanting(all, left, [&](std::size_t vertex, const Eigen::Vector3d& eye) {
+    const RingSnapshot* ring = snapshot->ring_data()[vertex].get();
+    const Eigen::Vector3f direction = (eye.cast<float>() - snapshot->mesh().vertices[vertex]).normalized();
+    return ring ? assess_ring(*ring, direction, snapshot->common_sill()).heuristic() : 1;
+  });
+}
+
+/// Where the window sends the person (`advise_next_view`), with the photographs that are left for places.
+std::size_t by_guidance(const std::vector<Candidate>& all, const std::vector<std::size_t>&,
+                        const std::vector<std::size_t>& left, SurfaceLightField& model) {
   std::vector<Eigen::Vector3d> eyes;
-  for (const Candidate& c : all) eyes.push_back(c.eye);
+  for (const std::size_t i : left) eyes.push_back(all[i].eye);
   const std::vector<double> worth = image_worth(*model.light_field_snapshot(), eyes);
-  return most(left, [&](std::size_t i) { return worth[i]; });
+  return left[static_cast<std::size_t>(std::max_element(worth.begin(), worth.end()) - worth.begin())];
 }
 
 std::size_t farthest(const std::vector<Candidate>& all, const std::vector<std::size_t>& taken,
@@ -108,49 +135,83 @@ std::vector<double> convergence(const Experiment& experiment, const std::vector<
   return psnr;
 }
 
+/// A rule's curve: mean over first images, and twice its standard error.
+PlotSeries curve_of(std::string name, const std::vector<std::size_t>& counts,
+                    const std::vector<std::vector<double>>& starts) {
+  PlotSeries series{.name = std::move(name)};
+  const auto n = static_cast<double>(starts.size());
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    double mean = 0, squares = 0;
+    for (const std::vector<double>& start : starts) mean += start[i] / n;
+    for (const std::vector<double>& start : starts) squares += (start[i] - mean) * (start[i] - mean);
+    series.add(static_cast<double>(counts[i]), mean);
+    series.bars.push_back(2 * std::sqrt(squares / (n - 1) / n));
+  }
+  return series;
+}
+
+/// Some of 1 .. all, closer together where there are few; `all` is the last.
+std::vector<std::size_t> counts_up_to(std::size_t all) {
+  std::vector<std::size_t> counts;
+  for (double n = 2; n < static_cast<double>(all); n = std::max(n + 1, 1.25 * n))
+    counts.push_back(static_cast<std::size_t>(n));
+  counts.push_back(all);
+  return counts;
+}
+
+std::string images_text(double images) {
+  return std::isnan(images) ? "never" : format("%.1f", images);
+}
+
 }  // namespace
+
+double images_to_reach(const PlotSeries& curve, double y) {
+  for (std::size_t i = 0; i < curve.x.size(); ++i) {
+    if (curve.y[i] < y) continue;
+    if (i == 0) return curve.x[0];
+    const double share = (y - curve.y[i - 1]) / (curve.y[i] - curve.y[i - 1]);
+    return curve.x[i - 1] + share * (curve.x[i] - curve.x[i - 1]);
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
 
 Figure figure_view_choice(const Experiment& experiment, const FigureOptions& options) {
   const std::vector<Candidate> candidates = candidates_of(experiment);
-  std::vector<std::size_t> counts;
-  for (const std::size_t n : {2, 4, 6, 8, 12, 16, 20, 26, 32, 40, 50})
-    if (n < candidates.size() && (n <= 32 || !options.quick)) counts.push_back(n);
-  const std::vector<double> x(counts.begin(), counts.end());
-  constexpr int kStarts = 4;  // with fewer of them the first image decides
-  const auto mean_over_starts = [&](const std::function<Choice(int)>& choice_of) {
-    std::vector<double> mean(counts.size(), 0);
-    for (int s = 0; s < kStarts; ++s) {
-      const std::size_t first = candidates.size() * static_cast<std::size_t>(s) / static_cast<std::size_t>(kStarts);
-      const std::vector<double> psnr = convergence(experiment, candidates, options.model, counts, first, choice_of(s));
-      for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += psnr[i] / kStarts;
-    }
-    return mean;
+  const std::vector<std::size_t> counts = counts_up_to(candidates.size());
+  const std::size_t starts = std::min<std::size_t>(options.quick ? 4 : 12, candidates.size());
+  const auto curve = [&](const char* name, const std::function<Choice(std::size_t)>& choice_of) {
+    std::vector<std::vector<double>> psnr;
+    for (std::size_t s = 0; s < starts; ++s)
+      psnr.push_back(
+          convergence(experiment, candidates, options.model, counts, candidates.size() * s / starts, choice_of(s)));
+    return curve_of(name, counts, psnr);
   };
-  const auto mean_of = [](const std::vector<double>& v) {
-    return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
-  };
-  const std::vector<double> heuristic = mean_over_starts([](int) { return by_paper_heuristic; });
-  const std::vector<double> worth = mean_over_starts([](int) { return by_worth; });
-  const std::vector<double> spread = mean_over_starts([](int) { return farthest; });
-  const std::vector<double> random = mean_over_starts([&](int s) -> Choice {
-    return [generator = std::mt19937_64(options.seed + static_cast<std::uint64_t>(s))](
-               const auto&, const auto&, const std::vector<std::size_t>& left, auto&) mutable {
-      return left[generator() % left.size()];
-    };
-  });
+  const auto always = [](const Choice& choice) { return [choice](std::size_t) { return choice; }; };
+  Plot plot{.title = "Convergence (figure 10)", .x = {.label = "images"}, .y = {.label = "held-out PSNR (dB)"}};
+  plot.series.push_back(curve("guidance", always(by_guidance)));
+  plot.series.push_back(curve("mean of the red", always(by_red)));
+  plot.series.push_back(curve("mean of the paper's heuristic", always(by_paper_heuristic)));
+  plot.series.push_back(curve("farthest view", always(farthest)));
+  plot.series.push_back(curve("random", [&](std::size_t s) -> Choice {
+    return
+        [generator = std::mt19937_64(options.seed + s)](const auto&, const auto&, const std::vector<std::size_t>& left,
+                                                        auto&) mutable { return left[generator() % left.size()]; };
+  }));
+
+  const PlotSeries &guidance = plot.series.front(), &far = plot.series[3];
+  const double final_db = far.y.back();
+  const auto all = static_cast<double>(candidates.size());
   Figure figure{.number = 10, .title = "Images chosen by the quality heuristic"};
   figure.paper = "Chosen by the heuristic, images bring the model up much faster than chosen at random.";
   figure.ours = format(
-      "Held-out PSNR, mean over 2 to %zu images and %d first images: by worth (what the window advises) %.2f dB, by "
-      "the "
-      "paper's heuristic %.2f dB, farthest view %.2f dB, random %.2f dB.",
-      counts.back(), kStarts, mean_of(worth), mean_of(heuristic), mean_of(spread), mean_of(random));
-  figure.holds = mean_of(worth) > mean_of(random) && mean_of(worth) > mean_of(spread);
-  Plot plot{.title = "Convergence (figure 10)", .x = {.label = "images"}, .y = {.label = "held-out PSNR (dB)"}};
-  plot.series.push_back({.name = "the paper's heuristic", .x = x, .y = heuristic});
-  plot.series.push_back({.name = "worth of the image", .x = x, .y = worth});
-  plot.series.push_back({.name = "farthest view", .x = x, .y = spread});
-  plot.series.push_back({.name = "random", .x = x, .y = random});
+      "%zu first images, bars are twice the standard error. Farthest view ends at %.2f dB with all %zu "
+      "images. Images to that, and to 0.1 dB less:",
+      starts, final_db, candidates.size());
+  for (const PlotSeries& series : plot.series)
+    figure.ours += " " + series.name + " " + images_text(images_to_reach(series, final_db)) + ", " +
+                   images_text(images_to_reach(series, final_db - 0.1)) + ";";
+  figure.ours += format(" the goal is %.1f by guidance.", 0.75 * all);
+  figure.holds = images_to_reach(guidance, final_db) <= 0.75 * all;
   figure.plots.push_back({"figure_10_view_choice", std::move(plot)});
   return figure;
 }

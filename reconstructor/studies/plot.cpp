@@ -57,8 +57,12 @@ void write_axis(std::ostream& out, char name, const PlotAxis& axis) {
   out << ")\nset " << name << "range [-0.6:" << static_cast<double>(axis.categories.size()) - 0.4 << "]\n";
 }
 
+const char* colour_of(std::size_t series) {
+  return kColours[series % std::size(kColours)];
+}
+
 std::string drawing(const PlotSeries& series, std::size_t i) {
-  const std::string colour = std::string(" lc rgb '") + kColours[i % std::size(kColours)] + "'";
+  const std::string colour = std::string(" lc rgb '") + colour_of(i) + "'";
   const std::string point =
       " pt " + std::to_string(kPoints[(i + i / std::size(kColours)) % std::size(kPoints)]) + " ps 0.7";
   switch (series.style) {
@@ -110,6 +114,7 @@ std::string gnuplot_script(const Plot& plot, const std::filesystem::path& svg) {
     for (std::size_t k = 0; k < series.x.size(); ++k) {
       if (!std::isfinite(series.x[k]) || !std::isfinite(series.y[k])) continue;
       out << number(series.x[k] + shift) << ' ' << number(series.y[k]);
+      if (!series.bars.empty()) out << ' ' << number(series.bars[k]);
       if (!series.labels.empty()) out << " \"" << series.labels[k] << '"';
       out << '\n';
     }
@@ -121,6 +126,8 @@ std::string gnuplot_script(const Plot& plot, const std::filesystem::path& svg) {
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     const PlotSeries& series = plot.series[i];
     out << separator << "$series" << i << " using 1:2 " << drawing(series, i) << " title " << quoted(series.name);
+    if (!series.bars.empty())
+      out << ", \\\n  $series" << i << " using 1:2:3 with yerrorbars ps 0 lw 1 lc rgb '" << colour_of(i) << "' notitle";
     if (!series.labels.empty())  // towards the middle, where there is room
       for (const bool right : {false, true})
         out << ", \\\n  $series" << i << " using ($1 " << (right ? ">" : "<=") << ' ' << number(middle)
@@ -147,17 +154,23 @@ std::string csv_field(const std::string& text) {
 }
 
 std::string plot_csv(const Plot& plot) {
-  std::string out = "series," + csv_field(plot.x.label) + ',' + csv_field(plot.y.label) + ",label\n";
-  const auto line = [&](const std::string& name, const std::string& x, double y, const std::string& label) {
-    out += csv_field(name) + ',' + csv_field(x) + ',' + number(y) + ',' + csv_field(label) + '\n';
+  const bool bars =
+      std::any_of(plot.series.begin(), plot.series.end(), [](const PlotSeries& s) { return !s.bars.empty(); });
+  std::string out =
+      "series," + csv_field(plot.x.label) + ',' + csv_field(plot.y.label) + (bars ? ",label,bar\n" : ",label\n");
+  const auto line = [&](const std::string& name, const std::string& x, double y, const std::string& label,
+                        const std::string& bar) {
+    out += csv_field(name) + ',' + csv_field(x) + ',' + number(y) + ',' + csv_field(label);
+    out += bars ? ',' + bar + '\n' : "\n";
   };
   for (const PlotSeries& series : plot.series)
     for (std::size_t k = 0; k < series.x.size(); ++k) {
       const bool named = !plot.x.categories.empty();
       line(series.name, named ? plot.x.categories.at(static_cast<std::size_t>(series.x[k])) : number(series.x[k]),
-           series.y[k], series.labels.empty() ? std::string() : series.labels[k]);
+           series.y[k], series.labels.empty() ? std::string() : series.labels[k],
+           series.bars.empty() ? std::string() : number(series.bars[k]));
     }
-  for (const PlotLevel& level : plot.levels) line(level.name, "", level.y, "");
+  for (const PlotLevel& level : plot.levels) line(level.name, "", level.y, "", "");
   return out;
 }
 

@@ -10,13 +10,14 @@ namespace sheen {
 
 enum class PlotStyle { kLine, kMarkers, kLineAndMarkers, kDashed, kBars };
 
-/// Points that belong together; x, y and (where there are any) labels are of one length. A point whose x or y is not
-/// finite is left out of the picture and stands in the table.
+/// Points that belong together; x, y and (where there are any) labels and bars are of one length. A point whose x or y
+/// is not finite is left out of the picture and stands in the table.
 struct PlotSeries {
   std::string name;
   std::vector<double> x, y;
   PlotStyle style = PlotStyle::kLineAndMarkers;
   std::vector<std::string> labels;  ///< beside the points
+  std::vector<double> bars;         ///< half lengths of error bars; empty = none
 
   void add(double at, double value) {
     x.push_back(at);
@@ -46,8 +47,8 @@ struct Plot {
 /// What became of a plot: its table always, its picture where gnuplot is installed.
 enum class PlotFiles { kDrawn, kTableOnly };
 
-/// Writes STEM.csv (series, x, y, label), STEM.gnuplot (the whole plot, to draw or restyle by hand) and, by running
-/// gnuplot on it, STEM.svg. Throws FileError.
+/// Writes STEM.csv (series, x, y, label, and bar where there are any), STEM.gnuplot (the whole plot, to draw or restyle
+/// by hand) and, by running gnuplot on it, STEM.svg. Throws FileError.
 PlotFiles write_plot(const Plot& plot, const std::filesystem::path& stem);
 
 /// The table: one line a point, quoted as RFC 4180 says.

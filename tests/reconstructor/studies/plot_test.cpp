@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/studies/plot.h"
+#include "reconstructor/studies/figure.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,6 +36,27 @@ TEST(Plot, CategoriesStandInTheTableByName) {
   Plot plot{.title = "t", .x = {.label = "mesh", .categories = {"bust", "heart"}}, .y = {.label = "s"}};
   plot.series.push_back({.name = "online", .x = {0, 1}, .y = {3, 4}, .style = PlotStyle::kBars});
   EXPECT_EQ(plot_csv(plot), "series,mesh,s,label\nonline,bust,3,\nonline,heart,4,\n");
+}
+
+TEST(Plot, ErrorBarsStandInTheTableAndInTheScript) {
+  Plot plot{.title = "t", .x = {.label = "images"}, .y = {.label = "dB"}};
+  plot.series.push_back({.name = "guidance", .x = {1, 2}, .y = {3, 4}, .bars = {0.5, 0.25}});
+  plot.series.push_back({.name = "random", .x = {1}, .y = {2}});
+  EXPECT_EQ(plot_csv(plot), "series,images,dB,label,bar\nguidance,1,3,,0.5\nguidance,2,4,,0.25\nrandom,1,2,,\n");
+  const TempFolder folder;
+  write_plot(plot, folder.path() / "p");
+  const std::string script = read_file(folder.path() / "p.gnuplot");
+  EXPECT_THAT(script, HasSubstr("2 4 0.25\n"));
+  EXPECT_THAT(script, HasSubstr("$series0 using 1:2:3 with yerrorbars"));
+  EXPECT_THAT(script, Not(HasSubstr("$series1 using 1:2:3")));
+}
+
+TEST(Plot, ACurveReachesAValueBetweenItsPoints) {
+  const PlotSeries curve{.name = "c", .x = {2, 4, 8}, .y = {10, 20, 18}};
+  EXPECT_EQ(images_to_reach(curve, 9), 2) << "no earlier point says so";
+  EXPECT_EQ(images_to_reach(curve, 15), 3);
+  EXPECT_EQ(images_to_reach(curve, 19), 3.8) << "the first time";
+  EXPECT_TRUE(std::isnan(images_to_reach(curve, 21)));
 }
 
 TEST(Plot, ThePictureShowsTitleAxesAndSeries) {
