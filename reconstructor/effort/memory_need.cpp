@@ -15,19 +15,12 @@ namespace {
 
 constexpr double kGigabyte = 1e9;
 constexpr double kFixedPerTriangle = 600;  ///< mesh, ray scene, rings, and what an image shows of them
-constexpr double kFewTerms = 3, kFewColumns = 8;
+constexpr int kFewTerms = 3, kFewColumns = 8;
 
 std::string gigabytes(double bytes) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2g GB", bytes / kGigabyte);
   return text;
-}
-
-/// A ring's basis and its columns, a view's direction, interpolation and mask (RingModel::bytes), over all rings.
-double model_bytes(double vertices, double rows, double terms, double columns, double views) {
-  return rows * sizeof(float) * (terms + columns) + rows / 8 * views +
-         vertices * (sizeof(RingModel) + views * (sizeof(float) * (terms + 3) + 8 * sizeof(double)) +
-                     2 * sizeof(double) * terms * terms);
 }
 
 }  // namespace
@@ -36,11 +29,13 @@ MemoryNeed memory_need(std::size_t vertices, std::size_t triangles, const Surfac
   const double asked = options.map_scale * (options.surface_map > 0 ? options.surface_map : options.min_surface_map);
   const int side = std::max(2, static_cast<int>(std::lround(asked)));
   const auto v = static_cast<double>(vertices), t = static_cast<double>(triangles);
-  const double rows = 3 * 3 * t * lattice_samples(side);  // three channels; a triangle is in three rings
-  const RingFactorOptions& factor = options.ring.factor;
+  const double samples = 3 * t * lattice_samples(side) / v;  // of a ring: a triangle is in three
+  RingModelOptions few = options.ring;
+  few.factor = few.factor.limited_to(kFewTerms, kFewTerms, kFewColumns);
+  few.max_views = kFewColumns - few.factor.block;
   const double fixed = t * kFixedPerTriangle;
-  return {fixed + model_bytes(v, rows, kFewTerms, kFewColumns, kFewColumns),
-          fixed + model_bytes(v, rows, factor.terms_kept(), factor.block, options.ring.max_views + factor.block)};
+  return {fixed + v * RingModel::largest_bytes(samples, few),
+          fixed + v * RingModel::largest_bytes(samples, options.ring)};
 }
 
 MachineMemory machine_memory() {

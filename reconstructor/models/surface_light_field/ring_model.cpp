@@ -339,18 +339,16 @@ std::size_t RingModel::snapshot_bytes() const {
          sizeof(float) * (3 * shown_.size() * rank + views * (3 + rank) + 2 * rank);
 }
 
-double RingModel::largest_bytes(int samples, const RingModelOptions& options) {
+double RingModel::largest_bytes(double samples, const RingModelOptions& options) {
   const RingFactorOptions& factor = options.factor;
-  const double terms = factor.terms_kept(), views = options.max_views + factor.block,
-               rows = 3.0 * samples + 16;  // padded to whole vectors
-  // A view: direction, weights and the like; where images hide rows of it, a bit a row and what it showed of some rows.
-  const double view = sizeof(Eigen::Vector3f) + 17 * sizeof(double) + rows / 8 +
-                      sizeof(float) * static_cast<double>(factor.witnesses(3 * samples));
-  return sizeof(RingModel) + sizeof(float) * (rows * (terms + factor.block) + terms * views) +
-         2 * sizeof(double) * terms * terms + rows + views * view;
+  const double rows = 3 * samples, views = options.max_views + factor.block;
+  constexpr double kView = sizeof(Eigen::Vector3f) + sizeof(float) + sizeof(Nearest);
+  return sizeof(RingModel) + sizeof(std::uint16_t) * samples + kView * views +
+         RingFactor::bytes_for(rows, factor.terms_kept(), factor.block, views,
+                               factor.witnesses(static_cast<int>(rows)));
 }
 
-double RingModel::largest_snapshot_bytes(int samples, const RingModelOptions& options) {
+double RingModel::largest_snapshot_bytes(double samples, const RingModelOptions& options) {
   const double rank = options.factor.max_rank, views = options.max_views + options.factor.block;
   return sizeof(RingSnapshot) + samples + sizeof(float) * (3.0 * samples * rank + views * (3 + rank) + 2 * rank);
 }

@@ -88,9 +88,9 @@ class RingModel {
   const RingFactor& factor() const { return factor_; }
   std::size_t bytes() const;
   std::size_t snapshot_bytes() const;  ///< of `snapshot`, whether it is there or not
-  /// Upper bounds of these for a ring of so many samples, whatever images come.
-  static double largest_bytes(int samples, const RingModelOptions& options);
-  static double largest_snapshot_bytes(int samples, const RingModelOptions& options);
+  /// Upper bounds of these for a ring of so many samples, whatever images come; of many rings, by their mean.
+  static double largest_bytes(double samples, const RingModelOptions& options);
+  static double largest_snapshot_bytes(double samples, const RingModelOptions& options);
 
   /// The ring as it now stands, columns that wait to be folded included, with a guess where no image showed it
   /// (`fill_unseen_samples`); the same object until something changes. Taking it changes nothing. `resolution`: of the

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// The numbers in brackets are those of the equations in ring_basis.h.
+#include "reconstructor/numerics/ring_basis.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "reconstructor/numerics/orthonormal.h"
+#include "reconstructor/numerics/symmetric_eigen.h"
+
+namespace sheen {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Below this share of a column's norm its residual is rounding noise and no direction.
+template <typename Scalar>
+constexpr double kNoise = 50 * std::numeric_limits<Scalar>::epsilon();
+// A residual that the others of its block explain but for this share of its energy gives no direction of its own:
+// inner products are not more exact than that.
+template <typename Scalar>
+constexpr double kSmallestPivot = 16 * std::numeric_limits<Scalar>::epsilon();
+// Rounding in the Gram matrix of the residuals reaches the basis magnified by this much at most; beyond it, they are
+// orthogonalised once more. "Twice is enough" where the first time leaves a correct digit; where it leaves rounding
+// alone, as of residuals that lie in the basis but for the last digits, the third time is.
+constexpr double kLargestGrowth = 1.5;
+constexpr int kMostPasses = 3;
+
+// A turn of the basis costs it about one unit of rounding of orthonormality, and a polish gives it back.
+constexpr int kTurnsBetweenPolishes = 4;
+// What is dropped on the way may be missed later: it takes this share of the budget, the displayed rank the whole.
+constexpr double kShareOfBudgetOnTheWay = 0.5;
+
+/// What of each column's energy its coordinates do not hold.
+template <typename Block>
+VectorXd lost_of_columns(const Block& block, const MatrixXd& coordinates) {
+  VectorXd lost(block.count);
+  for (int j = 0; j < block.count; ++j)
+    lost[j] = (block.inside.col(j).squaredNorm() + block.residual2[j]) - coordinates.col(j).squaredNorm();
+  return lost;
+}
+
+}  // namespace
+
+/// Core coordinates are those of Q = [B' R]: the polished basis B' = B (I - E/2) and the orthonormalised residuals
+/// R = (P - B overlap) to_directions, whatever (2) needed to find them.
+template <typename Scalar>
+struct RingBasis<Scalar>::Block {
+  int count = 0;
+  VectorXd weight;            ///< for each column
+  VectorXd norm2, residual2;  ///< for each column: ||c||^2, ||p||^2
+  double lost = 0;            ///< energy that neither basis nor directions hold
+  MatrixXd inside;            ///< rank x count: coefficients in B, Y + H
+  MatrixXd outside;           ///< directions x count: coefficients in R
+  MatrixXd overlap;           ///< rank x count: H = B^T P, what projecting once left behind
+  MatrixXd to_directions;     ///< count x directions
+  MatrixXd loss;              ///< E = B^T B - I; empty when the basis will not turn
+};
+
+/// New basis = Q from_core: the leading singular directions of all columns, in core coordinates.
+template <typename Scalar>
+struct RingBasis<Scalar>::Turn {
+  int rank = 0, displayed = 0;
+  double lost = 0;       ///< energy of the directions left out
+  VectorXd spectrum;     ///< rank
+  MatrixXd from_core;    ///< core size x rank
+  MatrixXd core;         ///< G' of all columns, the block's included
+  MatrixXd coordinates;  ///< core size x count: of the block's columns
+};
+
+template <typename Scalar>
+double RingBasis<Scalar>::displayed_error() const {
+  const double all = energy();
+  double unshown = lost_;
+  for (int i = displayed_; i < rank_; ++i) unshown += gram_(i, i);
+  return all > 0 ? std::sqrt(unshown / all) : 0;
+}
+
+template <typename Scalar>
+std::size_t RingBasis<Scalar>::bytes() const {
+  return sizeof(Scalar) * basis_.size() + sizeof(double) * (gram_.size() + spectrum_.size());
+}
+
+template <typename Scalar>
+MatrixXd RingBasis<Scalar>::project(const row_panels::Columns<const Scalar>& columns) const {
+  return row_panels::inner_products(this->columns(), columns, basis_.rows());
+}
+
+template <typename Scalar>
+Fold RingBasis<Scalar>::fold(Matrix& columns, const VectorXd& weights, const MatrixXd& y,
+                             std::span<const std::uint64_t> hidden, const RingFactorOptions& options) {
+  Block block;
+  block.count = static_cast<int>(weights.size());
+  block.weight = weights;
+  block.norm2 = row_panels::squared_norms(row_panels::columns(columns, block.count), columns.rows());
+  const Matrix projected = y.template cast<Scalar>();  // (1), as P can be made with it
+  block.inside = projected.template cast<double>();
+  if (rank_ > 0)
+    row_panels::combine<Scalar>(this->columns(), {}, -projected, basis_.rows(),
+                                {columns.data(), columns.rows(), block.count}, true);
+  for (std::size_t row = 0; row < hidden.size(); ++row)
+    for (std::uint64_t bits = hidden[row]; bits != 0; bits &= bits - 1)
+      columns(static_cast<Eigen::Index>(row), std::countr_zero(bits)) = 0;
+  split_residuals(columns, block, options);
+  return absorb(columns, block, options);
+}
+
+/// (2): separates what the basis does not hold of the block, and orthonormalises it where it may not be lost.
+template <typename Scalar>
+void RingBasis<Scalar>::split_residuals(Matrix& columns, Block& block, const RingFactorOptions& options) const {
+  const int count = block.count;
+  const auto residuals = row_panels::columns(columns, count);
+  block.overlap = row_panels::inner_products(this->columns(), residuals, columns.rows());
+  block.inside += block.overlap;
+  const VectorXd norm2 = row_panels::squared_norms(residuals, columns.rows());
+  block.residual2 = norm2;
+  double energy_after = energy();
+  for (int j = 0; j < count; ++j) {
+    double& residual2 = block.residual2[j];
+    residual2 = std::max(0.0, residual2 - block.overlap.col(j).squaredNorm());
+    if (residual2 <= kNoise<Scalar> * kNoise<Scalar> * block.norm2[j]) residual2 = 0;
+    block.lost += block.weight[j] * residual2;
+    energy_after += block.weight[j] * (residual2 + block.inside.col(j).squaredNorm());
+  }
+  block.outside = MatrixXd::Zero(0, count);
+  block.to_directions = MatrixXd::Zero(count, 0);
+  if (lost_ + block.lost <= kShareOfBudgetOnTheWay * options.tolerance * options.tolerance * energy_after) return;
+  MatrixXd gram = row_panels::gram(residuals, columns.rows(), norm2);
+  gram.noalias() -= block.overlap.transpose() * block.overlap;
+  Orthonormalised orthonormal = orthonormalise(std::move(gram), block.residual2, kSmallestPivot<Scalar>);
+  block.to_directions = std::move(orthonormal.to_directions);
+  block.outside = std::move(orthonormal.coefficients);
+  block.lost = 0;
+  for (int j = 0; j < count; ++j)
+    block.lost += block.weight[j] * std::max(0.0, block.residual2[j] - block.outside.col(j).squaredNorm());
+}
+
+/// How many terms to keep and how many of them to display. `descending`: squared singular values; `lost`: energy
+/// without any direction.
+template <typename Scalar>
+void RingBasis<Scalar>::choose_rank(const VectorXd& descending, double lost, const RingFactorOptions& options,
+                                    Turn& turn) const {
+  const double energy = lost + descending.sum();
+  const double budget = options.tolerance * options.tolerance * energy;
+  // of the columns, and of the eigenvalues, which are no more exact than the largest of them
+  const double rounding =
+      std::max(kNoise<Scalar> * kNoise<Scalar>, 4 * std::numeric_limits<double>::epsilon()) * energy;
+  turn.rank = static_cast<int>(descending.size());
+  while (turn.rank > 0) {
+    const double next = descending[turn.rank - 1];
+    const bool affordable = lost + turn.lost + next <= kShareOfBudgetOnTheWay * budget;
+    if (!affordable && next > rounding && turn.rank <= options.terms_kept()) break;
+    turn.lost += next;
+    --turn.rank;
+  }
+  turn.displayed = turn.rank;
+  for (double hidden = lost + turn.lost; turn.displayed > 0; --turn.displayed) {
+    hidden += descending[turn.displayed - 1];
+    if (hidden > budget && turn.displayed <= options.max_rank) break;
+  }
+}
+
+/// Orthonormalises the directions of the block once more, now as columns of their own, whose squared norms it returns.
+template <typename Scalar>
+VectorXd RingBasis<Scalar>::orthonormalise_again(Matrix& columns, Block& block) const {
+  const auto columns_before = static_cast<int>(block.to_directions.rows());
+  const auto directions = static_cast<int>(block.to_directions.cols());
+  Matrix m(rank_ + columns_before, directions);
+  m << (-block.overlap * block.to_directions).template cast<Scalar>(), block.to_directions.template cast<Scalar>();
+  row_panels::combine<Scalar>(this->columns(), row_panels::columns(columns, columns_before), m, columns.rows(),
+                              {columns.data(), columns.rows(), directions});
+  const auto residuals = row_panels::columns(columns, directions);
+  block.overlap = row_panels::inner_products(this->columns(), residuals, columns.rows());
+  MatrixXd gram = row_panels::gram(residuals, columns.rows());
+  VectorXd norm2 = gram.diagonal();
+  gram.noalias() -= block.overlap.transpose() * block.overlap;
+  const Orthonormalised once_more = orthonormalise(gram, gram.diagonal().cwiseMax(0), kSmallestPivot<Scalar>);
+  block.to_directions = once_more.to_directions;
+  block.inside += block.overlap * block.outside;
+  block.outside = once_more.coefficients * block.outside;
+  return norm2;
+}
+
+/// (3) and (4).
+template <typename Scalar>
+typename RingBasis<Scalar>::Turn RingBasis<Scalar>::singular_turn(const Block& block,
+                                                                  const RingFactorOptions& options) const {
+  const Eigen::Index directions = block.outside.rows(), size = rank_ + directions;
+  if (size == 0) return {.coordinates = MatrixXd::Zero(0, block.count)};
+  MatrixXd z(size, block.count);
+  if (block.count > 0) {
+    z.topRows(rank_) = block.inside;
+    z.bottomRows(directions) = block.outside;
+    if (block.loss.size() > 0) z.topRows(rank_) += 0.5 * block.loss * block.inside;  // in the polished basis
+  }
+  // G holds what was meant: E is what rounding did to B since, mostly with one sign, and would wear G down fold by
+  // fold.
+  MatrixXd core = MatrixXd::Zero(size, size);
+  core.topLeftCorner(rank_, rank_) = gram_;
+  core.noalias() += z * block.weight.asDiagonal() * z.transpose();
+
+  Turn turn;
+  const SymmetricEigen eigen = symmetric_eigen(core);
+  turn.spectrum = eigen.values.cwiseMax(0);
+  choose_rank(turn.spectrum, lost_ + block.lost, options, turn);
+  turn.spectrum.conservativeResize(turn.rank);
+  turn.coordinates = std::move(z);
+  turn.core = std::move(core);
+  turn.from_core = eigen.vectors.leftCols(turn.rank);
+  return turn;
+}
+
+/// What rounding in the inner products of the residuals, times their norms, is magnified by on its way to the basis.
+template <typename Scalar>
+double RingBasis<Scalar>::growth(const Block& block, const VectorXd& norm2, const Turn& turn) const {
+  if (turn.rank == 0) return 0;
+  const MatrixXd reach =
+      norm2.cwiseSqrt().asDiagonal() * block.to_directions * turn.from_core.bottomRows(block.outside.rows());
+  return reach.colwise().squaredNorm().maxCoeff();
+}
+
+/// Adds the block to G, and turns the basis to the new singular directions where there are any.
+template <typename Scalar>
+Fold RingBasis<Scalar>::absorb(Matrix& columns, Block& block, const RingFactorOptions& options) {
+  const bool grows = block.outside.rows() > 0;
+  const auto polish = [&] {
+    block.loss = row_panels::gram(this->columns(), basis_.rows());
+    block.loss.diagonal().array() -= 1;
+  };
+  const bool turns = grows || rank_ > displayed_ || block.count == 0;
+  if (turns) {
+    if (turns_ == 0) polish();
+    turns_ = (turns_ + 1) % kTurnsBetweenPolishes;
+  }
+  Turn turn = singular_turn(block, options);
+  Fold fold;
+  if (!turns && turn.displayed == rank_) {  // nothing new: the basis stays as it is
+    gram_ = turn.core;
+    spectrum_ = turn.spectrum;
+    lost_ += block.lost;
+    fold.coordinates = std::move(turn.coordinates);
+  } else {
+    if (grows) {
+      // Those of columns with hidden rows may lie mostly within B.
+      VectorXd norm2 = block.residual2 + block.overlap.colwise().squaredNorm().transpose();
+      for (int pass = 1; pass < kMostPasses && growth(block, norm2, turn) > kLargestGrowth; ++pass) {
+        norm2 = orthonormalise_again(columns, block);
+        turn = singular_turn(block, options);
+      }
+    }
+    fold.turn = apply(columns, turn, block);
+    fold.coordinates =
+        rank_ > 0 ? MatrixXd(turn.from_core.transpose() * turn.coordinates) : MatrixXd::Zero(0, block.count);
+  }
+  fold.lost = lost_of_columns(block, fold.coordinates);
+  fold.norm2 = std::move(block.norm2);
+  fold.residual2 = std::move(block.residual2);
+  return fold;
+}
+
+/// Nothing is left but zeros, or less than the tolerance.
+template <typename Scalar>
+void RingBasis<Scalar>::forget_directions(const Turn& turn, const Block& block) {
+  basis_.resize(row_panels::padded(rows_), 0);
+  gram_.resize(0, 0);
+  spectrum_.resize(0);
+  lost_ += block.lost + turn.lost;
+  rank_ = displayed_ = 0;
+}
+
+/// (5). The residuals that (2) left in `columns` become part of the basis.
+template <typename Scalar>
+BasisTurn RingBasis<Scalar>::apply(const Matrix& columns, Turn& turn, const Block& block) {
+  if (turn.rank == 0) {
+    forget_directions(turn, block);
+    return {.kind = BasisTurn::Kind::kGone, .new_from_old = {}};
+  }
+  const Eigen::Index directions = block.outside.rows();
+  const Eigen::Index displayed = turn.displayed;
+  const MatrixXd rotation = aligning_rotation(turn.from_core.leftCols(displayed), displayed_);
+  turn.from_core.leftCols(displayed) = (turn.from_core.leftCols(displayed) * rotation).eval();
+
+  const MatrixXd from_basis = turn.from_core.topRows(rank_);
+  MatrixXd half = MatrixXd::Zero(rank_, turn.rank);  // E/2 of it
+  if (block.loss.size() > 0) half = 0.5 * block.loss * from_basis;
+  const MatrixXd from_residuals = block.to_directions * turn.from_core.bottomRows(directions);
+  Matrix m(rank_ + from_residuals.rows(), turn.rank);
+  m.topRows(rank_) = (from_basis - half - block.overlap * from_residuals).template cast<Scalar>();
+  m.bottomRows(from_residuals.rows()) = from_residuals.template cast<Scalar>();
+  const auto residuals = row_panels::columns(columns, static_cast<int>(from_residuals.rows()));
+  const Eigen::Index padded = row_panels::padded(rows_);
+  if (turn.rank == basis_.cols()) {
+    row_panels::combine<Scalar>(this->columns(), residuals, m, padded, {basis_.data(), padded, turn.rank});
+  } else {
+    Matrix turned(padded, turn.rank);
+    row_panels::combine<Scalar>(this->columns(), residuals, m, padded, {turned.data(), padded, turn.rank});
+    basis_ = std::move(turned);
+  }
+  gram_ = turn.spectrum.asDiagonal();
+  gram_.topLeftCorner(displayed, displayed) =
+      rotation.transpose() * turn.spectrum.head(displayed).asDiagonal() * rotation;
+  spectrum_ = turn.spectrum;
+  lost_ += block.lost + turn.lost;
+  rank_ = turn.rank;
+  displayed_ = turn.displayed;
+  return {.kind = BasisTurn::Kind::kTurned, .new_from_old = from_basis + half};
+}
+
+template <typename Scalar>
+BasisTurn RingBasis<Scalar>::restore_order(const RingFactorOptions& options) {
+  if (rank_ == 0) return {};
+  Block nothing;
+  nothing.inside = nothing.overlap = MatrixXd::Zero(rank_, 0);
+  nothing.outside = nothing.to_directions = MatrixXd::Zero(0, 0);
+  Matrix no_columns;
+  return absorb(no_columns, nothing, options).turn;
+}
+
+template <typename Scalar>
+std::vector<MatrixXd> RingBasis<Scalar>::restore_orthonormality() {
+  std::vector<MatrixXd> steps;
+  for (int pass = 0; pass < 2; ++pass) {  // the first leaves rounding times the condition of the rows' Gram matrix
+    const Eigen::LLT<MatrixXd> cholesky(row_panels::gram(columns(), basis_.rows()));
+    if (cholesky.info() != Eigen::Success) return steps;
+    // B <- B R^-1, Y <- R Y
+    const MatrixXd r = cholesky.matrixU();
+    const MatrixXd inverse = cholesky.matrixU().solve(MatrixXd::Identity(rank_, rank_));
+    row_panels::combine<Scalar>(columns(), {}, inverse.template cast<Scalar>(), basis_.rows(),
+                                {basis_.data(), basis_.rows(), rank_});
+    gram_ = (r * gram_ * r.transpose()).eval();
+    steps.push_back(r);
+  }
+  return steps;
+}
+
+template class RingBasis<float>;
+template class RingBasis<double>;
+
+}  // namespace sheen

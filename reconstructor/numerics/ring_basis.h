@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "reconstructor/numerics/ring_factor_options.h"
+#include "reconstructor/numerics/row_bits.h"
+#include "reconstructor/numerics/row_panels.h"
+
+namespace sheen {
+
+/// How a fold turned the basis: what a coefficient vector y of a folded view becomes.
+struct BasisTurn {
+  enum class Kind {
+    kNone,    ///< y stays
+    kTurned,  ///< new_from_old^T y
+    kGone,    ///< nothing: rank 0
+  };
+  Kind kind = Kind::kNone;
+  Eigen::MatrixXd new_from_old;  ///< old rank x new rank
+};
+
+/// What folding a block in did.
+struct Fold {
+  BasisTurn turn;
+  Eigen::VectorXd norm2, residual2;  ///< for each column: ||c||^2, ||p||^2
+  Eigen::MatrixXd coordinates;       ///< new rank x columns: of the block in the new basis
+  Eigen::VectorXd lost;              ///< for each column: ||c||^2 less that of its coordinates
+};
+
+/// The basis of the online SVD of a ring, and the algebra of a fold. With n rows, r terms, and the k columns C of a
+/// block with their weights w (W = diag w):
+///
+///   B  n x r   orthonormal        G  r x r  sum of w y y^T over all columns folded so far (double)
+///
+///   (1)  Y = B^T C,  P = C - B Y                           000 sec. 3.1, a block at a time                  n r k
+///   (2)  H = B^T P,  P^T P - H^T H = L L^T (pivoted)       R = (P - B H) L^-T instead of p / ||p||    n (r k + k^2)
+///   (3)  G' = [G 0; 0 0] + Z W Z^T,  Z = [Y + H; L^T]      of all columns in the coordinates of Q = [B R]      r k^2
+///   (4)  G' = V S^2 V^T                                    the small eigenproblem, in double              (r + k)^3
+///   (5)  B <- Q V,  y <- V^T y,  G <- S^2                  the leading columns of V alone; one pass     n (r + k) r
+///
+/// H is the second projection of "twice is enough": P was rounded, and what that left of B in it is not lost. Every
+/// few turns E = B^T B - I is measured too and (5) starts from B (I - E/2): the polish, which gives back what rounding
+/// took from the basis. R and the polished basis are never written out: both are in the one matrix that (5) multiplies
+/// [B P] by. Only where P^T P is so ill-conditioned that this would magnify its rounding is R written over P and
+/// orthonormalised once more.
+///
+/// The first `displayed()` columns of B span the leading singular subspace and are turned as little as possible from
+/// fold to fold (Procrustes: V's leading columns times the orthogonal factor of their overlap with the old frame); the
+/// rest is in singular order. So G is diagonal but for its leading displayed x displayed block.
+///
+/// Energy is counted exactly: B is orthonormal, so what is dropped is orthogonal to what is kept, and the sum of
+/// w ||c||^2 over all columns is trace G + lost.
+template <typename Scalar>
+class RingBasis {
+ public:
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+  explicit RingBasis(int rows) : rows_(rows) { basis_.resize(row_panels::padded(rows), 0); }
+
+  int rows() const { return rows_; }
+  int rank() const { return rank_; }
+  int displayed() const { return displayed_; }
+  auto leading(int terms) const { return basis_.topLeftCorner(rows_, terms); }
+  auto row(int row) const { return basis_.row(row).head(rank_); }
+  row_panels::Columns<const Scalar> columns() const { return row_panels::columns(basis_, rank_); }
+  Eigen::Index padded_rows() const { return basis_.rows(); }
+  const Eigen::MatrixXd& gram() const { return gram_; }
+  const Eigen::VectorXd& spectrum() const { return spectrum_; }  ///< squared singular values, descending
+  double lost() const { return lost_; }
+  double energy() const { return gram_.trace() + lost_; }
+  double displayed_error() const;  ///< root of the share of the energy that the displayed terms do not hold
+  std::size_t bytes() const;
+
+  /// B^T of columns that are as long as the padded rows: rank x columns.
+  Eigen::MatrixXd project(const row_panels::Columns<const Scalar>& columns) const;
+
+  /// Folds a block in. `columns`: padded rows x at least weights.size(); the fold leaves nothing of use in it.
+  /// `y`: B^T C, hidden rows at what they are imputed to be; these are then B y, and P is 0 there. `hidden`: which of
+  /// the columns hide a row, or empty.
+  Fold fold(Matrix& columns, const Eigen::VectorXd& weights, const Eigen::MatrixXd& y,
+            std::span<const std::uint64_t> hidden, const RingFactorOptions& options);
+
+  /// Restores the singular order, and gives back the rank that the options do not ask for.
+  BasisTurn restore_order(const RingFactorOptions& options);
+
+  /// Gives rows that were zero values, row by row, and then makes B orthonormal again. Returns what coefficients are to
+  /// be multiplied by, one matrix after the other: r x r each.
+  void set_row(int row, const Eigen::VectorXd& values) {
+    basis_.row(row).head(rank_) = values.transpose().template cast<Scalar>();
+  }
+  std::vector<Eigen::MatrixXd> restore_orthonormality();
+
+  void set_gram(Eigen::MatrixXd gram) { gram_ = std::move(gram); }
+  /// Of a column of this weight, so much less (or more) was lost than was counted.
+  void count_lost(double weight, double energy) { lost_ = std::max(0.0, lost_ + weight * energy); }
+
+ private:
+  struct Block;
+  struct Turn;
+
+  void split_residuals(Matrix& columns, Block& block, const RingFactorOptions& options) const;
+  Eigen::VectorXd orthonormalise_again(Matrix& columns, Block& block) const;
+  void choose_rank(const Eigen::VectorXd& descending, double lost, const RingFactorOptions& options, Turn& turn) const;
+  Turn singular_turn(const Block& block, const RingFactorOptions& options) const;
+  double growth(const Block& block, const Eigen::VectorXd& norm2, const Turn& turn) const;
+  Fold absorb(Matrix& columns, Block& block, const RingFactorOptions& options);
+  BasisTurn apply(const Matrix& columns, Turn& turn, const Block& block);
+  void forget_directions(const Turn& turn, const Block& block);
+
+  int rows_;
+  int rank_ = 0, displayed_ = 0;
+  int turns_ = 0;    ///< of the basis since the last polish, that one included
+  double lost_ = 0;  ///< energy of the folded columns that B does not hold
+  Matrix basis_;     ///< padded rows x rank
+  Eigen::MatrixXd gram_;
+  Eigen::VectorXd spectrum_;
+};
+
+}  // namespace sheen
