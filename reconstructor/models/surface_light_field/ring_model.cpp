@@ -10,23 +10,13 @@
 namespace sheen {
 namespace {
 
-constexpr int kFirstChoice = 5;  // views; fewer say nothing about how fast a ring varies
-constexpr double kChoiceGrowth = 1.4, kLateChoiceGrowth = 2;
-constexpr double kLateChoice = 32;  // images; a choice costs the cube of its views, and changes less and less
-constexpr double kGoldenRatio = 0.6180339887498949;
 // Runs of neighbouring samples share cache lines: an eighth of the samples is an eighth of the memory.
 constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
 // A repetition differs by its own noise and by that of the view it repeats, of which a basis has averaged a part.
 constexpr double kRepeatedNoise = 1.5, kRepeatedColumn = 2;
 constexpr float kSensorVariance = 2e-5f;  // about one grey level of 255, encoded
 
-Eigen::Matrix3Xf as_matrix(const std::vector<Eigen::Vector3f>& vectors) {
-  Eigen::Matrix3Xf m(3, static_cast<Eigen::Index>(vectors.size()));
-  for (std::size_t i = 0; i < vectors.size(); ++i) m.col(static_cast<Eigen::Index>(i)) = vectors[i];
-  return m;
-}
-
-/// A row of the column: whether it is known; empty when all are.
+/// For each row of the column, whether it is known; empty when all are.
 std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std::size_t shown) {
   if (shown == visible.size()) return {};
   std::vector<std::uint8_t> known(3 * visible.size());
@@ -49,9 +39,8 @@ double image_weight(const RingFactorOptions& options, double share_shown) {
 RingModel::RingModel(int samples, const RingModelOptions& options, unsigned phase)
     : options_(options),
       factor_(3 * samples, ring_factor_options(options.factor), phase),
-      shown_(static_cast<std::size_t>(samples), 0),
-      choice_phase_(phase * kGoldenRatio - std::floor(phase * kGoldenRatio)),
-      choice_due_(choice_after(0)) {}
+      interpolation_(phase),
+      shown_(static_cast<std::size_t>(samples), 0) {}
 
 /// The paper's imputation takes images that show part of a ring only with half of it visible, and when the basis rests
 /// on some that show all (000 sec. 3.2: after 8 to 10).
@@ -73,13 +62,12 @@ RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<c
       factor_.add(column, known_rows(visible, shown), image_weight(options_.factor, share));
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
-  directions_.push_back(direction);
-  reliability_.push_back(reliability * share);
+  views_.add(direction, reliability * share);
   best_cosine_ = std::max(best_cosine_, cosine);
   ++images_;
   follow(folded, result);
   snapshot_.reset();
-  result.wants_interpolation = can_choose_interpolation() && images_ >= choice_due_;
+  result.wants_interpolation = can_choose_interpolation() && interpolation_.due(images_);
   return result;
 }
 
@@ -87,22 +75,18 @@ void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uin
                          const Eigen::Vector3f& direction) {
   const auto shown = static_cast<std::size_t>(std::count(visible.begin(), visible.end(), 1));
   if (images_ == 0 || !shows_enough(shown, visible.size())) return;
-  const int view = view_of(direction), folded = factor_.folded_views();
+  const int view = views_.view_from(direction), folded = factor_.folded_views();
   if (view < folded) {
     const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
-    const auto weight = static_cast<float>(factor_.weight_of(view));
-    factor_.take_from(view, column, known_rows(visible, shown), image_weight(options_.factor, share));
-    if (factor_.folded_views() < folded) {
-      erase_view(view);
-      place_those_left_alone();
-    } else {  // it was merged: the view moves back to where the others are
-      move_view(view,
-                weight * directions_[view] - static_cast<float>(image_weight(options_.factor, share)) * direction);
-    }
+    const double weight = factor_.weight_of(view), taken = image_weight(options_.factor, share);
+    factor_.take_from(view, column, known_rows(visible, shown), taken);
+    if (factor_.folded_views() < folded)
+      views_.remove(view);
+    else  // it was merged: the view moves back to where the others are
+      views_.take_from(view, static_cast<float>(weight), direction, static_cast<float>(taken));
   } else {
     factor_.remove(view);
-    directions_.erase(directions_.begin() + view);
-    reliability_.erase(reliability_.begin() + view);
+    views_.remove(view);
   }
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] > 0) --shown_[s];
@@ -110,38 +94,13 @@ void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uin
   snapshot_.reset();
 }
 
-/// The latest view from exactly there; else the image was merged, into the view that is nearest now.
-int RingModel::view_of(const Eigen::Vector3f& direction) const {
-  const auto same = std::find(directions_.rbegin(), directions_.rend(), direction);
-  if (same != directions_.rend()) return static_cast<int>(directions_.rend() - same) - 1;
-  const auto nearest = std::max_element(
-      directions_.begin(), directions_.begin() + factor_.folded_views(),
-      [&](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.dot(direction) < b.dot(direction); });
-  return static_cast<int>(nearest - directions_.begin());
-}
-
-/// Of the first `views` ones; -1 when there is none.
-int RingModel::nearest_view(const Eigen::Vector3f& direction, int views, float& cosine) const {
-  int nearest = -1;
-  cosine = -1;
-  for (int view = 0; view < views; ++view)
-    if (const float c = direction.dot(directions_[view]); nearest < 0 || c > cosine) {
-      nearest = view;
-      cosine = c;
-    }
-  return nearest;
-}
-
 float RingModel::nearest_cosine(const Eigen::Vector3f& direction) const {
-  float cosine = -1;
-  nearest_view(direction, views(), cosine);
-  return cosine;
+  return views_.nearest(direction).cosine;
 }
 
 bool RingModel::repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
                         const Eigen::Vector3f& direction) const {
-  float cosine = -1;
-  const int view = nearest_view(direction, views(), cosine);
+  const auto [view, cosine] = views_.nearest(direction);
   if (view < 0 || options_.repeat_angle <= 0 || cosine < std::cos(static_cast<float>(options_.repeat_angle)))
     return false;
   const int waiting = view - factor_.folded_views();  // < 0: folded
@@ -178,61 +137,12 @@ void RingModel::follow(const RingFactor::Reports& reports, Absorbed& result) {
 
 /// Two views that nearly coincide say the same: of more than `max_views`, the nearest two become one.
 void RingModel::thin_views() {
-  while (static_cast<int>(nearest_.size()) < factor_.folded_views()) {
-    nearest_.emplace_back();
-    place(static_cast<int>(nearest_.size()) - 1);
-  }
+  views_.set_folded(factor_.folded_views());
   while (factor_.folded_views() > options_.max_views) {
-    const auto closest = std::max_element(nearest_.begin(), nearest_.end(),
-                                          [](const Nearest& a, const Nearest& b) { return a.cosine < b.cosine; });
-    const auto found = static_cast<int>(closest - nearest_.begin());
-    const int kept = std::min(found, closest->view), removed = std::max(found, closest->view);
-    const double weight = factor_.weight_of(kept), other = factor_.weight_of(removed);
-    const Eigen::Vector3f mean =
-        static_cast<float>(weight) * directions_[kept] + static_cast<float>(other) * directions_[removed];
-    reliability_[kept] = std::max(reliability_[kept], reliability_[removed]);
+    const auto [kept, removed] = views_.closest_pair();
+    views_.merge(kept, removed, static_cast<float>(factor_.weight_of(kept)),
+                 static_cast<float>(factor_.weight_of(removed)));
     factor_.merge_views(kept, removed);
-    erase_view(removed);
-    move_view(kept, mean);
-  }
-}
-
-/// To another direction, of any length.
-void RingModel::move_view(int view, const Eigen::Vector3f& direction) {
-  directions_[view] = direction.normalized();
-  for (Nearest& nearest : nearest_)
-    if (nearest.view == view) nearest = {};
-  place(view);
-  place_those_left_alone();
-}
-
-/// Finds the nearest view of those that have lost it.
-void RingModel::place_those_left_alone() {
-  for (int view = 0; view < factor_.folded_views(); ++view)
-    if (nearest_[view].view < 0) place(view);
-}
-
-/// Finds the view nearest to this one, and whom this one is now the nearest to.
-void RingModel::place(int view) {
-  nearest_[view] = {};
-  for (int other = 0; other < static_cast<int>(nearest_.size()); ++other) {
-    if (other == view) continue;
-    const float cosine = directions_[view].dot(directions_[other]);
-    if (cosine > nearest_[view].cosine) nearest_[view] = {other, cosine};
-    if (cosine > nearest_[other].cosine) nearest_[other] = {view, cosine};
-  }
-}
-
-/// Views behind it move up by one; those nearest to it are left without (-1).
-void RingModel::erase_view(int view) {
-  directions_.erase(directions_.begin() + view);
-  reliability_.erase(reliability_.begin() + view);
-  nearest_.erase(nearest_.begin() + view);
-  for (Nearest& nearest : nearest_) {
-    if (nearest.view == view)
-      nearest = {};
-    else if (nearest.view > view)
-      --nearest.view;
   }
 }
 
@@ -242,26 +152,13 @@ void RingModel::limit_terms(int max_rank, int internal_rank, int block) {
   snapshot_.reset();
 }
 
-/// Choices come as soon as there can be one, and then at numbers of images that grow by a factor; rings of differing
-/// phase take others of them, so that every image has its share.
-int RingModel::choice_after(int images) const {
-  if (images < kFirstChoice) return kFirstChoice;
-  double due = kFirstChoice * std::pow(kChoiceGrowth, choice_phase_);
-  while (std::ceil(due) <= images) due *= due < kLateChoice ? kChoiceGrowth : kLateChoiceGrowth;
-  return static_cast<int>(std::ceil(due));
-}
-
 RingModel::Foretold RingModel::foretell(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
                                         const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const {
   Foretold foretold;
   if (rank() == 0) return foretold;
-  const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
-  const Eigen::Matrix3Xf directions = as_matrix(directions_);
   const ViewInterpolant interpolant =
-      krige(directions, with_pending(factor_.displayed_coefficients()), reliability, interpolation_.kernel,
-            interpolation_.drift ? drift_of_views(normal) : Eigen::VectorXf());
-  Eigen::VectorXf h = interpolate(interpolant, directions, interpolation_.kernel, direction);
-  if (interpolant.drift.size() > 0) h += reflection_->at(direction, normal) * interpolant.drift;
+      interpolation_.krige(views_, with_pending(factor_.displayed_coefficients()), normal);
+  const Eigen::VectorXf h = interpolation_.at(interpolant, views_, direction, normal);
   for (std::size_t s = 0; s < visible.size(); ++s) {
     const auto row = static_cast<Eigen::Index>(3 * s);
     const auto basis = factor_.displayed_basis().middleRows<3>(row);
@@ -273,7 +170,7 @@ RingModel::Foretold RingModel::foretell(const Eigen::VectorXf& column, std::span
 }
 
 bool RingModel::can_choose_interpolation() const {
-  return views() >= kFirstChoice;
+  return RingInterpolation::can_choose(views());
 }
 
 /// Those of the folded views, and of the pending ones: rank x views.
@@ -289,28 +186,19 @@ Eigen::MatrixXf RingModel::known_coefficients() const {
   return with_pending(factor_.coefficients().topRows(rank()));
 }
 
-/// Empty without a shared reflection.
-Eigen::VectorXf RingModel::drift_of_views(const Eigen::Vector3f& normal) const {
-  Eigen::VectorXf drift(reflection_ ? views() : 0);
-  for (Eigen::Index j = 0; j < drift.size(); ++j) drift[j] = reflection_->at(directions_[j], normal);
-  return drift;
-}
-
 InterpolationErrors RingModel::interpolation_errors(const Eigen::Vector3f& normal) const {
-  const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
-  return sheen::interpolation_errors(as_matrix(directions_), known_coefficients(), reliability, drift_of_views(normal));
+  return interpolation_.errors(views_, known_coefficients(), normal);
 }
 
 void RingModel::set_interpolation(const ViewInterpolation& interpolation) {
-  choice_due_ = choice_after(images_);
-  if (interpolation_ == interpolation) return;
-  interpolation_ = interpolation;
-  snapshot_.reset();
+  const bool same = interpolation_.chosen() == interpolation;
+  interpolation_.choose(interpolation, images_);
+  if (!same) snapshot_.reset();
 }
 
 void RingModel::set_reflection(std::shared_ptr<const ReflectionDrift> reflection) {
-  reflection_ = std::move(reflection);
-  if (interpolation_.drift) snapshot_.reset();
+  interpolation_.share(std::move(reflection));
+  if (interpolation_.chosen().drift) snapshot_.reset();
 }
 
 RingLevels RingModel::levels(const Eigen::Vector3f& normal) const {
@@ -322,13 +210,12 @@ RingLevels RingModel::levels(const Eigen::Vector3f& normal) const {
       mean += factor_.displayed_basis().middleRows<3>(static_cast<Eigen::Index>(3 * s));
       ++seen;
     }
-  return {normal, as_matrix(directions_), mean / static_cast<float>(std::max(seen, 1)) * known_coefficients(),
-          Eigen::Map<const Eigen::VectorXf>(reliability_.data(), views())};
+  return {normal, views_.direction_matrix(), mean / static_cast<float>(std::max(seen, 1)) * known_coefficients(),
+          views_.reliability()};
 }
 
 std::size_t RingModel::bytes() const {
-  return sizeof(*this) + factor_.bytes() + shown_.size() * sizeof(shown_[0]) +
-         directions_.size() * (sizeof(Eigen::Vector3f) + sizeof(float)) + nearest_.size() * sizeof(Nearest);
+  return sizeof(*this) + factor_.bytes() + shown_.size() * sizeof(shown_[0]) + views_.bytes();
 }
 
 std::size_t RingModel::snapshot_bytes() const {
@@ -342,8 +229,7 @@ std::size_t RingModel::snapshot_bytes() const {
 double RingModel::largest_bytes(double samples, const RingModelOptions& options) {
   const RingFactorOptions& factor = options.factor;
   const double rows = 3 * samples, views = options.max_views + factor.block;
-  constexpr double kView = sizeof(Eigen::Vector3f) + sizeof(float) + sizeof(Nearest);
-  return sizeof(RingModel) + sizeof(std::uint16_t) * samples + kView * views +
+  return sizeof(RingModel) + sizeof(std::uint16_t) * samples + views * ViewSet::bytes_for(1) +
          RingFactor::bytes_for(rows, factor.terms_kept(), factor.block, views,
                                factor.witnesses(static_cast<int>(rows)));
 }
@@ -370,15 +256,12 @@ std::shared_ptr<const RingSnapshot> RingModel::settled_snapshot(const Eigen::Mat
                                                                 std::span<const int> resolution) const {
   auto snapshot = std::make_shared<RingSnapshot>();
   snapshot->basis = factor_.displayed_basis();
-  snapshot->directions = as_matrix(directions_);
+  snapshot->directions = views_.direction_matrix();
   snapshot->frame = frame;
   snapshot->shown.resize(shown_.size());
   for (std::size_t s = 0; s < shown_.size(); ++s) snapshot->shown[s] = shown_share(shown_[s], images_);
-  const Eigen::Map<const Eigen::VectorXf> reliability(reliability_.data(), views());
-  snapshot->set_interpolation(
-      krige(snapshot->directions, factor_.displayed_coefficients(), reliability, interpolation_.kernel,
-            interpolation_.drift ? drift_of_views(frame.row(2)) : Eigen::VectorXf()),
-      interpolation_.kernel, reflection_);
+  snapshot->set_interpolation(interpolation_.krige(views_, factor_.displayed_coefficients(), frame.row(2)),
+                              interpolation_.chosen().kernel, interpolation_.reflection());
   if (options_.interpolation.method == ViewMethod::kDelaunay)
     snapshot->set_triangulation(factor_.displayed_coefficients());
   snapshot->residual = residual_;

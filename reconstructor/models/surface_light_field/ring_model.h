@@ -8,16 +8,17 @@
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
+#include "reconstructor/models/surface_light_field/ring_interpolation.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 #include "reconstructor/models/surface_light_field/view_interpolation.h"
+#include "reconstructor/models/surface_light_field/view_set.h"
 #include "reconstructor/numerics/ring_factor.h"
-#include "reconstructor/numerics/view_kriging.h"
 
 namespace sheen {
 
 struct RingModelOptions {
   RingFactorOptions factor;
-  int max_views = 96;            ///< directions kept a ring; beyond it the two nearest ones become one
+  int max_views = 96;            ///< directions kept per ring; beyond it the two nearest ones become one
   double min_visible = 0.1;      ///< share of a ring's samples that an image must show
   double repeat_angle = 0.0175;  ///< rad from a kept view within which an image may be a repetition of it; 0 = none is
   ViewInterpolationOptions interpolation;
@@ -31,7 +32,9 @@ RingFactorOptions ring_factor_options(RingFactorOptions options);
 /// for less than its share (docs/decisions/missing_samples.md). The paper's imputation has no weights.
 double image_weight(const RingFactorOptions& options, double share_shown);
 
-/// The surface light field round one vertex as it grows: the online SVD of what was seen and from where.
+/// The surface light field round one vertex as it grows: the online SVD of what was seen (RingFactor), from where
+/// (ViewSet), and what lies between (RingInterpolation). The three know nothing of each other; views have the same
+/// numbers in factor and set.
 class RingModel {
  public:
   /// `phase`: rings of differing phase fold their columns and choose their interpolation at different images, which
@@ -78,7 +81,7 @@ class RingModel {
   /// `normal`: of the vertex. Errors with the drift are infinite while there is none, and with too few views.
   InterpolationErrors interpolation_errors(const Eigen::Vector3f& normal) const;
   void set_interpolation(const ViewInterpolation& interpolation);
-  const ViewInterpolation& interpolation() const { return interpolation_; }
+  const ViewInterpolation& interpolation() const { return interpolation_.chosen(); }
   /// What all rings share; a ring takes part in it by its levels.
   void set_reflection(std::shared_ptr<const ReflectionDrift> reflection);
   RingLevels levels(const Eigen::Vector3f& normal) const;
@@ -98,39 +101,20 @@ class RingModel {
   std::shared_ptr<const RingSnapshot> snapshot(const Eigen::Matrix3f& frame, std::span<const int> resolution);
 
  private:
-  /// The folded view nearest to a folded view.
-  struct Nearest {
-    int view = -1;
-    float cosine = -2;
-  };
-
   std::shared_ptr<const RingSnapshot> settled_snapshot(const Eigen::Matrix3f& frame,
                                                        std::span<const int> resolution) const;
   Eigen::MatrixXf with_pending(const Eigen::Ref<const Eigen::MatrixXf>& folded) const;
   Eigen::MatrixXf known_coefficients() const;
-  Eigen::VectorXf drift_of_views(const Eigen::Vector3f& normal) const;
-  int choice_after(int images) const;
-  int nearest_view(const Eigen::Vector3f& direction, int views, float& cosine) const;
   void follow(const RingFactor::Reports& reports, Absorbed& result);
   bool shows_enough(std::size_t shown, std::size_t samples) const;
-  int view_of(const Eigen::Vector3f& direction) const;
-  void place(int view);
-  void move_view(int view, const Eigen::Vector3f& direction);
-  void place_those_left_alone();
   void thin_views();
-  void erase_view(int view);
 
   RingModelOptions options_;
   RingFactor factor_;
-  std::vector<std::uint16_t> shown_;  ///< a sample: images that showed it, as far as the type counts
-  std::vector<Eigen::Vector3f> directions_;
-  std::vector<float> reliability_;
-  std::vector<Nearest> nearest_;  ///< a folded view
-  ViewInterpolation interpolation_;
-  double choice_phase_;  ///< 0..1
-  int choice_due_ = 0;   ///< images taken in when the interpolation is to be chosen next
-  std::shared_ptr<const ReflectionDrift> reflection_;
-  int images_ = 0;  ///< taken in
+  ViewSet views_;
+  RingInterpolation interpolation_;
+  std::vector<std::uint16_t> shown_;  ///< for each sample: images that showed it, as far as the type counts
+  int images_ = 0;                    ///< taken in
   float residual_ = 1;
   float best_cosine_ = 0;
   std::shared_ptr<const RingSnapshot> snapshot_;
