@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/base/median.h"
+
 namespace sheen {
 namespace {
 
@@ -18,10 +20,7 @@ nlohmann::json refusals(const TrackingReport& report) {
 
 double TrackingReport::median_ms(const std::string& stage) const {
   const auto it = stage_ms.find(stage);
-  if (it == stage_ms.end() || it->second.empty()) return 0;
-  std::vector<float> times = it->second;
-  std::ranges::nth_element(times, times.begin() + times.size() / 2);
-  return times[times.size() / 2];
+  return it == stage_ms.end() || it->second.empty() ? 0 : median(std::vector(it->second));
 }
 
 std::string TrackingReport::failure_text() const {

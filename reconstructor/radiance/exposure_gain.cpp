@@ -4,18 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/median.h"
+
 namespace sheen {
 namespace {
 
 constexpr double kPriorSigma = 0.3;      // of the log gain: exposures of one set differ by up to about 30 %
 constexpr double kSurfacesPerFact = 20;  // neighbouring rings err together
 constexpr std::size_t kFewest = 20;
-
-float median(std::span<float> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 

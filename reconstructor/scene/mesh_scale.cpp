@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/errors.h"
+#include "common/base/median.h"
 
 namespace sheen {
 namespace {
@@ -57,8 +58,7 @@ double median_distance(const BoundingSphere& sphere, std::span<const PosedCamera
   std::vector<double> distances;
   for (const PosedCamera& view : cameras)
     distances.push_back((camera_centre(view.camera_from_object) - sphere.centre).norm());
-  std::ranges::nth_element(distances, distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2));
-  return distances[distances.size() / 2];
+  return median(distances);
 }
 
 }  // namespace

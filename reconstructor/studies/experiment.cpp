@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "common/base/errors.h"
+#include "common/base/median.h"
 #include "reconstructor/radiance/capture_rules.h"
 
 namespace sheen {
@@ -96,11 +97,7 @@ Experiment load_experiment(std::shared_ptr<const Mesh> mesh, std::size_t count,
 }
 
 double OnlineRun::median_ms() const {
-  std::vector<double> values = image_ms;
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return image_ms.empty() ? 0 : median(std::vector(image_ms));
 }
 
 double OnlineRun::total_s() const {

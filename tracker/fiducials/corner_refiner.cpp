@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "common/base/median.h"
 #include "common/stage/tag_pattern.h"
 
 namespace sheen {
@@ -121,8 +122,7 @@ std::optional<Vector2d> fit_line(const std::vector<EdgePoint>& points) {
       for (std::size_t i = 0; i < points.size(); ++i)
         residuals[i] = std::abs(points[i].across - line[0] - line[1] * points[i].along);
       sorted = residuals;
-      std::ranges::nth_element(sorted, sorted.begin() + sorted.size() / 2);
-      scale = kTukeyMadRatio * std::max(sorted[sorted.size() / 2], kMinScalePx);
+      scale = kTukeyMadRatio * std::max(median(sorted), kMinScalePx);
     }
     Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
     Vector2d right(0, 0);
@@ -262,9 +262,7 @@ double measured_streak_px(const ImageU8& grey, const Camera& camera, const std::
         widest = std::max(widest, slope_variance(points));
     if (widest > 0) streaks.push_back(std::sqrt(12 * std::max(widest - kSharpVariance, 0.0)));
   }
-  if (streaks.empty()) return 0;
-  std::ranges::nth_element(streaks, streaks.begin() + streaks.size() / 2);
-  return streaks[streaks.size() / 2];
+  return streaks.empty() ? 0 : median(streaks);
 }
 
 void refine_corners(const ImageU8& grey, const Camera& camera, std::vector<TagObservation>& tags,

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "common/base/median.h"
 #include "tracker/fiducials/tag_detector.h"
 
 namespace sheen {
@@ -45,8 +46,7 @@ std::array<double, 4> site_gains(const ImageU8& mosaic, PixelFormat format) {
   std::vector<double> ratios(quads.size());
   for (int site = 0; site < 4; ++site) {
     std::ranges::transform(quads, ratios.begin(), [&](const Quad& q) { return green(q) / q[site]; });
-    std::ranges::nth_element(ratios, ratios.begin() + ratios.size() / 2);
-    gains[site] = std::clamp(ratios[ratios.size() / 2], 1 / kMaxGain, kMaxGain);
+    gains[site] = std::clamp(median(ratios), 1 / kMaxGain, kMaxGain);
   }
   return gains;
 }

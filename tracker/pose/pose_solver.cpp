@@ -9,6 +9,7 @@
 #include <opencv2/calib3d.hpp>
 #include <optional>
 
+#include "common/base/median.h"
 #include "tracker/pose/reprojection.h"
 
 namespace sheen {
@@ -95,11 +96,6 @@ std::vector<double> tag_residuals(const Camera& camera, const std::vector<Corres
   return residuals;
 }
 
-double median(std::vector<double> values) {
-  std::ranges::nth_element(values, values.begin() + values.size() / 2);
-  return values[values.size() / 2];
-}
-
 std::vector<Correspondence> without_tag(const std::vector<Correspondence>& points, int index) {
   std::vector<Correspondence> rest = points;
   rest.erase(rest.begin() + 4 * index, rest.begin() + 4 * index + 4);
@@ -126,7 +122,7 @@ std::optional<RefinedPose> solve_robustly(const Camera& camera, const std::vecto
 bool drop_outliers(const Camera& camera, std::vector<Correspondence>& points, const Rigid3& pose,
                    const PoseOptions& options) {
   const std::vector<double> residuals = tag_residuals(camera, points, pose);
-  const double middle = median(residuals);
+  const double middle = median(std::vector(residuals));
   std::vector<double> deviations;
   for (const double r : residuals) deviations.push_back(std::abs(r - middle));
   const double limit = std::max(middle + options.drop_mads * kMadToSigma * median(deviations), options.drop_floor_px);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/base/median.h"
+
 namespace sheen {
 namespace {
 
@@ -144,9 +146,8 @@ RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot) {
     figures.measured = static_cast<double>(measured) / static_cast<double>(samples);
   }
   if (ranks.empty()) return figures;
+  figures.median = median(ranks);
   const auto middle = ranks.begin() + static_cast<std::ptrdiff_t>(ranks.size() / 2);
-  std::nth_element(ranks.begin(), middle, ranks.end());
-  figures.median = *middle;
   if (ranks.size() % 2 == 0) figures.median = 0.5 * (figures.median + *std::max_element(ranks.begin(), middle));
   figures.most = *std::max_element(ranks.begin(), ranks.end());
   return figures;
