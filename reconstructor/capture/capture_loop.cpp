@@ -6,7 +6,6 @@
 #include <thread>
 
 #include "common/base/log.h"
-#include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 namespace sheen {
 namespace {
@@ -256,12 +255,13 @@ void CaptureLoop::judge_live() {
   const std::vector<HeldOutView>& views = reconstruction_.held_out();
   const Eigen::Vector3d centre = bounding_sphere(reconstruction_.mesh()).centre.cast<double>();
   if (const std::vector<std::size_t> panel = judging_panel(views, centre); !panel.empty())
-    held_out_curve_.judge(views, panel, reconstruction_.counts().accepted, *fill_unseen(*reconstruction_.snapshot()),
+    held_out_curve_.judge(views, panel, reconstruction_.counts().accepted, *reconstruction_.snapshot()->filled(),
                           *reconstruction_.model().constant_colour(), reconstruction_.painter());
   const std::lock_guard lock(mutex_);
   status_.held_out_curve = held_out_curve_.points();
-  status_.rank_histogram = reconstruction_.model().rank_histogram();
-  status_.model_bytes = reconstruction_.model().bytes();
+  const ModelFigures figures = reconstruction_.model().figures();
+  status_.rank_histogram = figures.rank_histogram;
+  status_.model_bytes = figures.bytes;
   for (const auto& [stage, seconds] : reconstruction_.stages()) status_.stage_s[stage] = seconds.median_s();
   status_.update = reconstruction_.updates();
 }

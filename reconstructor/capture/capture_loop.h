@@ -55,7 +55,7 @@ struct LoopStatus {
 
 /// Who watches a loop. Calls come from the loop's threads, must be quick and must not throw.
 struct LoopObserver {
-  std::function<void(std::shared_ptr<const SurfaceLightFieldSnapshot>)> on_snapshot;
+  std::function<void(std::shared_ptr<const ModelSnapshot>)> on_snapshot;
   std::function<void(const Capture&)> on_capture;     ///< every capture that arrives, live or to be kept
   std::function<void(const ReceiverStats&)> on_link;  ///< many times a second, from the start
 };

@@ -8,7 +8,6 @@
 
 #include "common/image/color.h"
 #include "common/image/image_io.h"
-#include "reconstructor/models/surface_light_field/next_view.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/guidance.h"
 
@@ -120,7 +119,7 @@ std::optional<MonitorState::Ending> ending_of(const EndProgress& end) {
 
 LoopObserver LiveDisplay::observer() {
   return {.on_snapshot =
-              [this](std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot) {
+              [this](std::shared_ptr<const ModelSnapshot> snapshot) {
                 const std::lock_guard lock(mutex_);
                 latest_.snapshot = std::move(snapshot);
               },
@@ -170,7 +169,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   update_next_view(now);
   MonitorState state;
   state.version = SHEEN_VERSION;
-  state.model = "surface-light-field";
+  state.model = names_.model;
   state.session_folder = names_.session_folder;
   if (now.capture) state.source_session = now.capture->source_session;
   tracker_came_ |= status.link.connected || now.capture;
@@ -215,7 +214,7 @@ void LiveDisplay::update_previews(const Latest& now) {
     camera_jpeg_ = jpeg_text(thumbnail(to_srgb8(to_linear_rgb(now.capture->image)), kPreviewWidth));
   }
   if (!now.snapshot || now.snapshot->version() == drawn_version_) return;
-  const bool posed = now.capture && now.capture->pose.usable(), untouched = now.snapshot->max_rank() == 0;
+  const bool posed = now.capture && now.capture->pose.usable(), untouched = now.snapshot->empty();
   if (!posed && !untouched) return;
   drawn_version_ = now.snapshot->version();
   const Viewpoint from = posed ? Viewpoint{preview_camera(now.capture->camera), now.capture->pose.camera_from_object}
@@ -230,7 +229,7 @@ void LiveDisplay::update_next_view(const Latest& now) {
   if (!now.snapshot || !now.capture || !now.capture->pose.usable() || now.snapshot->version() == advised_version_)
     return;
   advised_version_ = now.snapshot->version();
-  const ViewAdvice advice = advise_next_view(*now.snapshot, camera_centre(now.capture->pose.camera_from_object));
+  const ViewAdvice advice = now.snapshot->advise_next_view(camera_centre(now.capture->pose.camera_from_object));
   next_view_ = NextView{advice.eye, advice.reason, advice.well_known()};
   if (!next_view_->well_known) return;
   std::array<char, 80> text{};

@@ -21,6 +21,7 @@ class LiveDisplay {
  public:
   struct Names {
     std::string session_folder, endpoint;
+    std::string model;  ///< its kind
     bool encrypted = false;
     std::string tracker_command;  ///< that starts a tracker for us
   };
@@ -37,7 +38,7 @@ class LiveDisplay {
 
  private:
   struct Latest {
-    std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot;
+    std::shared_ptr<const ModelSnapshot> snapshot;
     std::shared_ptr<const Capture> capture;
     std::optional<MonitorState::Clock::time_point> capture_at;
   };

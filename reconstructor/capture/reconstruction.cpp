@@ -5,13 +5,11 @@
 #include <cmath>
 
 #include "common/base/log.h"
-#include "reconstructor/models/surface_light_field/fill_unseen.h"
+#include "reconstructor/effort/resident_memory.h"
 #include "reconstructor/radiance/capture_rules.h"
 
 namespace sheen {
 namespace {
-
-constexpr double kSnapshotsHeld = 2;  // the one that is shown, and the one that follows
 
 double bytes_of(const HeldOutView& view) {
   return static_cast<double>(view.truth.size() + view.object.size() + view.inside.size());
@@ -19,12 +17,12 @@ double bytes_of(const HeldOutView& view) {
 
 }  // namespace
 
-Reconstruction::Reconstruction(Mesh mesh, const SurfaceLightFieldOptions& options)
+Reconstruction::Reconstruction(Mesh mesh, const ModelSettings& settings)
     : resident_before_(resident_memory().bytes),
       mesh_(std::make_shared<Mesh>(std::move(mesh))),
-      model_(mesh_, options),
-      painter_(*mesh_),
-      asked_(options) {}
+      asked_(settings.clone()),
+      model_(asked_->make_model(mesh_)),
+      painter_(*mesh_) {}
 
 void Reconstruction::keep_within(const TradeoffWish& wish, const std::string& record, std::uint64_t captures,
                                  MeasuredLadder ladder) {
@@ -33,17 +31,22 @@ void Reconstruction::keep_within(const TradeoffWish& wish, const std::string& re
   if (wish.psnr_db && !ladder_.empty()) target_rung_ = rung_reaching(ladder_, *wish.psnr_db);
   if (wish.image_ms) {
     if (record.empty())
-      control_.emplace(*wish.image_ms);
+      control_.emplace(*wish.image_ms, asked_->effort_levels());
     else
-      control_.emplace(*wish.image_ms, record, captures);
+      control_.emplace(*wish.image_ms, asked_->effort_levels(), record, captures);
   }
-  model_.restart(at_rung(asked_, rung()));
+  model_->restart(rung());
+}
+
+void Reconstruction::begin_at(int effort_level) {
+  target_rung_ = effort_level;
+  model_->restart(rung());
 }
 
 IngestReport Reconstruction::ingest(const Capture& capture) {
   if (!control_) return take(capture);
   const std::uint64_t number = counts_.received;
-  model_.set_share(control_->share(number));
+  model_->set_update_fraction(control_->share(number));
   const double held_out_bytes = held_out_bytes_;
   const IngestReport report = take(capture);
   if (report.status != IngestStatus::kAccepted) return report;
@@ -73,10 +76,10 @@ int Reconstruction::rung() const {
 /// True when the model has begun anew, with coarser maps.
 bool Reconstruction::fit_memory(const Capture& first) {
   const int before = rung();
-  memory_rung_ = finest_rung(*mesh_, first, asked_, before, *wish_.bytes);
+  memory_rung_ = model_->effort_level_within(first, before, *wish_.bytes);
   if (*memory_rung_ == before) return false;
   log_info("memory", "a model with the maps asked for would not fit: coarser ones", {{"rung", *memory_rung_}});
-  model_.fold_anew(at_rung(asked_, *memory_rung_));
+  model_->rebuild(*memory_rung_);
   return true;
 }
 
@@ -86,12 +89,8 @@ void Reconstruction::stay_within_memory() {
     const MemoryAccount account = memory();
     return account.total() - account.probe;
   };
-  while (held() > *wish_.bytes && memory_step_ < memory_steps().size()) {
-    const TermLimit& limit = memory_steps()[memory_step_++];
-    model_.limit_terms(limit.max_rank, limit.internal_rank, limit.block);
-    log_info("memory", "the model outgrew it: fewer terms a ring are kept",
-             {{"max_rank", limit.max_rank}, {"bytes", held()}, {"asked", *wish_.bytes}});
-  }
+  while (held() > *wish_.bytes && model_->reduce_memory())
+    log_info("memory", "the model outgrew it: less detail is kept", {{"bytes", held()}, {"asked", *wish_.bytes}});
   if (!memory_exceeded_ && held() > *wish_.bytes) {
     memory_exceeded_ = true;
     log_warning("memory", "not even the smallest setting stays within it; a coarser mesh would",
@@ -100,10 +99,7 @@ void Reconstruction::stay_within_memory() {
 }
 
 MemoryAccount Reconstruction::memory() const {
-  MemoryAccount account;
-  if (model_.rings() && image_size_) account = fixed_account(*mesh_, *model_.rings(), *image_size_);
-  account.rings = static_cast<double>(model_.bytes());
-  account.snapshots = kSnapshotsHeld * static_cast<double>(model_.snapshot_bytes());
+  MemoryAccount account = model_->memory(image_size_.value_or(CaptureSize{}));
   account.held_out = held_out_bytes_;
   for (const ProbeImage& image : probe_) account.probe += size_of(image.capture).bytes;
   return account;
@@ -122,8 +118,7 @@ void Reconstruction::choose_rung() {
     for (std::size_t i = 0; i < probe_.size(); i += 2)
       views.push_back(make_held_out_view(probe_[i].capture, probe_[i].known_gain, painter_));
     const double finest = error_on(views), unseen = std::max(foretold_error(), finest);
-    while (chosen + 1 < static_cast<int>(effort_ladder().size()) &&
-           1e3 * updates_.median_s() > kBudgetMargin * budget_ms) {
+    while (chosen + 1 < asked_->effort_levels() && 1e3 * updates_.median_s() > kBudgetMargin * budget_ms) {
       fold_probe_at(chosen + 1);
       // What coarser maps and fewer terms cannot hold of the images is added to the error on images that are not seen.
       const double lost_db = 10 * std::log10(1 + std::max(0.0, error_on(views) - finest) / unseen);
@@ -144,14 +139,14 @@ void Reconstruction::choose_rung() {
 }
 
 void Reconstruction::fold_probe_at(int rung) {
-  model_.fold_anew(at_rung(asked_, rung));
+  model_->rebuild(rung);
   counts_.accepted = 0;
   std::erase_if(captures_, [](const KnownCapture& known) { return known.status == IngestStatus::kAccepted; });
   forget_work();
   const double held_out_bytes = held_out_bytes_;
   for (const ProbeImage& image : probe_) {
     held_out_bytes_ = image.held_out_bytes;
-    note_accepted(image.capture, model_.ingest(image.capture));
+    note_accepted(image.capture, model_->ingest(image.capture));
   }
   held_out_bytes_ = held_out_bytes;
 }
@@ -171,7 +166,7 @@ double Reconstruction::foretold_error() const {
 /// Mean square, encoded, over the object's pixels of views.
 double Reconstruction::error_on(const std::vector<HeldOutView>& views) {
   SquaredError error;
-  const auto model = fill_unseen(*snapshot());
+  const auto model = snapshot()->filled();
   for (const HeldOutView& view : views) error += object_error(view, *model, painter_);
   return std::pow(10, -error.psnr_db() / 10);
 }
@@ -182,10 +177,10 @@ Reconstruction::Effort Reconstruction::effort() const {
 
 IngestReport Reconstruction::take(const Capture& capture) {
   ++counts_.received;
-  IngestReport report = model_.ingest(capture);
-  if (!image_size_ && model_.began_with(capture)) {
+  IngestReport report = model_->ingest(capture);
+  if (!image_size_ && model_->began_with(capture)) {
     image_size_ = size_of(capture);
-    if (wish_.bytes && fit_memory(capture)) report = model_.ingest(capture);
+    if (wish_.bytes && fit_memory(capture)) report = model_->ingest(capture);
   }
   switch (report.status) {
     case IngestStatus::kAccepted:
@@ -206,9 +201,8 @@ IngestReport Reconstruction::take(const Capture& capture) {
 }
 
 void Reconstruction::note(const Capture& capture, const IngestReport& report) {
-  captures_.push_back({capture.source_session, capture.sequence, report.status, report.reason,
-                       report.status == IngestStatus::kAccepted && !model_.folded(capture), report.rings_skipped,
-                       report.exposure_gain});
+  captures_.push_back({capture.source_session, capture.sequence, report.status, report.reason, report.repeated,
+                       report.patches_skipped, report.exposure_gain});
 }
 
 void Reconstruction::note_accepted(const Capture& capture, const IngestReport& report) {
@@ -220,9 +214,9 @@ void Reconstruction::note_accepted(const Capture& capture, const IngestReport& r
     total_s += 1e-3 * ms;
   }
   updates_.add(total_s);
-  rings_.updated += report.rings_updated;
-  rings_.skipped += report.rings_skipped;
-  rings_.left_out += report.rings_left_out;
+  patches_.updated += report.patches_updated;
+  patches_.skipped += report.patches_skipped;
+  patches_.left_out += report.patches_left_out;
   if (wish_.bytes) stay_within_memory();
 }
 
@@ -231,7 +225,7 @@ Reconstruction::Withdrawn Reconstruction::withdraw(const Capture& capture) {
     return other.source_session == capture.source_session && other.sequence == capture.sequence;
   };
   const auto known = std::find_if(captures_.begin(), captures_.end(), is_it);
-  if (known == captures_.end() || model_.began_with(capture)) return Withdrawn::kNot;
+  if (known == captures_.end() || model_->began_with(capture)) return Withdrawn::kNot;
   Withdrawn how = Withdrawn::kExactly;
   switch (known->status) {
     case IngestStatus::kRefused:
@@ -246,10 +240,10 @@ Reconstruction::Withdrawn Reconstruction::withdraw(const Capture& capture) {
       break;
     case IngestStatus::kAccepted:
       if (!known->repeated) {
-        if (!model_.withdraw(capture)) return Withdrawn::kNot;
+        if (!model_->withdraw(capture)) return Withdrawn::kNot;
         how = Withdrawn::kNearly;
       } else {
-        rings_.skipped -= known->rings_skipped;
+        patches_.skipped -= known->patches_skipped;
       }
       std::erase_if(probe_, [&](const ProbeImage& image) { return is_it(image.capture); });
       --counts_.accepted;
@@ -280,14 +274,13 @@ void Reconstruction::restart() {
   image_size_.reset();
   memory_rung_.reset();
   forget_work();
-  model_.restart(at_rung(asked_, rung()));
+  model_->restart(rung());
 }
 
 void Reconstruction::forget_work() {
   stages_.clear();
   updates_ = {};
-  rings_ = {};
-  memory_step_ = 0;
+  patches_ = {};
   memory_exceeded_ = false;
 }
 
@@ -300,8 +293,8 @@ Reconstruction::Judgement Reconstruction::judge(const StepsDone& progress) {
     if (!progress) return {};
     return [&progress, before](std::size_t done, std::size_t views) { progress(before + done, 2 * views); };
   };
-  return {score(held_out_, *fill_unseen(*snapshot()), painter_, half(0)),
-          score(held_out_, *model_.constant_colour(), painter_, half(held_out_.size()))};
+  return {score(held_out_, *snapshot()->filled(), painter_, half(0)),
+          score(held_out_, *model_->constant_colour(), painter_, half(held_out_.size()))};
 }
 
 }  // namespace sheen

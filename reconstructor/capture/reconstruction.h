@@ -11,9 +11,9 @@
 #include "common/capture/capture.h"
 #include "common/geometry/mesh.h"
 #include "reconstructor/effort/budget.h"
-#include "reconstructor/effort/memory_account.h"
 #include "reconstructor/evaluation/held_out.h"
-#include "reconstructor/models/surface_light_field/surface_light_field.h"
+#include "reconstructor/models/appearance_model.h"
+#include "reconstructor/models/model_settings.h"
 #include "reconstructor/render/ray_painter.h"
 
 namespace sheen {
@@ -32,7 +32,7 @@ struct KnownCapture {
   IngestStatus status = IngestStatus::kRefused;
   std::string reason;     ///< of a refusal
   bool repeated = false;  ///< the model took nothing of it: it shows what an earlier one does
-  std::size_t rings_skipped = 0;
+  std::size_t patches_skipped = 0;
   float exposure_gain = 1;  ///< that its values, or those of a held-out view, were divided by
 };
 
@@ -40,7 +40,7 @@ struct KnownCapture {
 /// and files go through the same `ingest`, so that the same captures in the same order give the same bits.
 class Reconstruction {
  public:
-  Reconstruction(Mesh mesh, const SurfaceLightFieldOptions& options);
+  Reconstruction(Mesh mesh, const ModelSettings& settings);
 
   /// Before the first capture: keeps the time of an image and the memory within what is asked for, as far as the ladder
   /// goes (budget.h). `record`, of `captures` earlier ones: what an earlier run decided. `ladder`: what the rungs cost
@@ -48,12 +48,14 @@ class Reconstruction {
   /// rung that is taken for its time is judged on the first images. Throws ConfigError.
   void keep_within(const TradeoffWish& wish, const std::string& record = {}, std::uint64_t captures = 0,
                    MeasuredLadder ladder = {});
+  /// Before the first capture: the model is no finer than at this effort level.
+  void begin_at(int effort_level);
   const TradeoffWish& wish() const { return wish_; }
 
   IngestReport ingest(const Capture& capture);
   enum class Withdrawn {
     kExactly,  ///< the model is, to the bit, one that never saw it: it was refused, held out or a repetition
-    kNearly,   ///< SurfaceLightField::withdraw
+    kNearly,   ///< AppearanceModel::withdraw
     kNot,      ///< the model can only be made anew: it is the first image
   };
   /// Takes a capture back, at once.
@@ -67,8 +69,8 @@ class Reconstruction {
   void restart();
 
   const Mesh& mesh() const { return *mesh_; }
-  std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot() { return model_.light_field_snapshot(); }
-  const SurfaceLightField& model() const { return model_; }
+  std::shared_ptr<const ModelSnapshot> snapshot() { return model_->snapshot(); }
+  const AppearanceModel& model() const { return *model_; }
   const RayPainter& painter() const { return painter_; }
   const std::vector<HeldOutView>& held_out() const { return held_out_; }
   const FrameCounts& counts() const { return counts_; }
@@ -77,11 +79,11 @@ class Reconstruction {
   const std::map<std::string, RunningStatistics>& stages() const { return stages_; }
   const RunningStatistics& updates() const { return updates_; }  ///< all stages of an image together
 
-  /// What became of the rings that the accepted images showed.
-  struct RingCounts {
+  /// What became of the patches that the accepted images showed.
+  struct PatchCounts {
     std::uint64_t updated = 0, skipped = 0, left_out = 0;
   };
-  const RingCounts& rings() const { return rings_; }
+  const PatchCounts& patches() const { return patches_; }
   /// How hard the model works: the rung of the ladder, and the share of an image's rings that it updates.
   struct Effort {
     int rung = 0;
@@ -97,9 +99,9 @@ class Reconstruction {
 
   double images_per_s() const;  ///< accepted images over the time spent on ingesting them
 
-  /// The held-out views, seen by the light field and by its constant-colour twin.
+  /// The held-out views, seen by the model and by its constant-colour twin.
   struct Judgement {
-    Scores light_field, constant;
+    Scores model, constant;
   };
   Judgement judge(const StepsDone& progress = {});
 
@@ -125,24 +127,23 @@ class Reconstruction {
 
   double resident_before_;
   std::shared_ptr<const Mesh> mesh_;
-  SurfaceLightField model_;
+  std::unique_ptr<ModelSettings> asked_;
+  std::unique_ptr<AppearanceModel> model_;
   RayPainter painter_;
   std::vector<HeldOutView> held_out_;
   FrameCounts counts_;
   std::vector<KnownCapture> captures_;
   std::map<std::string, RunningStatistics> stages_;
   RunningStatistics updates_;
-  RingCounts rings_;
+  PatchCounts patches_;
 
   TradeoffWish wish_;
-  SurfaceLightFieldOptions asked_;  ///< before any rung's limits
   std::optional<EffortControl> control_;
   MeasuredLadder ladder_;
   int target_rung_ = 0;                    ///< by the PSNR asked for
   std::optional<int> memory_rung_;         ///< by the memory, when the first image has come
   std::optional<CaptureSize> image_size_;  ///< of the first image
   double held_out_bytes_ = 0;
-  std::size_t memory_step_ = 0;    ///< how many of `memory_steps` have been taken
   bool memory_exceeded_ = false;   ///< although all have: told once
   std::vector<ProbeImage> probe_;  ///< the accepted images until the rung is chosen
 };

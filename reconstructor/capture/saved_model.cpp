@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/capture/saved_model.h"
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
-#include "reconstructor/effort/memory_need.h"
-#include "reconstructor/models/surface_light_field/files/model_files.h"
-#include "reconstructor/models/surface_light_field/fill_unseen.h"
+#include "common/base/files.h"
+#include "reconstructor/models/model_registry.h"
 #include "reconstructor/scene/scene_config.h"
 
 namespace sheen {
@@ -20,19 +18,17 @@ constexpr const char* kCapturesKey = "captures";  // a JSON list: source_session
 constexpr const char* kCalibrationKey = "error_calibration";  // JSON: views, offset_db, half_width_db
 constexpr const char *kHeldOut = "held_out", *kFolded = "folded", *kRepeated = "repeated";
 
-}  // namespace
-
-Mesh load_mesh_and_warn(const std::filesystem::path& path, const SurfaceLightFieldOptions& options,
-                        std::span<const PosedCamera> cameras) {
-  LoadedMesh loaded = load_mesh(path);
-  const MeshDiagnosis& found = loaded.diagnosis;
-  std::fprintf(stderr, "%s: %zu triangles, %s\n", path.c_str(), found.triangles, size_text(loaded.mesh).c_str());
-  for (const std::string& warning : found.warnings()) std::fprintf(stderr, "%s: %s\n", path.c_str(), warning.c_str());
-  const std::string memory = memory_warning(path, found.vertices, found.triangles, options, machine_memory());
-  if (!memory.empty()) std::fprintf(stderr, "%s\n", memory.c_str());
-  check_scale(path, loaded.mesh, cameras);
-  return std::move(loaded.mesh);
+json read_description(const std::filesystem::path& model_folder) {
+  if (!std::filesystem::exists(model_folder)) throw FileError(model_folder.string(), "no such folder");
+  const std::filesystem::path file = model_folder / kModelJsonFile;
+  try {
+    return json::parse(read_file(file));
+  } catch (const json::exception& error) {
+    throw FileError(file.string(), std::string("is no valid JSON: ") + error.what());
+  }
 }
+
+}  // namespace
 
 void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& folder, const std::string& source,
                          const StepsDone& progress) {
@@ -44,34 +40,35 @@ void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::
                         {"part", c.status == IngestStatus::kHeldOut ? kHeldOut : (c.repeated ? kRepeated : kFolded)},
                         {"exposure_gain", c.exposure_gain}});
   }
-  save_model(*fill_unseen(*reconstruction.snapshot()), folder,
-             {{"source", source},
-              {"images", std::to_string(reconstruction.counts().accepted)},
-              {kSceneKey, to_toml(reconstruction.model().options())},
-              {kCapturesKey, captures.dump(-1, ' ', false, json::error_handler_t::replace)}},
-             {.progress = progress});
+  const ModelMetadata metadata{{"source", source},
+                               {"images", std::to_string(reconstruction.counts().accepted)},
+                               {kSceneKey, to_toml(reconstruction.model().settings())},
+                               {kCapturesKey, captures.dump(-1, ' ', false, json::error_handler_t::replace)}};
+  reconstruction.snapshot()->filled()->save(folder, metadata, progress);
 }
 
 void note_calibration(const ErrorCalibration& calibration, const std::filesystem::path& model_folder) {
   if (!calibration.known()) return;
-  note_in_model(model_folder, kCalibrationKey,
-                json{{"views", calibration.views},
-                     {"offset_db", calibration.offset_db},
-                     {"half_width_db", calibration.half_width_db}}
-                    .dump());
+  const std::filesystem::path file = model_folder / kModelJsonFile;
+  json description = read_description(model_folder);
+  description["metadata"][kCalibrationKey] = json{
+      {"views", calibration.views},
+      {"offset_db", calibration.offset_db},
+      {"half_width_db",
+       calibration.half_width_db}}.dump();
+  write_file(file, description.dump() + "\n");
 }
 
-ErrorCalibration load_calibration(const std::filesystem::path& model_folder) {
-  const ModelMetadata metadata = load_model_metadata(model_folder);
-  const auto noted = metadata.find(kCalibrationKey);
-  if (noted == metadata.end()) return {};
+ErrorCalibration calibration_of(const SavedModel& model, const std::filesystem::path& folder) {
+  const auto noted = model.metadata.find(kCalibrationKey);
+  if (noted == model.metadata.end()) return {};
   try {
     const json calibration = json::parse(noted->second);
     return {.views = calibration.at("views"),
             .offset_db = calibration.at("offset_db"),
             .half_width_db = calibration.at("half_width_db")};
   } catch (const json::exception& error) {
-    throw FileError((model_folder / "model.json").string(),
+    throw FileError((folder / kModelJsonFile).string(),
                     std::string("metadata.") + kCalibrationKey + ": " + error.what());
   }
 }
@@ -81,13 +78,38 @@ const KnownCapture* ModelOrigin::find(const Capture& capture) const {
   return found == captures.end() ? nullptr : &found->second;
 }
 
-ModelOrigin load_origin(const std::filesystem::path& model_folder) {
-  const ModelMetadata metadata = load_model_metadata(model_folder);
+SavedModel open_model(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / kModelJsonFile;
+  const json description = read_description(folder);
+  const auto format = description.is_object() ? description.find("format") : description.end();
+  for (const ModelKind* kind : model_kinds()) {
+    if (format == description.end() || *format != kind->file_format()) continue;
+    SavedModel model{.kind = kind, .snapshot = kind->load(folder)};
+    if (const auto metadata = description.find("metadata"); metadata != description.end()) {
+      if (!metadata->is_object()) throw FileError(file.string(), "metadata: must be an object");
+      for (const auto& [key, value] : metadata->items()) {
+        if (!value.is_string()) throw FileError(file.string(), "metadata." + key + ": must be a text");
+        model.metadata[key] = value.get<std::string>();
+      }
+    }
+    return model;
+  }
+  throw FileError(file.string(), "describes no model that this program knows");
+}
+
+ModelOrigin origin_of(const SavedModel& model, const std::filesystem::path& folder) {
+  const ModelMetadata& metadata = model.metadata;
   if (!metadata.contains(kSceneKey) || !metadata.contains(kCapturesKey))
-    throw FileError(model_folder.string(),
+    throw FileError(folder.string(),
                     "does not say which images it was built from, as models of an older Sheen do not; build it anew");
-  const std::filesystem::path file = model_folder / "model.json";
-  ModelOrigin origin{.options = parse_scene_config(metadata.at(kSceneKey), file).surface_light_field};
+  const std::filesystem::path file = folder / kModelJsonFile;
+  ModelOrigin origin;
+  try {
+    origin.settings = parse_scene_config(metadata.at(kSceneKey), file).settings;
+  } catch (const ConfigError& error) {
+    throw FileError(folder.string(),
+                    std::string("was saved by another version of Sheen; build it anew: ") + error.what());
+  }
   try {
     for (const json& entry : json::parse(metadata.at(kCapturesKey))) {
       const auto part = entry.at("part").get<std::string>();

@@ -12,13 +12,15 @@
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
+#include "reconstructor/capture/capture_report.h"
 #include "reconstructor/capture/capture_set.h"
+#include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/wish_options.h"
 #include "reconstructor/effort/budget.h"
-#include "reconstructor/capture/saved_model.h"
-#include "reconstructor/report/report.h"
+#include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/scene/scene_config.h"
+#include "reconstructor/scene/scene_mesh.h"
 
 namespace sheen {
 namespace {
@@ -31,10 +33,12 @@ struct BuildArguments {
 
 /// The data set's model with these settings.
 std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, const Mesh& mesh,
-                                           const CaptureSet& captures, const SurfaceLightFieldOptions& options,
-                                           const TradeoffWish& wish, const MeasuredLadder& ladder, bool first) {
-  auto reconstruction = std::make_unique<Reconstruction>(mesh, options);
+                                           const CaptureSet& captures, const ModelSettings& settings,
+                                           const TradeoffWish& wish, const MeasuredLadder& ladder, int effort_level,
+                                           bool first) {
+  auto reconstruction = std::make_unique<Reconstruction>(mesh, settings);
   reconstruction->keep_within(wish, {}, 0, ladder);
+  if (effort_level > 0) reconstruction->begin_at(effort_level);
   {
     Progress progress("building", captures.size);
     for (std::size_t i = 0; i < captures.size; ++i) {
@@ -66,19 +70,19 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
 /// Builds from the cheapest setting up until one reaches the PSNR asked for, or time or memory allow no dearer one;
 /// then the best of those built.
 std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments, const Mesh& mesh,
-                                                const CaptureSet& captures, const SurfaceLightFieldOptions& options,
+                                                const CaptureSet& captures, const ModelSettings& settings,
                                                 const TradeoffWish& wish) {
   std::unique_ptr<Reconstruction> best;
   double best_db = 0;
-  for (const SurfaceLightFieldOptions& step : accuracy_ladder(options)) {
-    auto built = build_once(arguments, mesh, captures, step, wish, {}, !best);
+  for (int level = settings.effort_levels() - 1; level >= 0; --level) {
+    auto built = build_once(arguments, mesh, captures, settings, wish, {}, level, !best);
     if (built->held_out().empty())
       throw ConfigError("--target needs held-out views to judge by: name test views or give --hold-out N");
-    const double db = built->judge().light_field.psnr_db;
-    const bool bound = built->effort() != Reconstruction::Effort{};  // by time or memory: what comes next would be too
-    std::printf("map_scale %.2f, max_rank %d: %.2f dB, %.1f ms an image, %.0f MB\n", built->model().options().map_scale,
-                built->model().options().ring.factor.max_rank, db, 1e3 * built->updates().median_s(),
-                static_cast<double>(built->model().bytes()) / 1e6);
+    const double db = built->judge().model.psnr_db;
+    // By time or memory: what comes next would be too.
+    const bool bound = built->effort() != Reconstruction::Effort{.rung = level};
+    std::printf("effort level %d: %.2f dB, %.1f ms per image, %.0f MB\n", level, db, 1e3 * built->updates().median_s(),
+                static_cast<double>(built->model().figures().bytes) / 1e6);
     if (!best || db > best_db) {
       best = std::move(built);
       best_db = db;
@@ -94,22 +98,23 @@ void build(const BuildArguments& arguments) {
   install_stop_signals();
   const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
   ReportFile json(arguments.json);
-  SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
-  if (arguments.hold_out) config.surface_light_field.hold_out_every = *arguments.hold_out;
-  const TradeoffWish wish = arguments.wish.apply(config.surface_light_field);
+  const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
+  ModelSettings& settings = *scene.settings;
+  if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
+  const TradeoffWish wish = arguments.wish.apply(settings);
   if (arguments.out.empty())
     std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
   else
     check_writable_folder(arguments.out);
   const CaptureSet captures = open_capture_set(arguments.dataset);
-  const Mesh mesh = load_mesh_and_warn(arguments.mesh, config.surface_light_field, captures.cameras);
+  const Mesh mesh = load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
   const std::unique_ptr<Reconstruction> built =
-      wish.psnr_db ? build_to_target(arguments, mesh, captures, config.surface_light_field, wish)
-                   : build_once(arguments, mesh, captures, config.surface_light_field, wish, config.ladder, true);
+      wish.psnr_db ? build_to_target(arguments, mesh, captures, settings, wish)
+                   : build_once(arguments, mesh, captures, settings, wish, scene.ladder, 0, true);
   Reconstruction& reconstruction = *built;
   if (!arguments.out.empty()) save_reconstruction(reconstruction, arguments.out, arguments.dataset);
   const Reconstruction::Judgement judged = reconstruction.judge();
-  if (!arguments.out.empty()) note_calibration(calibrate(judged.light_field), arguments.out);
+  if (!arguments.out.empty()) note_calibration(calibrate(judged.model), arguments.out);
   const nlohmann::json report = reconstruction_report(reconstruction, judged);
   print_summary(report);
   json.write(to_text(report));
@@ -119,7 +124,7 @@ void build(const BuildArguments& arguments) {
 
 void add_build_command(CLI::App& app) {
   auto arguments = std::make_shared<BuildArguments>();
-  CLI::App* command = app.add_subcommand("build", "Builds a surface light field from posed photographs or a session.");
+  CLI::App* command = app.add_subcommand("build", "Builds a model from posed photographs or a session.");
   command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
       ->required();
   command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
 #include "reconstructor/capture/capture_set.h"
+#include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/evaluation/foretelling.h"
 #include "reconstructor/evaluation/held_out.h"
-#include "reconstructor/evaluation/photographs.h"
-#include "reconstructor/capture/saved_model.h"
-#include "reconstructor/models/surface_light_field/constant_colour.h"
-#include "reconstructor/models/surface_light_field/files/model_files.h"
-#include "reconstructor/radiance/ring_resampler.h"
-#include "reconstructor/report/report.h"
 
 namespace sheen {
 namespace {
@@ -24,42 +21,24 @@ struct EvaluateArguments {
   bool baselines = false;
 };
 
-void evaluate(const EvaluateArguments& arguments) {
-  ReportFile json(arguments.json);
-  const std::shared_ptr<const SurfaceLightFieldSnapshot> model = load_model(arguments.model);
-  const ModelOrigin origin = load_origin(arguments.model);
-  const CaptureSet captures = open_capture_set(arguments.dataset);
-  const RayPainter painter(model->mesh());
-
-  // The constant colour is the mean of each sample over the images that the model was built from.
-  RingVisibility visibility(model->mesh(), model->rings(), origin.options.visibility);
-  ConstantColour mean(model->shared_mesh(), model->shared_rings());
-  const auto photographs = std::make_shared<PhotographSet>(model->shared_mesh(), origin.options.visibility);
-  RadianceImage image;
-  Eigen::Matrix3Xf encoded;
+/// The views that the model never saw; what it was built from goes to its peers.
+std::vector<HeldOutView> read_images(const EvaluateArguments& arguments, const CaptureSet& captures,
+                                     const ModelOrigin& origin, const RayPainter& painter, Peers& peers) {
   std::vector<HeldOutView> views;
   std::size_t known_captures = 0;
-  {
-    Progress progress("evaluating", captures.size);
-    for (std::size_t i = 0; i < captures.size; ++i) {
-      const Capture capture = captures.read(i);
-      const KnownCapture* known = origin.find(capture);
-      if (known) ++known_captures;
-      if (known && known->status == IngestStatus::kHeldOut) {
+  Progress progress("evaluating", captures.size);
+  for (std::size_t i = 0; i < captures.size; ++i) {
+    const Capture capture = captures.read(i);
+    if (const KnownCapture* known = origin.find(capture)) {
+      ++known_captures;
+      if (known->status == IngestStatus::kHeldOut) {
         views.push_back(make_held_out_view(capture, known->exposure_gain, painter));
         if (!arguments.truth.empty()) take_truth_from(arguments.truth, views.back());
-      } else if (known) {
-        const SurfaceView& view =
-            visibility.look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
-        if (!known->repeated) {
-          image.load(capture, view);
-          resample(image, view, model->rings(), known->exposure_gain, encoded, origin.options.sampling);
-          mean.add(view, encoded);
-        }
-        if (arguments.baselines) photographs->add(capture, level_radiance(capture, known->exposure_gain), view);
+      } else {
+        peers.add(capture, known->exposure_gain, known->repeated);
       }
-      progress.update(i + 1);
     }
+    progress.update(i + 1);
   }
   if (known_captures == 0)
     throw FileError(arguments.dataset, "has none of the images that " + arguments.model +
@@ -67,20 +46,33 @@ void evaluate(const EvaluateArguments& arguments) {
   if (views.empty())
     throw FileError(arguments.dataset,
                     "has no view that the model never saw; name some in test_filenames, or build with --hold-out");
-  const std::shared_ptr<const ModelSnapshot> constant = mean.snapshot(model->exposure());
-  const Scores light_field = score(views, *model, painter), constant_scores = score(views, *constant, painter);
-  nlohmann::json report = evaluation_report(light_field, constant_scores);
-  print_summary(report);
-  const Foretelling foretelling = judge_foretelling(views, *model, painter);
+  return views;
+}
+
+void evaluate(const EvaluateArguments& arguments) {
+  ReportFile json(arguments.json);
+  const SavedModel saved = open_model(arguments.model);
+  const ModelOrigin origin = origin_of(saved, arguments.model);
+  const CaptureSet captures = open_capture_set(arguments.dataset);
+  const RayPainter painter(saved.snapshot->mesh());
+  const std::unique_ptr<Peers> peers = origin.settings->make_peers(saved.snapshot, arguments.baselines);
+  const std::vector<HeldOutView> views = read_images(arguments, captures, origin, painter, *peers);
+
+  const std::shared_ptr<const Appearance> constant = peers->constant_colour();
+  const Scores model = score(views, *saved.snapshot, painter), constant_scores = score(views, *constant, painter);
+  nlohmann::json report = evaluation_report(model, constant_scores);
+  if (std::isfinite(model.psnr_db) && std::isfinite(constant_scores.psnr_db))
+    print_scores(model.psnr_db, model.ssim, constant_scores.psnr_db);
+  const PeerHeuristic other = peers->heuristic();
+  const Foretelling foretelling = judge_foretelling(views, *saved.snapshot, other, painter);
   report["foretelling"] = foretelling_report(foretelling);
-  report["predicted_error"] = prediction_report(light_field);
-  print_predictions(light_field, foretelling);
+  report["predicted_error"] = prediction_report(model);
+  print_predictions(model, foretelling, other.title);
   if (arguments.baselines) {
-    const BaselineScores baselines{
-        constant_scores, score(views, *PhotographSet::nearest_photograph(photographs, constant), painter),
-        score(views, *PhotographSet::unstructured_lumigraph(photographs, constant), painter)};
+    std::vector<PeerScores> baselines{{{"constant_colour", "constant colour", constant}, constant_scores}};
+    for (const Peer& peer : peers->others()) baselines.push_back({peer, score(views, *peer.appearance, painter)});
     report["baselines"] = baselines_report(baselines);
-    print_baselines(light_field, baselines);
+    print_baselines(saved.kind->title(), model, baselines);
   }
   json.write(to_text(report));
 }

@@ -15,7 +15,7 @@
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/study_options.h"
-#include "reconstructor/capture/saved_model.h"
+#include "reconstructor/scene/scene_mesh.h"
 #include "reconstructor/studies/figure.h"
 
 namespace sheen {
@@ -85,8 +85,9 @@ void figures(const FiguresArguments& arguments) {
   const std::filesystem::path dataset =
       simulated ? simulated_dataset(arguments) : std::filesystem::path(arguments.dataset);
   const CaptureSet captures = open_capture_set(dataset);
-  const auto mesh = std::make_shared<Mesh>(load_mesh_and_warn(
-      simulated ? dataset / "mesh.ply" : std::filesystem::path(arguments.mesh), {}, captures.cameras));
+  const auto mesh = std::make_shared<Mesh>(
+      load_mesh_and_warn(simulated ? dataset / "mesh.ply" : std::filesystem::path(arguments.mesh),
+                         SurfaceLightFieldOptions{}, captures.cameras));
   Experiment experiment;
   {
     Progress progress("reading", captures.size);

@@ -15,7 +15,6 @@
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/picture_names.h"
 #include "reconstructor/evaluation/held_out.h"
-#include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/render/ray_painter.h"
 
 namespace sheen {
@@ -48,7 +47,7 @@ void print_prediction(double predicted_db, const ErrorCalibration& calibration) 
 }
 
 void render(const RenderArguments& arguments) {
-  const std::shared_ptr<const SurfaceLightFieldSnapshot> model = load_model(arguments.model);
+  const SavedModel saved = open_model(arguments.model);
   const std::vector<DatasetView> cameras = load_cameras(arguments.cameras);
   const std::filesystem::path out = arguments.out;
   check_writable_folder(out);
@@ -57,13 +56,13 @@ void render(const RenderArguments& arguments) {
   std::vector<std::string> views;
   for (const DatasetView& view : cameras) views.push_back(view.name);
   const std::vector<std::filesystem::path> names = picture_names(views);
-  const RayPainter painter(model->mesh());
-  const ErrorCalibration calibration = load_calibration(arguments.model);
+  const RayPainter painter(saved.snapshot->mesh());
+  const ErrorCalibration calibration = calibration_of(saved, arguments.model);
   double predicted_db = 0;
   std::size_t predicted_views = 0;
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    PaintedView painted = painter.paint(*model, cameras[i].camera, cameras[i].camera_from_object);
+    PaintedView painted = painter.paint(*saved.snapshot, cameras[i].camera, cameras[i].camera_from_object);
     if (const double db = predicted_psnr_db(painted, painted.coverage); std::isfinite(db)) {
       predicted_db += db;
       ++predicted_views;

@@ -22,16 +22,19 @@
 #include "common/link/endpoint.h"
 #include "reconstructor/capture/capture_end.h"
 #include "reconstructor/capture/capture_loop.h"
+#include "reconstructor/capture/capture_report.h"
 #include "reconstructor/capture/live_display.h"
+#include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/wish_options.h"
 #include "reconstructor/effort/budget.h"
-#include "reconstructor/capture/saved_model.h"
+#include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/monitor/monitor_server.h"
 #include "reconstructor/monitor/monitor_token.h"
 #include "reconstructor/render/gl/viewer_window.h"
-#include "reconstructor/report/report.h"
+#include "reconstructor/scene/mesh_scale.h"
 #include "reconstructor/scene/scene_config.h"
+#include "reconstructor/scene/scene_mesh.h"
 
 namespace sheen {
 namespace {
@@ -79,9 +82,10 @@ ReceiverOptions link_options(const ServeArguments& arguments) {
 }
 
 /// Without a display there is no window; without asking, there is no capture that nobody sees either.
-void open_window(std::optional<ViewerWindow>& window, const std::filesystem::path& screenshot_folder) {
+void open_window(std::optional<ViewerWindow>& window, const ModelKind& kind,
+                 const std::filesystem::path& screenshot_folder) {
   try {
-    window.emplace(ViewerOptions{.screenshot_folder = screenshot_folder});
+    window.emplace(kind, ViewerOptions{.screenshot_folder = screenshot_folder});
   } catch (const DeviceError& error) {
     throw DeviceError(std::string(error.what()) + "; with --headless the capture goes without a window");
   }
@@ -238,26 +242,25 @@ void serve(const ServeArguments& arguments) {
   install_stop_signals();
   std::signal(SIGPIPE, SIG_IGN);  // whoever read our messages may be gone before the model is saved
   ReportFile json(arguments.json);
-  SceneConfig config = arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config);
-  const TradeoffWish wish = arguments.wish.apply(config.surface_light_field);
+  const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
+  const TradeoffWish wish = arguments.wish.apply(*scene.settings);
   // Which maps and terms reach a PSNR shows when all images are there, or was measured: until then all that the target
   // needs is kept.
-  if (wish.psnr_db && config.ladder.empty()) {
+  if (wish.psnr_db && scene.ladder.empty()) {
     if (!arguments.wish.tolerance.empty())
       throw ConfigError("--target and --tolerance exclude each other: the target sets the tolerance");
-    config.surface_light_field.ring.factor.tolerance = tolerance_of(*wish.psnr_db);
+    set(*scene.settings, "tolerance", tolerance_of(*wish.psnr_db));
   }
   const ReceiverOptions link = link_options(arguments);
   std::optional<EndOnStop> starting("sheen-reconstructor: stopped before the capture began");
-  Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh, config.surface_light_field, {}),
-                                config.surface_light_field);
+  Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh, *scene.settings, {}), *scene.settings);
   starting.reset();
   Session session = open_session(arguments.session, arguments.mesh);
-  reconstruction.keep_within(wish, session.metadata(kEffortKey).value_or(""), session.size(), config.ladder);
+  reconstruction.keep_within(wish, session.metadata(kEffortKey).value_or(""), session.size(), scene.ladder);
   if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
 
-  LiveDisplay display(reconstruction.painter(),
-                      {arguments.session, link.endpoint, link.keys.has_value(), tracker_command(link)});
+  LiveDisplay display(reconstruction.painter(), {arguments.session, link.endpoint, scene.kind->name(),
+                                                 link.keys.has_value(), tracker_command(link)});
   std::optional<MonitorServer> monitor;
   if (!arguments.no_monitor) {
     const std::string token = monitor_token(arguments.monitor_token, arguments.monitor_token_file);
@@ -265,7 +268,7 @@ void serve(const ServeArguments& arguments) {
     log_info("monitor", "watch at " + monitor->url());
   }
   std::optional<ViewerWindow> screen;
-  if (!arguments.headless) open_window(screen, arguments.session);
+  if (!arguments.headless) open_window(screen, *scene.kind, arguments.session);
   ViewerWindow* window = screen ? &*screen : nullptr;
 
   LinkLog link_log;
@@ -309,8 +312,8 @@ void serve(const ServeArguments& arguments) {
 
 void add_serve_command(CLI::App& app) {
   auto a = std::make_shared<ServeArguments>();
-  CLI::App* command = app.add_subcommand(
-      "serve", "Receives captures from a tracker, keeps them, and grows the surface light field as they come.");
+  CLI::App* command =
+      app.add_subcommand("serve", "Receives captures from a tracker, keeps them, and grows the model as they come.");
   command->add_option("--mesh", a->mesh, "PLY, OBJ or OFF of the object, in the stage's frame")->required();
   command->add_option("--session", a->session, "folder of the session; continued if it exists")->required();
   command->add_option("--config", a->config, "scene file (TOML)");

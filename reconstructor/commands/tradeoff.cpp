@@ -15,9 +15,9 @@
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/effort/budget.h"
 #include "reconstructor/effort/tradeoff_wish.h"
-#include "reconstructor/capture/saved_model.h"
-#include "reconstructor/report/report.h"
+#include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/scene/scene_config.h"
+#include "reconstructor/scene/scene_mesh.h"
 #include "reconstructor/studies/patches.h"
 #include "reconstructor/studies/plot.h"
 #include "reconstructor/studies/precision.h"
@@ -25,8 +25,6 @@
 
 namespace sheen {
 namespace {
-
-constexpr const char* kLadderPart = "ladder";
 
 struct TradeoffArguments {
   std::string dataset, mesh, out, config, json, budget, target, memory;
@@ -190,8 +188,8 @@ void tradeoff(const TradeoffArguments& arguments) {
   const TradeoffWish wish = parse_wish(arguments.budget, arguments.target, arguments.memory);
   install_stop_signals();
   ReportFile json(arguments.json);
-  const SurfaceLightFieldOptions base =
-      (arguments.config.empty() ? SceneConfig{} : load_scene_config(arguments.config)).surface_light_field;
+  const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
+  const SurfaceLightFieldOptions& base = light_field_options(*scene.settings, "tradeoff");
   const CaptureSet captures = open_capture_set(arguments.dataset);
   if (!arguments.out.empty()) {
     check_writable_folder(arguments.out);
@@ -210,8 +208,8 @@ void tradeoff(const TradeoffArguments& arguments) {
   }
   std::vector<Setting> settings = arguments.parts ? part_settings(base) : tradeoff_settings(base, arguments.quick);
   const std::size_t first_rung = settings.size();
-  for (std::size_t r = 1; !arguments.parts && r < effort_ladder().size(); ++r)
-    settings.push_back({"rung " + std::to_string(r) + " of --budget", kLadderPart, at_rung(base, static_cast<int>(r))});
+  if (!arguments.parts)
+    for (Setting& setting : effort_level_settings(base)) settings.push_back(std::move(setting));
   std::vector<TradeoffPoint> points;
   {
     Progress progress("measuring", settings.size());
@@ -241,11 +239,11 @@ void tradeoff(const TradeoffArguments& arguments) {
   }
   if (!arguments.out.empty()) write_plots(points, frontiers, arguments.dataset, arguments.out);
   if (!arguments.out.empty() && !arguments.parts && points.size() == settings.size()) {
-    const std::filesystem::path scene = std::filesystem::path(arguments.out) / "scene.toml";
-    write_file(scene, to_toml(base) + "\n# What --budget and --target can choose from, as measured.\n" +
-                          rungs_to_toml(measured_ladder(points, first_rung)));
+    const std::filesystem::path file = std::filesystem::path(arguments.out) / "scene.toml";
+    write_file(file, to_toml(base) + "\n# What --budget and --target can choose from, as measured.\n" +
+                         rungs_to_toml(measured_ladder(points, first_rung)));
     std::printf("\n%s: for --config of build and serve, whose --budget and --target then go by these figures\n",
-                scene.c_str());
+                file.c_str());
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
     nlohmann::json point = point_to_json(points[i]);

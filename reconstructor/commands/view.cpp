@@ -8,8 +8,8 @@
 #include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "common/image/image_io.h"
+#include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/render/gl/viewer_window.h"
 
 namespace sheen {
@@ -37,8 +37,9 @@ void view(const ViewArguments& arguments) {
   const bool picture_only = !arguments.screenshot.empty();
 
   ViewerState state;
-  state.snapshot = load_model(arguments.model);
-  ViewerWindow window({.width = width, .height = height, .visible = !picture_only});
+  const SavedModel saved = open_model(arguments.model);
+  state.snapshot = saved.snapshot;
+  ViewerWindow window(*saved.kind, {.width = width, .height = height, .visible = !picture_only});
   ViewControls& controls = window.controls();
   controls.mode = *mode;
   controls.reasons = arguments.reasons;

@@ -12,12 +12,12 @@ void WishArguments::add_to(CLI::App& command, const std::string& about_target) {
   command.add_option("--budget", budget, "time that an image may take: 33ms; the model is made coarser until it holds");
   command.add_option("--target", target, about_target);
   command.add_option("--memory", memory, "memory that the model may take: 1GB");
-  command.add_option("--tolerance", tolerance, "relative error that a ring may keep: 0.01, or 40dB");
+  command.add_option("--tolerance", tolerance, "relative error that a part of the surface may keep: 0.01, or 40dB");
 }
 
-TradeoffWish WishArguments::apply(SurfaceLightFieldOptions& options) const {
+TradeoffWish WishArguments::apply(ModelSettings& settings) const {
   const TradeoffWish wish = parse_wish(budget, target, memory);
-  if (!tolerance.empty()) options.ring.factor.tolerance = parse_tolerance(tolerance);
+  if (!tolerance.empty()) set(settings, "tolerance", parse_tolerance(tolerance));
   return wish;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "reconstructor/effort/tradeoff_wish.h"
-#include "reconstructor/models/surface_light_field/surface_light_field.h"
+#include "reconstructor/models/model_settings.h"
 
 namespace CLI {
 class App;
@@ -17,8 +17,8 @@ struct WishArguments {
   std::string budget, target, memory, tolerance;
 
   void add_to(CLI::App& command, const std::string& about_target);
-  /// Lays the tolerance on the options; the rest is the command's. Throws ConfigError naming the option.
-  TradeoffWish apply(SurfaceLightFieldOptions& options) const;
+  /// Lays the tolerance on the settings; the rest is the command's. Throws ConfigError naming the option.
+  TradeoffWish apply(ModelSettings& settings) const;
 };
 
 }  // namespace sheen

@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "common/base/errors.h"
-#include "reconstructor/effort/memory_account.h"
 
 namespace sheen {
 namespace {
@@ -39,30 +38,6 @@ double parse_tolerance(const std::string& word) {
   return value;
 }
 
-std::span<const Rung> effort_ladder() {
-  static constexpr std::array<Rung, 6> kLadder{{
-      {1, 64, 0},
-      {0.8, 64, 0},
-      {0.65, 16, 0},
-      {0.65, 12, 4.0 / 3},
-      {0.5, 12, 4.0 / 3},
-      {0.4, 12, 4.0 / 3},
-  }};
-  return kLadder;
-}
-
-SurfaceLightFieldOptions at_rung(const SurfaceLightFieldOptions& options, int rung) {
-  const Rung& r = effort_ladder()[static_cast<std::size_t>(rung)];
-  SurfaceLightFieldOptions out = options;
-  out.map_scale *= r.map_scale;
-  RingFactorOptions& factor = out.ring.factor;
-  factor.max_rank = std::min(factor.max_rank, r.max_rank);
-  if (r.spare > 0)
-    factor.internal_rank =
-        std::min(options.ring.factor.terms_kept(), static_cast<int>(std::ceil(r.spare * factor.max_rank)));
-  return out;
-}
-
 int rung_within(const MeasuredLadder& ladder, double image_ms, int in_use, double budget_ms) {
   const auto at = [&](int rung) { return ladder[static_cast<std::size_t>(rung)]; };
   int rung = in_use;
@@ -78,38 +53,11 @@ int rung_reaching(const MeasuredLadder& ladder, double psnr_db) {
   return std::max(rung, 0);
 }
 
-std::vector<SurfaceLightFieldOptions> accuracy_ladder(const SurfaceLightFieldOptions& asked) {
-  std::vector<SurfaceLightFieldOptions> steps;
-  for (int rung = static_cast<int>(effort_ladder().size()) - 1; rung >= 0; --rung)
-    steps.push_back(at_rung(asked, rung));
-  return steps;
-}
-
-std::span<const TermLimit> memory_steps() {
-  static constexpr std::array<TermLimit, 6> kSteps{
-      {{16, 24, 12}, {12, 18, 8}, {8, 12, 6}, {6, 8, 4}, {4, 5, 3}, {2, 3, 2}}};
-  return kSteps;
-}
-
-int finest_rung(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
-                double bytes) {
-  constexpr TermLimit kWorthwhile{8, 12, 6};  // fewer terms on finer maps are worth less than more on coarser ones
-  const int last = static_cast<int>(effort_ladder().size()) - 1;
-  int rung = first;
-  for (; rung < last; ++rung) {
-    SurfaceLightFieldOptions limited = at_rung(options, rung);
-    RingFactorOptions& factor = limited.ring.factor;
-    factor = factor.limited_to(kWorthwhile.max_rank, kWorthwhile.internal_rank, kWorthwhile.block);
-    if (largest_account(mesh, first_capture, limited).total() <= bytes) break;
-  }
-  return rung;
-}
-
-EffortControl::EffortControl(double image_ms, const std::string& record, std::uint64_t captures)
-    : budget_ms_(image_ms), recorded_(captures) {
+EffortControl::EffortControl(double image_ms, int levels, const std::string& record, std::uint64_t captures)
+    : budget_ms_(image_ms), levels_(levels), recorded_(captures) {
   std::istringstream in(record);
   int rung = -1;
-  bool good = static_cast<bool>(in >> rung) && rung >= 0 && rung < static_cast<int>(effort_ladder().size());
+  bool good = static_cast<bool>(in >> rung) && rung >= 0 && rung < levels_;
   std::uint64_t from = 0;
   int level = 0;
   char colon = 0;

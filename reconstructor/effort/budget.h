@@ -4,14 +4,10 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "common/capture/capture.h"
-#include "common/geometry/mesh.h"
 #include "reconstructor/effort/tradeoff_wish.h"
-#include "reconstructor/models/surface_light_field/surface_light_field.h"
 
 namespace sheen {
 
@@ -20,17 +16,6 @@ namespace sheen {
 double parse_tolerance(const std::string& word);
 /// The relative error of so many decibels below the signal.
 double tolerance_of(double decibels);
-
-/// A rung of the ladder from the given settings to the quickest ones.
-struct Rung {
-  double map_scale;  ///< of the side of surface maps
-  int max_rank;      ///< terms displayed, at most
-  double spare;      ///< terms kept inside for each of these, at most; 0 = as asked
-};
-/// None asks for more than the one before. What each saves and loses depends on the scene (docs/decisions/budget.md).
-std::span<const Rung> effort_ladder();
-/// The options with a rung's limits laid on them.
-SurfaceLightFieldOptions at_rung(const SurfaceLightFieldOptions& options, int rung);
 
 /// A rung as `tradeoff` measured it on a scene.
 struct MeasuredRung {
@@ -49,20 +34,6 @@ int rung_within(const MeasuredLadder& ladder, double image_ms, int in_use, doubl
 /// The cheapest rung that reaches a PSNR; 0 when none does.
 int rung_reaching(const MeasuredLadder& ladder, double psnr_db);
 
-/// Settings from the cheapest to the most accurate: the rungs, and what goes beyond the settings asked for. Where a
-/// PSNR is to be reached.
-std::vector<SurfaceLightFieldOptions> accuracy_ladder(const SurfaceLightFieldOptions& asked);
-
-/// What rings are cut down to, step by step, when they outgrow the memory that they may take.
-struct TermLimit {
-  int max_rank, internal_rank, block;  ///< as in RingFactorOptions
-};
-std::span<const TermLimit> memory_steps();
-/// The rung, `first` or a coarser one, with the finest maps of which the memory can hold eight terms (as many as there
-/// are where the options allow fewer) whatever images come, held-out views apart; the last one when it can of none.
-int finest_rung(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
-                double bytes);
-
 /// Brings the time of an image towards a budget: a rung for the whole capture, chosen by the first images; after that
 /// the share of rings that an image updates. It follows a few images later: single images may take longer, and where
 /// the least share still takes too long, all do. What was decided is recorded, so that the model is a function of the
@@ -71,9 +42,9 @@ class EffortControl {
  public:
   static constexpr std::uint64_t kProbeImages = 8;  ///< updates that are timed before the rung is chosen
 
-  explicit EffortControl(double image_ms) : budget_ms_(image_ms) {}
+  EffortControl(double image_ms, int levels) : budget_ms_(image_ms), levels_(levels) {}
   /// Goes on from the record of an earlier run, in which `captures` had come. Throws ConfigError when it is no record.
-  EffortControl(double image_ms, const std::string& record, std::uint64_t captures);
+  EffortControl(double image_ms, int levels, const std::string& record, std::uint64_t captures);
 
   double budget_ms() const { return budget_ms_; }
   std::optional<int> rung() const { return rung_; }  ///< nothing until it is chosen
@@ -92,6 +63,7 @@ class EffortControl {
   void set_level(std::uint64_t from, int level);
 
   double budget_ms_;
+  int levels_;  ///< that the model has
   std::optional<int> rung_;
   std::map<std::uint64_t, int> level_from_;  ///< a capture: from it on, which share
   std::uint64_t recorded_ = 0;

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "common/image/color.h"
-#include "reconstructor/evaluation/paper_heuristic.h"
 
 namespace sheen {
 namespace {
@@ -43,16 +42,15 @@ double rank_correlation(std::span<const double> a, std::span<const double> b) {
   return std::inner_product(x.begin(), x.end(), y.begin(), 0.0) / std::sqrt(xx * yy);
 }
 
-Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const SurfaceLightFieldSnapshot& model,
+Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const Appearance& model, const PeerHeuristic& peer,
                               const RayPainter& painter) {
-  const PaperHeuristic paper(model);
-  std::vector<double> foretold, by_paper, measured;
+  std::vector<double> foretold, by_peer, measured;
   Foretelling result;
   for (const HeldOutView& view : views) {
     const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
     const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object);
     const ImageU8 picture = to_srgb8(painted.beauty);
-    const std::vector<float> heuristic = paper.seen_from(camera_centre(view.camera_from_object));
+    const std::vector<float> heuristic = peer.of(camera_centre(view.camera_from_object));
     std::vector<TriangleError> errors(model.mesh().triangles.size());
     std::vector<double> expected(errors.size());
     for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -68,12 +66,12 @@ Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const Surfa
     for (std::size_t t = 0; t < errors.size(); ++t) {
       if (errors[t].pixels < kFewestPixels) continue;
       foretold.push_back(expected[t]);
-      by_paper.push_back(heuristic[t]);
+      by_peer.push_back(heuristic[t]);
       measured.push_back(errors[t].rms());
     }
   }
   result.rank_correlation = rank_correlation(foretold, measured);
-  result.paper_rank_correlation = rank_correlation(by_paper, measured);
+  result.peer_rank_correlation = rank_correlation(by_peer, measured);
   return result;
 }
 

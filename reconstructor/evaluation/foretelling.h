@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "reconstructor/evaluation/held_out.h"
-#include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/models/peers.h"
 
 namespace sheen {
 
@@ -15,9 +15,10 @@ struct Foretelling {
   /// Spearman's correlation of the error foretold of a triangle in a view with the RMS error there, over all that show
   /// four pixels or more away from the edge of the object; NaN where there are none.
   double rank_correlation = 0;
-  double paper_rank_correlation = 0;  ///< the same of the paper's heuristic (000 sec. 3.3)
+  double peer_rank_correlation = 0;  ///< the same of the peer
 };
-Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const SurfaceLightFieldSnapshot& model,
+/// `peer`: another way to say how well the surface is known, which the model's is compared with.
+Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const Appearance& model, const PeerHeuristic& peer,
                               const RayPainter& painter);
 
 /// Of two lists of the same length, equal values sharing their ranks; NaN where one of them does not vary.

@@ -8,6 +8,7 @@
 #include "common/base/errors.h"
 #include "common/image/color.h"
 #include "common/image/exr.h"
+#include "reconstructor/radiance/radiance_image.h"
 
 namespace sheen {
 namespace {
@@ -49,11 +50,6 @@ double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth, const Imag
 }
 
 }  // namespace
-
-ImageF level_radiance(const Capture& capture, float gain) {
-  return scaled(to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data()),
-                1 / gain);
-}
 
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter) {
   HeldOutView view{.name = capture.name,
@@ -105,7 +101,7 @@ double predicted_psnr_db(const PaintedView& painted, const ImageU8& mask) {
                     : std::numeric_limits<double>::quiet_NaN();
 }
 
-ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter) {
+ViewScore score(const HeldOutView& view, const Appearance& model, const RayPainter& painter) {
   const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object);
   const ImageU8 picture = to_srgb8(painted.beauty);
   ViewScore score{.name = view.name};
@@ -126,17 +122,17 @@ ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPa
   return score;
 }
 
-SquaredError object_error(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter) {
+SquaredError object_error(const HeldOutView& view, const Appearance& model, const RayPainter& painter) {
   const ImageU8 picture = to_srgb8(painter.paint(model, view.camera, view.camera_from_object).beauty);
   return squared_error(picture, view.truth, view.object);
 }
 
-ObjectScore score_object(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter) {
+ObjectScore score_object(const HeldOutView& view, const Appearance& model, const RayPainter& painter) {
   const ImageU8 picture = to_srgb8(painter.paint(model, view.camera, view.camera_from_object).beauty);
   return {squared_error(picture, view.truth, view.object).psnr_db(), ssim(picture, view.truth, view.object)};
 }
 
-Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter,
+Scores score(const std::vector<HeldOutView>& views, const Appearance& model, const RayPainter& painter,
              const StepsDone& progress) {
   Scores scores;
   if (views.empty()) {  // nothing was judged, which is not the same as a score of 0

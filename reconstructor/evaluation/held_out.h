@@ -27,8 +27,6 @@ struct HeldOutView {
                    ///< pixels that are NaN or infinite do not count
   ImageU8 inside;  ///< of these, eroded by 3 with a mask too: none that mixes the object with what is behind it
 };
-/// The capture's linear radiance, RGB, divided by `gain`.
-ImageF level_radiance(const Capture& capture, float gain);
 /// `gain`: how much brighter the image is than the model's level; the truth is divided by it.
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter);
 
@@ -51,14 +49,14 @@ struct ViewScore {
   SquaredError error;    ///< of the object's pixels, to be pooled
   double uncovered = 0;  ///< share of the object's pixels that no training image showed
 };
-ViewScore score(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter);
+ViewScore score(const HeldOutView& view, const Appearance& model, const RayPainter& painter);
 
 /// The object's pixels alone: what is judged again and again while a capture runs.
 struct ObjectScore {
   double psnr_db = 0, ssim = 0;
 };
-SquaredError object_error(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter);
-ObjectScore score_object(const HeldOutView& view, const ModelSnapshot& model, const RayPainter& painter);
+SquaredError object_error(const HeldOutView& view, const Appearance& model, const RayPainter& painter);
+ObjectScore score_object(const HeldOutView& view, const Appearance& model, const RayPainter& painter);
 
 /// Means over views, as published figures are; `psnr_pooled_db` from the pooled squared error.
 struct Scores {
@@ -67,7 +65,7 @@ struct Scores {
   double predicted_inside_db = 0;
   double full_psnr_db = 0, full_ssim = 0, uncovered = 0;
 };
-Scores score(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter,
+Scores score(const std::vector<HeldOutView>& views, const Appearance& model, const RayPainter& painter,
              const StepsDone& progress = {});
 /// By what the model predicted of these views and what was measured inside the object's edge.
 ErrorCalibration calibrate(const Scores& scores);

@@ -32,7 +32,7 @@ std::vector<std::size_t> judging_panel(const std::vector<HeldOutView>& held_out,
 }
 
 void HeldOutCurve::judge(const std::vector<HeldOutView>& held_out, const std::vector<std::size_t>& panel,
-                         std::uint64_t images, const ModelSnapshot& model, const ModelSnapshot& constant,
+                         std::uint64_t images, const Appearance& model, const Appearance& constant,
                          const RayPainter& painter) {
   std::vector<std::pair<std::string, std::uint64_t>> names;
   Point point{.images = images};

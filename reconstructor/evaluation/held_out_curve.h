@@ -30,7 +30,7 @@ class HeldOutCurve {
 
   /// `panel`: indices of `held_out`, not empty.
   void judge(const std::vector<HeldOutView>& held_out, const std::vector<std::size_t>& panel, std::uint64_t images,
-             const ModelSnapshot& model, const ModelSnapshot& constant, const RayPainter& painter);
+             const Appearance& model, const Appearance& constant, const RayPainter& painter);
   void add(const Point& point);
   const std::vector<Point>& points() const { return points_; }
 

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <cstddef>
 #include <limits>
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/capture/capture.h"
-#include "common/geometry/mesh.h"
+#include "reconstructor/models/memory_account.h"
+#include "reconstructor/models/model_snapshot.h"
 
 namespace sheen {
 
@@ -18,82 +20,70 @@ enum class IngestStatus {
   kRefused,   ///< see `reason`
 };
 
-/// What became of one capture.
+/// What became of one capture. A patch is a part of the surface that the model updates by itself.
 struct IngestReport {
   IngestStatus status = IngestStatus::kRefused;
   std::string reason;                      ///< of a refusal: a short, stable word ("object_not_in_view", ...)
-  std::map<std::string, double> stage_ms;  ///< time a stage of the pipeline
-  std::size_t rings_updated = 0;
-  std::size_t rings_skipped = 0;   ///< the image shows of them what an earlier one showed from the same direction
-  std::size_t rings_left_out = 0;  ///< for want of time (`SurfaceLightField::set_share`)
-  double relative_residual = 0;  ///< ||p|| / ||c|| over all updated rings: how much of the image the model did not know
-  /// PSNR, encoded values, of foretelling a sample of the image from the images before it: the held-out figure, live.
+  std::map<std::string, double> stage_ms;  ///< time per stage of the pipeline
+  bool repeated = false;                   ///< accepted, but nothing was taken of it: it shows what an earlier one does
+  std::size_t patches_updated = 0;
+  std::size_t patches_skipped = 0;   ///< the image shows of them what an earlier one showed from the same direction
+  std::size_t patches_left_out = 0;  ///< for want of time (`AppearanceModel::set_update_fraction`)
+  double relative_residual =
+      0;  ///< ||p|| / ||c|| over all updated patches: how much of the image the model did not know
+  /// PSNR, encoded values, of predicting a sample of the image from the images before it: the held-out figure, live.
   /// NaN where the model knew nothing of what the image shows.
   double foretold_psnr_db = std::numeric_limits<double>::quiet_NaN();
   float exposure_gain = 1;  ///< by which this image is brighter than the model's level, as the camera or the image says
 };
 
-/// How well a part of the surface is known, and why it is not.
-enum class QualityReason : std::uint8_t {
-  kGood = 0,
-  kUnseen = 1,            ///< no image shows it
-  kOblique = 2,           ///< seen only at grazing angles
-  kSparseDirections = 3,  ///< no image from near the asked direction
-  kHighResidual = 4,      ///< images still bring what the model does not know
-};
-const char* to_string(QualityReason reason);
-
-/// What is known of a part of the surface from one direction.
-struct SurfaceQuality {
-  bool seen = false;
-  float error = 0.14f;        ///< RMS of encoded values by which it is expected to be wrong; 0.14 of a guess
-  float nearest_cosine = -1;  ///< of the angle to the nearest image's direction
-  float best_cosine = 0;      ///< of the most frontal image; 0..1
-
-  /// The quality heuristic, 0 = well known .. 1 = not at all: the error over 0.1 (20 dB); 1 where nothing was seen.
-  float heuristic() const;
-  QualityReason reason() const;
+/// What a model holds.
+struct ModelFigures {
+  std::size_t images = 0;                   ///< folded in
+  std::vector<std::size_t> rank_histogram;  ///< [patches of rank 0, 1, ...], those that no image reached left out
+  std::size_t bytes = 0;                    ///< of what it has learned
+  double bytes_per_patch = 0;               ///< mean over the patches that an image reached
 };
 
-/// What the colour of a surface sample rests on.
-enum class SampleState : std::uint8_t {
-  kUnseen = 0,    ///< no image shows the sample: its colour is a guess
-  kImputed = 1,   ///< fewer than half of the images round it do: how it changes with the view is mostly inferred
-  kMeasured = 2,  ///< at least half of them do
-};
+struct ModelSettings;
 
-/// One surface point as the model knows it.
-struct SurfaceSample {
-  Eigen::Vector3f rgb = Eigen::Vector3f::Zero();  ///< linear radiance
-  SampleState state = SampleState::kUnseen;
-};
-
-/// The model as seen from one eye: cheap to ask point by point. Thread-safe.
-class ViewShader {
- public:
-  virtual ~ViewShader() = default;
-  /// Radiance towards the eye at barycentric (u, v) of a triangle.
-  virtual SurfaceSample shade(std::uint32_t triangle, float u, float v) const = 0;
-  virtual SurfaceQuality quality(std::uint32_t triangle) const = 0;
-};
-
-/// A model at one moment; immutable, shared between threads. It keeps alive all that it refers to.
-class ModelSnapshot {
- public:
-  virtual ~ModelSnapshot() = default;
-  virtual const Mesh& mesh() const = 0;
-  /// `eye` in the object frame.
-  virtual std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& eye) const = 0;
-};
-
-/// The one interface of a model to the capture loop.
+/// The one interface of a model to the capture loop, the commands and all who watch. It is a function of the captures,
+/// their order, the effort level and the update fraction at each.
 class AppearanceModel {
  public:
   virtual ~AppearanceModel() = default;
+
   /// Folds one image in. Never throws for what a frame can hold; the report says why it was refused.
   virtual IngestReport ingest(const Capture& capture) = 0;
-  /// The model as it now stands. Parts that did not change since the last snapshot are shared with it.
+  /// Takes out again an image that was folded in, at the cost of folding one in. Nearly as if it had never been there:
+  /// for the last bit the model is rebuilt. False when that is the only way.
+  virtual bool withdraw(const Capture& capture) = 0;
+  /// Whether this is the first image that showed something: it may have decided what lasts.
+  virtual bool began_with(const Capture& capture) const = 0;
+
+  /// Forgets all images, as if it were new, and works at an effort level from now on: 0 is what the settings ask for,
+  /// `ModelSettings::effort_levels` - 1 the quickest. Snapshots count on.
+  virtual void restart(int effort_level) = 0;
+  /// The same, but for what the first image that showed something has decided, whether it comes again or not.
+  virtual void rebuild(int effort_level) = 0;
+  /// The finest effort level, `from` or a quicker one, whose model the memory can hold whatever images come (held-out
+  /// views apart); the quickest where it can hold none.
+  virtual int effort_level_within(const Capture& first, int from, double bytes) const = 0;
+  /// Lets go of detail, one step of a few, in all patches at once: frees memory. It holds from now on, until a restart.
+  /// False when no step is left.
+  virtual bool reduce_memory() = 0;
+  /// How much of what an image shows is updated, in (0, 1]: the parts that learn most from it. For the images to come.
+  virtual void set_update_fraction(double fraction) = 0;
+
   virtual std::shared_ptr<const ModelSnapshot> snapshot() = 0;
+  /// The mean colour of each surface sample over all images: what a model without view dependence would be. Every
+  /// figure stands beside it.
+  virtual std::shared_ptr<const Appearance> constant_colour() const = 0;
+
+  virtual const ModelSettings& settings() const = 0;  ///< with the limits of the effort level and of the memory on them
+  virtual ModelFigures figures() const = 0;
+  /// All but held-out views and probe; all images are taken to be as large as `image`.
+  virtual MemoryAccount memory(const CaptureSize& image) const = 0;
 };
 
 }  // namespace sheen

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_number.h"
+
 namespace sheen {
 namespace {
 
@@ -11,14 +13,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kCurvePoints = 400;
 
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json to_json(const DurationSummary& durations) {
   Json json = {{"count", durations.count}};
   if (durations.count > 0)
-    json.update({{"p50", finite(durations.p50_s)}, {"p95", finite(durations.p95_s)}, {"p99", finite(durations.p99_s)}});
+    json.update({{"p50", json_number(durations.p50_s)},
+                 {"p95", json_number(durations.p95_s)},
+                 {"p99", json_number(durations.p99_s)}});
   return json;
 }
 
@@ -28,9 +28,9 @@ Json curve_to_json(const std::vector<MonitorState::HeldOutPoint>& curve) {
   for (std::size_t i = 0; i < curve.size(); ++i) {
     if ((curve.size() - 1 - i) % step != 0) continue;
     json.push_back({{"images", curve[i].images},
-                    {"psnr_db", finite(curve[i].psnr_db)},
-                    {"ssim", finite(curve[i].ssim)},
-                    {"constant_psnr_db", finite(curve[i].constant_psnr_db)}});
+                    {"psnr_db", json_number(curve[i].psnr_db)},
+                    {"ssim", json_number(curve[i].ssim)},
+                    {"constant_psnr_db", json_number(curve[i].constant_psnr_db)}});
   }
   return json;
 }
@@ -46,8 +46,8 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
                {"model", state.model},
                {"session_folder", state.session_folder},
                {"source_session", state.source_session},
-               {"published_age_s", finite(published_age_s)},
-               {"frame_age_s", finite(frame_age_s)},
+               {"published_age_s", json_number(published_age_s)},
+               {"frame_age_s", json_number(frame_age_s)},
                {"next_view", state.next_view},
                {"well_known", state.well_known},
                {"hint", state.hint}};
@@ -64,11 +64,11 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
   json["frames"] = {{"received", state.received}, {"journaled", state.journaled},        {"accepted", state.accepted},
                     {"held_out", state.held_out}, {"withdrawn", state.withdrawn},        {"waiting", state.waiting},
                     {"refused", state.refused},   {"sequence_gaps", state.sequence_gaps}};
-  json["ingest_images_per_s"] = finite(state.images_per_s);
+  json["ingest_images_per_s"] = json_number(state.images_per_s);
   json["update_s"] = to_json(state.update);
   json["latency_s"] = to_json(state.latency);
   json["stage_s"] = Json::object();
-  for (const auto& [stage, seconds] : state.stage_s) json["stage_s"][stage] = finite(seconds);
+  for (const auto& [stage, seconds] : state.stage_s) json["stage_s"][stage] = json_number(seconds);
   json["queues"] = Json::object();
   for (const auto& [name, queue] : state.queues)
     json["queues"][name] = {{"depth", queue.depth}, {"capacity", queue.capacity}};

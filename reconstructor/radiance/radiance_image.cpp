@@ -204,4 +204,11 @@ ImageU8 usable_pixels(const Capture& capture) {
   return usable;
 }
 
+ImageF level_radiance(const Capture& capture, float gain) {
+  ImageF image = to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+  if (gain == 1) return image;
+  for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] *= 1 / gain;
+  return image;
+}
+
 }  // namespace sheen

@@ -50,4 +50,7 @@ class RadianceImage {
 /// The capture's mask without the pixels that are NaN or infinite; empty when all pixels are good.
 ImageU8 usable_pixels(const Capture& capture);
 
+/// The capture's linear radiance, RGB, divided by `gain`.
+ImageF level_radiance(const Capture& capture, float gain);
+
 }  // namespace sheen

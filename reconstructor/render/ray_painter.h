@@ -28,7 +28,7 @@ class RayPainter {
   explicit RayPainter(const Mesh& mesh) : scene_(mesh) {}
 
   /// The snapshot must be of the painter's mesh.
-  PaintedView paint(const ModelSnapshot& snapshot, const Camera& camera, const Rigid3& camera_from_object) const;
+  PaintedView paint(const Appearance& snapshot, const Camera& camera, const Rigid3& camera_from_object) const;
 
   /// First hits of all pixels, row by row.
   std::vector<Hit> cast(const Camera& camera, const Rigid3& camera_from_object) const;

@@ -2,127 +2,114 @@
 #include "reconstructor/scene/scene_config.h"
 
 #include <toml++/toml.h>
+
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <functional>
-#include <limits>
-#include <map>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "reconstructor/models/model_registry.h"
 
 namespace sheen {
 namespace {
-
-/// One key of a scene file and the option behind it.
-struct Key {
-  std::function<std::string(const toml::node&)> set;  ///< takes a value over; else says what it must be
-  std::function<std::string()> text;                  ///< the present value as TOML
-};
-using Keys = std::map<std::string, Key, std::less<>>;
-
-Key into(int& target) {
-  const auto set = [&target](const toml::node& node) -> std::string {
-    const auto value = node.value_exact<std::int64_t>();
-    if (!value || *value < std::numeric_limits<int>::min() || *value > std::numeric_limits<int>::max())
-      return "must be a whole number";
-    target = static_cast<int>(*value);
-    return {};
-  };
-  return {set, [&target] { return std::to_string(target); }};
-}
-
-Key into(double& target) {
-  const auto set = [&target](const toml::node& node) -> std::string {
-    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value) return "must be a number";
-    target = *value;
-    return {};
-  };
-  return {set, [&target] {
-            char text[32];
-            std::snprintf(text, sizeof text, "%.9g", target);
-            return std::string(text);
-          }};
-}
-
-Key into(ExposureCompensation& target) {
-  const auto set = [&target](const toml::node& node) -> std::string {
-    const auto word = node.value_exact<std::string>();
-    if (word == "off")
-      target = ExposureCompensation::kOff;
-    else if (word == "known")
-      target = ExposureCompensation::kKnown;
-    else if (word == "estimate")
-      target = ExposureCompensation::kEstimate;
-    else
-      return "must be \"off\", \"known\" or \"estimate\"";
-    return {};
-  };
-  return {set, [&target]() -> std::string {
-            if (target == ExposureCompensation::kOff) return "\"off\"";
-            return target == ExposureCompensation::kKnown ? "\"known\"" : "\"estimate\"";
-          }};
-}
-
-Key into(Sampling& target) {
-  const auto set = [&target](const toml::node& node) -> std::string {
-    const auto word = node.value_exact<std::string>();
-    if (word != "cubic" && word != "linear") return "must be \"cubic\" or \"linear\"";
-    target = word == "cubic" ? Sampling::kCubic : Sampling::kLinear;
-    return {};
-  };
-  return {set, [&target]() -> std::string { return target == Sampling::kCubic ? "\"cubic\"" : "\"linear\""; }};
-}
-
-Keys keys_of(SurfaceLightFieldOptions& o) {
-  return {
-      {"surface_map", into(o.surface_map)},
-      {"map_scale", into(o.map_scale)},
-      {"sampling", into(o.sampling)},
-      {"max_rank", into(o.ring.factor.max_rank)},
-      {"internal_rank", into(o.ring.factor.internal_rank)},
-      {"block", into(o.ring.factor.block)},
-      {"tolerance", into(o.ring.factor.tolerance)},
-      {"max_views", into(o.ring.max_views)},
-      {"repeat_angle", into(o.ring.repeat_angle)},
-      {"min_visible", into(o.ring.min_visible)},
-      {"hold_out_every", into(o.hold_out_every)},
-      {"exposure", into(o.exposure)},
-      {"erosion_px", into(o.visibility.erosion_px)},
-  };
-}
 
 std::string place(const std::filesystem::path& file, const toml::source_region& source) {
   return file.string() + ":" + std::to_string(source.begin.line) + ": ";
 }
 
-/// Where the key stands that a broken rule ("surface light field: max_rank must be ...") begins with.
-std::string place_of_rule(const std::filesystem::path& file, const toml::table& document, const std::string& rule) {
-  const toml::table* section = document["surface_light_field"].as_table();
-  if (!section) return file.string() + ": ";
-  for (const auto& [key, value] : *section)
-    if (rule.find(": " + std::string(key.str()) + " ") != std::string::npos) return place(file, value.source());
+SettingValue value_of(const toml::node& node) {
+  if (const auto whole = node.value_exact<std::int64_t>()) return *whole;
+  if (const auto number = node.value_exact<double>()) return *number;
+  if (const auto text = node.value_exact<std::string>()) return *text;
+  return {};
+}
+
+std::string text_of(const SettingValue& value) {
+  if (const auto* whole = std::get_if<std::int64_t>(&value)) return std::to_string(*whole);
+  if (const auto* word = std::get_if<std::string>(&value)) return '"' + *word + '"';
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", std::get<double>(value));
+  return text;
+}
+
+std::string header_of(SettingTable table, const std::string& model) {
+  switch (table) {
+    case SettingTable::kImages:
+      return "images";
+    case SettingTable::kModel:
+      return model;
+    case SettingTable::kAdvanced:
+      break;
+  }
+  return model + ".advanced";
+}
+
+constexpr SettingTable kTables[] = {SettingTable::kImages, SettingTable::kModel, SettingTable::kAdvanced};
+
+/// Null where the file does not have it.
+const toml::table* table_in(const toml::table& document, SettingTable table, const std::string& model) {
+  return document.at_path(header_of(table, model)).as_table();
+}
+
+/// Where the key stands that a broken rule ("NAME: KEY must be ...") begins with.
+std::string place_of_rule(const std::filesystem::path& file, const toml::table& document, const std::string& model,
+                          const std::string& rule) {
+  for (const SettingTable table : kTables)
+    if (const toml::table* keys = table_in(document, table, model))
+      for (const auto& [key, value] : *keys)
+        if (rule.find(": " + std::string(key.str()) + " ") != std::string::npos) return place(file, value.source());
   return file.string() + ": ";
 }
 
-std::string key_list(const Keys& keys) {
+/// Where else the key would be right: engineers' keys and those of images have tables of their own.
+std::string remedy(const std::vector<SettingKey>& keys, SettingTable table, const std::string& key,
+                   const std::string& model) {
   std::string list;
-  for (const auto& [key, unused] : keys) list += (list.empty() ? "" : ", ") + key;
-  return list;
+  for (const SettingKey& known : keys) {
+    if (known.name == key) return key + " stands in [" + header_of(known.table, model) + "]";
+    if (known.table == table) list += (list.empty() ? "" : ", ") + known.name;
+  }
+  return "unknown key " + key + "; [" + header_of(table, model) + "] has " + list;
 }
 
-/// All rungs of the ladder, as `tradeoff` measured them.
-MeasuredLadder ladder_of(const toml::node& rungs, const std::filesystem::path& file) {
+void read_table(const toml::table& values, SettingTable table, const std::vector<SettingKey>& keys,
+                const std::string& model, const std::filesystem::path& file) {
+  for (const auto& [name, value] : values) {
+    if (table == SettingTable::kModel && name == "advanced" && value.is_table()) continue;
+    const std::string key(name.str());
+    const auto known =
+        std::find_if(keys.begin(), keys.end(), [&](const SettingKey& k) { return k.table == table && k.name == key; });
+    if (known == keys.end()) throw ConfigError(place(file, value.source()) + remedy(keys, table, key, model));
+    if (const std::string demand = known->set(value_of(value)); !demand.empty())
+      throw ConfigError(place(file, value.source()) + key + " " + demand);
+  }
+}
+
+/// The kind that the file names, else the first one.
+const ModelKind& kind_in(const toml::table& document, const std::filesystem::path& file) {
+  const toml::node* named = document.get("model");
+  if (!named) return *model_kinds().front();
+  const auto word = named->value_exact<std::string>();
+  std::string list;
+  for (const ModelKind* kind : model_kinds()) {
+    if (word == kind->name()) return *kind;
+    list += (list.empty() ? "\"" : ", \"") + std::string(kind->name()) + '"';
+  }
+  throw ConfigError(place(file, named->source()) + "model must be one of " + list);
+}
+
+/// All effort levels, as `tradeoff` measured them.
+MeasuredLadder ladder_of(const toml::node& rungs, std::size_t levels, const std::filesystem::path& file) {
   const auto fail = [&](const toml::node& at) {
     throw ConfigError(place(file, at.source()) + "[[rung]]: takes image_ms above 0 and psnr_db, " +
-                      std::to_string(effort_ladder().size()) + " times; `tradeoff --out` writes them");
+                      std::to_string(levels) + " times; `tradeoff --out` writes them");
   };
   MeasuredLadder ladder;
   const toml::array* list = rungs.as_array();
-  if (!list || list->size() != effort_ladder().size()) fail(rungs);
+  if (!list || list->size() != levels) fail(rungs);
   for (const toml::node& entry : *list) {
     const toml::table* table = entry.as_table();
     if (!table || table->size() != 2) fail(entry);
@@ -135,6 +122,12 @@ MeasuredLadder ladder_of(const toml::node& rungs, const std::filesystem::path& f
 
 }  // namespace
 
+SceneConfig default_scene() {
+  SceneConfig scene{.kind = model_kinds().front()};
+  scene.settings = scene.kind->default_settings();
+  return scene;
+}
+
 SceneConfig load_scene_config(const std::filesystem::path& file) {
   return parse_scene_config(read_file(file), file);
 }
@@ -146,37 +139,40 @@ SceneConfig parse_scene_config(std::string_view text, const std::filesystem::pat
   } catch (const toml::parse_error& error) {
     throw ConfigError(place(file, error.source()) + std::string(error.description()));
   }
-  SceneConfig config;
-  const Keys keys = keys_of(config.surface_light_field);
-  for (const auto& [section, content] : document) {
-    if (section == "rung") {
-      config.ladder = ladder_of(content, file);
+  SceneConfig scene{.kind = &kind_in(document, file)};
+  scene.settings = scene.kind->default_settings();
+  const std::string model = scene.kind->name();
+  const std::vector<SettingKey> keys = scene.settings->keys();
+  for (const auto& [name, content] : document) {
+    if (name == "model") continue;
+    if (name == "rung") {
+      scene.ladder = ladder_of(content, static_cast<std::size_t>(scene.settings->effort_levels()), file);
       continue;
     }
-    if (section != "surface_light_field" || !content.is_table())
-      throw ConfigError(place(file, content.source()) + "unknown section [" + std::string(section.str()) +
-                        "]; a scene has [surface_light_field] and, from `tradeoff`, [[rung]]");
-    for (const auto& [key, value] : *content.as_table()) {
-      const auto known = keys.find(key.str());
-      if (known == keys.end())
-        throw ConfigError(place(file, value.source()) + "unknown key " + std::string(key.str()) + "; [" +
-                          std::string(section.str()) + "] has " + key_list(keys));
-      if (const std::string demand = known->second.set(value); !demand.empty())
-        throw ConfigError(place(file, value.source()) + std::string(key.str()) + " " + demand);
-    }
+    if ((name != "images" && name != model) || !content.is_table())
+      throw ConfigError(place(file, content.source()) + "unknown section [" + std::string(name.str()) +
+                        "]; a scene has model, [images], [" + model + "] and, from `tradeoff`, [[rung]]");
   }
+  for (const SettingTable table : kTables)
+    if (const toml::table* values = table_in(document, table, model)) read_table(*values, table, keys, model, file);
   try {
-    require_valid(config.surface_light_field);
+    scene.settings->require_valid();
   } catch (const ConfigError& error) {
-    throw ConfigError(place_of_rule(file, document, error.what()) + error.what());
+    throw ConfigError(place_of_rule(file, document, model, error.what()) + error.what());
   }
-  return config;
+  return scene;
 }
 
-std::string to_toml(const SurfaceLightFieldOptions& options) {
-  SurfaceLightFieldOptions copy = options;
-  std::string text = "[surface_light_field]\n";
-  for (const auto& [name, key] : keys_of(copy)) text += name + " = " + key.text() + '\n';
+std::string to_toml(const ModelSettings& settings) {
+  const std::unique_ptr<ModelSettings> copy = settings.clone();
+  const std::vector<SettingKey> keys = copy->keys();
+  std::string text = "model = \"" + std::string(settings.kind()) + "\"\n";
+  for (const SettingTable table : kTables) {
+    std::string lines;
+    for (const SettingKey& key : keys)
+      if (key.table == table) lines += key.name + " = " + text_of(key.get()) + '\n';
+    if (!lines.empty()) text += "\n[" + header_of(table, settings.kind()) + "]\n" + lines;
+  }
   return text;
 }
 

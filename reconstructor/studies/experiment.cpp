@@ -126,7 +126,7 @@ OnlineRun build_online(std::shared_ptr<const Mesh> mesh, std::span<const Capture
   run.finish_s = seconds_since(start);
   run.cpu_s = process_cpu_s() - cpu;
   run.bytes = model.bytes();
-  const std::vector<std::size_t> histogram = model.rank_histogram();
+  const std::vector<std::size_t> histogram = model.figures().rank_histogram;
   double rings = 0, ranks = 0;
   for (std::size_t r = 0; r < histogram.size(); ++r) {
     rings += static_cast<double>(histogram[r]);

@@ -19,7 +19,7 @@ std::string format(const char* pattern, ...) {
   return text;
 }
 
-double mean_psnr_db(const std::vector<HeldOutView>& views, const ModelSnapshot& model, const RayPainter& painter) {
+double mean_psnr_db(const std::vector<HeldOutView>& views, const Appearance& model, const RayPainter& painter) {
   double sum = 0;
   for (const HeldOutView& view : views)
     sum += squared_error(to_srgb8(painter.paint(model, view.camera, view.camera_from_object).beauty), view.truth,

@@ -27,7 +27,7 @@ Figure figure_online_and_batch(const Experiment& experiment, const BatchRun& bat
   const double views = static_cast<double>(experiment.held_out.size());
   for (std::size_t i = 0; i < experiment.held_out.size(); ++i) {
     const HeldOutView& view = experiment.held_out[i];
-    const auto picture = [&](const ModelSnapshot& model) {
+    const auto picture = [&](const Appearance& model) {
       return to_srgb8(experiment.painter->paint(model, view.camera, view.camera_from_object).beauty);
     };
     const ImageU8 a = picture(*online_model), b = picture(*batch_model);

@@ -21,7 +21,7 @@ ImageU8 with_holes_red(const PaintedView& view) {
 }
 
 /// Share of the views' object pixels that the model has no value for.
-double share_missing(const Experiment& experiment, const ModelSnapshot& model) {
+double share_missing(const Experiment& experiment, const Appearance& model) {
   double missing = 0, all = 0;
   for (const HeldOutView& view : experiment.held_out) {
     const PaintedView painted = experiment.painter->paint(model, view.camera, view.camera_from_object);

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <random>
 
-#include "reconstructor/evaluation/paper_heuristic.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/models/surface_light_field/image_worth.h"
+#include "reconstructor/models/surface_light_field/paper_heuristic.h"
 #include "reconstructor/models/surface_light_field/quality.h"
 #include "reconstructor/studies/figure.h"
 

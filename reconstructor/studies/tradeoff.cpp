@@ -6,6 +6,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "reconstructor/models/surface_light_field/effort_levels.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 namespace sheen {
@@ -97,6 +98,13 @@ std::vector<Setting> part_settings(const SurfaceLightFieldOptions& base) {
   add("sampling", "a pixel away from edges", [](Options& o) { o.visibility.erosion_px = 1; });
   add("factorization", "no terms beyond those displayed",
       [](Options& o) { o.ring.factor.internal_rank = o.ring.factor.max_rank; });
+  return settings;
+}
+
+std::vector<Setting> effort_level_settings(const SurfaceLightFieldOptions& base) {
+  std::vector<Setting> settings;
+  for (int level = 1; level < base.effort_levels(); ++level)
+    settings.push_back({"effort level " + std::to_string(level), "effort level", at_rung(base, level)});
   return settings;
 }
 

@@ -34,6 +34,9 @@ std::vector<Setting> tradeoff_settings(const SurfaceLightFieldOptions& base, boo
 /// `base`, and what it is without each of its parts or with the paper's way in its place: what the parts are worth.
 std::vector<Setting> part_settings(const SurfaceLightFieldOptions& base);
 
+/// The quicker effort levels of --budget, from level 1 on.
+std::vector<Setting> effort_level_settings(const SurfaceLightFieldOptions& base);
+
 TradeoffPoint measure_setting(const Experiment& experiment, const Setting& setting);
 
 /// Indices of the points that no other one beats in both: none is as cheap with more `worth`, or cheaper with as much.

@@ -29,10 +29,10 @@ TEST(IncludeRules, HoldInThisRepository) {
 TEST(IncludeRules, EachForbidsWhatItIsThereFor) {
   const std::vector<std::pair<std::string, std::string>> violations = {
       {"common/camera/camera.h", "tracker/pose/pose_solver.h"},
-      {"common/simulation/rig.cpp", "reconstructor/report/report.h"},
+      {"common/simulation/rig.cpp", "reconstructor/capture/capture_report.h"},
       {"tracker/tracking_loop.cpp", "reconstructor/surface/vertex_ring.h"},
       {"reconstructor/capture/capture_loop.cpp", "tracker/tracking_loop.h"},
-      {"reconstructor/report/report.cpp", "tests/support/matchers.h"},
+      {"reconstructor/capture/capture_report.cpp", "tests/support/matchers.h"},
       {"reconstructor/numerics/ring_factor.cpp", "common/camera/camera.h"},
       {"reconstructor/numerics/ring_factor.cpp", "tbb/parallel_for.h"},
       {"reconstructor/surface/vertex_ring.h", "reconstructor/models/appearance_model.h"},
@@ -42,6 +42,12 @@ TEST(IncludeRules, EachForbidsWhatItIsThereFor) {
       {"reconstructor/models/irradiance_field/lamp.cpp", "reconstructor/models/surface_light_field/quality.h"},
       {"reconstructor/models/appearance_model.h", "reconstructor/models/surface_light_field/quality.h"},
       {"reconstructor/render/gl/window.cpp", "reconstructor/capture/capture_loop.h"},
+      {"reconstructor/render/gl/window.cpp", "reconstructor/models/surface_light_field/snapshot.h"},
+      {"reconstructor/capture/capture_loop.cpp", "reconstructor/models/surface_light_field/kind.h"},
+      {"reconstructor/commands/evaluate.cpp", "reconstructor/models/surface_light_field/snapshot.h"},
+      {"reconstructor/models/model_registry.cpp", "reconstructor/models/surface_light_field/snapshot.h"},
+      {"reconstructor/capture/capture_loop.cpp", "reconstructor/studies/figure.h"},
+      {"reconstructor/scene/scene_config.cpp", "reconstructor/capture/capture_loop.h"},
       {"reconstructor/monitor/monitor_server.h", "reconstructor/capture/reconstruction.h"},
       {"reconstructor/capture/capture_loop.cpp", "reconstructor/commands/commands.h"},
       {"reconstructor/models/surface_light_field/quality.cpp", "embree3/rtcore.h"},
@@ -73,9 +79,13 @@ TEST(IncludeRules, AllowWhatTheLayersAreFor) {
       {"reconstructor/models/surface_light_field/quality.h", "reconstructor/models/surface_light_field/snapshot.h"},
       {"reconstructor/models/surface_light_field/quality.h", "reconstructor/models/appearance_model.h"},
       {"reconstructor/render/ray_painter.h", "reconstructor/models/appearance_model.h"},
+      {"reconstructor/models/model_registry.cpp", "reconstructor/models/surface_light_field/kind.h"},
+      {"reconstructor/models/surface_light_field/gl/basis_store.h", "reconstructor/render/gl/gl_objects.h"},
+      {"reconstructor/studies/figure.h", "reconstructor/models/surface_light_field/snapshot.h"},
+      {"reconstructor/commands/tradeoff.cpp", "reconstructor/studies/tradeoff.h"},
       {"reconstructor/main.cpp", "reconstructor/commands/commands.h"},
       {"reconstructor/commands/build.cpp", "reconstructor/commands/commands.h"},
-      {"reconstructor/report/report.h", "nlohmann/json_fwd.hpp"},
+      {"reconstructor/capture/capture_report.h", "nlohmann/json_fwd.hpp"},
   };
   for (const auto& [file, target] : fine) EXPECT_THAT(verdict(file, target), IsEmpty()) << file << " <- " << target;
 }
@@ -86,7 +96,7 @@ TEST(IncludeRules, AreFoundInATreeOnDisk) {
   fs::remove_all(root);
   fs::create_directories(root / "common");
   fs::create_directories(root / "reconstructor" / "numerics");
-  std::ofstream(root / "common" / "camera.h") << "#pragma once\n#include \"reconstructor/report/report.h\"\n";
+  std::ofstream(root / "common" / "camera.h") << "#pragma once\n#include \"reconstructor/capture/capture_report.h\"\n";
   std::ofstream(root / "reconstructor" / "numerics" / "svd.cpp")
       << "#include <Eigen/SVD>\n// #include \"common/camera/camera.h\"\n  #  include <opencv2/core.hpp>  // why not\n";
   std::ofstream(root / "common" / "notes.txt") << "#include \"tracker/main.h\"\n";
@@ -94,7 +104,7 @@ TEST(IncludeRules, AreFoundInATreeOnDisk) {
   EXPECT_THAT(includes_below(root), SizeIs(3));
   std::vector<std::string> broken = broken_include_rules(includes_below(root));
   std::sort(broken.begin(), broken.end());
-  EXPECT_THAT(broken, ElementsAre(HasSubstr("common/camera.h:2 includes reconstructor/report/report.h"),
+  EXPECT_THAT(broken, ElementsAre(HasSubstr("common/camera.h:2 includes reconstructor/capture/capture_report.h"),
                                   HasSubstr("reconstructor/numerics/svd.cpp:3 includes opencv2/core.hpp")));
   fs::remove_all(root);
 }

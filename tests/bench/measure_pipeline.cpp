@@ -15,6 +15,8 @@
 #include "common/simulation/test_object.h"
 #include "reconstructor/capture/reconstruction.h"
 #include "reconstructor/effort/budget.h"
+#include "reconstructor/models/surface_light_field/effort_levels.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
 #include "reconstructor/render/ray_painter.h"
 #include "tests/bench/goal_rows.h"
 
@@ -76,7 +78,7 @@ struct Run {
   double eye_ms = 0;  ///< what a picture from a new place costs before it is drawn
   std::map<std::string, double> stage_ms;
   Reconstruction::Effort effort;
-  Reconstruction::RingCounts rings;
+  Reconstruction::PatchCounts patches;
 
   double median_ms() const { return percentile(ms, 0.5); }
   double rate() const { return 1e3 / median_ms(); }
@@ -87,7 +89,8 @@ struct Run {
 };
 
 /// Median over places round the object: the view coefficients of all rings.
-double eye_ms(const SurfaceLightFieldSnapshot& snapshot) {
+double eye_ms(const ModelSnapshot& model) {
+  const auto& snapshot = dynamic_cast<const SurfaceLightFieldSnapshot&>(model);
   std::vector<double> ms;
   for (int i = 0; i < 100; ++i) {
     const double azimuth = 2 * M_PI * i / 100;
@@ -110,13 +113,13 @@ Run ingest(const Mesh& mesh, const SurfaceLightFieldOptions& options, const std:
       const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
       if (report.status == IngestStatus::kAccepted) run.ms.push_back(time.count());
     }
-  run.psnr_db = reconstruction.judge().light_field.psnr_db;
+  run.psnr_db = reconstruction.judge().model.psnr_db;
   run.eye_ms = eye_ms(*reconstruction.snapshot());
-  run.bytes = reconstruction.model().bytes();
-  run.bytes_per_ring = reconstruction.model().bytes_per_ring();
+  run.bytes = reconstruction.model().figures().bytes;
+  run.bytes_per_ring = reconstruction.model().figures().bytes_per_patch;
   for (const auto& [stage, seconds] : reconstruction.stages()) run.stage_ms[stage] = 1e3 * seconds.median_s();
   run.effort = reconstruction.effort();
-  run.rings = reconstruction.rings();
+  run.patches = reconstruction.patches();
   return run;
 }
 
@@ -131,7 +134,8 @@ void measure(GoalReport& report) {
         photograph(object, painter, camera, path[i].camera_from_object, static_cast<std::uint64_t>(i + 1)));
     captures.back().purpose = i % kHoldOutEvery == kHoldOutEvery / 2 ? Purpose::kHeldOut : Purpose::kTraining;
   }
-  SurfaceLightFieldOptions options{.surface_map = 16};
+  SurfaceLightFieldOptions options;
+  options.surface_map = 16;
   options.ring.factor.max_rank = 6;
   options.ring.factor.tolerance = 0;
 
@@ -155,7 +159,7 @@ void measure(GoalReport& report) {
                        {"share_at_the_end", hurried.effort.share}}));
   report.add(at_most(0.3, {}, "held-out PSNR lost by it", paper.psnr_db - hurried.psnr_db, "dB",
                      {{"paper_db", paper.psnr_db}, {"budget_db", hurried.psnr_db}}));
-  for (int rung = 1; rung < static_cast<int>(effort_ladder().size()); ++rung) {
+  for (int rung = 1; rung < options.effort_levels(); ++rung) {
     const Run at = ingest(object.mesh, at_rung(options, rung), captures, {});
     report.add({.name = "rung " + std::to_string(rung) + " of the ladder, cost",
                 .value = at.median_ms() / paper.median_ms(),
@@ -169,8 +173,8 @@ void measure(GoalReport& report) {
   report.add(at_most(1.01, {}, "memory, session ten times as long", double(often.bytes) / double(once.bytes), "ratio",
                      {{"images_per_s", often.rate()},
                       {"lost_db", once.psnr_db - often.psnr_db},
-                      {"rings_skipped", often.rings.skipped},
-                      {"rings_updated", often.rings.updated}}));
+                      {"rings_skipped", often.patches.skipped},
+                      {"rings_updated", often.patches.updated}}));
 }
 
 }  // namespace

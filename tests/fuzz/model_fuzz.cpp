@@ -152,7 +152,7 @@ bool same(const Eigen::Array3f& a, const Eigen::Array3f& b) {
 void expect_same_pictures(const SurfaceLightFieldSnapshot& a, const SurfaceLightFieldSnapshot& b) {
   demand(a.mesh().triangles == b.mesh().triangles && a.mesh().vertices == b.mesh().vertices, "another mesh");
   for (const Eigen::Vector3d& eye : {Eigen::Vector3d(1, 0.3, 0.2), Eigen::Vector3d(-0.2, -0.4, -0.9)}) {
-    const auto shader_a = a.shader_for(eye), shader_b = b.shader_for(eye);
+    const auto shader_a = a.shader_for({eye}), shader_b = b.shader_for({eye});
     for (std::uint32_t t = 0; t < std::min<std::size_t>(a.mesh().triangles.size(), 8); ++t) {
       demand(shader_a->quality(t).reason() == shader_b->quality(t).reason(), "another quality");
       for (const auto& [u, v] : {std::pair(0.2f, 0.3f), std::pair(1.0f, 0.0f), std::pair(0.0f, 0.0f)}) {

@@ -42,9 +42,9 @@ TEST(Tradeoff, MeasuresPlotsAndChooses) {
   EXPECT_EQ(best, 0) << "with memory to spare the best one is chosen";
   EXPECT_TRUE(json["choice"]["holds"]);
 
-  // What it writes is a scene file whose rungs --budget and --target go by.
+  // What it writes is a scene file whose effort levels --budget and --target go by.
   const auto rung = [&](std::size_t r) { return json["points"][json["points"].size() - 6 + r]; };
-  EXPECT_EQ(rung(1)["part"], "ladder");
+  EXPECT_EQ(rung(1)["part"], "effort level");
   const std::string target = std::to_string(rung(5)["psnr_db"].get<double>() - 0.01) + "dB";
   const SecureLink link(temp.path());
   Process desk(serve(data.mesh(), temp.path() / "session",
@@ -80,10 +80,10 @@ TEST(Target, BuildTakesTheCheapestSettingThatReachesIt) {
                    0, words);
     return nlohmann::json::parse(read_file(report));
   };
-  const auto easy = build("15dB", {"map_scale 0.40", "14 images folded in"});
+  const auto easy = build("15dB", {"effort level 5", "14 images folded in"});
   EXPECT_TRUE(easy["settings"]["target"]["reached"]);
   EXPECT_EQ(easy["settings"]["map_scale"], 0.4);
-  const auto impossible = build("99dB", {"map_scale 1.00", "no setting within the limits reaches 99.00 dB"});
+  const auto impossible = build("99dB", {"effort level 0", "no setting within the limits reaches 99.00 dB"});
   EXPECT_FALSE(impossible["settings"]["target"]["reached"]);
   EXPECT_GE(impossible["held_out"]["psnr_db"], easy["held_out"]["psnr_db"]);
 }

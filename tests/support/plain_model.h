@@ -4,12 +4,12 @@
 #include <memory>
 #include <set>
 
-#include "reconstructor/models/appearance_model.h"
+#include "reconstructor/models/model_snapshot.h"
 
 namespace sheen::testing {
 
 /// A model without captures: one radiance everywhere, or the object's places as colours. It must outlive its shaders.
-class PlainModel : public ModelSnapshot {
+class PlainModel : public Appearance {
  public:
   explicit PlainModel(const Mesh& mesh, Eigen::Vector3f radiance = {1, 1, 1}) : mesh_(mesh), radiance_(radiance) {}
 
@@ -18,8 +18,8 @@ class PlainModel : public ModelSnapshot {
   mutable Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< that was asked for last
 
   const Mesh& mesh() const override { return mesh_; }
-  std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& from) const override {
-    eye = from;
+  std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override {
+    eye = query.eye;
     return std::make_unique<Shader>(*this);
   }
 

@@ -14,7 +14,7 @@
 namespace sheen {
 namespace {
 
-struct ConstantColourSnapshot : public ModelSnapshot {
+struct ConstantColourSnapshot : public Appearance {
   std::shared_ptr<const Mesh> shape;
   std::shared_ptr<const VertexRings> rings;
   Eigen::Matrix3Xf colour;  ///< encoded; a sample
@@ -22,7 +22,7 @@ struct ConstantColourSnapshot : public ModelSnapshot {
   ExposureField exposure;
 
   const Mesh& mesh() const override { return *shape; }
-  std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& eye) const override;
+  std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
 };
 
 class ConstantColourShader : public ViewShader {
@@ -48,8 +48,8 @@ class ConstantColourShader : public ViewShader {
   float exposure_;
 };
 
-std::unique_ptr<ViewShader> ConstantColourSnapshot::shader_for(const Eigen::Vector3d& eye) const {
-  return std::make_unique<ConstantColourShader>(*this, exposure.at(eye));
+std::unique_ptr<ViewShader> ConstantColourSnapshot::shader_for(const ViewQuery& query) const {
+  return std::make_unique<ConstantColourShader>(*this, exposure.at(query.eye));
 }
 
 float log_ratio(float encoded_seen, float encoded_expected) {
@@ -142,7 +142,7 @@ std::vector<float> ConstantColour::log_ratios(const SurfaceView& view, const Eig
   return ratios;
 }
 
-std::shared_ptr<const ModelSnapshot> ConstantColour::snapshot(ExposureField exposure) const {
+std::shared_ptr<const Appearance> ConstantColour::snapshot(ExposureField exposure) const {
   auto snapshot = std::make_shared<ConstantColourSnapshot>();
   snapshot->shape = mesh_;
   snapshot->rings = rings_;

@@ -23,7 +23,7 @@ class ConstantColour {
   std::vector<float> log_ratios(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) const;
   void add(const SurfaceView& view, const Eigen::Matrix3Xf& encoded);
   void remove(const SurfaceView& view, const Eigen::Matrix3Xf& encoded);
-  std::shared_ptr<const ModelSnapshot> snapshot(ExposureField exposure = {}) const;
+  std::shared_ptr<const Appearance> snapshot(ExposureField exposure = {}) const;
 
  private:
   std::shared_ptr<const Mesh> mesh_;

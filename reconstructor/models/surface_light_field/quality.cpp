@@ -9,24 +9,9 @@
 namespace sheen {
 namespace {
 
-constexpr float kWorstError = 0.1f;
-constexpr float kGoodHeuristic = 0.25f;  // 32 dB
-constexpr float kObliqueCosine = 0.35f;
-constexpr float kFarCosine = 0.94f;  // 20 degrees: an image from there would say something new
-constexpr float kCommonViews = 1;    // images that the other rings' sills count for
+constexpr float kCommonViews = 1;  // images that the other rings' sills count for
 
 }  // namespace
-
-float SurfaceQuality::heuristic() const {
-  return seen ? std::min(1.0f, error / kWorstError) : 1;
-}
-
-QualityReason SurfaceQuality::reason() const {
-  if (!seen) return QualityReason::kUnseen;
-  if (best_cosine < kObliqueCosine) return QualityReason::kOblique;
-  if (heuristic() < kGoodHeuristic) return QualityReason::kGood;
-  return nearest_cosine < kFarCosine ? QualityReason::kSparseDirections : QualityReason::kHighResidual;
-}
 
 SurfaceQuality assess_ring(const RingSnapshot& ring, const Eigen::Vector3f& direction, float common_sill) {
   SurfaceQuality quality;

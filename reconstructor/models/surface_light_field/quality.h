@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "reconstructor/models/appearance_model.h"
+#include "reconstructor/models/surface_quality.h"
 
 namespace sheen {
 

@@ -7,7 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/median.h"
 #include "common/image/color.h"
+#include "reconstructor/models/surface_light_field/files/model_files.h"
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+#include "reconstructor/models/surface_light_field/next_view.h"
 #include "reconstructor/models/surface_light_field/quality.h"
 
 namespace sheen {
@@ -125,8 +129,8 @@ SurfaceLightFieldSnapshot::SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh>
       exposure_(std::move(exposure)),
       common_sill_(mean_sill(ring_data_)) {}
 
-std::unique_ptr<ViewShader> SurfaceLightFieldSnapshot::shader_for(const Eigen::Vector3d& eye) const {
-  return std::make_unique<LightFieldShader>(*this, eye);
+std::unique_ptr<ViewShader> SurfaceLightFieldSnapshot::shader_for(const ViewQuery& query) const {
+  return std::make_unique<LightFieldShader>(*this, query.eye);
 }
 
 int SurfaceLightFieldSnapshot::max_rank() const {
@@ -134,6 +138,35 @@ int SurfaceLightFieldSnapshot::max_rank() const {
   for (const auto& ring : ring_data_)
     if (ring) rank = std::max(rank, ring->rank());
   return rank;
+}
+
+SnapshotFigures SurfaceLightFieldSnapshot::figures() const {
+  SnapshotFigures figures;
+  std::vector<int> ranks;
+  std::size_t seen = 0, measured = 0, samples = 0;
+  for (std::size_t v = 0; v < ring_data_.size(); ++v) {
+    const RingSnapshot* ring = ring_data_[v].get();
+    samples += static_cast<std::size_t>(rings_->ring_samples(v));
+    if (!ring) continue;
+    std::size_t here = 0;
+    for (const std::uint8_t shown : ring->shown) {
+      here += sample_state(shown) != SampleState::kUnseen;
+      measured += sample_state(shown) == SampleState::kMeasured;
+    }
+    seen += here;
+    if (here > 0) ranks.push_back(ring->rank());
+  }
+  if (samples > 0) {
+    figures.seen = static_cast<double>(seen) / static_cast<double>(samples);
+    figures.measured = static_cast<double>(measured) / static_cast<double>(samples);
+  }
+  if (ranks.empty()) return figures;
+  figures.median_rank = median(ranks);
+  const auto middle = ranks.begin() + static_cast<std::ptrdiff_t>(ranks.size() / 2);
+  if (ranks.size() % 2 == 0)
+    figures.median_rank = 0.5 * (figures.median_rank + *std::max_element(ranks.begin(), middle));
+  figures.most_rank = *std::max_element(ranks.begin(), ranks.end());
+  return figures;
 }
 
 Eigen::MatrixXf SurfaceLightFieldSnapshot::coefficients_for(const Eigen::Vector3d& eye) const {
@@ -161,20 +194,17 @@ std::vector<SurfaceQuality> SurfaceLightFieldSnapshot::quality_for(const Eigen::
   return triangles;
 }
 
-const char* to_string(QualityReason reason) {
-  switch (reason) {
-    case QualityReason::kGood:
-      return "good";
-    case QualityReason::kUnseen:
-      return "unseen";
-    case QualityReason::kOblique:
-      return "oblique";
-    case QualityReason::kSparseDirections:
-      return "sparse_directions";
-    case QualityReason::kHighResidual:
-      return "high_residual";
-  }
-  return "unknown";
+std::shared_ptr<const ModelSnapshot> SurfaceLightFieldSnapshot::filled() const {
+  return fill_unseen(*this);
+}
+
+ViewAdvice SurfaceLightFieldSnapshot::advise_next_view(const Eigen::Vector3d& eye) const {
+  return sheen::advise_next_view(*this, eye);
+}
+
+void SurfaceLightFieldSnapshot::save(const std::filesystem::path& folder, const ModelMetadata& metadata,
+                                     const StepsDone& progress) const {
+  save_model(*this, folder, metadata, {.progress = progress});
 }
 
 }  // namespace sheen

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "reconstructor/models/appearance_model.h"
+#include "reconstructor/models/model_snapshot.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/numerics/view_kriging.h"
 #include "reconstructor/radiance/exposure_field.h"
@@ -65,14 +65,19 @@ class SurfaceLightFieldSnapshot : public ModelSnapshot {
                             std::vector<std::shared_ptr<const RingSnapshot>> ring_data, std::uint64_t version,
                             ExposureField exposure = {});
 
-  const Mesh& mesh() const override { return *mesh_; }
-  std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& eye) const override;
+  std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
+  const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }
+  std::uint64_t version() const override { return version_; }
+  bool empty() const override { return max_rank() == 0; }
+  SnapshotFigures figures() const override;
+  std::shared_ptr<const ModelSnapshot> filled() const override;
+  ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
+  void save(const std::filesystem::path& folder, const ModelMetadata& metadata,
+            const StepsDone& progress) const override;
 
-  const std::shared_ptr<const Mesh>& shared_mesh() const { return mesh_; }
   const std::shared_ptr<const VertexRings>& shared_rings() const { return rings_; }
   const VertexRings& rings() const { return *rings_; }
   const std::vector<std::shared_ptr<const RingSnapshot>>& ring_data() const { return ring_data_; }
-  std::uint64_t version() const { return version_; }  ///< counts up with every snapshot of a model
   const ExposureField& exposure() const { return exposure_; }
   float common_sill() const { return common_sill_; }  ///< mean of the rings' sills
   int max_rank() const;

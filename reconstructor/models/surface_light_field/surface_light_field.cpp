@@ -14,7 +14,9 @@
 
 #include "common/base/errors.h"
 #include "common/base/stage_clock.h"
+#include "reconstructor/models/surface_light_field/effort_levels.h"
 #include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
+#include "reconstructor/models/surface_light_field/memory_account.h"
 #include "reconstructor/models/surface_light_field/ring_column.h"
 #include "reconstructor/radiance/capture_rules.h"
 #include "reconstructor/radiance/exposure_field.h"
@@ -143,6 +145,7 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   if (repeats_earlier_image(view, report)) {
     clock.done("resample");
     report.status = IngestStatus::kAccepted;
+    report.repeated = true;
     return report;
   }
   resample(image, view, *rings, report.exposure_gain, samples, options.sampling);
@@ -241,7 +244,7 @@ bool SurfaceLightField::Pipeline::repeats_earlier_image(const SurfaceView& view,
            ring_models[v]->repeats(column.values, column.visible, column.direction);
   });
   if (static_cast<double>(repeated) < kRepeatedShare * static_cast<double>(tested.size())) return false;
-  report.rings_skipped = shown.size();
+  report.patches_skipped = shown.size();
   return true;
 }
 
@@ -258,7 +261,7 @@ std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const Su
     by_novelty[i] = {ring_models[v] ? ring_models[v]->nearest_cosine(direction) : -2.0f, v};
   });
   std::nth_element(by_novelty.begin(), by_novelty.begin() + static_cast<std::ptrdiff_t>(wanted), by_novelty.end());
-  report.rings_left_out = shown.size() - wanted;
+  report.patches_left_out = shown.size() - wanted;
   shown.resize(wanted);
   for (std::size_t i = 0; i < wanted; ++i) shown[i] = by_novelty[i].second;
   std::sort(shown.begin(), shown.end());
@@ -283,19 +286,19 @@ std::vector<bool> SurfaceLightField::Pipeline::absorb(const SurfaceView& view, I
         absorbed[i] = ring->absorb(column.values, column.visible, column.direction, column.cosine, column.cosine);
     }
   });
-  report.rings_skipped = static_cast<std::size_t>(std::count(repeated.begin(), repeated.end(), 1));
+  report.patches_skipped = static_cast<std::size_t>(std::count(repeated.begin(), repeated.end(), 1));
   double energy = 0, residual = 0;
   std::vector<std::uint32_t> undecided;
   for (std::size_t i = 0; i < absorbed.size(); ++i) {
     if (!absorbed[i].used) continue;
-    ++report.rings_updated;
+    ++report.patches_updated;
     energy += absorbed[i].energy;
     residual += absorbed[i].residual_energy;
     if (absorbed[i].wants_interpolation) undecided.push_back(chosen[i]);
   }
   report.relative_residual = energy > 0 ? std::sqrt(residual / energy) : 0;
   interpolation.after_image(folded.size() + 1, undecided, frames, ring_models);
-  if (report.rings_skipped + report.rings_left_out == 0) return {};
+  if (report.patches_skipped + report.patches_left_out == 0) return {};
   std::vector<bool> taken(ring_models.size(), false);
   for (std::size_t i = 0; i < chosen.size(); ++i) taken[chosen[i]] = !repeated[i];
   return taken;
@@ -325,8 +328,9 @@ double SurfaceLightField::Pipeline::foretold_psnr_db(const SurfaceView& view,
 }
 
 SurfaceLightField::SurfaceLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options,
-                                     std::shared_ptr<const RayScene> scene) {
-  require_valid(options);
+                                     std::shared_ptr<const RayScene> scene)
+    : asked_(options) {
+  options.require_valid();
   if (!scene) scene = std::make_shared<const RayScene>(*mesh);
   pipeline_ = std::make_unique<Pipeline>(std::move(mesh), options, std::move(scene));
   const std::vector<Eigen::Vector3f> normals = vertex_normals(*pipeline_->mesh);
@@ -348,32 +352,43 @@ bool SurfaceLightField::began_with(const Capture& capture) const {
   return pipeline_->beginning && pipeline_->beginning->image == name_of(capture);
 }
 
-void SurfaceLightField::restart() {
-  restart(pipeline_->options);
-}
-
-void SurfaceLightField::restart(const SurfaceLightFieldOptions& options) {
-  require_valid(options);
+void SurfaceLightField::begin(const SurfaceLightFieldOptions& options) {
   auto fresh = std::make_unique<Pipeline>(pipeline_->mesh, options, pipeline_->scene);
   fresh->frames = std::move(pipeline_->frames);
   fresh->version = pipeline_->version;
   fresh->share = pipeline_->share;
   pipeline_ = std::move(fresh);
+  memory_step_ = 0;
 }
 
-void SurfaceLightField::fold_anew(const SurfaceLightFieldOptions& options) {
+void SurfaceLightField::restart(int effort_level) {
+  begin(at_rung(asked_, effort_level));
+}
+
+void SurfaceLightField::rebuild(int effort_level) {
   std::optional<Pipeline::Beginning> beginning = std::move(pipeline_->beginning);
-  restart(options);
+  restart(effort_level);
   pipeline_->beginning = std::move(beginning);
   if (pipeline_->beginning) pipeline_->start(*pipeline_->beginning);
 }
 
-const SurfaceLightFieldOptions& SurfaceLightField::options() const {
+int SurfaceLightField::effort_level_within(const Capture& first, int from, double bytes) const {
+  return finest_rung(*pipeline_->mesh, first, asked_, from, bytes);
+}
+
+bool SurfaceLightField::reduce_memory() {
+  if (memory_step_ == memory_steps().size()) return false;
+  const TermLimit& limit = memory_steps()[memory_step_++];
+  limit_terms(limit.max_rank, limit.internal_rank, limit.block);
+  return true;
+}
+
+const SurfaceLightFieldOptions& SurfaceLightField::settings() const {
   return pipeline_->options;
 }
 
-void SurfaceLightField::set_share(double share) {
-  pipeline_->share = std::clamp(share, 0.01, 1.0);
+void SurfaceLightField::set_update_fraction(double fraction) {
+  pipeline_->share = std::clamp(fraction, 0.01, 1.0);
 }
 
 void SurfaceLightField::limit_terms(int max_rank, int internal_rank, int block) {
@@ -407,30 +422,33 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_
   return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.rings, std::move(data), p.version++, p.exposure_field());
 }
 
-std::shared_ptr<const ModelSnapshot> SurfaceLightField::constant_colour() const {
+std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
   if (pipeline_->constant_colour) return pipeline_->constant_colour->snapshot(pipeline_->exposure_field());
   const std::vector<std::uint8_t> coarse(pipeline_->mesh->triangles.size(), 2);
   return ConstantColour(pipeline_->mesh, std::make_shared<VertexRings>(*pipeline_->mesh, coarse)).snapshot();
 }
 
-bool SurfaceLightField::folded(const Capture& capture) const {
-  return std::any_of(pipeline_->folded.begin(), pipeline_->folded.end(),
-                     [name = name_of(capture)](const Pipeline::Folded& f) { return f.name == name; });
-}
-
-std::size_t SurfaceLightField::images() const {
-  return pipeline_->folded.size();
-}
-
-std::vector<std::size_t> SurfaceLightField::rank_histogram() const {
-  std::vector<std::size_t> histogram;
+ModelFigures SurfaceLightField::figures() const {
+  ModelFigures figures{.images = pipeline_->folded.size(), .bytes = bytes()};
+  std::size_t reached = 0;
   for (const auto& ring : pipeline_->ring_models) {
     if (!ring || ring->views() == 0) continue;
+    ++reached;
     const auto rank = static_cast<std::size_t>(ring->rank());
-    if (histogram.size() <= rank) histogram.resize(rank + 1, 0);
-    ++histogram[rank];
+    if (figures.rank_histogram.size() <= rank) figures.rank_histogram.resize(rank + 1, 0);
+    ++figures.rank_histogram[rank];
   }
-  return histogram;
+  if (reached > 0) figures.bytes_per_patch = static_cast<double>(figures.bytes) / static_cast<double>(reached);
+  return figures;
+}
+
+MemoryAccount SurfaceLightField::memory(const CaptureSize& image) const {
+  constexpr double kSnapshots = 2;  // the one that is shown, and the one that follows
+  MemoryAccount account;
+  if (rings()) account = fixed_account(*pipeline_->mesh, *rings(), image);
+  account.model = static_cast<double>(bytes());
+  account.snapshots = kSnapshots * static_cast<double>(snapshot_bytes());
+  return account;
 }
 
 std::size_t SurfaceLightField::bytes() const {
@@ -449,12 +467,6 @@ std::size_t SurfaceLightField::snapshot_bytes() const {
 
 const VertexRings* SurfaceLightField::rings() const {
   return pipeline_->rings.get();
-}
-
-double SurfaceLightField::bytes_per_ring() const {
-  const auto reached = std::count_if(pipeline_->ring_models.begin(), pipeline_->ring_models.end(),
-                                     [](const auto& ring) { return ring && ring->views() > 0; });
-  return reached > 0 ? static_cast<double>(bytes()) / static_cast<double>(reached) : 0;
 }
 
 }  // namespace sheen

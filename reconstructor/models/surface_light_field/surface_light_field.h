@@ -22,40 +22,36 @@ class SurfaceLightField : public AppearanceModel {
   ~SurfaceLightField() override;
 
   IngestReport ingest(const Capture& capture) override;
-  /// Takes out again an image that was folded in, at the cost of folding one in. Nearly as if it had never been there:
-  /// what it left in others (samples that were imputed with its help, exposures estimated with it) stays, and for the
-  /// last bit the model is made anew. False when that is the only way: it is the first image, which the size of the
-  /// maps and the level of exposure come from, or not one that was folded in.
-  bool withdraw(const Capture& capture);
-  bool began_with(const Capture& capture) const;  ///< the first image that showed something
-  /// Whether anything was taken of an image: not of one that shows what an earlier one does.
-  bool folded(const Capture& capture) const;
-  /// Forgets all images, as if it were new; snapshots count on. With other options: as if it were made with these.
-  void restart();
-  void restart(const SurfaceLightFieldOptions& options);
-  /// The same, but for what the first image that showed something has decided, whether it comes again or not.
-  void fold_anew(const SurfaceLightFieldOptions& options);
-  const SurfaceLightFieldOptions& options() const;
+  /// What the image left in others stays: samples that were imputed with its help, exposures estimated with it. Not for
+  /// the first image that showed something, which the size of the maps and the level of exposure come from.
+  bool withdraw(const Capture& capture) override;
+  bool began_with(const Capture& capture) const override;
 
-  /// Of the rings that an image shows, how many are updated, in (0, 1]: those for which its direction is newest. Holds
-  /// for the images to come. The model is a function of the images and of the share at each.
-  void set_share(double share);
-  /// Lets go of terms beyond lower limits, in all rings at once: frees memory. They hold from now on.
+  void restart(int effort_level) override;
+  void rebuild(int effort_level) override;
+  int effort_level_within(const Capture& first, int from, double bytes) const override;
+  bool reduce_memory() override;
+  void set_update_fraction(double fraction) override;
+  /// Lets go of terms beyond lower limits, in all rings at once. They hold from now on.
   void limit_terms(int max_rank, int internal_rank, int block);
+
   std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
   std::shared_ptr<const SurfaceLightFieldSnapshot> light_field_snapshot();
-  /// The mean colour of each surface sample over all images: what a model without view dependence would be.
-  std::shared_ptr<const ModelSnapshot> constant_colour() const;
+  std::shared_ptr<const Appearance> constant_colour() const override;
 
-  std::size_t images() const;                       ///< folded in
-  std::vector<std::size_t> rank_histogram() const;  ///< [rings of rank 0, 1, ...], rings that no image reached left out
-  std::size_t bytes() const;                        ///< of all rings
-  std::size_t snapshot_bytes() const;               ///< of a snapshot of all rings
-  const VertexRings* rings() const;                 ///< null until an image comes
-  double bytes_per_ring() const;                    ///< mean over rings that an image reached
+  const SurfaceLightFieldOptions& settings() const override;
+  ModelFigures figures() const override;
+  MemoryAccount memory(const CaptureSize& image) const override;
+  std::size_t bytes() const;           ///< of all rings
+  std::size_t snapshot_bytes() const;  ///< of a snapshot of all rings
+  const VertexRings* rings() const;    ///< null until an image comes
 
  private:
   struct Pipeline;
+  void begin(const SurfaceLightFieldOptions& options);
+
+  SurfaceLightFieldOptions asked_;  ///< before any effort level's limits
+  std::size_t memory_step_ = 0;     ///< how many of `memory_steps` have been taken
   std::unique_ptr<Pipeline> pipeline_;
 };
 

@@ -2,31 +2,73 @@
 #include "reconstructor/models/surface_light_field/surface_light_field_options.h"
 
 #include <string>
+#include <utility>
 
 #include "common/base/errors.h"
+#include "reconstructor/models/surface_light_field/effort_levels.h"
+#include "reconstructor/models/surface_light_field/light_field_peers.h"
+#include "reconstructor/models/surface_light_field/memory_account.h"
+#include "reconstructor/models/surface_light_field/surface_light_field.h"
 
 namespace sheen {
 
-void require_valid(const SurfaceLightFieldOptions& options) {
-  const auto require = [](bool holds, const char* rule) {
-    if (!holds) throw ConfigError(std::string("surface light field: ") + rule);
+std::vector<SettingKey> SurfaceLightFieldOptions::keys() {
+  std::vector<SettingKey> keys = image_keys();
+  const std::vector<SettingKey> own = {
+      setting("surface_map", surface_map),
+      setting("max_rank", ring.factor.max_rank),
+      setting("tolerance", ring.factor.tolerance),
+      setting("map_scale", map_scale, SettingTable::kAdvanced),
+      setting("internal_rank", ring.factor.internal_rank, SettingTable::kAdvanced),
+      setting("block", ring.factor.block, SettingTable::kAdvanced),
+      setting("max_views", ring.max_views, SettingTable::kAdvanced),
+      setting("repeat_angle", ring.repeat_angle, SettingTable::kAdvanced),
+      setting("min_visible", ring.min_visible, SettingTable::kAdvanced),
   };
-  require(options.surface_map == 0 || (options.surface_map >= 2 && options.surface_map <= 64),
+  keys.insert(keys.end(), own.begin(), own.end());
+  return keys;
+}
+
+void SurfaceLightFieldOptions::require_valid() const {
+  require_valid_images();
+  const auto require = [](bool holds, const char* rule) {
+    if (!holds) throw ConfigError(std::string(kName) + ": " + rule);
+  };
+  require(surface_map == 0 || (surface_map >= 2 && surface_map <= 64),
           "surface_map must be 0 (chosen from the footprint) or 2..64");
-  require(options.map_scale >= 0.05 && options.map_scale <= 4, "map_scale must be in [0.05, 4]");
-  require(options.ring.repeat_angle >= 0 && options.ring.repeat_angle < 0.5, "repeat_angle must be in [0, 0.5) rad");
-  require(options.hold_out_every >= 0 && options.hold_out_every != 1,
-          "hold_out_every must be 0 (none) or at least 2: with 1 nothing would be left to learn from");
-  require(options.ring.factor.max_rank >= 1 && options.ring.factor.max_rank <= 64, "max_rank must be 1..64");
-  require(
-      options.ring.factor.internal_rank == 0 || (options.ring.factor.internal_rank >= options.ring.factor.max_rank &&
-                                                 options.ring.factor.internal_rank <= 64),
-      "internal_rank must be 0 (chosen from max_rank) or max_rank..64");
-  require(options.ring.factor.block >= 1 && options.ring.factor.block <= 32, "block must be 1..32");
-  require(options.ring.factor.tolerance >= 0 && options.ring.factor.tolerance < 1, "tolerance must be in [0, 1)");
-  require(options.ring.min_visible >= 0 && options.ring.min_visible <= 1, "min_visible must be in [0, 1]");
-  require(options.ring.max_views >= 8 && options.ring.max_views <= 1000, "max_views must be 8..1000");
-  require(options.visibility.erosion_px >= 0 && options.visibility.erosion_px <= 32, "erosion_px must be 0..32");
+  require(map_scale >= 0.05 && map_scale <= 4, "map_scale must be in [0.05, 4]");
+  require(ring.repeat_angle >= 0 && ring.repeat_angle < 0.5, "repeat_angle must be in [0, 0.5) rad");
+  require(ring.factor.max_rank >= 1 && ring.factor.max_rank <= 64, "max_rank must be 1..64");
+  require(ring.factor.internal_rank == 0 ||
+              (ring.factor.internal_rank >= ring.factor.max_rank && ring.factor.internal_rank <= 64),
+          "internal_rank must be 0 (chosen from max_rank) or max_rank..64");
+  require(ring.factor.block >= 1 && ring.factor.block <= 32, "block must be 1..32");
+  require(ring.factor.tolerance >= 0 && ring.factor.tolerance < 1, "tolerance must be in [0, 1)");
+  require(ring.min_visible >= 0 && ring.min_visible <= 1, "min_visible must be in [0, 1]");
+  require(ring.max_views >= 8 && ring.max_views <= 1000, "max_views must be 8..1000");
+}
+
+int SurfaceLightFieldOptions::effort_levels() const {
+  return static_cast<int>(effort_ladder().size());
+}
+
+MemoryNeed SurfaceLightFieldOptions::memory_need(std::size_t vertices, std::size_t triangles) const {
+  return sheen::memory_need(vertices, triangles, *this);
+}
+
+std::unique_ptr<AppearanceModel> SurfaceLightFieldOptions::make_model(std::shared_ptr<const Mesh> mesh) const {
+  return std::make_unique<SurfaceLightField>(std::move(mesh), *this);
+}
+
+std::unique_ptr<Peers> SurfaceLightFieldOptions::make_peers(std::shared_ptr<const ModelSnapshot> snapshot,
+                                                            bool photographs) const {
+  return std::make_unique<LightFieldPeers>(std::dynamic_pointer_cast<const SurfaceLightFieldSnapshot>(snapshot), *this,
+                                           photographs);
+}
+
+const SurfaceLightFieldOptions& light_field_options(const ModelSettings& settings, const std::string& who) {
+  if (const auto* options = dynamic_cast<const SurfaceLightFieldOptions*>(&settings)) return *options;
+  throw ConfigError(who + " works on surface light fields; the scene asks for " + settings.kind());
 }
 
 }  // namespace sheen

@@ -1,32 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "reconstructor/models/model_settings.h"
 #include "reconstructor/models/surface_light_field/ring_model.h"
-#include "reconstructor/radiance/radiance_image.h"
-#include "reconstructor/surface/ring_visibility.h"
 
 namespace sheen {
 
-/// How images of differing exposure are brought to one level.
-enum class ExposureCompensation {
-  kOff,       ///< grey levels mean the same in all images
-  kKnown,     ///< by exposure time and gain where a linear camera reports them
-  kEstimate,  ///< as kKnown; where they are unknown, one robust gain an image (docs/decisions/exposure.md)
-};
-
-struct SurfaceLightFieldOptions {
+/// What a scene asks of a surface light field.
+struct SurfaceLightFieldOptions : ModelSettings {
   /// Side of a triangle's surface map; 0 = from the footprint of a pixel in the first image.
   int surface_map = 0;
   int min_surface_map = 4, max_surface_map = 24;  ///< bounds of the choice by footprint (MapResolutionOptions)
   double map_scale = 1;                           ///< of the side, given or chosen
-  Sampling sampling = Sampling::kCubic;
-  int hold_out_every = 8;  ///< every Nth image of a source is held out; 0 = none
-  ExposureCompensation exposure = ExposureCompensation::kKnown;
-  VisibilityOptions visibility;
   RingModelOptions ring;
+
+  const char* kind() const override { return kName; }
+  std::unique_ptr<ModelSettings> clone() const override { return std::make_unique<SurfaceLightFieldOptions>(*this); }
+  std::vector<SettingKey> keys() override;
+  void require_valid() const override;
+  int effort_levels() const override;
+  MemoryNeed memory_need(std::size_t vertices, std::size_t triangles) const override;
+  std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const override;
+  std::unique_ptr<Peers> make_peers(std::shared_ptr<const ModelSnapshot> snapshot, bool photographs) const override;
+
+  static constexpr const char* kName = "surface_light_field";
 };
 
-/// Throws ConfigError when an option is out of range, naming it.
-void require_valid(const SurfaceLightFieldOptions& options);
+/// Of settings that may be another model's: then throws ConfigError that says `who` wants a surface light field.
+const SurfaceLightFieldOptions& light_field_options(const ModelSettings& settings, const std::string& who);
 
 }  // namespace sheen

@@ -5,8 +5,8 @@
 
 #include "common/capture/capture.h"
 #include "common/geometry/mesh.h"
-#include "reconstructor/models/surface_light_field/gl/light_field_renderer.h"
 #include "reconstructor/render/gl/gl_objects.h"
+#include "reconstructor/render/gl/model_drawer.h"
 #include "reconstructor/render/gl/overlay_painter.h"
 
 namespace sheen {

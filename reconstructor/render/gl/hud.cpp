@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "common/base/median.h"
-
 namespace sheen {
 namespace {
 
@@ -107,8 +105,8 @@ std::vector<Line> frame_lines(const CaptureFigures& f) {
   return lines;
 }
 
-std::vector<Line> rank_lines(const RankFigures& ranks) {
-  return {{"rank", print("median %.3g, most %d", ranks.median, ranks.most)},
+std::vector<Line> rank_lines(const SnapshotFigures& ranks) {
+  return {{"rank", print("median %.3g, most %d", ranks.median_rank, ranks.most_rank)},
           {"surface", print("%.1f %% seen, %.1f %% measured", 100 * ranks.seen, 100 * ranks.measured)}};
 }
 
@@ -124,34 +122,6 @@ std::vector<Line> error_lines(const CaptureFigures& f) {
 }
 
 }  // namespace
-
-RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot) {
-  RankFigures figures;
-  std::vector<int> ranks;
-  std::size_t seen = 0, measured = 0, samples = 0;
-  for (std::size_t v = 0; v < snapshot.ring_data().size(); ++v) {
-    const RingSnapshot* ring = snapshot.ring_data()[v].get();
-    samples += static_cast<std::size_t>(snapshot.rings().ring_samples(v));
-    if (!ring) continue;
-    std::size_t here = 0;
-    for (const std::uint8_t shown : ring->shown) {
-      here += sample_state(shown) != SampleState::kUnseen;
-      measured += sample_state(shown) == SampleState::kMeasured;
-    }
-    seen += here;
-    if (here > 0) ranks.push_back(ring->rank());
-  }
-  if (samples > 0) {
-    figures.seen = static_cast<double>(seen) / static_cast<double>(samples);
-    figures.measured = static_cast<double>(measured) / static_cast<double>(samples);
-  }
-  if (ranks.empty()) return figures;
-  figures.median = median(ranks);
-  const auto middle = ranks.begin() + static_cast<std::ptrdiff_t>(ranks.size() / 2);
-  if (ranks.size() % 2 == 0) figures.median = 0.5 * (figures.median + *std::max_element(ranks.begin(), middle));
-  figures.most = *std::max_element(ranks.begin(), ranks.end());
-  return figures;
-}
 
 /// Boxes at the bottom stand above the line that says where to go next.
 float Hud::bottom_margin(const OverlayPainter& overlay) const {

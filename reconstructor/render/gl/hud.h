@@ -11,23 +11,14 @@
 
 namespace sheen {
 
-/// How many terms the rings of a model have.
-struct RankFigures {
-  double median = 0;  ///< over rings that an image has reached
-  int most = 0;
-  double seen = 0;      ///< share of all samples that some image showed, 0..1
-  double measured = 0;  ///< share of all samples that are more than imputed, 0..1
-};
-RankFigures rank_figures(const SurfaceLightFieldSnapshot& snapshot);
-
 /// The text over the picture: figures at the top left, where to go next at the bottom, the legend of the colours at the
 /// bottom right, keys on demand. Collected into `overlay`, not flushed.
 struct Hud {
   const ViewerState& state;
   const ViewControls& controls;
-  const RankFigures* ranks = nullptr;  ///< null without a model
-  const Guidance* guidance = nullptr;  ///< null without a next view
-  std::vector<std::string> notes;      ///< warnings and news, a line each
+  const SnapshotFigures* ranks = nullptr;  ///< null without a model
+  const Guidance* guidance = nullptr;      ///< null without a next view
+  std::vector<std::string> notes;          ///< warnings and news, a line each
   void draw(OverlayPainter& overlay) const;
 
  private:

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "reconstructor/models/surface_light_field/gl/light_field_renderer.h"
 #include "reconstructor/render/gl/gl_objects.h"
+#include "reconstructor/render/gl/model_drawer.h"
 
 namespace sheen {
 

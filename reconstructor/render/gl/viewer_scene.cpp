@@ -35,10 +35,10 @@ void ViewerScene::draw(const ViewerState& state, const ViewControls& controls, c
 
   const Panel all{0, 0, target.width(), target.height()};
   const SurfaceShading need = controls.reasons ? SurfaceShading::kReasons : SurfaceShading::kHeuristic;
-  const bool untouched = state.snapshot && state.snapshot->max_rank() == 0;
+  const bool untouched = state.snapshot && state.snapshot->empty();
   const SurfaceShading seen = controls.states ? SurfaceShading::kStates
                               : untouched     ? SurfaceShading::kPlain
-                                              : SurfaceShading::kLightField;
+                                              : SurfaceShading::kAppearance;
   std::vector<std::string> notes = news;
   switch (controls.mode) {
     case ViewMode::kLightField:
@@ -77,7 +77,7 @@ void ViewerScene::draw_surface(const ViewerState& state, const ViewControls& con
   const Panel panel = follow ? fit(area, state.capture->camera.width, state.capture->camera.height) : area;
   const Viewpoint viewpoint =
       follow ? tracked_viewpoint(*state.capture, panel) : controls.orbit.viewpoint(panel.width, panel.height);
-  surface_.draw(viewpoint, panel, overlay_.height(), shading);
+  surface_->draw(viewpoint, panel, overlay_.height(), shading);
   if (controls.figures && !follow) draw_guides(state, viewpoint, panel);
 }
 
@@ -122,12 +122,10 @@ void ViewerScene::draw_guides(const ViewerState& state, const Viewpoint& viewpoi
 
 void ViewerScene::draw_hud(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes) {
   if (state.snapshot && state.snapshot != counted_) {
-    ranks_ = rank_figures(*state.snapshot);
+    ranks_ = state.snapshot->figures();
     counted_ = state.snapshot;
   }
-  if (surface_.shortened_rings() > 0)
-    notes.push_back("graphics memory is full: " + std::to_string(surface_.shortened_rings()) +
-                    " rings are drawn with fewer terms");
+  for (std::string& note : surface_->notes()) notes.push_back(std::move(note));
   std::optional<Guidance> guidance;
   if (state.snapshot && state.next_view) {
     const Rigid3 here = posed(state) ? state.capture->pose.camera_from_object

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "common/capture/capture.h"
-#include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/models/model_snapshot.h"
 
 namespace sheen {
 
@@ -52,7 +52,7 @@ struct WorkInHand {
 
 /// All that the window shows at one moment: plain data, filled by whoever drives it. Every part may be absent.
 struct ViewerState {
-  std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot;
+  std::shared_ptr<const ModelSnapshot> snapshot;
   std::shared_ptr<const Capture> capture;  ///< last camera image, with its camera, pose and tags
   std::optional<CaptureFigures> figures;
   TrackerLink link = TrackerLink::kNone;

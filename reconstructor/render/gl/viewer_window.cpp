@@ -91,7 +91,7 @@ std::filesystem::path free_name(const std::filesystem::path& stem) {
 }  // namespace
 
 struct ViewerWindow::Impl {
-  explicit Impl(const ViewerOptions& o) : options(o), window(open_window(o)), scene(o.renderer) {
+  Impl(const ModelKind& kind, const ViewerOptions& o) : options(o), window(open_window(o)), scene(kind, o.drawer) {
     glfwSetWindowUserPointer(window.get(), this);
     glfwSetKeyCallback(window.get(), [](GLFWwindow* w, int key, int, int action, int) {
       if (action == GLFW_PRESS) of(w).on_key(key);
@@ -218,7 +218,8 @@ struct ViewerWindow::Impl {
   Clock::time_point news_until;
 };
 
-ViewerWindow::ViewerWindow(const ViewerOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+ViewerWindow::ViewerWindow(const ModelKind& kind, const ViewerOptions& options)
+    : impl_(std::make_unique<Impl>(kind, options)) {}
 ViewerWindow::~ViewerWindow() = default;
 
 ViewControls& ViewerWindow::controls() {

@@ -8,7 +8,8 @@
 #include <string>
 
 #include "common/image/image.h"
-#include "reconstructor/models/surface_light_field/gl/light_field_renderer.h"
+#include "reconstructor/models/model_kind.h"
+#include "reconstructor/render/gl/model_drawer.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/gl/viewer_feed.h"
 #include "reconstructor/render/gl/viewer_state.h"
@@ -20,15 +21,15 @@ struct ViewerOptions {
   bool visible = true;             ///< false: for pictures only; still needs a display
   int samples = 4;                 ///< a pixel, against jagged outlines; 1 = none
   std::filesystem::path screenshot_folder = ".";
-  LightFieldRendererOptions renderer;
+  DrawerOptions drawer;
 };
 
 /// The window (GLFW, OpenGL 3.3). One a process; made, used and destroyed on the main thread. Keys: 1..4 modes, W
 /// reasons, M measured or imputed, U take back, F follow, R reset, S screenshot, H help, Q or Esc quit.
 class ViewerWindow {
  public:
-  /// Throws DeviceError without a display or without OpenGL 3.3: the message says what to do.
-  explicit ViewerWindow(const ViewerOptions& options);
+  /// For models of one kind. Throws DeviceError without a display or without OpenGL 3.3: the message says what to do.
+  ViewerWindow(const ModelKind& kind, const ViewerOptions& options);
   ~ViewerWindow();
 
   ViewControls& controls();

@@ -6,8 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "reconstructor/report/report.h"
+#include "reconstructor/capture/capture_report.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
+#include "tests/support/patience.h"
 #include "tests/support/temp_folder.h"
 
 namespace sheen {
@@ -46,15 +47,15 @@ class CaptureLoopTest : public ::testing::Test {
     wait_until([](const LoopStatus& s) { return s.ingested == kImages; });
   }
 
-  static int most_views(const SurfaceLightFieldSnapshot& snapshot) {
+  static int most_views(const ModelSnapshot& snapshot) {
     int most = 0;
-    for (const auto& ring : snapshot.ring_data())
+    for (const auto& ring : light_field(snapshot).ring_data())
       if (ring) most = std::max(most, ring->views_folded);
     return most;
   }
   template <typename Condition>
   void wait_until(const Condition& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + seconds(30);
+    const auto deadline = std::chrono::steady_clock::now() + seconds(30 * testing::kPatienceFactor);
     while (!condition(loop_->status())) {
       ASSERT_LT(std::chrono::steady_clock::now(), deadline) << loop_->status().error;
       std::this_thread::sleep_for(milliseconds(5));
@@ -67,7 +68,7 @@ class CaptureLoopTest : public ::testing::Test {
       if (!missing.contains(i)) never.ingest(images_[i]);
     expect_same_rings(*reconstruction_->snapshot(), *never.snapshot());
     ASSERT_EQ(reconstruction_->held_out().size(), never.held_out().size());
-    EXPECT_EQ(reconstruction_->judge().light_field.psnr_db, never.judge().light_field.psnr_db);
+    EXPECT_EQ(reconstruction_->judge().model.psnr_db, never.judge().model.psnr_db);
     EXPECT_EQ(reconstruction_->judge().constant.psnr_db, never.judge().constant.psnr_db);
     const FrameCounts& counts = reconstruction_->counts();
     EXPECT_EQ(counts.received, kImages);
@@ -154,8 +155,8 @@ TEST_F(CaptureLoopTest, WhatIsPutBackIsThereAgain) {
 }
 
 bool finishes(const CaptureLoop& loop) {
-  for (const auto end = std::chrono::steady_clock::now() + seconds(30); std::chrono::steady_clock::now() < end;
-       std::this_thread::sleep_for(std::chrono::milliseconds(5)))
+  for (const auto end = std::chrono::steady_clock::now() + seconds(30 * testing::kPatienceFactor);
+       std::chrono::steady_clock::now() < end; std::this_thread::sleep_for(std::chrono::milliseconds(5)))
     if (loop.finished()) return true;
   return false;
 }

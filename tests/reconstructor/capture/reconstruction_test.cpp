@@ -58,7 +58,7 @@ TEST(Reconstruction, TheHeldOutViewsOfADiffuseSceneAreReproducedByBothModels) {
   const Object object = square_object();
   // Black, as pictures are where there is no surface: SSIM's windows look beyond the object's rim.
   const Scene scene{object.surface, analytic::diffuse(0.06), Eigen::Vector3d::Zero()};
-  Reconstruction reconstruction(*object.mesh, {});
+  Reconstruction reconstruction(*object.mesh, SurfaceLightFieldOptions{});
   for (const Capture& image : captures(scene, eyes(32, 0.5, 0.55))) reconstruction.ingest(image);
   const auto [light_field, constant] = reconstruction.judge();
   ASSERT_EQ(light_field.views.size(), 4u);
@@ -71,7 +71,7 @@ TEST(Reconstruction, TheHeldOutViewsOfADiffuseSceneAreReproducedByBothModels) {
 TEST(Reconstruction, ViewDependenceBeatsTheConstantColourByFar) {
   const Object object = square_object();
   const Scene scene{object.surface, analytic::two_terms(0.1)};
-  Reconstruction reconstruction(*object.mesh, {});
+  Reconstruction reconstruction(*object.mesh, SurfaceLightFieldOptions{});
   for (const Capture& image : captures(scene, eyes(48, 0.5, 0.55))) reconstruction.ingest(image);
   const auto [light_field, constant] = reconstruction.judge();
   EXPECT_GT(light_field.psnr_db, 32);
@@ -80,7 +80,7 @@ TEST(Reconstruction, ViewDependenceBeatsTheConstantColourByFar) {
 }
 
 TEST(Reconstruction, NothingHeldOutGivesEmptyScores) {
-  Reconstruction reconstruction(*square_object().mesh, {});
+  Reconstruction reconstruction(*square_object().mesh, SurfaceLightFieldOptions{});
   const auto [light_field, constant] = reconstruction.judge();
   EXPECT_TRUE(light_field.views.empty() && constant.views.empty());
   EXPECT_EQ(reconstruction.images_per_s(), 0);
@@ -88,7 +88,7 @@ TEST(Reconstruction, NothingHeldOutGivesEmptyScores) {
 
 /// Root of the mean squared error over the object's pixels of all held-out views.
 double pooled_rms(Reconstruction& reconstruction) {
-  return std::pow(10, -reconstruction.judge().light_field.psnr_pooled_db / 20);
+  return std::pow(10, -reconstruction.judge().model.psnr_pooled_db / 20);
 }
 
 TEST(Reconstruction, AnImageTakenOutOfARealCaptureLeavesTheErrorOfOneThatNeverSawIt) {
@@ -154,7 +154,7 @@ TEST(CaptureSet, ASessionGivesItsCapturesInOrderAndTheSameModelToTheBit) {
   }
   const CaptureSet set = open_capture_set(folder.path() / "session");
   ASSERT_EQ(set.size, images.size());
-  Reconstruction live(*object.mesh, {}), replayed(*object.mesh, {});
+  Reconstruction live(*object.mesh, SurfaceLightFieldOptions{}), replayed(*object.mesh, SurfaceLightFieldOptions{});
   for (std::size_t i = 0; i < images.size(); ++i) {
     const Capture read = set.read(i);
     testing::expect_same_bits(read, images[i]);

@@ -8,7 +8,7 @@
 
 #include "reconstructor/capture/reconstruction.h"
 #include "reconstructor/effort/budget.h"
-#include "reconstructor/effort/memory_account.h"
+#include "reconstructor/models/surface_light_field/memory_account.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
 namespace sheen {
@@ -58,7 +58,7 @@ class UndoToTheBit : public ::testing::Test {
     replay(fresh, missing);
     expect_same_rings(*model.snapshot(), *fresh.snapshot());
     EXPECT_EQ(model.effort(), fresh.effort());
-    EXPECT_EQ(model.judge().light_field.psnr_db, fresh.judge().light_field.psnr_db);
+    EXPECT_EQ(model.judge().model.psnr_db, fresh.judge().model.psnr_db);
     EXPECT_EQ(model.judge().constant.psnr_db, fresh.judge().constant.psnr_db);
     const FrameCounts &a = model.counts(), &b = fresh.counts();
     EXPECT_EQ(a.received, b.received);
@@ -67,8 +67,8 @@ class UndoToTheBit : public ::testing::Test {
     EXPECT_EQ(a.refused, b.refused);
     EXPECT_EQ(a.withdrawn, b.withdrawn);
     EXPECT_EQ(model.captures().size(), fresh.captures().size());
-    EXPECT_EQ(model.rings().updated, fresh.rings().updated);
-    EXPECT_EQ(model.rings().skipped, fresh.rings().skipped);
+    EXPECT_EQ(model.patches().updated, fresh.patches().updated);
+    EXPECT_EQ(model.patches().skipped, fresh.patches().skipped);
     EXPECT_EQ(model.memory().total(), fresh.memory().total());
   }
   void expect_exact_after_a_restart(Reconstruction& model, const std::set<std::size_t>& missing) const {
@@ -97,13 +97,14 @@ TEST_F(UndoToTheBit, AtOnceWhereTheModelTookNothingOfTheImage) {
 
 TEST_F(UndoToTheBit, AnImageThatSomeRingsSkippedIsTakenOutOfTheOthersFirst) {
   const auto model = made_of();
-  const Reconstruction::RingCounts before = model->rings();
-  ASSERT_GT(before.skipped, model->snapshot()->rings().size()) << "the repetition and half of the other image";
-  ASSERT_TRUE(model->model().folded(images_[kPartlySkipped]));
+  const Reconstruction::PatchCounts before = model->patches();
+  ASSERT_GT(before.skipped, light_field(*model->snapshot()).rings().size())
+      << "the repetition and half of the other image";
+  ASSERT_FALSE(model->captures()[kPartlySkipped].repeated);
   ASSERT_EQ(model->withdraw(images_[kPartlySkipped]), Withdrawn::kNearly);
   Reconstruction fresh(*object_.mesh, options_);
   replay(fresh, {kPartlySkipped});
-  EXPECT_GT(model->judge().light_field.psnr_db, fresh.judge().light_field.psnr_db - 0.5);
+  EXPECT_GT(model->judge().model.psnr_db, fresh.judge().model.psnr_db - 0.5);
   EXPECT_NEAR(model->judge().constant.psnr_db, fresh.judge().constant.psnr_db, 1e-3);
   expect_exact_after_a_restart(*model, {kPartlySkipped});
 }
@@ -112,7 +113,7 @@ TEST_F(UndoToTheBit, ImagesOfABudgetThatLeavesRingsOut) {
   for (const std::size_t image : {std::size_t{20}, std::size_t{4}, kRefused, kRepeated}) {
     const auto model = made_of(kNeverKept);
     ASSERT_LT(model->effort().share, 0.5);
-    ASSERT_GT(model->rings().left_out, 0u);
+    ASSERT_GT(model->patches().left_out, 0u);
     EXPECT_NE(model->withdraw(images_[image]), Withdrawn::kNot) << image;
     expect_exact_after_a_restart(*model, {image});
   }

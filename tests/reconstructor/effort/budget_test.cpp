@@ -7,11 +7,14 @@
 
 #include "common/base/errors.h"
 #include "reconstructor/capture/reconstruction.h"
+#include "reconstructor/models/surface_light_field/memory_account.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/expect_error.h"
 
 namespace sheen {
 namespace {
+
+constexpr int kLevels = 6;
 
 std::vector<Capture> glossy_captures(int count) {
   const analytic::Scene scene{square_object().surface, analytic::two_terms(0.2)};
@@ -24,22 +27,6 @@ TEST(Tolerance, IsARelativeErrorOrDecibels) {
   EXPECT_DOUBLE_EQ(parse_tolerance("0"), 0);
   for (const char* wrong : {"", "1", "-0.1", "40db", "0.01x", "nan", "-3dB", "dB"})
     expect_error<ConfigError>([&] { parse_tolerance(wrong); }, {"--tolerance", wrong, "0.01", "40dB"});
-}
-
-TEST(EffortLadder, NoRungAsksForMoreThanTheOneBefore) {
-  const SurfaceLightFieldOptions asked = plain_options();
-  SurfaceLightFieldOptions before = at_rung(asked, 0);
-  EXPECT_EQ(before.map_scale, asked.map_scale);
-  EXPECT_EQ(before.ring.factor.max_rank, asked.ring.factor.max_rank);
-  for (std::size_t r = 1; r < effort_ladder().size(); ++r) {
-    const SurfaceLightFieldOptions at = at_rung(asked, static_cast<int>(r));
-    EXPECT_LE(at.map_scale, before.map_scale);
-    EXPECT_LE(at.ring.factor.max_rank, before.ring.factor.max_rank);
-    EXPECT_LE(at.ring.factor.terms_kept(), before.ring.factor.terms_kept());
-    EXPECT_NE(std::make_tuple(at.map_scale, at.ring.factor.max_rank, at.ring.factor.terms_kept()),
-              std::make_tuple(before.map_scale, before.ring.factor.max_rank, before.ring.factor.terms_kept()));
-    before = at;
-  }
 }
 
 TEST(MeasuredLadder, TheFirstRungThatKeepsTheBudgetIsTakenAndNoneThatLosesTooMuch) {
@@ -55,7 +42,7 @@ TEST(MeasuredLadder, TheFirstRungThatKeepsTheBudgetIsTakenAndNoneThatLosesTooMuc
 }
 
 TEST(EffortControl, TheNextShareUpCostsAtMostOneAndAHalfTimesAsMuch) {
-  EffortControl control(1);
+  EffortControl control(1, kLevels);
   control.set_rung(0);
   std::uint64_t image = 0;
   double before = 1;
@@ -71,7 +58,7 @@ TEST(EffortControl, TheNextShareUpCostsAtMostOneAndAHalfTimesAsMuch) {
 TEST(EffortControl, SettlesWhereAnImageCostsWhatItsShareDoes) {
   for (double whole_ms = 20; whole_ms < 1000; whole_ms *= 1.01)
     for (const double fixed_ms : {0.0, 2.0}) {
-      EffortControl control(33);
+      EffortControl control(33, kLevels);
       control.set_rung(0);
       std::uint64_t image = 0;
       const auto go_on = [&](int images) {
@@ -85,7 +72,7 @@ TEST(EffortControl, SettlesWhereAnImageCostsWhatItsShareDoes) {
 }
 
 TEST(EffortControl, DoesLessWhenImagesTakeTooLongAndMoreWhenThereIsRoom) {
-  EffortControl control(33);
+  EffortControl control(33, kLevels);
   control.set_rung(0);
   std::uint64_t image = 0;
   for (; image < 30; ++image) control.observe(image, 30);
@@ -99,10 +86,10 @@ TEST(EffortControl, DoesLessWhenImagesTakeTooLongAndMoreWhenThereIsRoom) {
 }
 
 TEST(EffortControl, TheRecordGivesTheSameSharesAgain) {
-  EffortControl first(33);
+  EffortControl first(33, kLevels);
   first.set_rung(3);
   for (std::uint64_t image = 0; image < 100; ++image) first.observe(image, image < 50 ? 50 : 10);
-  EffortControl second(33, first.record(), 100);
+  EffortControl second(33, kLevels, first.record(), 100);
   EXPECT_EQ(second.rung(), 3);
   for (std::uint64_t image = 0; image < 100; ++image) {
     second.observe(image, 1e9);  // however long they take this time
@@ -110,7 +97,7 @@ TEST(EffortControl, TheRecordGivesTheSameSharesAgain) {
   }
   EXPECT_EQ(second.record(), first.record());
   for (const char* wrong : {"x", "-1", "99", "1 3", "1 3:", "1 3:99", "1 a:1", "1 3:1 x"})
-    expect_error<ConfigError>([&] { EffortControl(33, wrong, 5); }, {"record", wrong});
+    expect_error<ConfigError>([&] { EffortControl(33, kLevels, wrong, 5); }, {"record", wrong});
 }
 
 TEST(Budget, OneThatCannotHoldLeavesRingsOutAndTheRecordReproducesTheModel) {
@@ -121,7 +108,7 @@ TEST(Budget, OneThatCannotHoldLeavesRingsOutAndTheRecordReproducesTheModel) {
   for (const Capture& image : images) hurried.ingest(image);
   EXPECT_GT(hurried.effort().rung, 0) << "coarser maps lose nothing of a scene as smooth as this";
   EXPECT_LT(hurried.effort().share, 0.2);
-  EXPECT_GT(hurried.rings().left_out, hurried.rings().updated / 4);
+  EXPECT_GT(hurried.patches().left_out, hurried.patches().updated / 4);
   EXPECT_EQ(hurried.counts().accepted, images.size());
   EXPECT_EQ(hurried.counts().received, images.size());
 
@@ -141,7 +128,7 @@ TEST(Budget, OneThatHoldsChangesNothing) {
   }
   expect_same_rings(*free.snapshot(), *within.snapshot());
   EXPECT_EQ(within.effort(), Reconstruction::Effort{});
-  EXPECT_EQ(within.rings().left_out, 0u);
+  EXPECT_EQ(within.patches().left_out, 0u);
 }
 
 TEST(Budget, ARungIsTakenForWhatItLosesOnTheScene) {
@@ -156,7 +143,7 @@ TEST(Budget, ARungIsTakenForWhatItLosesOnTheScene) {
 
 TEST(Budget, WhatWasMeasuredOnTheSceneDecides) {
   const std::vector<Capture> images = glossy_captures(10);
-  MeasuredLadder ladder(effort_ladder().size(), {.image_ms = 10, .psnr_db = 30});
+  MeasuredLadder ladder(kLevels, {.image_ms = 10, .psnr_db = 30});
   for (std::size_t r = 2; r < ladder.size(); ++r) ladder[r].psnr_db = 29;
   Reconstruction hurried(*square_object().mesh, plain_options());
   hurried.keep_within({.image_ms = 1e-9}, {}, 0, ladder);
@@ -180,8 +167,8 @@ TEST(Memory, TheBoundHoldsWhateverComes) {
   Reconstruction all(mesh, options);
   for (const Capture& image : images) all.ingest(image);
   const MemoryAccount held = all.memory();
-  EXPECT_LE(held.rings, bound.rings);
-  EXPECT_GT(held.rings, 0.2 * bound.rings) << "a bound that says something";
+  EXPECT_LE(held.model, bound.model);
+  EXPECT_GT(held.model, 0.2 * bound.model) << "a bound that says something";
   EXPECT_LE(held.snapshots, bound.snapshots);
   EXPECT_GT(held.snapshots, 0.2 * bound.snapshots);
   EXPECT_LE(held.total(), bound.total());
@@ -195,14 +182,15 @@ TEST(Memory, TheRingsAreCutDownAfterAnyImageThatWouldExceedIt) {
   Reconstruction free(*object.mesh, options), bounded(*object.mesh, options);
   for (const Capture& image : images) free.ingest(image);
   const MemoryAccount full = free.memory();
-  const double asked = full.total() - 0.4 * (full.rings + full.snapshots);
+  const double asked = full.total() - 0.4 * (full.model + full.snapshots);
   bounded.keep_within({.bytes = asked});
   for (const Capture& image : images) {
     bounded.ingest(image);
     ASSERT_LE(bounded.memory().total(), asked) << bounded.counts().received;
   }
-  EXPECT_LT(bounded.model().options().ring.factor.terms_kept(), options.ring.factor.terms_kept());
-  EXPECT_GT(bounded.memory().rings, 0.3 * full.rings) << "no smaller than need be";
+  EXPECT_LT(light_field_options(bounded.model().settings(), "the test").ring.factor.terms_kept(),
+            options.ring.factor.terms_kept());
+  EXPECT_GT(bounded.memory().model, 0.3 * full.model) << "no smaller than need be";
 }
 
 TEST(Memory, WhatWasCutDownIsAFunctionOfTheCaptures) {
@@ -214,7 +202,7 @@ TEST(Memory, WhatWasCutDownIsAFunctionOfTheCaptures) {
   for (const Capture& image : images) free.ingest(image);
   const MemoryAccount full = free.memory();
   for (Reconstruction* r : {&once, &watched})
-    r->keep_within({.bytes = full.total() - 0.4 * (full.rings + full.snapshots)});
+    r->keep_within({.bytes = full.total() - 0.4 * (full.model + full.snapshots)});
   for (const Capture& image : images) once.ingest(image);
   for (int turn = 0; turn < 2; ++turn) {  // the second time as after an image was taken back
     watched.restart();
@@ -224,7 +212,8 @@ TEST(Memory, WhatWasCutDownIsAFunctionOfTheCaptures) {
     }
     expect_same_rings(*once.snapshot(), *watched.snapshot());
   }
-  EXPECT_LT(once.model().options().ring.factor.terms_kept(), options.ring.factor.terms_kept());
+  EXPECT_LT(light_field_options(once.model().settings(), "the test").ring.factor.terms_kept(),
+            options.ring.factor.terms_kept());
 }
 
 }  // namespace

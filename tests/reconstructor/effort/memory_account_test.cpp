@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/effort/memory_account.h"
-
 #include <gtest/gtest.h>
 #include <malloc.h>
 
 #include <algorithm>
 
 #include "reconstructor/capture/reconstruction.h"
+#include "reconstructor/effort/resident_memory.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
 namespace sheen {
@@ -39,7 +38,7 @@ class ResidentMemoryTest : public ::testing::Test {
   const Mesh mesh_ = sphere_mesh(0.09f, 4);
   SurfaceLightFieldOptions options_;
   std::vector<Capture> images_;
-  std::shared_ptr<const SurfaceLightFieldSnapshot> shown_;
+  std::shared_ptr<const ModelSnapshot> shown_;
 };
 
 TEST_F(ResidentMemoryTest, ThePartsAddUpToWhatTheProcessHasGrownBy) {

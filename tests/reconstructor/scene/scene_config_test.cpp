@@ -12,6 +12,7 @@
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "reconstructor/capture/reconstruction.h"
+#include "reconstructor/models/surface_light_field/surface_light_field.h"
 #include "reconstructor/studies/tradeoff.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/expect_error.h"
@@ -20,22 +21,28 @@
 namespace sheen {
 namespace {
 
+SurfaceLightFieldOptions load_options(const std::filesystem::path& file) {
+  return light_field_options(*load_scene_config(file).settings, "the test");
+}
+
 TEST(SceneConfig, AllKeysAreTaken) {
   const TempFolder folder;
-  const auto& o = load_scene_config(folder.write("scene.toml", R"(
-[surface_light_field]
-surface_map = 12
-max_rank = 5
-internal_rank = 9
-block = 4
-tolerance = 0.02
-max_views = 30
-min_visible = 0.25
+  const auto o = load_options(folder.write("scene.toml", R"(
+model = "surface_light_field"
+[images]
 hold_out_every = 0
 exposure = "estimate"
 erosion_px = 3
-)"))
-                      .surface_light_field;
+[surface_light_field]
+surface_map = 12
+max_rank = 5
+tolerance = 0.02
+[surface_light_field.advanced]
+internal_rank = 9
+block = 4
+max_views = 30
+min_visible = 0.25
+)"));
   EXPECT_EQ(o.surface_map, 12);
   EXPECT_EQ(o.ring.factor.max_rank, 5);
   EXPECT_EQ(o.ring.factor.internal_rank, 9);
@@ -50,19 +57,21 @@ erosion_px = 3
 
 TEST(SceneConfig, WhatIsWrittenIsReadAgain) {
   const TempFolder folder;
-  SurfaceLightFieldOptions options{.surface_map = 12, .hold_out_every = 0};
+  SurfaceLightFieldOptions options;
+  options.surface_map = 12;
+  options.hold_out_every = 0;
   options.exposure = ExposureCompensation::kEstimate;
   options.ring.factor = {.max_rank = 5, .tolerance = 1.25e-7};
   options.ring.max_views = 30;
   options.ring.min_visible = 1;
   options.visibility.erosion_px = 3;
   const std::string text = to_toml(options);
-  const auto o = load_scene_config(folder.write("scene.toml", text)).surface_light_field;
+  const auto o = load_options(folder.write("scene.toml", text));
   EXPECT_EQ(to_toml(o), text);
   EXPECT_EQ(o.surface_map, 12);
   EXPECT_EQ(o.ring.factor.tolerance, 1.25e-7);
   EXPECT_EQ(o.exposure, ExposureCompensation::kEstimate);
-  EXPECT_NE(to_toml({}), text);
+  EXPECT_NE(to_toml(SurfaceLightFieldOptions{}), text);
 }
 
 TEST(SceneConfig, EverySettingOfASweepIsASceneFileOfItsOwn) {
@@ -70,7 +79,7 @@ TEST(SceneConfig, EverySettingOfASweepIsASceneFileOfItsOwn) {
   std::set<std::string> texts;
   for (const Setting& setting : tradeoff_settings({}, false)) {
     const std::string text = to_toml(setting.options);
-    const auto o = load_scene_config(folder.write("scene.toml", text)).surface_light_field;
+    const auto o = load_options(folder.write("scene.toml", text));
     EXPECT_EQ(to_toml(o), text) << setting.name;
     EXPECT_NO_THROW(SurfaceLightField(std::make_shared<Mesh>(), o)) << setting.name;
     texts.insert(text);
@@ -82,7 +91,7 @@ TEST(SceneConfig, WhatIsNotSaidKeepsItsDefault) {
   const TempFolder folder;
   const SurfaceLightFieldOptions defaults;
   for (const char* text : {"", "# nothing\n", "[surface_light_field]\n"}) {
-    const auto o = load_scene_config(folder.write("scene.toml", text)).surface_light_field;
+    const auto o = load_options(folder.write("scene.toml", text));
     EXPECT_EQ(o.surface_map, defaults.surface_map);
     EXPECT_EQ(o.ring.factor.tolerance, defaults.ring.factor.tolerance);
     EXPECT_EQ(o.exposure, defaults.exposure);
@@ -91,9 +100,10 @@ TEST(SceneConfig, WhatIsNotSaidKeepsItsDefault) {
 
 TEST(SceneConfig, AWholeNumberIsANumber) {
   const TempFolder folder;
-  const auto o = load_scene_config(folder.write("s.toml", "[surface_light_field]\ntolerance = 0\nmin_visible = 1\n"));
-  EXPECT_EQ(o.surface_light_field.ring.factor.tolerance, 0);
-  EXPECT_EQ(o.surface_light_field.ring.min_visible, 1);
+  const auto o = load_options(folder.write(
+      "s.toml", "[surface_light_field]\ntolerance = 0\n[surface_light_field.advanced]\nmin_visible = 1\n"));
+  EXPECT_EQ(o.ring.factor.tolerance, 0);
+  EXPECT_EQ(o.ring.min_visible, 1);
 }
 
 TEST(SceneConfig, ErrorsNameFileLineAndKey) {
@@ -111,37 +121,50 @@ TEST(SceneConfig, ErrorsNameFileLineAndKey) {
   expect_refused("[surface_light_field]\nsurface_map = 4294967304\n", {name + ":2", "surface_map", "whole number"});
   expect_refused("[surface_light_field]\ntolerance = true\n", {name + ":2", "tolerance", "number"});
   expect_refused("[surface_light_field]\ntolerance = [0.1]\n", {name + ":2", "tolerance", "number"});
-  expect_refused("[surface_light_field]\nexposure = \"auto\"\n", {name + ":2", "exposure", "estimate"});
-  expect_refused("[surface_light_field]\nexposure = 1\n", {name + ":2", "exposure", "known"});
+  expect_refused("[images]\nexposure = \"auto\"\n", {name + ":2", "exposure", "estimate"});
+  expect_refused("[images]\nexposure = 1\n", {name + ":2", "exposure", "known"});
   expect_refused("[surface_light_field]\nmax_rank = 3\nmax_rank = 4\n", {name + ":3", "max_rank"});
   expect_refused("[surface_light_field]\nmax_rank =\n", {name + ":2"});
   expect_refused("surface_light_field = 1\n", {name + ":1", "surface_light_field"});
   expect_refused("[surface_light_field.deeper]\nx = 1\n", {name + ":1", "deeper"});
+  expect_refused("[surface_light_field]\nadvanced = 1\n", {name + ":2", "advanced"});
+  expect_refused("[surface_light_field]\nhold_out_every = 4\n", {name + ":2", "hold_out_every stands in [images]"});
+  expect_refused("[surface_light_field]\nblock = 4\n", {name + ":2", "block stands in [surface_light_field.advanced]"});
+  expect_refused("model = \"photo album\"\n", {name + ":1", "model", "\"surface_light_field\""});
+  expect_refused("model = 3\n", {name + ":1", "model", "\"surface_light_field\""});
 }
+
+constexpr const char *kImages = "images", *kModel = "surface_light_field", *kAdvanced = "surface_light_field.advanced";
 
 /// Every key, with values that it takes, in TOML, and such as it does not.
 struct KeyCase {
+  const char* table;
   const char* key;
   const char* taken;
   std::vector<const char*> refused;
 };
 const std::vector<KeyCase>& all_keys() {
   static const std::vector<KeyCase> cases{
-      {"surface_map", "12", {"1", "-4", "65"}},
-      {"map_scale", "0.5", {"0", "-1", "1e-300", "4.1", "nan", "inf"}},
-      {"sampling", "\"linear\"", {"\"\"", "\"nearest\"", "1"}},
-      {"max_rank", "5", {"0", "-1", "65"}},
-      {"internal_rank", "40", {"3", "-1", "65"}},
-      {"block", "4", {"0", "33"}},
-      {"tolerance", "0.02", {"-0.1", "1", "nan", "inf"}},
-      {"max_views", "30", {"7", "1001"}},
-      {"repeat_angle", "0.1", {"-0.1", "0.5", "nan"}},
-      {"min_visible", "0.25", {"-0.1", "1.1", "nan"}},
-      {"hold_out_every", "4", {"1", "-1"}},
-      {"exposure", "\"off\"", {"\"auto\"", "true"}},
-      {"erosion_px", "3", {"-1", "33"}},
+      {kModel, "surface_map", "12", {"1", "-4", "65"}},
+      {kAdvanced, "map_scale", "0.5", {"0", "-1", "1e-300", "4.1", "nan", "inf"}},
+      {kImages, "sampling", "\"linear\"", {"\"\"", "\"nearest\"", "1"}},
+      {kModel, "max_rank", "5", {"0", "-1", "65"}},
+      {kAdvanced, "internal_rank", "40", {"3", "-1", "65"}},
+      {kAdvanced, "block", "4", {"0", "33"}},
+      {kModel, "tolerance", "0.02", {"-0.1", "1", "nan", "inf"}},
+      {kAdvanced, "max_views", "30", {"7", "1001"}},
+      {kAdvanced, "repeat_angle", "0.1", {"-0.1", "0.5", "nan"}},
+      {kAdvanced, "min_visible", "0.25", {"-0.1", "1.1", "nan"}},
+      {kImages, "hold_out_every", "4", {"1", "-1"}},
+      {kImages, "exposure", "\"off\"", {"\"auto\"", "true"}},
+      {kImages, "erosion_px", "3", {"-1", "33"}},
   };
   return cases;
+}
+
+/// A scene with one key.
+std::string scene_with(const KeyCase& c, const std::string& value) {
+  return "[" + std::string(c.table) + "]\n" + c.key + " = " + value + "\n";
 }
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -153,12 +176,14 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 TEST(SceneConfig, EveryKeyIsReadAndChangesItsOwnOption) {
   const TempFolder folder;
-  const std::vector<std::string> defaults = lines_of(to_toml({}));
-  ASSERT_EQ(defaults.size(), all_keys().size() + 1) << "a key without a case, or a case without its key";
+  const std::vector<std::string> defaults = lines_of(to_toml(SurfaceLightFieldOptions{}));
+  ASSERT_EQ(std::count_if(defaults.begin(), defaults.end(), [](const auto& l) { return l.find(" = ") != l.npos; }),
+            static_cast<int>(all_keys().size()) + 1)
+      << "a key without a case, or a case without its key; and the model";
   for (const KeyCase& c : all_keys()) {
     const std::string line = std::string(c.key) + " = " + c.taken;
-    const auto o = load_scene_config(folder.write("s.toml", "[surface_light_field]\n" + line + "\n"));
-    std::vector<std::string> changed = lines_of(to_toml(o.surface_light_field)), expected = defaults;
+    const auto o = load_options(folder.write("s.toml", scene_with(c, c.taken)));
+    std::vector<std::string> changed = lines_of(to_toml(o)), expected = defaults;
     const auto own = std::find_if(expected.begin(), expected.end(),
                                   [&](const std::string& l) { return l.starts_with(std::string(c.key) + " = "); });
     ASSERT_NE(own, expected.end()) << c.key;
@@ -172,8 +197,7 @@ TEST(SceneConfig, EveryKeyHasARange) {
   const TempFolder folder;
   for (const KeyCase& c : all_keys())
     for (const char* value : c.refused) {
-      const auto file =
-          folder.write("s.toml", "# a scene\n[surface_light_field]\n" + std::string(c.key) + " = " + value + "\n");
+      const auto file = folder.write("s.toml", "# a scene\n" + scene_with(c, value));
       expect_error<ConfigError>([&] { load_scene_config(file); }, {"s.toml:3: ", c.key});
     }
 }
@@ -181,14 +205,13 @@ TEST(SceneConfig, EveryKeyHasARange) {
 /// What comes out of a reconstruction with a scene file: counts, ranks, bytes and a picture.
 std::string outcome(const std::vector<Capture>& images, const Mesh& mesh, const std::string& scene_text) {
   const TempFolder folder;
-  const auto options =
-      load_scene_config(folder.write("s.toml", "[surface_light_field]\n" + scene_text)).surface_light_field;
+  const auto options = load_options(folder.write("s.toml", scene_text));
   Reconstruction built(mesh, options);
   for (const Capture& image : images) built.ingest(image);
   const ImageF picture =
       built.painter().paint(*built.snapshot(), images[0].camera, images[0].pose.camera_from_object).beauty;
   std::string text = std::to_string(built.counts().accepted) + " " + std::to_string(built.counts().held_out) + " " +
-                     std::to_string(built.model().bytes());
+                     std::to_string(built.model().figures().bytes);
   return text + content_hash({reinterpret_cast<const char*>(picture.data()), picture.size() * sizeof(float)});
 }
 
@@ -208,7 +231,7 @@ TEST(SceneConfig, EveryKeyChangesTheModel) {
       {"map_scale", {"", "0.5"}},
       {"sampling", {"", "\"linear\""}},
       {"max_rank", {"", "1"}},
-      {"internal_rank", {"max_rank = 2\n", "2"}},
+      {"internal_rank", {"[surface_light_field]\nmax_rank = 2\n", "2"}},
       {"block", {"", "3"}},
       {"tolerance", {"", "0.3"}},
       {"max_views", {"", "8"}},
@@ -219,10 +242,10 @@ TEST(SceneConfig, EveryKeyChangesTheModel) {
       {"erosion_px", {"", "6"}},
   };
   ASSERT_EQ(cases.size(), all_keys().size());
-  for (const auto& [key, value] : cases)
-    EXPECT_NE(outcome(images, *object.mesh, value.first + key + " = " + value.second + "\n"),
-              outcome(images, *object.mesh, value.first))
-        << key;
+  for (const KeyCase& c : all_keys()) {
+    const auto& [rest, value] = cases.at(c.key);
+    EXPECT_NE(outcome(images, *object.mesh, rest + scene_with(c, value)), outcome(images, *object.mesh, rest)) << c.key;
+  }
 }
 
 TEST(SceneConfig, AFileThatIsNotThereIsNamed) {

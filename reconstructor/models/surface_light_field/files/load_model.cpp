@@ -335,13 +335,4 @@ ModelMetadata load_model_metadata(const fs::path& folder) {
   return Description(folder).metadata();
 }
 
-void note_in_model(const fs::path& folder, const std::string& key, const std::string& value) {
-  const Description description(folder);
-  ModelMetadata metadata = description.metadata();
-  metadata[key] = value;
-  Json json = description.json();
-  json["metadata"] = metadata;
-  write_file(folder / kJsonFile, json.dump() + "\n");
-}
-
 }  // namespace sheen

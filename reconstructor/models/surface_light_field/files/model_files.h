@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 
@@ -11,9 +10,6 @@
 #include "reconstructor/models/surface_light_field/snapshot.h"
 
 namespace sheen {
-
-/// What a person or a script wants to know of a model later: source, date, settings. Keys and texts in UTF-8.
-using ModelMetadata = std::map<std::string, std::string>;
 
 struct SaveOptions {
   ExrPrecision surface = ExrPrecision::kFloat;  ///< of the surface maps; with half a reopened model is not the same
@@ -40,8 +36,5 @@ void save_model(const SurfaceLightFieldSnapshot& model, const std::filesystem::p
 std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const std::filesystem::path& folder);
 
 ModelMetadata load_model_metadata(const std::filesystem::path& folder);
-
-/// Notes one more thing of a saved model, or another value of it; all else stays. Throws FileError.
-void note_in_model(const std::filesystem::path& folder, const std::string& key, const std::string& value);
 
 }  // namespace sheen

@@ -13,54 +13,9 @@ namespace {
 
 enum TextureUnit { kPositions, kCorners, kResolutions, kSlots, kCoefficients, kQuality, kBasis };
 
-/// OpenCV camera -> OpenGL clip space: pixel centres of the camera fall on pixel centres of the panel.
-Eigen::Matrix4f clip_from_object(const Viewpoint& view, const BoundingSphere& object) {
-  const Camera& c = view.camera;
-  const double depth = (view.camera_from_object * object.centre).z();
-  const double far = std::max(depth + 1.01 * object.radius, 1e-3 * object.radius);
-  const double near = std::max(depth - 1.01 * object.radius, 1e-3 * far);
-  Eigen::Matrix4d projection = Eigen::Matrix4d::Zero();
-  projection(0, 0) = 2 * c.fx / c.width;
-  projection(0, 2) = (2 * c.cx + 1) / c.width - 1;
-  projection(1, 1) = -2 * c.fy / c.height;
-  projection(1, 2) = 1 - (2 * c.cy + 1) / c.height;
-  projection(2, 2) = (far + near) / (far - near);
-  projection(2, 3) = -2 * far * near / (far - near);
-  projection(3, 2) = 1;
-  return (projection * view.camera_from_object.matrix()).cast<float>();
-}
-
 }  // namespace
 
-Eigen::Vector3f reason_color(QualityReason reason) {
-  switch (reason) {  // told apart by colour-blind people too (Okabe and Ito)
-    case QualityReason::kGood:
-      return {0.30f, 0.34f, 0.38f};
-    case QualityReason::kUnseen:
-      return {0.80f, 0.47f, 0.65f};
-    case QualityReason::kOblique:
-      return {0.90f, 0.62f, 0.00f};
-    case QualityReason::kSparseDirections:
-      return {0.34f, 0.71f, 0.91f};
-    case QualityReason::kHighResidual:
-      return {0.94f, 0.89f, 0.26f};
-  }
-  return {1, 1, 1};
-}
-
-Eigen::Vector3f state_color(SampleState state) {
-  switch (state) {
-    case SampleState::kUnseen:
-      return reason_color(QualityReason::kUnseen);
-    case SampleState::kImputed:
-      return {0.34f, 0.71f, 0.91f};
-    case SampleState::kMeasured:
-      break;
-  }
-  return {1, 1, 1};
-}
-
-LightFieldRenderer::LightFieldRenderer(const LightFieldRendererOptions& options)
+LightFieldRenderer::LightFieldRenderer(const DrawerOptions& options)
     : options_(options),
       program_("surface light field", kSurfaceVertexShader, kSurfaceFragmentShader),
       vertex_array_(make_gl_vertex_array()),
@@ -89,13 +44,20 @@ LightFieldRenderer::LightFieldRenderer(const LightFieldRendererOptions& options)
   check_gl("setting up the light field's shader");
 }
 
-bool LightFieldRenderer::update(const std::shared_ptr<const SurfaceLightFieldSnapshot>& snapshot) {
-  if (!snapshot) return true;
+bool LightFieldRenderer::update(const std::shared_ptr<const ModelSnapshot>& model) {
+  if (!model) return true;
+  const auto snapshot = std::dynamic_pointer_cast<const SurfaceLightFieldSnapshot>(model);
+  if (!snapshot) throw Error("what is to be drawn is no surface light field");
   if (snapshot->shared_mesh() != mesh_ || snapshot->shared_rings() != rings_) upload_mesh(*snapshot);
   const bool complete = upload_rings(*snapshot);
   exposure_ = snapshot->exposure();
   check_gl("uploading surface maps");
   return complete;
+}
+
+std::vector<std::string> LightFieldRenderer::notes() const {
+  if (shortened_rings_ == 0) return {};
+  return {"graphics memory is full: " + std::to_string(shortened_rings_) + " rings are drawn with fewer terms"};
 }
 
 void LightFieldRenderer::upload_mesh(const SurfaceLightFieldSnapshot& snapshot) {
@@ -188,7 +150,7 @@ void LightFieldRenderer::draw(const Viewpoint& viewpoint, const Panel& panel, in
                               SurfaceShading shading) {
   if (!shown_ || triangle_count_ == 0) return;
   const Eigen::Vector3d eye = viewpoint.eye();
-  if (shading == SurfaceShading::kLightField || shading == SurfaceShading::kStates)
+  if (shading == SurfaceShading::kAppearance || shading == SurfaceShading::kStates)
     upload_coefficients(eye);
   else if (shading != SurfaceShading::kPlain)
     upload_quality(eye);

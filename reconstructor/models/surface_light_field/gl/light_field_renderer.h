@@ -11,52 +11,22 @@
 #include "reconstructor/models/surface_light_field/gl/basis_store.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 #include "reconstructor/render/gl/gl_objects.h"
-#include "reconstructor/render/gl/orbit_camera.h"
+#include "reconstructor/render/gl/model_drawer.h"
 
 namespace sheen {
-
-/// A rectangle of the picture in pixels from its top left corner.
-struct Panel {
-  int x = 0, y = 0, width = 0, height = 0;
-  bool operator==(const Panel&) const = default;
-};
-
-enum class SurfaceShading {
-  kLightField,  ///< what the camera would see; striped where no image reached: dark, or a guess
-  kHeuristic,   ///< the brighter the red, the more images are needed
-  kReasons,     ///< a colour a reason, as bright as the need: see `reason_color`
-  kStates,      ///< kLightField, tinted where samples are imputed or unseen: see `state_color`
-  kPlain,       ///< the mesh in grey: all that there is before the first image
-};
-
-/// Colour of a reason in `SurfaceShading::kReasons` and in its legend: 0..1, sRGB-encoded.
-Eigen::Vector3f reason_color(QualityReason reason);
-
-/// Tint of samples that are not measured, in `SurfaceShading::kStates` and in its legend: 0..1, sRGB-encoded.
-Eigen::Vector3f state_color(SampleState state);
-
-struct LightFieldRendererOptions {
-  /// Uploaded in one call of `update` at most (8 bytes a texel), so that the window stays fluid; one ring at least.
-  std::size_t texels_per_update = std::size_t(4) << 20;
-  /// Bound of one GPU buffer in texels; 0 = what the driver allows.
-  std::size_t max_buffer_texels = 0;
-};
 
 /// Draws a surface light field with OpenGL 3.3: all terms of all three rings of a triangle in one pass of one fragment
 /// shader, by the formula of the CPU's `ViewShader`. Surface maps stay on the GPU as half floats; view coefficients are
 /// computed on the CPU a frame.
-class LightFieldRenderer {
+class LightFieldRenderer : public ModelDrawer {
  public:
   /// With a context current. Throws DeviceError where a shader is refused.
-  explicit LightFieldRenderer(const LightFieldRendererOptions& options = {});
+  explicit LightFieldRenderer(const DrawerOptions& options = {});
 
-  /// Brings rings that changed since the last call to the GPU, those that are not there at all first. True when
-  /// everything is there; else the rings still to come are drawn as they were, and the next call goes on. Throws
-  /// DeviceError when the mesh itself does not fit.
-  bool update(const std::shared_ptr<const SurfaceLightFieldSnapshot>& snapshot);
-
-  /// Draws into a panel of a target of `target_height` pixels; depth-tested within it, background untouched.
-  void draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading);
+  /// Rings that are not there at all first.
+  bool update(const std::shared_ptr<const ModelSnapshot>& model) override;
+  void draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading) override;
+  std::vector<std::string> notes() const override;
 
   /// Rings of which the GPU has no room for all terms: drawn with the strongest ones.
   std::size_t shortened_rings() const { return shortened_rings_; }
@@ -69,7 +39,7 @@ class LightFieldRenderer {
   void upload_coefficients(const Eigen::Vector3d& eye);
   void upload_quality(const Eigen::Vector3d& eye);
 
-  LightFieldRendererOptions options_;
+  DrawerOptions options_;
   GlProgram program_;
   GlHandle vertex_array_;
   BasisStore store_;

@@ -63,9 +63,9 @@ TEST(Exposure, KnownExposuresGiveTheModelOfEqualOnes) {
         const auto& [exposure_s, gain_db] = kSettings[i % 5];
         EXPECT_NEAR(report.exposure_gain, exposure_s / 0.01 * std::pow(10, gain_db / 20), 1e-5);
       }
-      EXPECT_EQ(model.rank_histogram(), reference.rank_histogram());
+      EXPECT_EQ(model.figures().rank_histogram, reference.figures().rank_histogram);
       const auto a = model.snapshot(), b = reference.snapshot();
-      const auto seen = a->shader_for({0.1, 0.1, 0.4}), expected = b->shader_for({0.1, 0.1, 0.4});
+      const auto seen = a->shader_for({{0.1, 0.1, 0.4}}), expected = b->shader_for({{0.1, 0.1, 0.4}});
       for (std::uint32_t t = 0; t < object.mesh->triangles.size(); ++t)
         EXPECT_LT((seen->shade(t, 0.3f, 0.4f).rgb - expected->shade(t, 0.3f, 0.4f).rgb).cwiseAbs().maxCoeff(), 1e-3f);
     }
@@ -118,7 +118,7 @@ TEST(Exposure, GainsWithoutRhymeAreTakenOutOfTheModel) {
   ingest_all(model, images);
   EXPECT_GT(share_of_rank_up_to(model, 1), 0.9);
   const auto snapshot = model.snapshot();
-  const auto shader = snapshot->shader_for({0.1, 0.1, 0.45});
+  const auto shader = snapshot->shader_for({{0.1, 0.1, 0.45}});
   const float exposure = model.light_field_snapshot()->exposure().at({0.1, 0.1, 0.45});
   for (std::uint32_t t = 0; t < object.mesh->triangles.size(); ++t) {
     const Eigen::Vector3f a = object.mesh->corner(t, 0), b = object.mesh->corner(t, 1), c = object.mesh->corner(t, 2);

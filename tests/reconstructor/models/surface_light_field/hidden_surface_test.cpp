@@ -165,11 +165,11 @@ void expect_filled(const Object& object) {
                     })};
   SurfaceLightField model(object.mesh, plain_options());
   ingest_all(model, captures(scene, {{0.5, 0, 0}, {0.45, 0.2, 0.05}}));
-  const std::shared_ptr<const ModelSnapshot> light_field = fill_unseen(*model.light_field_snapshot());
+  const std::shared_ptr<const Appearance> light_field = fill_unseen(*model.light_field_snapshot());
   for (const auto& filled : {light_field, model.constant_colour()}) {
     std::size_t guessed = 0;
     for (const double side : {1.0, -1.0}) {
-      const auto shader = filled->shader_for({side, 0, 0});
+      const auto shader = filled->shader_for({{side, 0, 0}});
       for (std::uint32_t t = 0; t < object.mesh->triangles.size(); ++t) {
         const SurfaceSample sample = shader->shade(t, 0.3f, 0.3f);
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(srgb_encode(sample.rgb[c]), 0.3 + 0.2 * c, 4e-3);

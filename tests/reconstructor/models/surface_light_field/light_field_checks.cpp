@@ -39,7 +39,7 @@ double Comparison::psnr_db() const {
   return -20 * std::log10(rms);
 }
 
-Comparison compare(const ModelSnapshot& model, const analytic::Scene& scene, const std::vector<Eigen::Vector3d>& eyes) {
+Comparison compare(const Appearance& model, const analytic::Scene& scene, const std::vector<Eigen::Vector3d>& eyes) {
   Comparison result;
   const RayPainter painter(model.mesh());
   double sum = 0;
@@ -69,7 +69,12 @@ Comparison compare(const ModelSnapshot& model, const analytic::Scene& scene, con
   return result;
 }
 
-void expect_same_rings(const SurfaceLightFieldSnapshot& a, const SurfaceLightFieldSnapshot& b) {
+const SurfaceLightFieldSnapshot& light_field(const ModelSnapshot& snapshot) {
+  return dynamic_cast<const SurfaceLightFieldSnapshot&>(snapshot);
+}
+
+void expect_same_rings(const ModelSnapshot& first, const ModelSnapshot& second) {
+  const SurfaceLightFieldSnapshot &a = light_field(first), &b = light_field(second);
   ASSERT_EQ(a.ring_data().size(), b.ring_data().size());
   ASSERT_EQ(a.rings().total_samples(), b.rings().total_samples());
   for (std::size_t v = 0; v < a.ring_data().size(); ++v) {
@@ -90,7 +95,7 @@ void expect_same_rings(const SurfaceLightFieldSnapshot& a, const SurfaceLightFie
 }
 
 double share_of_rank_up_to(const SurfaceLightField& model, std::size_t rank) {
-  const std::vector<std::size_t> histogram = model.rank_histogram();
+  const std::vector<std::size_t> histogram = model.figures().rank_histogram;
   const auto end = histogram.begin() + static_cast<std::ptrdiff_t>(std::min(rank + 1, histogram.size()));
   return std::accumulate(histogram.begin(), end, 0.0) / std::accumulate(histogram.begin(), histogram.end(), 0.0);
 }

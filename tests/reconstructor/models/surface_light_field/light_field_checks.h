@@ -58,10 +58,12 @@ struct Comparison {
   std::size_t unseen = 0;    ///< in the silhouette, yet shown by none
   double psnr_db() const;
 };
-Comparison compare(const ModelSnapshot& model, const analytic::Scene& scene, const std::vector<Eigen::Vector3d>& eyes);
+Comparison compare(const Appearance& model, const analytic::Scene& scene, const std::vector<Eigen::Vector3d>& eyes);
 
 /// Fails the test for every ring that is not the same to the last bit.
-void expect_same_rings(const SurfaceLightFieldSnapshot& a, const SurfaceLightFieldSnapshot& b);
+void expect_same_rings(const ModelSnapshot& a, const ModelSnapshot& b);
+/// A snapshot that is known to be of a surface light field.
+const SurfaceLightFieldSnapshot& light_field(const ModelSnapshot& snapshot);
 
 /// Share of the rings that images reached that have at most this rank.
 double share_of_rank_up_to(const SurfaceLightField& model, std::size_t rank);

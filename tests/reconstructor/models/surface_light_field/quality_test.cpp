@@ -20,16 +20,16 @@ using analytic::Scene;
 
 constexpr double kDistance = 0.5;
 
-double mean_heuristic(const ModelSnapshot& model, const Eigen::Vector3d& eye) {
-  const auto shader = model.shader_for(eye);
+double mean_heuristic(const Appearance& model, const Eigen::Vector3d& eye) {
+  const auto shader = model.shader_for({eye});
   const std::size_t triangles = model.mesh().triangles.size();
   double sum = 0;
   for (std::uint32_t t = 0; t < triangles; ++t) sum += shader->quality(t).heuristic();
   return sum / static_cast<double>(triangles);
 }
 
-double share_of(const ModelSnapshot& model, const Eigen::Vector3d& eye, QualityReason reason) {
-  const auto shader = model.shader_for(eye);
+double share_of(const Appearance& model, const Eigen::Vector3d& eye, QualityReason reason) {
+  const auto shader = model.shader_for({eye});
   const std::size_t triangles = model.mesh().triangles.size();
   int count = 0;
   for (std::uint32_t t = 0; t < triangles; ++t) count += shader->quality(t).reason() == reason;

@@ -23,8 +23,8 @@ TEST(Repetition, ASessionTenTimesAsLongOverTheSameViewsCostsTheSameMemory) {
     for (const Capture& image : images) {
       const IngestReport report = model.ingest(image);
       EXPECT_EQ(report.status, IngestStatus::kAccepted);
-      updated += report.rings_updated;
-      skipped += report.rings_skipped;
+      updated += report.patches_updated;
+      skipped += report.patches_skipped;
     }
   EXPECT_GT(skipped, 8 * 30 * 50u);
   EXPECT_LT(updated, (updated + skipped) / 20) << "a few are explained too badly to be called the same";
@@ -37,13 +37,13 @@ TEST(Repetition, ARepeatedViewThatShowsSomethingElseIsTakenIn) {
   ingest_all(model, images);
   for (const int image : {3, 29}) {  // the last one's columns wait to be folded
     const IngestReport same = model.ingest(images[image]);
-    EXPECT_GT(same.rings_skipped, 0u) << image;
-    EXPECT_EQ(same.rings_updated, 0u) << image;
+    EXPECT_GT(same.patches_skipped, 0u) << image;
+    EXPECT_EQ(same.patches_updated, 0u) << image;
   }
   const Scene other{square_object().surface, analytic::diffuse(0.03)};
   const IngestReport changed = model.ingest(captures(other, eyes(30, 0.5, 0.55))[3]);
-  EXPECT_EQ(changed.rings_skipped, 0u);
-  EXPECT_GT(changed.rings_updated, 50u);
+  EXPECT_EQ(changed.patches_skipped, 0u);
+  EXPECT_GT(changed.patches_updated, 50u);
 }
 
 TEST(Repetition, IsNotLookedForWithoutAnAngle) {
@@ -52,16 +52,16 @@ TEST(Repetition, IsNotLookedForWithoutAnAngle) {
   options.ring.repeat_angle = 0;
   SurfaceLightField model(square_object().mesh, options);
   ingest_all(model, images);
-  EXPECT_EQ(model.ingest(images[3]).rings_skipped, 0u);
+  EXPECT_EQ(model.ingest(images[3]).patches_skipped, 0u);
 }
 
 // 81 rings; half of them get the first image. The second one comes from elsewhere: rings that have seen nothing first.
 TEST(Share, TheRingsForWhichTheImageIsNewestAreUpdated) {
   const std::vector<Capture> images = captures(glossy_scene(), eyes(8, 0.5, 0.55));
   SurfaceLightField model(square_object().mesh, plain_options());
-  model.set_share(0.5);
+  model.set_update_fraction(0.5);
   const IngestReport first = model.ingest(images[0]);
-  EXPECT_EQ(first.rings_left_out, 40u);
+  EXPECT_EQ(first.patches_left_out, 40u);
   const auto reached = [&] {
     const auto snapshot = model.light_field_snapshot();
     return std::count_if(snapshot->ring_data().begin(), snapshot->ring_data().end(),

@@ -36,7 +36,7 @@ TEST(SurfaceLightField, ADiffuseSquareHasRankOneAndIsReproduced) {
   EXPECT_GT(result.psnr_db(), 45);
   EXPECT_GT(result.pixels, 15'000u);
   EXPECT_EQ(result.unseen, 0u);
-  EXPECT_EQ(model.images(), 24u);
+  EXPECT_EQ(model.figures().images, 24u);
 }
 
 TEST(SurfaceLightField, ADiffuseSphereHasRankOneAndIsReproduced) {
@@ -88,7 +88,7 @@ TEST(SurfaceLightField, TheConstantColourIsTheMeanOfWhatWasShown) {
   SurfaceLightField model(object.mesh, plain_options());
   ingest_all(model, captures(scene, from));
   const auto snapshot = model.constant_colour();
-  const auto shader = snapshot->shader_for({0, 0, 1});
+  const auto shader = snapshot->shader_for({{0, 0, 1}});
   double mean = 0;
   for (const Eigen::Vector3d& eye : from) mean += level(eye.x() / kDistance) / 9;
   const std::uint32_t middle = 2 * (4 * 8 + 4);  // at the origin, where distance to the eye is exact
@@ -176,7 +176,7 @@ TEST(SurfaceLightField, RefusedImagesSayWhyAndChangeNothing) {
     const IngestReport report = model.ingest(capture);
     EXPECT_EQ(report.status, IngestStatus::kRefused);
     EXPECT_EQ(report.reason, reason);
-    EXPECT_EQ(report.rings_updated, 0u);
+    EXPECT_EQ(report.patches_updated, 0u);
   };
   for (const PoseStatus status :
        {PoseStatus::kUnspecified, PoseStatus::kNoTags, PoseStatus::kTooFewTags, PoseStatus::kInconsistent}) {
@@ -209,7 +209,7 @@ TEST(SurfaceLightField, RefusedImagesSayWhyAndChangeNothing) {
   blind.image = analytic::float_image(ImageF(160, 120, 3, std::nanf("")));
   expect_refused(blind, "object_not_in_view");
 
-  EXPECT_EQ(model.images(), 6u);
+  EXPECT_EQ(model.figures().images, 6u);
   expect_same_rings(*before, *model.light_field_snapshot());
 }
 
@@ -298,7 +298,7 @@ TEST(SurfaceLightField, EveryNthImageIsHeldOutAndTeachesNothing) {
     EXPECT_EQ(status, (i + 1) % 4 == 0 ? IngestStatus::kHeldOut : IngestStatus::kAccepted) << i;
     if (status == IngestStatus::kAccepted) reference.ingest(images[i]);
   }
-  EXPECT_EQ(model.images(), 7u);
+  EXPECT_EQ(model.figures().images, 7u);
   expect_same_rings(*model.light_field_snapshot(), *reference.light_field_snapshot());
 }
 
@@ -317,20 +317,21 @@ TEST(SurfaceLightField, ThePurposeOfAnImageIsHonoured) {
     image.purpose = Purpose::kHeldOut;
     EXPECT_EQ(model.ingest(image).status, IngestStatus::kHeldOut);
   }
-  EXPECT_EQ(model.images(), 6u);
+  EXPECT_EQ(model.figures().images, 6u);
 }
 
 TEST(SurfaceLightField, BeforeTheFirstImageEverythingIsUnseen) {
   const Object object = sphere_object();
   SurfaceLightField model(object.mesh, plain_options());
-  for (const auto& snapshot : {model.snapshot(), model.constant_colour()}) {
-    const auto shader = snapshot->shader_for({0, 0, 1});
+  for (const std::shared_ptr<const Appearance>& snapshot :
+       {std::shared_ptr<const Appearance>(model.snapshot()), model.constant_colour()}) {
+    const auto shader = snapshot->shader_for({{0, 0, 1}});
     for (std::uint32_t t = 0; t < object.mesh->triangles.size(); ++t)
       EXPECT_EQ(shader->shade(t, 0.3f, 0.3f).state, SampleState::kUnseen);
   }
   EXPECT_EQ(model.light_field_snapshot()->max_rank(), 0);
-  EXPECT_TRUE(model.rank_histogram().empty());
-  EXPECT_EQ(model.bytes_per_ring(), 0);
+  EXPECT_TRUE(model.figures().rank_histogram.empty());
+  EXPECT_EQ(model.figures().bytes_per_patch, 0);
 }
 
 TEST(SurfaceLightField, OptionsOutOfRangeAreNamed) {
@@ -351,6 +352,30 @@ TEST(SurfaceLightField, OptionsOutOfRangeAreNamed) {
   expect_named([](auto& o) { o.ring.min_visible = 1.5; }, "min_visible");
   expect_named([](auto& o) { o.ring.min_visible = std::nan(""); }, "min_visible");
   expect_named([](auto& o) { o.visibility.erosion_px = -1; }, "erosion_px");
+}
+
+TEST(SurfaceLightFieldSnapshot, FiguresCountWhatImagesShowed) {
+  auto mesh = std::make_shared<Mesh>();
+  mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  mesh->triangles = {{0, 1, 2}, {2, 1, 3}};
+  const auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 2});
+  std::vector<std::shared_ptr<const RingSnapshot>> data(4);
+  const auto ring = [&](std::size_t v, int rank, std::size_t measured) {
+    auto made = std::make_shared<RingSnapshot>();
+    made->basis.resize(3 * rings->ring_samples(v), rank);
+    made->shown.assign(rings->ring_samples(v), 0);
+    std::fill_n(made->shown.begin(), measured, 255);
+    if (measured == 2) made->shown[0] = 100;
+    data[v] = made;
+  };
+  ring(0, 2, 3);  // all of its 3 samples
+  ring(1, 5, 2);  // of 6
+  ring(2, 9, 0);  // a guess: counts for nothing
+  const SnapshotFigures figures = SurfaceLightFieldSnapshot(mesh, rings, data, 1).figures();
+  EXPECT_DOUBLE_EQ(figures.median_rank, 3.5);
+  EXPECT_EQ(figures.most_rank, 5);
+  EXPECT_DOUBLE_EQ(figures.seen, 5.0 / 18);
+  EXPECT_DOUBLE_EQ(figures.measured, 4.0 / 18) << "one is imputed";
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ class Withdraw : public ::testing::Test {
     EXPECT_FALSE(model.withdraw(images[k])) << "it is gone";
     images.erase(images.begin() + k);
     ingest_all(never, images);
-    EXPECT_EQ(model.images(), never.images());
+    EXPECT_EQ(model.figures().images, never.figures().images);
     expect_same_views(*model.light_field_snapshot(), *never.light_field_snapshot());
     EXPECT_NEAR(compare(*model.constant_colour(), scene_, unseen_eyes()).rms /
                     compare(*never.constant_colour(), scene_, unseen_eyes()).rms,
@@ -96,7 +96,7 @@ TEST_F(Withdraw, OfTheFirstImageAndOfUnknownOnesTheModelSaysThatItCannot) {
   EXPECT_FALSE(model.withdraw(images[0])) << "maps and exposure come from it";
   EXPECT_FALSE(model.withdraw(images[2]));
   EXPECT_TRUE(model.withdraw(images[1]));
-  EXPECT_EQ(model.images(), 1u);
+  EXPECT_EQ(model.figures().images, 1u);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "common/base/errors.h"
+#include "reconstructor/models/surface_light_field/kind.h"
 #include "reconstructor/render/gl/viewer_window.h"
 #include "tests/reconstructor/render/gl/synthetic_light_field.h"
 
@@ -17,10 +18,10 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> model() {
 
 /// Arguments: width, height, samples a pixel, mode.
 void move_round(benchmark::State& bench) try {
-  ViewerWindow window({.width = static_cast<int>(bench.range(0)),
-                       .height = static_cast<int>(bench.range(1)),
-                       .visible = false,
-                       .samples = static_cast<int>(bench.range(2))});
+  ViewerWindow window(surface_light_field_kind(), {.width = static_cast<int>(bench.range(0)),
+                                                   .height = static_cast<int>(bench.range(1)),
+                                                   .visible = false,
+                                                   .samples = static_cast<int>(bench.range(2))});
   ViewerState state;
   state.snapshot = model();
   window.controls().mode = static_cast<ViewMode>(bench.range(3));
@@ -46,7 +47,7 @@ BENCHMARK(move_round)
 /// What a new snapshot costs: all rings of the model to the GPU, drawing included.
 void upload_everything(benchmark::State& bench) try {
   const SyntheticLightField light_field({.around = 128, .across = 48});
-  ViewerWindow window({.width = 64, .height = 64, .visible = false, .samples = 1});
+  ViewerWindow window(surface_light_field_kind(), {.width = 64, .height = 64, .visible = false, .samples = 1});
   ViewerState states[2];
   states[0].snapshot = light_field.snapshot();
   states[1].snapshot = light_field.with_other_bases();

@@ -9,6 +9,7 @@
 #include "common/image/raw_image.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/models/surface_light_field/files/model_files.h"
+#include "reconstructor/models/surface_light_field/kind.h"
 #include "reconstructor/render/gl/viewer_window.h"
 #include "tests/reconstructor/render/gl/synthetic_light_field.h"
 #include "tests/support/temp_folder.h"
@@ -34,7 +35,7 @@ TEST_F(ViewCommand, WritesWhatTheWindowDraws) {
   const std::string folder = model(), picture = (folder_.path() / "view.png").string();
   ImageU8 expected;
   try {
-    ViewerWindow window({.width = 320, .height = 240, .visible = false});
+    ViewerWindow window(surface_light_field_kind(), {.width = 320, .height = 240, .visible = false});
     ViewerState state;
     state.snapshot = load_model(folder);
     window.controls().mode = ViewMode::kHeuristic;

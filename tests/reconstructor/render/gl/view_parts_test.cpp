@@ -126,30 +126,6 @@ TEST(Guidance, IsSaidInWords) {
   EXPECT_EQ(in_words({2, -3}), "here, hold still");
 }
 
-TEST(RankFigures, CountWhatImagesShowed) {
-  auto mesh = std::make_shared<Mesh>();
-  mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
-  mesh->triangles = {{0, 1, 2}, {2, 1, 3}};
-  const auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 2});
-  std::vector<std::shared_ptr<const RingSnapshot>> data(4);
-  const auto ring = [&](std::size_t v, int rank, std::size_t measured) {
-    auto made = std::make_shared<RingSnapshot>();
-    made->basis.resize(3 * rings->ring_samples(v), rank);
-    made->shown.assign(rings->ring_samples(v), 0);
-    std::fill_n(made->shown.begin(), measured, 255);
-    if (measured == 2) made->shown[0] = 100;
-    data[v] = made;
-  };
-  ring(0, 2, 3);  // all of its 3 samples
-  ring(1, 5, 2);  // of 6
-  ring(2, 9, 0);  // a guess: counts for nothing
-  const RankFigures figures = rank_figures({mesh, rings, data, 1});
-  EXPECT_DOUBLE_EQ(figures.median, 3.5);
-  EXPECT_EQ(figures.most, 5);
-  EXPECT_DOUBLE_EQ(figures.seen, 5.0 / 18);
-  EXPECT_DOUBLE_EQ(figures.measured, 4.0 / 18) << "one is imputed";
-}
-
 TEST(StrokeFont, EveryGlyphIsThereAndDiffersFromAllOthers) {
   for (const float unit : {1.5f, 2.0f, 3.5f}) {
     const GlyphAtlas atlas = draw_glyphs(unit);

@@ -14,6 +14,8 @@
 #include "common/image/color.h"
 #include "common/image/image_io.h"
 #include "common/image/image_metrics.h"
+#include "reconstructor/models/surface_light_field/gl/light_field_renderer.h"
+#include "reconstructor/models/surface_light_field/kind.h"
 #include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/ray_painter.h"
 #include "tests/reconstructor/render/gl/synthetic_light_field.h"
@@ -29,11 +31,12 @@ class Window : public testing::Test {
   void SetUp() override {
     if (!open({})) GTEST_SKIP() << why_not_;
   }
-  bool open(const LightFieldRendererOptions& renderer) {
+  bool open(const DrawerOptions& renderer) {
     window_.reset();
     try {
       window_ = std::make_unique<ViewerWindow>(
-          ViewerOptions{.width = kWidth, .height = kHeight, .visible = false, .samples = 1, .renderer = renderer});
+          surface_light_field_kind(),
+          ViewerOptions{.width = kWidth, .height = kHeight, .visible = false, .samples = 1, .drawer = renderer});
     } catch (const DeviceError& error) {
       why_not_ = error.what();
       return false;
@@ -247,7 +250,7 @@ TEST_F(Window, WhileRingsAreOnTheirWayThePictureStaysWhole) {
   RenderTarget target(kWidth, kHeight, 1);
   const auto render = [&](const Viewpoint& view) {
     target.clear({0, 0, 0});
-    renderer.draw(view, {0, 0, kWidth, kHeight}, kHeight, SurfaceShading::kLightField);
+    renderer.draw(view, {0, 0, kWidth, kHeight}, kHeight, SurfaceShading::kAppearance);
     return target.read();
   };
   OrbitCamera orbit;
@@ -437,7 +440,7 @@ TEST(NoDisplay, IsSaidClearly) {
   const std::string kept = display ? display : "";
   unsetenv("DISPLAY");
   try {
-    ViewerWindow window({.visible = false});
+    ViewerWindow window(surface_light_field_kind(), {.visible = false});
     ADD_FAILURE() << "a window without a display";
   } catch (const DeviceError& error) {
     EXPECT_NE(std::string(error.what()).find("xvfb-run"), std::string::npos) << error.what();

@@ -61,7 +61,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
 
 void expect_same_pictures(const SurfaceLightFieldSnapshot& a, const SurfaceLightFieldSnapshot& b) {
   for (const Eigen::Vector3d& eye : {Eigen::Vector3d(1, 0.3, 0.2), {-0.2, 0.4, 0.9}, {0.1, -1, -0.3}}) {
-    const auto shader_a = a.shader_for(eye), shader_b = b.shader_for(eye);
+    const auto shader_a = a.shader_for({eye}), shader_b = b.shader_for({eye});
     for (std::uint32_t t = 0; t < a.mesh().triangles.size(); ++t) {
       const SurfaceQuality quality_a = shader_a->quality(t), quality_b = shader_b->quality(t);
       EXPECT_EQ(quality_a.error, quality_b.error);
@@ -154,7 +154,7 @@ TEST(ModelFiles, AModelThatNoImageReached) {
   save_model(empty, folder.path());
   const auto again = load_model(folder.path());
   EXPECT_EQ(again->max_rank(), 0);
-  EXPECT_EQ(again->shader_for({1, 0, 0})->shade(0, 0.2f, 0.2f).state, SampleState::kUnseen);
+  EXPECT_EQ(again->shader_for({{1, 0, 0}})->shade(0, 0.2f, 0.2f).state, SampleState::kUnseen);
 }
 
 TEST(ModelFiles, HalfPrecisionIsClose) {

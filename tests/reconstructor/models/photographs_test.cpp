@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/evaluation/photographs.h"
+#include "reconstructor/models/photographs.h"
 
 #include <gtest/gtest.h>
 
@@ -49,8 +49,8 @@ class Photographs : public ::testing::Test {
     lumigraph = PhotographSet::unstructured_lumigraph(photographs, nothing);
   }
   /// Encoded red at the square's middle for an eye.
-  float middle(const ModelSnapshot& model, const Eigen::Vector3d& eye) const {
-    return srgb_encode(model.shader_for(eye)->shade(kMiddle, 0, 1).rgb.x());
+  float middle(const Appearance& model, const Eigen::Vector3d& eye) const {
+    return srgb_encode(model.shader_for({eye})->shade(kMiddle, 0, 1).rgb.x());
   }
   static Eigen::Vector3d eye_at(double degrees, double distance = 0.5) {
     const double a = degrees * M_PI / 180;
@@ -61,12 +61,12 @@ class Photographs : public ::testing::Test {
 
   static constexpr std::uint32_t kMiddle = 10;  // its corner 2 is the square's centre
   std::shared_ptr<const Mesh> mesh = std::make_shared<Mesh>(square_mesh(0.1f, 0, 4));
-  std::shared_ptr<const ModelSnapshot> nothing = std::make_shared<testing::PlainModel>(*mesh, Eigen::Vector3f(7, 8, 9));
+  std::shared_ptr<const Appearance> nothing = std::make_shared<testing::PlainModel>(*mesh, Eigen::Vector3f(7, 8, 9));
   VertexRings rings{*mesh, std::vector<std::uint8_t>(mesh->triangles.size(), 8)};
   RingVisibility visibility{*mesh, rings, {}};
   RayPainter painter{*mesh};
   std::shared_ptr<PhotographSet> photographs;
-  std::shared_ptr<const ModelSnapshot> nearest, lumigraph;
+  std::shared_ptr<const Appearance> nearest, lumigraph;
 };
 
 constexpr float kGreyLevel = 1.0f / 255;
@@ -192,7 +192,7 @@ TEST_F(Photographs, OneThatDoesNotShowThePointTakesNoPart) {
 TEST_F(Photographs, WhatNoneShowsIsShadedByTheOtherModelAndMarked) {
   take(leaning_scene(), {look_at({0.05, 0, 0.02}, {0.2, 0, 0.02}, {0, 0, 1})});
   EXPECT_EQ(photographs->size(), 0u);
-  const SurfaceSample sample = lumigraph->shader_for({0, 0, 1})->shade(3, 0.2f, 0.3f);
+  const SurfaceSample sample = lumigraph->shader_for({{0, 0, 1}})->shade(3, 0.2f, 0.3f);
   EXPECT_EQ(sample.state, SampleState::kUnseen);
   EXPECT_EQ(sample.rgb, Eigen::Vector3f(7, 8, 9));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/effort/memory_need.h"
+#include "reconstructor/scene/memory_warning.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,15 +7,11 @@
 #include <fstream>
 
 #include "common/base/errors.h"
-#include "reconstructor/models/surface_light_field/ring_model.h"
-#include "reconstructor/surface/vertex_ring.h"
 
 namespace sheen {
 namespace {
 
 constexpr double kGigabyte = 1e9;
-constexpr double kFixedPerTriangle = 600;  ///< mesh, ray scene, rings, and what an image shows of them
-constexpr int kFewTerms = 3, kFewColumns = 8;
 
 std::string gigabytes(double bytes) {
   char text[32];
@@ -24,19 +20,6 @@ std::string gigabytes(double bytes) {
 }
 
 }  // namespace
-
-MemoryNeed memory_need(std::size_t vertices, std::size_t triangles, const SurfaceLightFieldOptions& options) {
-  const double asked = options.map_scale * (options.surface_map > 0 ? options.surface_map : options.min_surface_map);
-  const int side = std::max(2, static_cast<int>(std::lround(asked)));
-  const auto v = static_cast<double>(vertices), t = static_cast<double>(triangles);
-  const double samples = 3 * t * lattice_samples(side) / v;  // of a ring: a triangle is in three
-  RingModelOptions few = options.ring;
-  few.factor = few.factor.limited_to(kFewTerms, kFewTerms, kFewColumns);
-  few.max_views = kFewColumns - few.factor.block;
-  const double fixed = t * kFixedPerTriangle;
-  return {fixed + v * RingModel::largest_bytes(samples, few),
-          fixed + v * RingModel::largest_bytes(samples, options.ring)};
-}
 
 MachineMemory machine_memory() {
   MachineMemory memory;
@@ -49,9 +32,8 @@ MachineMemory machine_memory() {
   return memory;
 }
 
-std::string memory_warning(const std::string& mesh_file, std::size_t vertices, std::size_t triangles,
-                           const SurfaceLightFieldOptions& options, const MachineMemory& machine) {
-  const MemoryNeed need = memory_need(vertices, triangles, options);
+std::string memory_warning(const std::string& mesh_file, std::size_t triangles, const MemoryNeed& need,
+                           const MachineMemory& machine) {
   if (machine.total <= 0 || need.most <= machine.available) return {};
   const double triangle_bytes = need.most / static_cast<double>(triangles);
   const double fitting = std::floor(machine.available / triangle_bytes / 1000) * 1000;

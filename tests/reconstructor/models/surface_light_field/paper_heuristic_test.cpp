@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/evaluation/paper_heuristic.h"
+#include "reconstructor/models/surface_light_field/paper_heuristic.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/evaluation/photographs.h"
+#include "reconstructor/models/photographs.h"
 
 #include <algorithm>
 #include <array>
@@ -40,20 +40,20 @@ class PhotographShader : public ViewShader {
   int count_;
 };
 
-class PhotographModel : public ModelSnapshot {
+class PhotographModel : public Appearance {
  public:
-  PhotographModel(std::shared_ptr<const PhotographSet> photographs, std::shared_ptr<const ModelSnapshot> where_unseen,
+  PhotographModel(std::shared_ptr<const PhotographSet> photographs, std::shared_ptr<const Appearance> where_unseen,
                   int count)
       : photographs_(std::move(photographs)), where_unseen_(std::move(where_unseen)), count_(count) {}
 
   const Mesh& mesh() const override { return photographs_->mesh(); }
-  std::unique_ptr<ViewShader> shader_for(const Eigen::Vector3d& eye) const override {
-    return std::make_unique<PhotographShader>(photographs_, where_unseen_->shader_for(eye), eye, count_);
+  std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override {
+    return std::make_unique<PhotographShader>(photographs_, where_unseen_->shader_for(query), query.eye, count_);
   }
 
  private:
   std::shared_ptr<const PhotographSet> photographs_;
-  std::shared_ptr<const ModelSnapshot> where_unseen_;
+  std::shared_ptr<const Appearance> where_unseen_;
   int count_;
 };
 
@@ -183,13 +183,13 @@ bool PhotographSet::blend(std::uint32_t triangle, const Eigen::Vector3d& point, 
   return true;
 }
 
-std::shared_ptr<const ModelSnapshot> PhotographSet::nearest_photograph(
-    std::shared_ptr<const PhotographSet> photographs, std::shared_ptr<const ModelSnapshot> where_unseen) {
+std::shared_ptr<const Appearance> PhotographSet::nearest_photograph(std::shared_ptr<const PhotographSet> photographs,
+                                                                    std::shared_ptr<const Appearance> where_unseen) {
   return std::make_shared<PhotographModel>(std::move(photographs), std::move(where_unseen), 1);
 }
 
-std::shared_ptr<const ModelSnapshot> PhotographSet::unstructured_lumigraph(
-    std::shared_ptr<const PhotographSet> photographs, std::shared_ptr<const ModelSnapshot> where_unseen) {
+std::shared_ptr<const Appearance> PhotographSet::unstructured_lumigraph(
+    std::shared_ptr<const PhotographSet> photographs, std::shared_ptr<const Appearance> where_unseen) {
   return std::make_shared<PhotographModel>(std::move(photographs), std::move(where_unseen), kLumigraphViews);
 }
 

@@ -35,14 +35,14 @@ class PhotographSet {
 
   /// Each point takes its colour from the photograph that shows it from the direction nearest to the eye's.
   /// `where_unseen` shades the points that no photograph shows.
-  static std::shared_ptr<const ModelSnapshot> nearest_photograph(std::shared_ptr<const PhotographSet> photographs,
-                                                                 std::shared_ptr<const ModelSnapshot> where_unseen);
+  static std::shared_ptr<const Appearance> nearest_photograph(std::shared_ptr<const PhotographSet> photographs,
+                                                              std::shared_ptr<const Appearance> where_unseen);
 
   /// Unstructured lumigraph (Buehler et al. 2001, sec. 4.2): the four photographs with the least angle a_j between
   /// their ray and the eye's, weighted by (1 - a_j / a_5) / a_j, a_5 being the next one's angle, so that a photograph
   /// fades out before it is exchanged and one taken from the eye is shown as it is. Encoded values are blended.
-  static std::shared_ptr<const ModelSnapshot> unstructured_lumigraph(std::shared_ptr<const PhotographSet> photographs,
-                                                                     std::shared_ptr<const ModelSnapshot> where_unseen);
+  static std::shared_ptr<const Appearance> unstructured_lumigraph(std::shared_ptr<const PhotographSet> photographs,
+                                                                  std::shared_ptr<const Appearance> where_unseen);
 
   const Mesh& mesh() const { return *mesh_; }
   /// Weighted mean of up to `count` photographs' encoded colours at a surface point; weights sum to 1. False when no

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/effort/memory_need.h"
+#include "reconstructor/scene/memory_warning.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/base/errors.h"
+#include "reconstructor/models/surface_light_field/memory_account.h"
 #include "tests/support/expect_error.h"
 
 namespace sheen {
@@ -28,13 +29,15 @@ TEST(MemoryNeed, GrowsWithTheMeshAndWithWhatIsAsked) {
 
 TEST(MemoryNeed, IsToldWithTheFiguresBeforeTheWork) {
   const MachineMemory machine{24 * kGB, 20 * kGB};
-  EXPECT_EQ(memory_warning("m.ply", 6'000, 12'000, {}, machine), "");
-  const std::string warning = memory_warning("m.ply", 1'500'000, 3'000'000, {}, machine);
+  EXPECT_EQ(memory_warning("m.ply", 12'000, memory_need(6'000, 12'000, {}), machine), "");
+  const std::string warning = memory_warning("m.ply", 3'000'000, memory_need(1'500'000, 3'000'000, {}), machine);
   for (const char* word : {"m.ply: 3000000 triangles", "24 GB", "20 GB", "simplify the mesh to", "--memory"})
     EXPECT_THAT(warning, HasSubstr(word));
-  expect_error<FileError>([&] { memory_warning("m.ply", 30'000'000, 60'000'000, {}, machine); },
-                          {"m.ply", "60000000 triangles", "24 GB", "simplify"});
-  EXPECT_EQ(memory_warning("m.ply", 30'000'000, 60'000'000, {}, {}), "") << "a system that does not say";
+  expect_error<FileError>(
+      [&] { memory_warning("m.ply", 60'000'000, memory_need(30'000'000, 60'000'000, {}), machine); },
+      {"m.ply", "60000000 triangles", "24 GB", "simplify"});
+  EXPECT_EQ(memory_warning("m.ply", 60'000'000, memory_need(30'000'000, 60'000'000, {}), {}), "")
+      << "a system that does not say";
 }
 
 TEST(MemoryNeed, TheMachineSaysWhatItHas) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/effort/memory_account.h"
+#include "reconstructor/models/surface_light_field/memory_account.h"
 
-#include <fstream>
+#include <algorithm>
+#include <cmath>
 
 #include "reconstructor/models/surface_light_field/ring_model.h"
 #include "reconstructor/surface/map_resolution.h"
@@ -19,17 +20,22 @@ constexpr double kIngestSample = 8 + 1 + 12 + 12 + 4;
 constexpr double kIngestPixel = 12 + 4 + 4 + 3 + 16 * 4 / 3.0;
 constexpr double kImageCopies = 2;  // of an image: as the file has it, and decoded
 constexpr double kSnapshots = 2;
+constexpr double kFixedPerTriangle = 600;  // mesh, ray scene, rings, and what an image shows of them
+constexpr int kFewTerms = 3, kFewColumns = 8;
 
 }  // namespace
 
-std::map<std::string, double> MemoryAccount::parts() const {
-  return {{"mesh", mesh},           {"ray_scene", ray_scene}, {"ingest", ingest}, {"rings", rings},
-          {"snapshots", snapshots}, {"held_out", held_out},   {"probe", probe}};
-}
-
-CaptureSize size_of(const Capture& capture) {
-  return {static_cast<double>(capture.image.width) * capture.image.height,
-          static_cast<double>(capture.image.bytes.size() + capture.mask.size())};
+MemoryNeed memory_need(std::size_t vertices, std::size_t triangles, const SurfaceLightFieldOptions& options) {
+  const double asked = options.map_scale * (options.surface_map > 0 ? options.surface_map : options.min_surface_map);
+  const int side = std::max(2, static_cast<int>(std::lround(asked)));
+  const auto v = static_cast<double>(vertices), t = static_cast<double>(triangles);
+  const double samples = 3 * t * lattice_samples(side) / v;  // of a ring: a triangle is in three
+  RingModelOptions few = options.ring;
+  few.factor = few.factor.limited_to(kFewTerms, kFewTerms, kFewColumns);
+  few.max_views = kFewColumns - few.factor.block;
+  const double fixed = t * kFixedPerTriangle;
+  return {fixed + v * RingModel::largest_bytes(samples, few),
+          fixed + v * RingModel::largest_bytes(samples, options.ring)};
 }
 
 MemoryAccount fixed_account(const Mesh& mesh, const VertexRings& rings, const CaptureSize& image) {
@@ -51,21 +57,10 @@ MemoryAccount largest_account(const Mesh& mesh, const Capture& first, const Surf
   MemoryAccount account = fixed_account(mesh, rings, size_of(first));
   for (std::size_t v = 0; v < rings.size(); ++v) {
     if (rings.ring_samples(v) == 0) continue;
-    account.rings += RingModel::largest_bytes(rings.ring_samples(v), options.ring);
+    account.model += RingModel::largest_bytes(rings.ring_samples(v), options.ring);
     account.snapshots += kSnapshots * RingModel::largest_snapshot_bytes(rings.ring_samples(v), options.ring);
   }
   return account;
-}
-
-ResidentMemory resident_memory() {
-  ResidentMemory memory;
-  std::ifstream status("/proc/self/status");
-  for (std::string key; status >> key; status.ignore(1 << 10, '\n')) {
-    double kilobytes = 0;
-    if (key == "VmRSS:" && status >> kilobytes) memory.bytes = 1024 * kilobytes;
-    if (key == "VmHWM:" && status >> kilobytes) memory.peak_bytes = 1024 * kilobytes;
-  }
-  return memory;
 }
 
 }  // namespace sheen

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/capture/capture_report.h"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <type_traits>
+#include <variant>
+
+#include "common/base/errors.h"
+#include "common/base/json_number.h"
+#include "reconstructor/effort/resident_memory.h"
+#include "reconstructor/evaluation/evaluation_report.h"
+
+namespace sheen {
+namespace {
+
+using nlohmann::json;
+
+json to_json(const SettingValue& value) {
+  return std::visit(
+      [](const auto& held) -> json {
+        if constexpr (std::is_same_v<std::decay_t<decltype(held)>, std::monostate>)
+          return nullptr;
+        else
+          return held;
+      },
+      value);
+}
+
+/// What was asked of the model, and whether it holds.
+json settings_report(const Reconstruction& reconstruction, double psnr_db) {
+  const TradeoffWish& wish = reconstruction.wish();
+  const std::unique_ptr<ModelSettings> settings = reconstruction.model().settings().clone();
+  json report{
+      {"model", settings->kind()}, {"rung", reconstruction.effort().rung}, {"share", reconstruction.effort().share}};
+  for (const SettingKey& key : settings->keys()) report[key.name] = to_json(key.get());
+  if (wish.image_ms) {
+    const double image_ms = 1e3 * reconstruction.updates().median_s();
+    report["budget"] = {{"asked_ms", *wish.image_ms}, {"image_ms", image_ms}, {"holds", image_ms <= *wish.image_ms}};
+  }
+  if (wish.bytes) {
+    const double grown = resident_memory().bytes - reconstruction.resident_before();
+    report["memory"] = {{"asked_bytes", *wish.bytes}, {"bytes", grown}, {"holds", grown <= *wish.bytes}};
+  }
+  if (wish.psnr_db)
+    report["target"] = {
+        {"asked_db", *wish.psnr_db}, {"psnr_db", json_number(psnr_db)}, {"reached", psnr_db >= *wish.psnr_db}};
+  return report;
+}
+
+/// What is held, by part, beside what the operating system says that the process has grown by.
+json memory_report(const Reconstruction& reconstruction) {
+  const MemoryAccount account = reconstruction.memory();
+  const ResidentMemory resident = resident_memory();
+  return {{"parts", account.parts()},
+          {"counted_bytes", account.total()},
+          {"resident_growth_bytes", resident.bytes - reconstruction.resident_before()},
+          {"resident_bytes", resident.bytes},
+          {"peak_resident_bytes", resident.peak_bytes}};
+}
+
+}  // namespace
+
+json reconstruction_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged) {
+  const FrameCounts& counts = reconstruction.counts();
+  json refused = json::object();
+  for (const auto& [reason, n] : counts.refused) refused[reason] = n;
+  json stages = json::object();
+  for (const auto& [stage, seconds] : reconstruction.stages()) stages[stage] = 1e3 * seconds.median_s();
+
+  json report;
+  report["frames"] = {{"sent", counts.received},
+                      {"received", counts.received},
+                      {"accepted", counts.accepted},
+                      {"held_out", counts.held_out},
+                      {"refused", refused},
+                      {"withdrawn", counts.withdrawn},
+                      {"waiting", 0},
+                      {"lost", 0}};
+  report["ingest_images_per_s"] = reconstruction.images_per_s();
+  report["ingest_ms"] = stages;
+  const ModelFigures figures = reconstruction.model().figures();
+  report["rank_histogram"] = figures.rank_histogram;
+  report["bytes_per_patch"] = figures.bytes_per_patch;
+  const Reconstruction::PatchCounts& patches = reconstruction.patches();
+  report["patches"] = {{"updated", patches.updated}, {"skipped", patches.skipped}, {"left_out", patches.left_out}};
+  report["memory"] = memory_report(reconstruction);
+  report["settings"] = settings_report(reconstruction, judged.model.psnr_db);
+  report["predicted_error"] = calibration_report(calibrate(judged.model));
+  report["held_out"] = {{"views", judged.model.views.size()},
+                        {"protocol", kScoreProtocol},
+                        {"psnr_db", json_number(judged.model.psnr_db)},
+                        {"ssim", json_number(judged.model.ssim)},
+                        {"psnr_gain_aligned_db", json_number(judged.model.psnr_gain_aligned_db)},
+                        {"psnr_pooled_db", json_number(judged.model.psnr_pooled_db)},
+                        {"uncovered", json_number(judged.model.uncovered)},
+                        {"constant_psnr_db", json_number(judged.constant.psnr_db)},
+                        {"constant_ssim", json_number(judged.constant.ssim)},
+                        {"constant_psnr_gain_aligned_db", json_number(judged.constant.psnr_gain_aligned_db)},
+                        {"per_view", views_to_json(judged.model)},
+                        {"constant_per_view", views_to_json(judged.constant)}};
+  return report;
+}
+
+json live_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged,
+                 const LoopStatus& status) {
+  json report = reconstruction_report(reconstruction, judged);
+  report["frames"].update({{"sent", status.journaled + status.link.missing},
+                           {"received", status.journaled},
+                           {"waiting", status.waiting()},
+                           {"lost", status.link.missing},
+                           {"journaled", status.journaled},
+                           {"duplicates", status.link.duplicates}});
+  const auto ms = [&](double q) { return 1e3 * status.latency.quantile_s(q); };
+  report["latency_ms"] = nullptr;  // nothing came, or the machines' clocks could not be compared
+  if (status.latency.count() > 0) report["latency_ms"] = {{"p50", ms(0.50)}, {"p95", ms(0.95)}, {"p99", ms(0.99)}};
+  return report;
+}
+
+void print_summary(const json& report) {
+  const auto withdrawn = report["frames"]["withdrawn"].get<unsigned long long>();
+  std::printf("%llu images folded in at %.1f images/s, %llu held out",
+              report["frames"]["accepted"].get<unsigned long long>(), report["ingest_images_per_s"].get<double>(),
+              report["frames"]["held_out"].get<unsigned long long>());
+  if (withdrawn > 0) std::printf(", %llu withdrawn", withdrawn);
+  std::printf("\n");
+  const json& held_out = report["held_out"];
+  if (held_out["psnr_db"].is_number() && held_out["constant_psnr_db"].is_number())
+    print_scores(held_out["psnr_db"].get<double>(), held_out["ssim"].get<double>(),
+                 held_out["constant_psnr_db"].get<double>());
+}
+
+}  // namespace sheen

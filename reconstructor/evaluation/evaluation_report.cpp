@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/evaluation/evaluation_report.h"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "common/base/json_number.h"
+
+namespace sheen {
+namespace {
+
+using nlohmann::json;
+
+json means_to_json(const Scores& s) {
+  return {{"psnr_db", json_number(s.psnr_db)},
+          {"ssim", json_number(s.ssim)},
+          {"psnr_inside_db", json_number(s.psnr_inside_db)},
+          {"psnr_pooled_db", json_number(s.psnr_pooled_db)},
+          {"psnr_gain_aligned_db", json_number(s.psnr_gain_aligned_db)}};
+}
+
+}  // namespace
+
+json views_to_json(const Scores& scores) {
+  json views = json::array();
+  for (const ViewScore& v : scores.views)
+    views.push_back({{"file", v.name},
+                     {"psnr_db", json_number(v.psnr_db)},
+                     {"ssim", json_number(v.ssim)},
+                     {"psnr_gain_aligned_db", json_number(v.psnr_gain_aligned_db)},
+                     {"uncovered", json_number(v.uncovered)}});
+  return views;
+}
+
+json evaluation_report(const Scores& model, const Scores& constant) {
+  return {{"protocol", kScoreProtocol},
+          {"object", means_to_json(model)},
+          {"full", {{"psnr_db", json_number(model.full_psnr_db)}, {"ssim", json_number(model.full_ssim)}}},
+          {"constant", means_to_json(constant)},
+          {"uncovered", json_number(model.uncovered)},
+          {"views", views_to_json(model)},
+          {"constant_views", views_to_json(constant)}};
+}
+
+json baselines_report(std::span<const PeerScores> peers) {
+  json report;
+  for (const auto& [peer, scores] : peers) {
+    report[peer.key] = means_to_json(scores);
+    report[peer.key]["views"] = views_to_json(scores);
+  }
+  return report;
+}
+
+void print_baselines(const std::string& model_title, const Scores& model, std::span<const PeerScores> peers) {
+  std::printf("%-46s %8s %6s %9s %14s\n", "held-out views, object pixels", "PSNR", "SSIM", "inside", "gain-aligned");
+  const auto line = [](const std::string& name, const Scores& s) {
+    std::printf("%-46s %5.2f dB %6.3f %6.2f dB %11.2f dB\n", name.c_str(), s.psnr_db, s.ssim, s.psnr_inside_db,
+                s.psnr_gain_aligned_db);
+  };
+  for (const auto& [peer, scores] : peers) line(peer.title, scores);
+  line(model_title + " (no photograph kept)", model);
+  const Scores& strongest = peers.back().scores;
+  const std::string name = peers.back().peer.title;
+  std::printf("%-46s %+5.2f dB %+6.3f %+6.2f dB %+11.2f dB\n",
+              ("  above the " + name.substr(0, name.find(" ("))).c_str(), model.psnr_db - strongest.psnr_db,
+              model.ssim - strongest.ssim, model.psnr_inside_db - strongest.psnr_inside_db,
+              model.psnr_gain_aligned_db - strongest.psnr_gain_aligned_db);
+}
+
+json foretelling_report(const Foretelling& foretelling) {
+  return {{"rank_correlation", json_number(foretelling.rank_correlation)},
+          {"peer_rank_correlation", json_number(foretelling.peer_rank_correlation)}};
+}
+
+json calibration_report(const ErrorCalibration& calibration) {
+  if (!calibration.known())
+    return {{"calibrated", false},
+            {"views", calibration.views},
+            {"fewest_views", static_cast<std::size_t>(ErrorCalibration::kFewestViews)}};
+  return {{"calibrated", true},
+          {"views", calibration.views},
+          {"offset_db", calibration.offset_db},
+          {"half_width_db", calibration.half_width_db},
+          {"holds", double(ErrorCalibration::kCoverage)}};
+}
+
+json prediction_report(const Scores& scores) {
+  const CalibrationCheck check = check_calibration(scores);
+  json report = {
+      {"predicted_db", json_number(check.predicted_db)},      {"calibrated_db", json_number(check.calibrated_db)},
+      {"measured_db", json_number(check.measured_db)},        {"coverage", json_number(check.coverage)},
+      {"calibration", calibration_report(calibrate(scores))}, {"views", json::array()}};
+  for (const PredictedView& view : check.views) {
+    const CalibratedPsnr calibrated = view.calibrated();
+    report["views"].push_back({{"file", scores.views[view.index].name},
+                               {"predicted_db", view.predicted_db},
+                               {"calibrated_db", json_number(calibrated.db)},
+                               {"low_db", json_number(calibrated.low_db)},
+                               {"high_db", json_number(calibrated.high_db)},
+                               {"measured_db", view.measured_db}});
+  }
+  return report;
+}
+
+void print_predictions(const Scores& scores, const Foretelling& foretelling, const std::string& peer_title) {
+  const CalibrationCheck check = check_calibration(scores);
+  const ErrorCalibration all = calibrate(scores);
+  constexpr double kPercent = 100 * ErrorCalibration::kCoverage;
+  if (check.known()) {
+    for (const PredictedView& view : check.views) {
+      const CalibratedPsnr calibrated = view.calibrated();
+      std::printf("  %s: predicted %.2f dB, calibrated %.2f [%.2f, %.2f] dB, measured %.2f dB%s\n",
+                  scores.views[view.index].name.c_str(), view.predicted_db, calibrated.db, calibrated.low_db,
+                  calibrated.high_db, view.measured_db, view.inside() ? "" : ": outside");
+    }
+    std::printf(
+        "predicted PSNR inside the object's edge: %.2f dB, calibrated (each view by the others) %.2f dB, measured %.2f "
+        "dB; %.0f %% of the %zu views lie in their %.0f %% intervals\n"
+        "calibration by all: %+.2f dB, %.0f %% of such views within %.2f dB of that\n",
+        check.predicted_db, check.calibrated_db, check.measured_db, 100 * check.coverage, check.views.size(), kPercent,
+        all.offset_db, kPercent, all.half_width_db);
+  } else {
+    std::printf(
+        "predicted PSNR inside the object's edge: %.2f dB, not calibrated (needs %zu held-out views, there are %zu); "
+        "measured %.2f dB\n",
+        check.predicted_db, ErrorCalibration::kFewestViews + 1, check.views.size(), check.measured_db);
+  }
+  std::printf("rank correlation of predicted and measured errors of triangles: %.2f (%s: %.2f)\n",
+              foretelling.rank_correlation, peer_title.c_str(), foretelling.peer_rank_correlation);
+}
+
+void print_scores(double psnr_db, double ssim, double constant_psnr_db) {
+  std::printf("held-out views, object pixels: PSNR %.2f dB, SSIM %.3f (constant colour: %.2f dB)\n", psnr_db, ssim,
+              constant_psnr_db);
+}
+
+std::string to_text(const json& document) {
+  return document.dump(2, ' ', false, json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace sheen

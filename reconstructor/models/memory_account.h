@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include "common/capture/capture.h"
+
+namespace sheen {
+
+/// What a reconstruction holds, in bytes per part. A function of mesh, settings and captures.
+struct MemoryAccount {
+  double mesh = 0;
+  double ray_scene = 0;  ///< what rays are cast at, once to find what images show and once to paint
+  double ingest = 0;     ///< what an image is ingested with: its samples and pixels, and the samples' mean colours
+  double model = 0;      ///< what has been learned
+  double snapshots = 0;  ///< two: the one that is shown, and the one that follows
+  double held_out = 0;   ///< views that judge
+  double probe = 0;      ///< images that a budget's effort level is chosen by, until it is
+
+  double total() const { return mesh + ray_scene + ingest + model + snapshots + held_out + probe; }
+  std::map<std::string, double> parts() const;
+};
+
+struct CaptureSize {
+  double pixels = 0, bytes = 0;
+};
+CaptureSize size_of(const Capture& capture);
+
+/// Bytes that a model of a mesh takes, from counts alone: told before hours are spent.
+struct MemoryNeed {
+  double least = 0;  ///< with the least detail that is any use
+  double most = 0;   ///< with all that the settings allow
+};
+
+}  // namespace sheen

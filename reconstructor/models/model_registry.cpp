@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/model_registry.h"
+
+#include <array>
+
+#include "reconstructor/models/surface_light_field/kind.h"
+
+namespace sheen {
+
+std::span<const ModelKind* const> model_kinds() {
+  static const std::array<const ModelKind*, 1> kinds{&surface_light_field_kind()};
+  return kinds;
+}
+
+}  // namespace sheen

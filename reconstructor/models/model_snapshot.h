@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "common/base/progress.h"
+#include "common/capture/lighting.h"
+#include "common/geometry/mesh.h"
+#include "reconstructor/models/surface_quality.h"
+
+namespace sheen {
+
+/// What a picture is asked for: from where, and in which light.
+struct ViewQuery {
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< object frame, metres
+  LightState light = {};                          ///< fixed: the light in which the images were taken
+};
+
+/// A surface as seen from one eye: cheap to ask point by point. Thread-safe.
+class ViewShader {
+ public:
+  virtual ~ViewShader() = default;
+  /// Radiance towards the eye at barycentric (u, v) of a triangle.
+  virtual SurfaceSample shade(std::uint32_t triangle, float u, float v) const = 0;
+  virtual SurfaceQuality quality(std::uint32_t triangle) const = 0;
+};
+
+/// How a mesh looks; immutable, shared between threads. It keeps alive all that it refers to.
+class Appearance {
+ public:
+  virtual ~Appearance() = default;
+  virtual const Mesh& mesh() const = 0;
+  virtual std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const = 0;
+};
+
+/// A model of which a picture from every place on offer is predicted to have this PSNR is well known: more images
+/// change little that a person sees.
+inline constexpr double kWellKnownDb = 32;
+
+/// Where the next image should be taken.
+struct ViewAdvice {
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< object frame
+  double heuristic = 0;                           ///< mean over the surface seen from there, 0 = nothing to gain .. 1
+  double turn_deg = 0;                            ///< from the present eye, seen from the object
+  std::string reason;                             ///< for a person: what is missing there
+  double worst_psnr_db = 0;                       ///< predicted of a picture from the least known place on offer
+  bool well_known() const { return worst_psnr_db >= kWellKnownDb; }
+};
+
+/// How much of the surface is known, and in how many terms.
+struct SnapshotFigures {
+  double median_rank = 0;  ///< terms per patch, of the patches that an image has reached
+  int most_rank = 0;
+  double seen = 0;      ///< share of all samples that some image showed, 0..1
+  double measured = 0;  ///< share of all samples that are more than imputed, 0..1
+};
+
+/// What a person or a script wants to know of a saved model later: source, date, settings. Keys and texts in UTF-8.
+using ModelMetadata = std::map<std::string, std::string>;
+
+/// A model at one moment. Parts that did not change since the last snapshot are shared with it.
+class ModelSnapshot : public Appearance {
+ public:
+  const Mesh& mesh() const override { return *shared_mesh(); }
+  virtual const std::shared_ptr<const Mesh>& shared_mesh() const = 0;
+  virtual std::uint64_t version() const = 0;  ///< counts up with every snapshot of a model
+  virtual bool empty() const = 0;             ///< no image has reached it
+  virtual SnapshotFigures figures() const = 0;
+  /// With a guess for what no image showed, for pictures that must have no holes; it stays marked as unseen.
+  virtual std::shared_ptr<const ModelSnapshot> filled() const = 0;
+  /// Where an image would be worth most, for a camera that is at `eye` now (object frame). Quick enough to be asked
+  /// several times a second.
+  virtual ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const = 0;
+  /// Writes the model into a folder, which is created where needed, whole or not at all: an older model stays until
+  /// then. What is written is for `ModelKind::load`. Throws FileError.
+  virtual void save(const std::filesystem::path& folder, const ModelMetadata& metadata,
+                    const StepsDone& progress) const = 0;
+};
+
+}  // namespace sheen

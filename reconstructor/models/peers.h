@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/capture/capture.h"
+#include "reconstructor/models/model_snapshot.h"
+
+namespace sheen {
+
+/// Another way to show what the same images show.
+struct Peer {
+  std::string key;    ///< in reports
+  std::string title;  ///< for a person
+  std::shared_ptr<const Appearance> appearance;
+};
+
+/// Another way to say how well a surface is known, per triangle seen from an eye; 0 = well known .. 1.
+struct PeerHeuristic {
+  std::string title;
+  std::function<std::vector<float>(const Eigen::Vector3d& eye)> of;
+};
+
+/// What a saved model is compared with: made from the images that the model was built from.
+class Peers {
+ public:
+  virtual ~Peers() = default;
+  /// An image that is in the model. `exposure_gain`: that the model divided it by. `repeated`: the model took nothing
+  /// of it.
+  virtual void add(const Capture& capture, float exposure_gain, bool repeated) = 0;
+  virtual std::shared_ptr<const Appearance> constant_colour() const = 0;
+  /// The others, from the weakest to the strongest; none where photographs were not asked for.
+  virtual std::vector<Peer> others() const = 0;
+  virtual PeerHeuristic heuristic() const = 0;
+};
+
+}  // namespace sheen

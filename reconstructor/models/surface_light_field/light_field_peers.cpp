@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/light_field_peers.h"
+
+#include "reconstructor/radiance/ring_resampler.h"
+
+namespace sheen {
+
+LightFieldPeers::LightFieldPeers(std::shared_ptr<const SurfaceLightFieldSnapshot> model,
+                                 const SurfaceLightFieldOptions& options, bool photographs)
+    : model_(std::move(model)),
+      sampling_(options.sampling),
+      visibility_(model_->mesh(), model_->rings(), options.visibility),
+      mean_(model_->shared_mesh(), model_->shared_rings()) {
+  if (photographs) photographs_ = std::make_shared<PhotographSet>(model_->shared_mesh(), options.visibility);
+}
+
+void LightFieldPeers::add(const Capture& capture, float exposure_gain, bool repeated) {
+  const SurfaceView& view = visibility_.look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
+  if (!repeated) {
+    image_.load(capture, view);
+    resample(image_, view, model_->rings(), exposure_gain, encoded_, sampling_);
+    mean_.add(view, encoded_);
+  }
+  if (photographs_) photographs_->add(capture, level_radiance(capture, exposure_gain), view);
+}
+
+std::vector<Peer> LightFieldPeers::others() const {
+  if (!photographs_) return {};
+  const std::shared_ptr<const Appearance> constant = constant_colour();
+  return {{"nearest_photograph", "nearest photograph (all kept)",
+           PhotographSet::nearest_photograph(photographs_, constant)},
+          {"unstructured_lumigraph", "unstructured lumigraph (4 nearest, all kept)",
+           PhotographSet::unstructured_lumigraph(photographs_, constant)}};
+}
+
+PeerHeuristic LightFieldPeers::heuristic() const {
+  const auto paper = std::make_shared<PaperHeuristic>(*model_);
+  return {"the paper's heuristic",
+          [model = model_, paper](const Eigen::Vector3d& eye) { return paper->seen_from(eye); }};
+}
+
+}  // namespace sheen

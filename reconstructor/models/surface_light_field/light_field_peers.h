@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "reconstructor/models/peers.h"
+#include "reconstructor/models/photographs.h"
+#include "reconstructor/models/surface_light_field/constant_colour.h"
+#include "reconstructor/models/surface_light_field/paper_heuristic.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/models/surface_light_field/surface_light_field_options.h"
+#include "reconstructor/radiance/radiance_image.h"
+
+namespace sheen {
+
+/// What a surface light field is compared with: the mean of each of its samples over the images that it was built from,
+/// and, with `photographs`, the nearest photograph and the unstructured lumigraph, which keep them all.
+class LightFieldPeers : public Peers {
+ public:
+  LightFieldPeers(std::shared_ptr<const SurfaceLightFieldSnapshot> model, const SurfaceLightFieldOptions& options,
+                  bool photographs);
+
+  void add(const Capture& capture, float exposure_gain, bool repeated) override;
+  std::shared_ptr<const Appearance> constant_colour() const override { return mean_.snapshot(model_->exposure()); }
+  std::vector<Peer> others() const override;
+  PeerHeuristic heuristic() const override;
+
+ private:
+  std::shared_ptr<const SurfaceLightFieldSnapshot> model_;
+  Sampling sampling_;
+  RingVisibility visibility_;
+  ConstantColour mean_;
+  std::shared_ptr<PhotographSet> photographs_;  ///< null where they are not asked for
+  RadianceImage image_;
+  Eigen::Matrix3Xf encoded_;
+};
+
+}  // namespace sheen

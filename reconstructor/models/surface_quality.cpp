@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_quality.h"
+
+#include <algorithm>
+
+namespace sheen {
+namespace {
+
+constexpr float kWorstError = 0.1f;
+constexpr float kGoodHeuristic = 0.25f;  // 32 dB
+constexpr float kObliqueCosine = 0.35f;
+constexpr float kFarCosine = 0.94f;  // 20 degrees: an image from there would say something new
+
+}  // namespace
+
+float SurfaceQuality::heuristic() const {
+  return seen ? std::min(1.0f, error / kWorstError) : 1;
+}
+
+QualityReason SurfaceQuality::reason() const {
+  if (!seen) return QualityReason::kUnseen;
+  if (best_cosine < kObliqueCosine) return QualityReason::kOblique;
+  if (heuristic() < kGoodHeuristic) return QualityReason::kGood;
+  return nearest_cosine < kFarCosine ? QualityReason::kSparseDirections : QualityReason::kHighResidual;
+}
+
+}  // namespace sheen

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace sheen {
+
+/// How well a part of the surface is known, and why it is not.
+enum class QualityReason : std::uint8_t {
+  kGood = 0,
+  kUnseen = 1,            ///< no image shows it
+  kOblique = 2,           ///< seen only at grazing angles
+  kSparseDirections = 3,  ///< no image from near the asked direction
+  kHighResidual = 4,      ///< images still bring what the model does not know
+};
+
+/// What is known of a part of the surface from one direction.
+struct SurfaceQuality {
+  bool seen = false;
+  float error = 0.14f;        ///< RMS of encoded values by which it is expected to be wrong; 0.14 of a guess
+  float nearest_cosine = -1;  ///< of the angle to the nearest image's direction
+  float best_cosine = 0;      ///< of the most frontal image; 0..1
+
+  /// The quality heuristic, 0 = well known .. 1 = not at all: the error over 0.1 (20 dB); 1 where nothing was seen.
+  float heuristic() const;
+  QualityReason reason() const;
+};
+
+/// What the colour of a surface sample rests on.
+enum class SampleState : std::uint8_t {
+  kUnseen = 0,    ///< no image shows the sample: its colour is a guess
+  kImputed = 1,   ///< fewer than half of the images round it do: how it changes with the view is mostly inferred
+  kMeasured = 2,  ///< at least half of them do
+};
+
+/// One surface point as a model knows it.
+struct SurfaceSample {
+  Eigen::Vector3f rgb = Eigen::Vector3f::Zero();  ///< linear radiance
+  SampleState state = SampleState::kUnseen;
+};
+
+}  // namespace sheen

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/render/gl/orbit_camera.h"
+
+namespace sheen {
+
+/// A rectangle of the picture in pixels from its top left corner.
+struct Panel {
+  int x = 0, y = 0, width = 0, height = 0;
+  bool operator==(const Panel&) const = default;
+};
+
+enum class SurfaceShading {
+  kAppearance,  ///< what the camera would see; striped where no image reached: dark, or a guess
+  kHeuristic,   ///< the brighter the red, the more images are needed
+  kReasons,     ///< a colour a reason, as bright as the need: see `reason_color`
+  kStates,      ///< kAppearance, tinted where samples are imputed or unseen: see `state_color`
+  kPlain,       ///< the mesh in grey: all that there is before the first image
+};
+
+/// Colour of a reason in `SurfaceShading::kReasons` and in its legend: 0..1, sRGB-encoded.
+Eigen::Vector3f reason_color(QualityReason reason);
+
+/// Tint of samples that are not measured, in `SurfaceShading::kStates` and in its legend: 0..1, sRGB-encoded.
+Eigen::Vector3f state_color(SampleState state);
+
+/// OpenCV camera -> OpenGL clip space: pixel centres of the camera fall on pixel centres of the panel.
+Eigen::Matrix4f clip_from_object(const Viewpoint& view, const BoundingSphere& object);
+
+struct DrawerOptions {
+  /// Uploaded in one call of `update` at most, so that the window stays fluid; one patch at least.
+  std::size_t texels_per_update = std::size_t(4) << 20;
+  /// Bound of one GPU buffer in texels; 0 = what the driver allows.
+  std::size_t max_buffer_texels = 0;
+};
+
+/// Draws one kind of model with OpenGL 3.3. Made, used and destroyed with one context current.
+class ModelDrawer {
+ public:
+  virtual ~ModelDrawer() = default;
+  /// Brings what changed since the last call to the GPU, a bounded part of it per call: true when all of it is there;
+  /// else what is still to come is drawn as it was, and the next call goes on. Null: nothing is drawn. Throws
+  /// DeviceError when the mesh itself does not fit.
+  virtual bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) = 0;
+  /// Draws into a panel of a target of `target_height` pixels; depth-tested within it, background untouched.
+  virtual void draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading) = 0;
+  /// What a person should know of the drawing, a line each: that the graphics memory is full, say.
+  virtual std::vector<std::string> notes() const = 0;
+};
+
+}  // namespace sheen

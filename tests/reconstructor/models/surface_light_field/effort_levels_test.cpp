@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/effort_levels.h"
+
+#include <gtest/gtest.h>
+
+#include <tuple>
+
+#include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
+
+namespace sheen {
+namespace {
+
+TEST(EffortLadder, NoRungAsksForMoreThanTheOneBefore) {
+  const SurfaceLightFieldOptions asked = plain_options();
+  SurfaceLightFieldOptions before = at_rung(asked, 0);
+  EXPECT_EQ(before.map_scale, asked.map_scale);
+  EXPECT_EQ(before.ring.factor.max_rank, asked.ring.factor.max_rank);
+  for (std::size_t r = 1; r < effort_ladder().size(); ++r) {
+    const SurfaceLightFieldOptions at = at_rung(asked, static_cast<int>(r));
+    EXPECT_LE(at.map_scale, before.map_scale);
+    EXPECT_LE(at.ring.factor.max_rank, before.ring.factor.max_rank);
+    EXPECT_LE(at.ring.factor.terms_kept(), before.ring.factor.terms_kept());
+    EXPECT_NE(std::make_tuple(at.map_scale, at.ring.factor.max_rank, at.ring.factor.terms_kept()),
+              std::make_tuple(before.map_scale, before.ring.factor.max_rank, before.ring.factor.terms_kept()));
+    before = at;
+  }
+}
+
+}  // namespace
+}  // namespace sheen
