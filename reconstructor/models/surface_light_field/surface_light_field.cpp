@@ -1,25 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
-#include <string>
 #include <tuple>
 #include <utility>
 
 #include "common/base/errors.h"
 #include "common/base/stage_clock.h"
 #include "reconstructor/models/surface_light_field/effort_levels.h"
+#include "reconstructor/models/surface_light_field/folded_images.h"
 #include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
 #include "reconstructor/models/surface_light_field/memory_account.h"
-#include "reconstructor/models/surface_light_field/ring_column.h"
+#include "reconstructor/models/surface_light_field/ring_set.h"
 #include "reconstructor/radiance/capture_rules.h"
-#include "reconstructor/radiance/exposure_field.h"
 #include "reconstructor/radiance/exposure_gain.h"
 #include "reconstructor/radiance/ring_resampler.h"
 #include "reconstructor/surface/map_resolution.h"
@@ -45,15 +42,10 @@ bool sizes_agree(const Capture& capture) {
          (mask.empty() || (mask.width() == image.width && mask.height() == image.height && mask.channels() == 1));
 }
 
-/// What tells images apart.
-using ImageName = std::pair<std::string, std::uint64_t>;
-
-ImageName name_of(const Capture& capture) {
-  return {capture.source_session, capture.sequence};
-}
-
 }  // namespace
 
+/// How an image goes through: what it shows is found, brought to one exposure, and folded into the rings that it tells
+/// something new.
 struct SurfaceLightField::Pipeline {
   Pipeline(std::shared_ptr<const Mesh> of_mesh, const SurfaceLightFieldOptions& chosen,
            std::shared_ptr<const RayScene> of_scene)
@@ -67,24 +59,6 @@ struct SurfaceLightField::Pipeline {
   SurfaceLightFieldOptions options;
   std::vector<Eigen::Matrix3f> frames;  ///< of the vertices' hemispheres
 
-  // From the first image on:
-  std::shared_ptr<const VertexRings> rings;
-  std::unique_ptr<RingVisibility> visibility;
-  std::unique_ptr<ConstantColour> constant_colour;
-  std::vector<std::unique_ptr<RingModel>> ring_models;  ///< null until an image shows enough of the ring
-  double share = 1;                                     ///< of the rings that an image shows: those that it updates
-
-  RadianceImage image;
-  Eigen::Matrix3Xf samples;  ///< encoded values of the current image
-  InterpolationUpkeep interpolation;
-  struct Folded {
-    ImageName name;
-    float gain;      ///< that its values were divided by
-    float log_gain;  ///< estimated; 0 where the gain is known
-    Eigen::Vector3d eye;
-    std::vector<bool> taken;  ///< a ring: whether it took what it was shown; empty when all did
-  };
-  std::vector<Folded> folded;
   /// The first image that shows something decides about maps and exposure.
   struct Beginning {
     ImageName image;
@@ -93,28 +67,48 @@ struct SurfaceLightField::Pipeline {
     double exposure;  ///< its product, 0 when unknown
   };
   std::optional<Beginning> beginning;
+  // From the first image on:
+  std::shared_ptr<const VertexRings> shape;
+  std::unique_ptr<RingVisibility> visibility;
+  std::unique_ptr<ConstantColour> constant_colour;
+  std::optional<RingSet> rings;
+  double share = 1;  ///< of the rings that an image shows: those that it updates
+
+  RadianceImage image;
+  Eigen::Matrix3Xf samples;  ///< encoded values of the current image
+  InterpolationUpkeep interpolation;
+  FoldedImages folded;
   std::uint64_t version = 0;
 
   void start(const Beginning& first);
   IngestReport ingest(const Capture& capture);
   bool withdraw(const Capture& capture);
+
+  const SurfaceView& look(const Capture& capture);
+  void resample_at(float gain, const SurfaceView& view) {
+    resample(image, view, *shape, gain, samples, options.sampling);
+  }
   float known_gain(const Capture& capture) const;
   float estimated_gain(const Capture& capture, const SurfaceView& view) const;
-  ExposureField exposure_field() const;
-  std::vector<std::uint32_t> shown_rings(const SurfaceView& view) const;
   bool repeats_earlier_image(const SurfaceView& view, IngestReport& report);
   std::vector<std::uint32_t> rings_to_update(const SurfaceView& view, IngestReport& report) const;
-  std::vector<bool> absorb(const SurfaceView& view, IngestReport& report);
-  double foretold_psnr_db(const SurfaceView& view, const std::vector<std::uint32_t>& shown) const;
+  std::vector<bool> factorise(const SurfaceView& view, IngestReport& report);
+  double foretold_psnr_db(const SurfaceView& view, const std::vector<std::uint32_t>& chosen) const;
+
+  ExposureField exposure_field() const { return folded.exposure_field(bounding_sphere(*mesh).centre.cast<float>()); }
 };
 
 void SurfaceLightField::Pipeline::start(const Beginning& first) {
-  rings = std::make_shared<VertexRings>(*mesh, map_resolution(*mesh, first.camera, first.camera_from_object,
+  shape = std::make_shared<VertexRings>(*mesh, map_resolution(*mesh, first.camera, first.camera_from_object,
                                                               {options.surface_map, options.min_surface_map,
                                                                options.max_surface_map, options.map_scale}));
-  visibility = std::make_unique<RingVisibility>(*mesh, *rings, options.visibility, scene);
-  constant_colour = std::make_unique<ConstantColour>(mesh, rings);
-  ring_models.resize(mesh->vertices.size());
+  visibility = std::make_unique<RingVisibility>(*mesh, *shape, options.visibility, scene);
+  constant_colour = std::make_unique<ConstantColour>(mesh, shape);
+  rings.emplace(mesh, shape, frames, options.ring);
+}
+
+const SurfaceView& SurfaceLightField::Pipeline::look(const Capture& capture) {
+  return visibility->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
 }
 
 IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
@@ -123,64 +117,52 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
     report.reason = reason;
     return report;
   };
+  const auto done = [&](IngestStatus status) {
+    report.status = status;
+    return report;
+  };
   if (!has_pose(capture.pose)) return refuse("no_pose");
   if (!sizes_agree(capture)) return refuse("image_size");
   const Beginning here{name_of(capture), capture.camera, capture.pose.camera_from_object, exposure_product(capture)};
   if (!beginning) start(here);  // a first image that shows nothing decides nothing
 
   StageClock clock(report.stage_ms);
-  const SurfaceView& view = visibility->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
+  const SurfaceView& view = look(capture);
   clock.done("visibility");
   if (view.visible_samples == 0) return refuse("object_not_in_view");
 
   if (!beginning) beginning = here;
   report.exposure_gain = known_gain(capture);
-  if (is_held_out(capture, options.hold_out_every)) {
-    report.status = IngestStatus::kHeldOut;
-    return report;
-  }
+  if (is_held_out(capture, options.hold_out_every)) return done(IngestStatus::kHeldOut);
 
   image.load(capture, view);
   clock.done("decode");
-  if (repeats_earlier_image(view, report)) {
-    clock.done("resample");
-    report.status = IngestStatus::kAccepted;
-    report.repeated = true;
-    return report;
-  }
-  resample(image, view, *rings, report.exposure_gain, samples, options.sampling);
+  report.repeated = repeats_earlier_image(view, report);
+  if (!report.repeated) resample_at(report.exposure_gain, view);
   clock.done("resample");
+  if (report.repeated) return done(IngestStatus::kAccepted);
+
   const float gain = estimated_gain(capture, view);
-  if (gain != 1) {
-    report.exposure_gain = gain;
-    resample(image, view, *rings, gain, samples, options.sampling);
-  }
+  if (gain != 1) resample_at(report.exposure_gain = gain, view);
   clock.done("exposure");
   constant_colour->add(view, samples);
-  std::vector<bool> taken = absorb(view, report);
+  std::vector<bool> taken = factorise(view, report);
   clock.done("factorize");
-  folded.push_back({name_of(capture), report.exposure_gain, std::log(gain), view.eye, std::move(taken)});
-  report.status = IngestStatus::kAccepted;
-  return report;
+  folded.add({name_of(capture), report.exposure_gain, std::log(gain), view.eye, std::move(taken)});
+  return done(IngestStatus::kAccepted);
 }
 
 bool SurfaceLightField::Pipeline::withdraw(const Capture& capture) {
   const ImageName name = name_of(capture);
-  const auto found = std::find_if(folded.begin(), folded.end(), [&](const Folded& f) { return f.name == name; });
-  if (found == folded.end() || beginning->image == name) return false;
-  const SurfaceView& view = visibility->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
+  const FoldedImage* found = folded.find(name);
+  if (!found || beginning->image == name) return false;
+  const SurfaceView& view = look(capture);
   image.load(capture, view);
-  resample(image, view, *rings, found->gain, samples, options.sampling);
+  resample_at(found->gain, view);
   constant_colour->remove(view, samples);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ring_models.size(), 32), [&](const auto& range) {
-    RingColumn column;
-    for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if ((found->taken.empty() ? ring_models[v] != nullptr : found->taken[v]) &&
-          gather(*rings, v, mesh->vertices[v], view, samples, column))
-        ring_models[v]->withdraw(column.values, column.visible, column.direction);
-  });
-  folded.erase(found);
-  interpolation.anew(folded.size(), frames, ring_models);
+  rings->withdraw({view, samples}, found->taken);
+  folded.erase(name);
+  interpolation.anew(folded.count(), frames, rings->models());
   return true;
 }
 
@@ -199,50 +181,24 @@ float SurfaceLightField::Pipeline::estimated_gain(const Capture& capture, const 
   return robust_gain(ratios);
 }
 
-ExposureField SurfaceLightField::Pipeline::exposure_field() const {
-  std::vector<Eigen::Vector3d> eyes;
-  std::vector<float> log_gains;
-  for (const Folded& image : folded) {
-    eyes.push_back(image.eye);
-    log_gains.push_back(image.log_gain);
-  }
-  return interpolated_exposure(bounding_sphere(*mesh).centre.cast<float>(), eyes, log_gains);
-}
-
-std::vector<std::uint32_t> SurfaceLightField::Pipeline::shown_rings(const SurfaceView& view) const {
-  std::vector<std::uint32_t> shown;
-  for (std::size_t v = 0; v < rings->size(); ++v) {
-    const auto ring = rings->ring(v);
-    if (std::any_of(ring.begin(), ring.end(),
-                    [&](const RingTriangle& member) { return view.visible_in_triangle[member.triangle] > 0; }))
-      shown.push_back(static_cast<std::uint32_t>(v));
-  }
-  return shown;
-}
-
 /// Whether an image from where an earlier one was taken shows nothing new. Decided on some of its rings, before the
 /// others cost anything; with an exposure that only the whole image can tell it is not asked.
 bool SurfaceLightField::Pipeline::repeats_earlier_image(const SurfaceView& view, IngestReport& report) {
   const BoundingSphere bounds = bounding_sphere(*mesh);
   const double nearest_surface = std::max((view.eye - bounds.centre).norm() - bounds.radius, 0.0);
-  const double near = options.ring.repeat_angle * nearest_surface;
   if (options.exposure == ExposureCompensation::kEstimate ||
-      std::none_of(folded.begin(), folded.end(), [&](const Folded& f) { return (f.eye - view.eye).norm() < near; }))
+      !folded.any_nearer(view.eye, options.ring.repeat_angle * nearest_surface))
     return false;
-  const std::vector<std::uint32_t> shown = shown_rings(view);
+  const std::vector<std::uint32_t> shown = rings->shown_by(view);
   std::vector<std::uint32_t> tested, triangles;
   for (std::size_t i = 0; i < shown.size(); i += kRingsPerTested) {
     tested.push_back(shown[i]);
-    for (const RingTriangle& member : rings->ring(shown[i])) triangles.push_back(member.triangle);
+    for (const RingTriangle& member : shape->ring(shown[i])) triangles.push_back(member.triangle);
   }
   std::sort(triangles.begin(), triangles.end());
   triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
-  resample(image, view, *rings, triangles, report.exposure_gain, samples, options.sampling);
-  RingColumn column;
-  const auto repeated = std::count_if(tested.begin(), tested.end(), [&](std::uint32_t v) {
-    return ring_models[v] && gather(*rings, v, mesh->vertices[v], view, samples, column) &&
-           ring_models[v]->repeats(column.values, column.visible, column.direction);
-  });
+  resample(image, view, *shape, triangles, report.exposure_gain, samples, options.sampling);
+  const std::size_t repeated = rings->count_repeated(tested, {view, samples});
   if (static_cast<double>(repeated) < kRepeatedShare * static_cast<double>(tested.size())) return false;
   report.patches_skipped = shown.size();
   return true;
@@ -251,80 +207,38 @@ bool SurfaceLightField::Pipeline::repeats_earlier_image(const SurfaceView& view,
 /// Of the rings that the image shows, the share for which its direction is newest.
 std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const SurfaceView& view,
                                                                         IngestReport& report) const {
-  std::vector<std::uint32_t> shown = shown_rings(view);
+  std::vector<std::uint32_t> shown = rings->shown_by(view);
   const auto wanted = static_cast<std::size_t>(std::ceil(share * static_cast<double>(shown.size())));
   if (wanted >= shown.size()) return shown;
-  std::vector<std::pair<float, std::uint32_t>> by_novelty(shown.size());
-  tbb::parallel_for(std::size_t{0}, shown.size(), [&](std::size_t i) {
-    const std::uint32_t v = shown[i];
-    const Eigen::Vector3f direction = (view.eye.cast<float>() - mesh->vertices[v]).normalized();
-    by_novelty[i] = {ring_models[v] ? ring_models[v]->nearest_cosine(direction) : -2.0f, v};
-  });
-  std::nth_element(by_novelty.begin(), by_novelty.begin() + static_cast<std::ptrdiff_t>(wanted), by_novelty.end());
   report.patches_left_out = shown.size() - wanted;
-  shown.resize(wanted);
-  for (std::size_t i = 0; i < wanted; ++i) shown[i] = by_novelty[i].second;
-  std::sort(shown.begin(), shown.end());
-  return shown;
+  return rings->newest(shown, view, wanted);
 }
 
 /// Which rings took what they were shown; empty when all did.
-std::vector<bool> SurfaceLightField::Pipeline::absorb(const SurfaceView& view, IngestReport& report) {
+std::vector<bool> SurfaceLightField::Pipeline::factorise(const SurfaceView& view, IngestReport& report) {
   const std::vector<std::uint32_t> chosen = rings_to_update(view, report);
   report.foretold_psnr_db = foretold_psnr_db(view, chosen);
-  std::vector<RingModel::Absorbed> absorbed(chosen.size());
-  std::vector<std::uint8_t> repeated(chosen.size(), 0);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chosen.size(), 16), [&](const auto& range) {
-    RingColumn column;
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const std::uint32_t v = chosen[i];
-      gather(*rings, v, mesh->vertices[v], view, samples, column);
-      std::unique_ptr<RingModel>& ring = ring_models[v];
-      if (!ring) ring = std::make_unique<RingModel>(rings->ring_samples(v), options.ring, v);
-      repeated[i] = ring->repeats(column.values, column.visible, column.direction);
-      if (!repeated[i])
-        absorbed[i] = ring->absorb(column.values, column.visible, column.direction, column.cosine, column.cosine);
-    }
-  });
-  report.patches_skipped = static_cast<std::size_t>(std::count(repeated.begin(), repeated.end(), 1));
-  double energy = 0, residual = 0;
-  std::vector<std::uint32_t> undecided;
-  for (std::size_t i = 0; i < absorbed.size(); ++i) {
-    if (!absorbed[i].used) continue;
-    ++report.patches_updated;
-    energy += absorbed[i].energy;
-    residual += absorbed[i].residual_energy;
-    if (absorbed[i].wants_interpolation) undecided.push_back(chosen[i]);
-  }
-  report.relative_residual = energy > 0 ? std::sqrt(residual / energy) : 0;
-  interpolation.after_image(folded.size() + 1, undecided, frames, ring_models);
+  const RingSet::Update update = rings->absorb(chosen, {view, samples});
+  report.patches_updated = update.updated;
+  report.patches_skipped = static_cast<std::size_t>(std::count(update.repeated.begin(), update.repeated.end(), 1));
+  report.relative_residual = update.energy > 0 ? std::sqrt(update.residual_energy / update.energy) : 0;
+  interpolation.after_image(folded.count() + 1, update.undecided, frames, rings->models());
   if (report.patches_skipped + report.patches_left_out == 0) return {};
-  std::vector<bool> taken(ring_models.size(), false);
-  for (std::size_t i = 0; i < chosen.size(); ++i) taken[chosen[i]] = !repeated[i];
+  std::vector<bool> taken(rings->models().size(), false);
+  for (std::size_t i = 0; i < chosen.size(); ++i) taken[chosen[i]] = !update.repeated[i];
   return taken;
 }
 
 /// PSNR of a few rings of the image, encoded, as foretold from the images before it; NaN where none came before.
 double SurfaceLightField::Pipeline::foretold_psnr_db(const SurfaceView& view,
-                                                     const std::vector<std::uint32_t>& shown) const {
-  const std::size_t stride = std::max<std::size_t>(1, shown.size() / kForetoldRings);
+                                                     const std::vector<std::uint32_t>& chosen) const {
+  const std::size_t stride = std::max<std::size_t>(1, chosen.size() / kForetoldRings);
   std::vector<std::uint32_t> asked;  // others with every image
-  for (std::size_t i = folded.size() % stride; i < shown.size(); i += stride)
-    if (ring_models[shown[i]]) asked.push_back(shown[i]);
-  std::vector<RingModel::Foretold> foretold(asked.size());
-  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
-    const std::uint32_t v = asked[i];
-    RingColumn column;
-    if (gather(*rings, v, mesh->vertices[v], view, samples, column))
-      foretold[i] = ring_models[v]->foretell(column.values, column.visible, column.direction, frames[v].row(2));
-  });
-  RingModel::Foretold all;
-  for (const RingModel::Foretold& ring : foretold) {
-    all.squared_error += ring.squared_error;
-    all.values += ring.values;
-  }
-  if (all.values == 0) return std::numeric_limits<double>::quiet_NaN();
-  return -10 * std::log10(all.squared_error / static_cast<double>(all.values));
+  for (std::size_t i = folded.count() % stride; i < chosen.size(); i += stride)
+    if (rings->models()[chosen[i]]) asked.push_back(chosen[i]);
+  const RingModel::Foretold foretold = rings->foretell(asked, {view, samples});
+  if (foretold.values == 0) return std::numeric_limits<double>::quiet_NaN();
+  return -10 * std::log10(foretold.squared_error / static_cast<double>(foretold.values));
 }
 
 SurfaceLightField::SurfaceLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options,
@@ -394,11 +308,7 @@ void SurfaceLightField::set_update_fraction(double fraction) {
 void SurfaceLightField::limit_terms(int max_rank, int internal_rank, int block) {
   RingFactorOptions& factor = pipeline_->options.ring.factor;
   factor = factor.limited_to(max_rank, internal_rank, block);
-  std::vector<std::unique_ptr<RingModel>>& rings = pipeline_->ring_models;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rings.size(), 32), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (rings[v]) rings[v]->limit_terms(max_rank, internal_rank, block);
-  });
+  if (pipeline_->rings) pipeline_->rings->limit_terms(max_rank, internal_rank, block);
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_snapshot() {
@@ -409,17 +319,8 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_
         p.mesh, std::make_shared<VertexRings>(*p.mesh, coarse),
         std::vector<std::shared_ptr<const RingSnapshot>>(p.mesh->vertices.size()), p.version++);
   }
-  std::vector<std::shared_ptr<const RingSnapshot>> data(p.ring_models.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, data.size(), 32), [&](const auto& range) {
-    std::vector<int> resolution;
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      if (!p.ring_models[v]) continue;
-      resolution.clear();
-      for (const RingTriangle& member : p.rings->ring(v)) resolution.push_back(p.rings->resolution(member.triangle));
-      data[v] = p.ring_models[v]->snapshot(p.frames[v], resolution);
-    }
-  });
-  return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.rings, std::move(data), p.version++, p.exposure_field());
+  return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.shape, p.rings->snapshots(), p.version++,
+                                                     p.exposure_field());
 }
 
 std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
@@ -429,15 +330,9 @@ std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
 }
 
 ModelFigures SurfaceLightField::figures() const {
-  ModelFigures figures{.images = pipeline_->folded.size(), .bytes = bytes()};
-  std::size_t reached = 0;
-  for (const auto& ring : pipeline_->ring_models) {
-    if (!ring || ring->views() == 0) continue;
-    ++reached;
-    const auto rank = static_cast<std::size_t>(ring->rank());
-    if (figures.rank_histogram.size() <= rank) figures.rank_histogram.resize(rank + 1, 0);
-    ++figures.rank_histogram[rank];
-  }
+  ModelFigures figures{.images = pipeline_->folded.count(), .bytes = bytes()};
+  if (pipeline_->rings) figures.rank_histogram = pipeline_->rings->rank_histogram();
+  const auto reached = std::reduce(figures.rank_histogram.begin(), figures.rank_histogram.end());
   if (reached > 0) figures.bytes_per_patch = static_cast<double>(figures.bytes) / static_cast<double>(reached);
   return figures;
 }
@@ -452,21 +347,15 @@ MemoryAccount SurfaceLightField::memory(const CaptureSize& image) const {
 }
 
 std::size_t SurfaceLightField::bytes() const {
-  std::size_t bytes = 0;
-  for (const auto& ring : pipeline_->ring_models)
-    if (ring) bytes += ring->bytes();
-  return bytes;
+  return pipeline_->rings ? pipeline_->rings->bytes() : 0;
 }
 
 std::size_t SurfaceLightField::snapshot_bytes() const {
-  std::size_t bytes = 0;
-  for (const auto& ring : pipeline_->ring_models)
-    if (ring) bytes += ring->snapshot_bytes();
-  return bytes;
+  return pipeline_->rings ? pipeline_->rings->snapshot_bytes() : 0;
 }
 
 const VertexRings* SurfaceLightField::rings() const {
-  return pipeline_->rings.get();
+  return pipeline_->shape.get();
 }
 
 }  // namespace sheen

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/capture/capture.h"
+#include "reconstructor/radiance/exposure_field.h"
+
+namespace sheen {
+
+/// What tells images apart: the source session and the number in it.
+using ImageName = std::pair<std::string, std::uint64_t>;
+ImageName name_of(const Capture& capture);
+
+/// What a model has to remember of an image that was folded in, so that it can be taken out again.
+struct FoldedImage {
+  ImageName name;
+  float gain;      ///< that its values were divided by
+  float log_gain;  ///< estimated; 0 where the gain is known
+  Eigen::Vector3d eye;
+  std::vector<bool> taken;  ///< for each ring, whether it took what it was shown; empty when all did
+};
+
+/// The images that were folded in, in their order.
+class FoldedImages {
+ public:
+  std::size_t count() const { return images_.size(); }
+  void add(FoldedImage image) { images_.push_back(std::move(image)); }
+  const FoldedImage* find(const ImageName& name) const;  ///< null when it was not folded in
+  void erase(const ImageName& name);
+  bool any_nearer(const Eigen::Vector3d& eye, double distance) const;
+  /// The estimated gains over the directions from `centre` to the eyes.
+  ExposureField exposure_field(const Eigen::Vector3f& centre) const;
+
+ private:
+  std::vector<FoldedImage> images_;
+};
+
+}  // namespace sheen
