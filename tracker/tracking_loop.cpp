@@ -161,9 +161,9 @@ void TrackingLoop::Impl::find_pose(const Frame& frame, Capture& capture) {
   const StageTimer timer(report, "solve");
   capture.pose = solve_pose(rig->camera, rig->stage, capture.tags, options.pose);
   if (!capture.pose.usable()) return;
-  const double foretold = blur.predict(rig->camera, region, capture.pose.camera_from_object, frame.times.device_ns,
-                                       frame.exposure.exposure_s);
-  capture.pose.blur_px = std::max(foretold, measured_streak_px(grey, rig->camera, capture.tags, options.refiner));
+  const double predicted = blur.predict(rig->camera, region, capture.pose.camera_from_object, frame.times.device_ns,
+                                        frame.exposure.exposure_s);
+  capture.pose.blur_px = std::max(predicted, measured_streak_px(grey, rig->camera, capture.tags, options.refiner));
 }
 
 void TrackingLoop::Impl::judge(Frame& frame, Capture& capture) {

@@ -109,7 +109,7 @@ struct Colour {
     }
   }
 
-  /// Of curvatures, now that green is known at the colour's own sites: it is the fine detail that is to be foretold.
+  /// Of curvatures, now that green is known at the colour's own sites: it is the fine detail that is to be predicted.
   void compare_curvatures(int j, int from, int to) {
     const float *up = site[j - 1], *here = site[j], *down = site[j + 1];
     const float *green_up = green[j - 1], *green_here = green[j], *green_down = green[j + 1];

@@ -10,7 +10,7 @@ namespace sheen {
 inline constexpr int kDemosaicReach = 12;
 
 /// Interpolates a colour filter array RGGB, `width` and `height` even, red at (0, 0). A site keeps its own value; what
-/// it lacks is foretold from its neighbours by slopes between the colours that are fitted round each site, so that
+/// it lacks is predicted from its neighbours by slopes between the colours that are fitted round each site, so that
 /// neither grey detail nor colours that vary on their own are blurred (docs/decisions/demosaicing.md). Affine planes,
 /// whatever their offsets, are returned exactly. Values are those of `root_encode`.
 ///

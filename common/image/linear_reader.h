@@ -16,8 +16,8 @@ class LinearReader {
  public:
   explicit LinearReader(const RawImage& image, float black_level = 0, const float white_balance[3] = nullptr);
 
-  /// Writes the pixels of `box`, which lies inside the image, row by row: `channels` floats a pixel (3; or 4, the last
-  /// of which is 0), rows `stride` floats apart.
+  /// Writes the pixels of `box`, which lies inside the image, row by row: `channels` floats per pixel (3; or 4, the
+  /// last of which is 0), rows `stride` floats apart.
   void read(const PixelBox& box, int channels, float* out, std::size_t stride) const;
 
  private:

@@ -80,9 +80,9 @@ struct CaptureReceiver::Impl {
   std::map<std::string, HeldCaptures> held;
   std::set<std::string> unsaid_acks;
   std::uint32_t unsaid_credits = 0;
-  std::uint32_t may_come = 0;      ///< captures that the sender has credits for, or had until the latest hello
-  std::uint32_t granted_anew = 0;  ///< of these, by the latest hello
-  std::string session;             ///< the sender's, once it has welcomed us
+  std::uint32_t may_come = 0;          ///< captures that the sender has credits for, or had until the latest hello
+  std::uint32_t granted_by_hello = 0;  ///< of these, by the latest hello
+  std::string session;                 ///< the sender's, once it has welcomed us
   bool link_up = false, welcomed = false, end_unsaid = false;
   Clock::time_point hello_due{}, last_hello{};
   std::int64_t hello_clock_ns = 0;  ///< of the latest hello
@@ -249,7 +249,7 @@ void CaptureReceiver::Impl::take_welcome(const Welcome& welcome) {
   stats.clock = clock.best();
   asked_clock_ns = 0;
   if (welcomed || welcome.hello_clock_ns != hello_clock_ns) return;
-  may_come = granted_anew;  // what was on its way before the hello has come
+  may_come = granted_by_hello;  // what was on its way before the hello has come
   HeldCaptures& have = held[welcome.source_session];
   if (welcome.first_sequence > have.received + 1) {
     const std::uint64_t lost = welcome.first_sequence - have.received - 1;
@@ -329,11 +329,11 @@ void CaptureReceiver::Impl::say_hello() {
   hello_due = last_hello + kHelloAgain;
   hello_clock_ns = asked_clock_ns = hello.clock_ns;
   ask_clock_due = last_hello + kCompareClocks;
-  granted_anew = hello.credits;
+  granted_by_hello = hello.credits;
   // What is on its way may still come; with what waits here it is never more than twice the credits.
   const std::size_t most = 2 * static_cast<std::size_t>(options.credits);
-  may_come =
-      static_cast<std::uint32_t>(std::min<std::size_t>(may_come + granted_anew, most - std::min(most, queue.size())));
+  may_come = static_cast<std::uint32_t>(
+      std::min<std::size_t>(may_come + granted_by_hello, most - std::min(most, queue.size())));
   unsaid_credits = 0;  // told by what hello grants
   unsaid_acks.clear();
 }

@@ -92,7 +92,7 @@ struct ReceiverStats {
   std::uint64_t kept = 0, live = 0, duplicates = 0, rejected_messages = 0, bytes = 0;
   std::uint64_t missing = 0;  ///< kept captures that the sender no longer has because another receiver took them
   std::map<std::string, std::uint64_t> rejected_by_reason;
-  std::optional<ClockOffset> clock;  ///< the sender's steady clock against this one; measured anew every second
+  std::optional<ClockOffset> clock;  ///< the sender's steady clock against this one; measured again every second
   bool connected = false;
   bool ended = false;  ///< the sender said that its source has ended, and `next` has returned everything it kept
   std::string source_failure;  ///< why the source ended before its time, as the sender said; else empty

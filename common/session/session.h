@@ -38,12 +38,12 @@ class DamagedCapture : public FileError {
   using FileError::FileError;
 };
 
-/// Journal of a capture: a folder with `session.sqlite` (index, metadata) and one file a capture in `captures/` (the
+/// Journal of a capture: a folder with `session.sqlite` (index, metadata) and one file per capture in `captures/` (the
 /// wire encoding, lossless). A capture is durable when `append` returns: file and index are flushed to the disk.
 /// One writer at a time (locked). A capture can be withdrawn: it stays, marked, and models leave it out. Readers may
 /// withdraw beside the writer.
 ///
-/// Opening deletes nothing. What the index does not know is taken in from the capture files, each of which says whose
+/// Opening deletes nothing. What the index does not know is ingested from the capture files, each of which says whose
 /// it is (session_repair.h); whoever only reads does so in memory. What was found is logged, and told by `diagnosis`.
 class Session {
  public:

@@ -18,7 +18,7 @@
 namespace sheen {
 
 /// The index itself cannot be used: no database, or one whose tables are not as they must be. What it should hold can
-/// be made anew from the capture files.
+/// be rebuilt from the capture files.
 class DamagedIndex : public FileError {
  public:
   using FileError::FileError;

@@ -86,7 +86,7 @@ class Planner {
       if (entry.bytes && !(entry.row && entry.bytes == entry.row->file.bytes)) look_into(number, entry);
     for (auto& [number, entry] : entries_)
       if (entry.row && !entry.bytes) keep_without_file(number, *entry.row);
-    number_anew();
+    renumber();
     for (const Finding& finding : {taken_in_, mended_, damaged_, missing_, aside_, dropped_})
       finding.tell(repair_.findings);
     return std::move(repair_);
@@ -126,7 +126,7 @@ class Planner {
   }
 
   /// Indices count from 0 in the order of the files' numbers; marks follow their captures.
-  void number_anew() {
+  void renumber() {
     IndexContents& contents = repair_.contents;
     std::map<Identity, std::uint64_t> place;
     for (auto& [number, row] : taken_) {
@@ -157,7 +157,7 @@ class Planner {
   std::map<std::uint64_t, IndexRow> taken_;
   std::set<Identity> known_;
   SessionRepair repair_;
-  Finding taken_in_{"that the index did not know, taken in from the files"},
+  Finding taken_in_{"that the index did not know, ingested from the files"},
       mended_{"of which the index was wrong, read from the file again"},
       damaged_{"damaged; put back a copy of the file, or take it back with undo"},
       missing_{"without a file; put the file back, or take it back with undo"}, aside_{"set aside"},

@@ -23,7 +23,7 @@ struct SessionRepair {
 ///  - A file without a row gets one if it is a whole capture, of which no other file is a copy; else it is to be set
 ///    aside.
 ///  - A row whose file is missing or damaged stays: the capture counts, and cannot be read.
-///  - A row that makes no sense is made anew from its file, or dropped if it has none.
+///  - A row that makes no sense is rebuilt from its file, or dropped if it has none.
 ///  - Marks follow their captures to new indices; those of no capture are dropped.
 ///  - Files that are not named as captures are left alone.
 SessionRepair plan_repair(const IndexContents& index, const std::filesystem::path& captures);

@@ -60,7 +60,7 @@ void CaptureEnd::fold_in_the_journal() {
   loop_.finish();
   for (; !loop_.finished(); std::this_thread::sleep_for(kPoll)) {
     const LoopStatus status = loop_.status();
-    show(EndStage::kFinishing, status.ingested, std::max(status.anew_until, status.journaled));
+    show(EndStage::kFinishing, status.ingested, std::max(status.rebuild_until, status.journaled));
   }
   loop_.stop();
   if (const std::string error = loop_.status().error; !error.empty()) throw Error(error);

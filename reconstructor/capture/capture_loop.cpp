@@ -122,12 +122,12 @@ void CaptureLoop::ingest(std::stop_token stop) {
       changed = false;
     };
     for (std::uint64_t next = 0; !stop.stop_requested();) {
-      Followed followed = Followed::kMustBeAnew;
+      Followed followed = Followed::kMustRebuild;
       try {
         followed = follow_withdrawals(journal, next);
       } catch (const DamagedCapture&) {  // what it did to the model cannot be told from its file any more
       }
-      if (followed == Followed::kMustBeAnew) begin_anew(next);
+      if (followed == Followed::kMustRebuild) begin_rebuild(next);
       if (followed == Followed::kTakenOut) {
         show();
         unjudged = true;
@@ -136,13 +136,13 @@ void CaptureLoop::ingest(std::stop_token stop) {
       const Waited waited = wait_for_capture(next, stop);
       const bool over = waited == Waited::kOver, ended = over || waited == Waited::kSourceEnded;
       if (waited == Waited::kArrived) {
-        take_in(journal, next++);
+        ingest_next(journal, next++);
         changed = unjudged = true;
         last_change = Clock::now();
       } else if (inexact_ && (ended || Clock::now() - last_change >= options_.pause)) {
-        begin_anew(next);
+        begin_rebuild(next);
       }
-      if (next < anew_until_) continue;  // who watches keeps the last whole model
+      if (next < rebuild_until_) continue;  // who watches keeps the last whole model
       // Images come first: while some wait, pictures of the model are rarer and nothing is judged.
       const bool late = behind(next);
       const auto interval = (late ? kLateSnapshotFactor : 1) * options_.snapshot_interval;
@@ -189,25 +189,25 @@ CaptureLoop::Followed CaptureLoop::follow_withdrawals(const Session& journal, st
   for (const Withdrawal& w : news) {
     const bool changed = w.capture < ingested && now.contains(w.capture) != withdrawn_.contains(w.capture);
     if (!changed || !looked_at.insert(w.capture).second) continue;
-    if (!withdrawn_.contains(w.capture)) return Followed::kMustBeAnew;
+    if (!withdrawn_.contains(w.capture)) return Followed::kMustRebuild;
     const Reconstruction::Withdrawn how = reconstruction_.withdraw(journal.read(w.capture));
-    const bool being_made_anew = ingested < anew_until_;
-    if (how == Reconstruction::Withdrawn::kNot || (how == Reconstruction::Withdrawn::kNearly && being_made_anew))
-      return Followed::kMustBeAnew;
+    const bool rebuilding = ingested < rebuild_until_;
+    if (how == Reconstruction::Withdrawn::kNot || (how == Reconstruction::Withdrawn::kNearly && rebuilding))
+      return Followed::kMustRebuild;
     if (how == Reconstruction::Withdrawn::kNearly) inexact_ = true;
     followed = Followed::kTakenOut;
   }
   if (followed == Followed::kNothing) return followed;
   const std::lock_guard lock(mutex_);
-  status_.exact = !inexact_ && ingested >= anew_until_;
+  status_.exact = !inexact_ && ingested >= rebuild_until_;
   status_.counts = reconstruction_.counts();
   return followed;
 }
 
-/// What an image left in others goes only when the model is made anew.
-void CaptureLoop::begin_anew(std::uint64_t& next) {
+/// What an image left in others goes only when the model is rebuilt.
+void CaptureLoop::begin_rebuild(std::uint64_t& next) {
   reconstruction_.restart();
-  anew_until_ = std::max(anew_until_, next);
+  rebuild_until_ = std::max(rebuild_until_, next);
   next = 0;
   inexact_ = false;
   const std::lock_guard lock(mutex_);
@@ -231,7 +231,7 @@ IngestReport CaptureLoop::ingest_if_whole(const Session& journal, std::uint64_t 
   }
 }
 
-void CaptureLoop::take_in(const Session& journal, std::uint64_t index) {
+void CaptureLoop::ingest_next(const Session& journal, std::uint64_t index) {
   IngestReport report;
   if (withdrawn_.contains(index))
     reconstruction_.leave_out(1);
@@ -243,8 +243,8 @@ void CaptureLoop::take_in(const Session& journal, std::uint64_t index) {
   }
   const std::lock_guard lock(mutex_);
   status_.ingested = index + 1;
-  status_.anew_until = status_.ingested < anew_until_ ? anew_until_ : 0;
-  status_.exact = !inexact_ && status_.anew_until == 0;
+  status_.rebuild_until = status_.ingested < rebuild_until_ ? rebuild_until_ : 0;
+  status_.exact = !inexact_ && status_.rebuild_until == 0;
   status_.counts = reconstruction_.counts();
   if (report.status == IngestStatus::kAccepted) status_.last = report;
   status_.images_per_s = reconstruction_.images_per_s();

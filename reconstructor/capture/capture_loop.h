@@ -29,9 +29,9 @@ inline constexpr const char* kEffortKey = "effort";
 /// What the loop tells whoever watches; plain values, copied.
 struct LoopStatus {
   FrameCounts counts;
-  std::uint64_t journaled = 0;   ///< captures that are durable
-  std::uint64_t ingested = 0;    ///< of these, how many the model has seen or left out
-  std::uint64_t anew_until = 0;  ///< after a withdrawal: captures of which the model is being made anew; else 0
+  std::uint64_t journaled = 0;      ///< captures that are durable
+  std::uint64_t ingested = 0;       ///< of these, how many the model has seen or left out
+  std::uint64_t rebuild_until = 0;  ///< after a withdrawal: captures of which the model is being rebuilt; else 0
   /// Captures that are durable and not in the model yet: journaled = accepted + held out + refused + withdrawn + these.
   std::uint64_t waiting() const { return journaled - std::min(journaled, ingested); }
   /// False from a withdrawal until the model is, to the bit, one that never saw the image.
@@ -63,7 +63,7 @@ struct LoopObserver {
 struct CaptureLoopOptions {
   std::chrono::milliseconds snapshot_interval{400};  ///< at most this often; a snapshot costs about one image's time
   std::chrono::milliseconds judge_interval{1500};    ///< at least, between live judgements of a model that changes
-  std::chrono::milliseconds pause{2000};  ///< without a capture, after which there is time to make a model anew
+  std::chrono::milliseconds pause{2000};  ///< without a capture, after which there is time to rebuild a model
   bool stop_when_source_ends = false;
 };
 
@@ -74,7 +74,7 @@ struct CaptureLoopOptions {
 /// and a slow model only lags behind; nothing is lost and nothing waits for it. A capture whose file is damaged counts
 /// as refused. While another program keeps the session locked, captures wait unacknowledged. When a capture that the
 /// model knows is withdrawn from the journal, by whichever program, it is taken out of the model at once, and in the
-/// next pause of the capture the model is made anew without it, to the bit, while the last snapshot stays.
+/// next pause of the capture the model is rebuilt without it, to the bit, while the last snapshot stays.
 class CaptureLoop {
  public:
   /// The session's captures so far are ingested first.
@@ -102,10 +102,10 @@ class CaptureLoop {
   Waited wait_for_capture(std::uint64_t index, std::stop_token stop);
   bool behind(std::uint64_t next) const;
   IngestReport ingest_if_whole(const Session& journal, std::uint64_t index);
-  void take_in(const Session& journal, std::uint64_t index);
-  void begin_anew(std::uint64_t& next);
-  enum class Followed { kNothing, kTakenOut, kMustBeAnew };
-  /// Takes what is withdrawn out of the model, which has taken in so many captures, where that can be done at once.
+  void ingest_next(const Session& journal, std::uint64_t index);
+  void begin_rebuild(std::uint64_t& next);
+  enum class Followed { kNothing, kTakenOut, kMustRebuild };
+  /// Takes what is withdrawn out of the model, which has ingested so many captures, where that can be done at once.
   Followed follow_withdrawals(const Session& journal, std::uint64_t ingested);
   void judge_live();
   void fail(const std::string& what);
@@ -124,7 +124,7 @@ class CaptureLoop {
   std::set<std::uint64_t> withdrawn_;
   std::uint64_t last_withdrawal_ = 0;  ///< number of the last entry that is followed
   bool inexact_ = false;               ///< an image was taken out of the finished model
-  std::uint64_t anew_until_ = 0;       ///< captures that the model knew when it was last begun anew
+  std::uint64_t rebuild_until_ = 0;    ///< captures that the model knew when it was last begun again
   HeldOutCurve held_out_curve_;
   std::string effort_record_;  ///< as the session has it
   std::atomic<bool> finished_{false};

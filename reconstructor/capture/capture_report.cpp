@@ -29,22 +29,24 @@ json to_json(const SettingValue& value) {
 
 /// What was asked of the model, and whether it holds.
 json settings_report(const Reconstruction& reconstruction, double psnr_db) {
-  const TradeoffWish& wish = reconstruction.wish();
+  const Limits& limits = reconstruction.limits();
   const std::unique_ptr<ModelSettings> settings = reconstruction.model().settings().clone();
-  json report{
-      {"model", settings->kind()}, {"rung", reconstruction.effort().rung}, {"share", reconstruction.effort().share}};
+  json report{{"model", settings->kind()},
+              {"effort_level", reconstruction.effort().level},
+              {"update_fraction", reconstruction.effort().update_fraction}};
   for (const SettingKey& key : settings->keys()) report[key.name] = to_json(key.get());
-  if (wish.image_ms) {
+  if (limits.image_ms) {
     const double image_ms = 1e3 * reconstruction.updates().median_s();
-    report["budget"] = {{"asked_ms", *wish.image_ms}, {"image_ms", image_ms}, {"holds", image_ms <= *wish.image_ms}};
+    report["budget"] = {
+        {"asked_ms", *limits.image_ms}, {"image_ms", image_ms}, {"holds", image_ms <= *limits.image_ms}};
   }
-  if (wish.bytes) {
+  if (limits.bytes) {
     const double grown = resident_memory().bytes - reconstruction.resident_before();
-    report["memory"] = {{"asked_bytes", *wish.bytes}, {"bytes", grown}, {"holds", grown <= *wish.bytes}};
+    report["memory"] = {{"asked_bytes", *limits.bytes}, {"bytes", grown}, {"holds", grown <= *limits.bytes}};
   }
-  if (wish.psnr_db)
+  if (limits.psnr_db)
     report["target"] = {
-        {"asked_db", *wish.psnr_db}, {"psnr_db", json_number(psnr_db)}, {"reached", psnr_db >= *wish.psnr_db}};
+        {"asked_db", *limits.psnr_db}, {"psnr_db", json_number(psnr_db)}, {"reached", psnr_db >= *limits.psnr_db}};
   return report;
 }
 

@@ -47,9 +47,9 @@ TrackerLink link_of(const LoopStatus& status, const EndProgress& end,
 
 std::string message_of(const LoopStatus& status, TrackerLink link, const std::string& tracker_command) {
   if (!status.error.empty()) return status.error;
-  if (status.anew_until > 0)
+  if (status.rebuild_until > 0)
     return "without what was taken back: image " + std::to_string(status.ingested) + " of " +
-           std::to_string(status.anew_until);
+           std::to_string(status.rebuild_until);
   const bool nobody = link == TrackerLink::kWaiting && !status.link.connected && status.link.last_error.empty();
   if (nobody && !tracker_command.empty()) return "start a tracker: " + tracker_command;
   return status.link.last_error;
@@ -148,7 +148,7 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
                          .frames_waiting = status.waiting(),
                          .images_per_s = status.images_per_s};
   if (status.counts.accepted > 0) figures.residual = status.last.relative_residual;
-  if (std::isfinite(status.last.foretold_psnr_db)) figures.foretold_psnr_db = status.last.foretold_psnr_db;
+  if (std::isfinite(status.last.predicted_psnr_db)) figures.predicted_psnr_db = status.last.predicted_psnr_db;
   if (!status.held_out_curve.empty()) {
     figures.held_out_psnr_db = status.held_out_curve.back().psnr_db;
     figures.held_out_ssim = status.held_out_curve.back().ssim;

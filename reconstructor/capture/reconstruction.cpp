@@ -24,62 +24,62 @@ Reconstruction::Reconstruction(Mesh mesh, const ModelSettings& settings)
       model_(asked_->make_model(mesh_)),
       painter_(*mesh_) {}
 
-void Reconstruction::keep_within(const TradeoffWish& wish, const std::string& record, std::uint64_t captures,
-                                 MeasuredLadder ladder) {
-  wish_ = wish;
-  ladder_ = std::move(ladder);
-  if (wish.psnr_db && !ladder_.empty()) target_rung_ = rung_reaching(ladder_, *wish.psnr_db);
-  if (wish.image_ms) {
+void Reconstruction::keep_within(const Limits& limits, const std::string& record, std::uint64_t captures,
+                                 MeasuredLevels measured) {
+  limits_ = limits;
+  measured_ = std::move(measured);
+  if (limits.psnr_db && !measured_.empty()) target_level_ = level_reaching(measured_, *limits.psnr_db);
+  if (limits.image_ms) {
     if (record.empty())
-      control_.emplace(*wish.image_ms, asked_->effort_levels());
+      control_.emplace(*limits.image_ms, asked_->effort_levels());
     else
-      control_.emplace(*wish.image_ms, asked_->effort_levels(), record, captures);
+      control_.emplace(*limits.image_ms, asked_->effort_levels(), record, captures);
   }
-  model_->restart(rung());
+  model_->restart(effort_level());
 }
 
-void Reconstruction::begin_at(int effort_level) {
-  target_rung_ = effort_level;
-  model_->restart(rung());
+void Reconstruction::begin_at(int level) {
+  target_level_ = level;
+  model_->restart(effort_level());
 }
 
 IngestReport Reconstruction::ingest(const Capture& capture) {
   if (!control_) return take(capture);
   const std::uint64_t number = counts_.received;
-  model_->set_update_fraction(control_->share(number));
+  model_->set_update_fraction(control_->update_fraction(number));
   const double held_out_bytes = held_out_bytes_;
   const IngestReport report = take(capture);
   if (report.status != IngestStatus::kAccepted) return report;
-  if (!control_->rung()) {
+  if (!control_->effort_level()) {
     probe_.push_back({capture, held_out_bytes, exposure_product(capture) > 0 ? report.exposure_gain : 1,
-                      std::pow(10, -report.foretold_psnr_db / 10)});
-    if (probe_.size() == EffortControl::kProbeImages) choose_rung();
+                      std::pow(10, -report.predicted_psnr_db / 10)});
+    if (probe_.size() == EffortControl::kProbeImages) choose_level();
     return report;
   }
   double update_ms = 0;
   for (const auto& [stage, ms] : report.stage_ms) update_ms += ms;
-  const double before = control_->share(number),
-               after = (control_->observe(number, update_ms), control_->share(number + 1));
+  const double before = control_->update_fraction(number),
+               after = (control_->observe(number, update_ms), control_->update_fraction(number + 1));
   if (after != before)
     log_info("budget",
-             after < before ? "images take too long: fewer rings an image are updated"
-                            : "there is room: more rings an image are updated",
-             {{"share", after}, {"budget_ms", control_->budget_ms()}});
+             after < before ? "images take too long: less of each image is updated"
+                            : "there is room: more of each image is updated",
+             {{"update_fraction", after}, {"budget_ms", control_->budget_ms()}});
   return report;
 }
 
 /// The coarsest of those that target, memory and time ask for.
-int Reconstruction::rung() const {
-  return std::max({target_rung_, memory_rung_.value_or(0), control_ ? control_->rung().value_or(0) : 0});
+int Reconstruction::effort_level() const {
+  return std::max({target_level_, memory_level_.value_or(0), control_ ? control_->effort_level().value_or(0) : 0});
 }
 
-/// True when the model has begun anew, with coarser maps.
+/// True when the model has begun again, with coarser maps.
 bool Reconstruction::fit_memory(const Capture& first) {
-  const int before = rung();
-  memory_rung_ = model_->effort_level_within(first, before, *wish_.bytes);
-  if (*memory_rung_ == before) return false;
-  log_info("memory", "a model with the maps asked for would not fit: coarser ones", {{"rung", *memory_rung_}});
-  model_->rebuild(*memory_rung_);
+  const int before = effort_level();
+  memory_level_ = model_->effort_level_within(first, before, *limits_.bytes);
+  if (*memory_level_ == before) return false;
+  log_info("memory", "a model with the maps asked for would not fit: coarser ones", {{"effort_level", *memory_level_}});
+  model_->rebuild(*memory_level_);
   return true;
 }
 
@@ -89,12 +89,12 @@ void Reconstruction::stay_within_memory() {
     const MemoryAccount account = memory();
     return account.total() - account.probe;
   };
-  while (held() > *wish_.bytes && model_->reduce_memory())
-    log_info("memory", "the model outgrew it: less detail is kept", {{"bytes", held()}, {"asked", *wish_.bytes}});
-  if (!memory_exceeded_ && held() > *wish_.bytes) {
+  while (held() > *limits_.bytes && model_->reduce_memory())
+    log_info("memory", "the model outgrew it: less detail is kept", {{"bytes", held()}, {"asked", *limits_.bytes}});
+  if (!memory_exceeded_ && held() > *limits_.bytes) {
     memory_exceeded_ = true;
     log_warning("memory", "not even the smallest setting stays within it; a coarser mesh would",
-                {{"bytes", held()}, {"asked", *wish_.bytes}});
+                {{"bytes", held()}, {"asked", *limits_.bytes}});
   }
 }
 
@@ -106,24 +106,24 @@ MemoryAccount Reconstruction::memory() const {
 }
 
 /// By what the first images took, and by what is lost on them where nothing was measured before.
-void Reconstruction::choose_rung() {
-  const int begun_at = rung();
+void Reconstruction::choose_level() {
+  const int begun_at = effort_level();
   const double budget_ms = control_->budget_ms(), image_ms = 1e3 * updates_.median_s();
   int chosen = begun_at;
-  if (!ladder_.empty()) {
-    chosen = rung_within(ladder_, image_ms, begun_at, budget_ms);
+  if (!measured_.empty()) {
+    chosen = level_within(measured_, image_ms, begun_at, budget_ms);
     if (chosen != begun_at) fold_probe_at(chosen);
   } else if (image_ms > kBudgetMargin * budget_ms) {
     std::vector<HeldOutView> views;
     for (std::size_t i = 0; i < probe_.size(); i += 2)
       views.push_back(make_held_out_view(probe_[i].capture, probe_[i].known_gain, painter_));
-    const double finest = error_on(views), unseen = std::max(foretold_error(), finest);
+    const double finest = error_on(views), unseen = std::max(predicted_error(), finest);
     while (chosen + 1 < asked_->effort_levels() && 1e3 * updates_.median_s() > kBudgetMargin * budget_ms) {
       fold_probe_at(chosen + 1);
       // What coarser maps and fewer terms cannot hold of the images is added to the error on images that are not seen.
       const double lost_db = 10 * std::log10(1 + std::max(0.0, error_on(views) - finest) / unseen);
       log_info("budget", "a coarser model was tried on the first images",
-               {{"rung", chosen + 1}, {"image_ms", 1e3 * updates_.median_s()}, {"lost_db", lost_db}});
+               {{"effort_level", chosen + 1}, {"image_ms", 1e3 * updates_.median_s()}, {"lost_db", lost_db}});
       if (lost_db > kMostLoss_dB) {
         fold_probe_at(chosen);
         break;
@@ -131,15 +131,15 @@ void Reconstruction::choose_rung() {
       ++chosen;
     }
   }
-  control_->set_rung(chosen == begun_at ? 0 : chosen);  // what only memory or target asked for is theirs to say again
+  control_->set_level(chosen == begun_at ? 0 : chosen);  // what only memory or target asked for is theirs to say again
   probe_ = {};
   if (chosen != begun_at)
     log_info("budget", "the first images take too long: a coarser model is begun",
-             {{"image_ms", image_ms}, {"budget_ms", budget_ms}, {"rung", chosen}});
+             {{"image_ms", image_ms}, {"budget_ms", budget_ms}, {"effort_level", chosen}});
 }
 
-void Reconstruction::fold_probe_at(int rung) {
-  model_->rebuild(rung);
+void Reconstruction::fold_probe_at(int level) {
+  model_->rebuild(level);
   counts_.accepted = 0;
   std::erase_if(captures_, [](const KnownCapture& known) { return known.status == IngestStatus::kAccepted; });
   forget_work();
@@ -151,16 +151,16 @@ void Reconstruction::fold_probe_at(int rung) {
   held_out_bytes_ = held_out_bytes;
 }
 
-/// Mean over the later half of the first images, each foretold from those before; 0 where none could be.
-double Reconstruction::foretold_error() const {
+/// Mean over the later half of the first images, each predicted from those before; 0 where none could be.
+double Reconstruction::predicted_error() const {
   double sum = 0;
-  int foretold = 0;
+  int predicted = 0;
   for (std::size_t i = probe_.size() / 2; i < probe_.size(); ++i) {
-    if (!std::isfinite(probe_[i].foretold_error)) continue;
-    sum += probe_[i].foretold_error;
-    ++foretold;
+    if (!std::isfinite(probe_[i].predicted_error)) continue;
+    sum += probe_[i].predicted_error;
+    ++predicted;
   }
-  return foretold > 0 ? sum / foretold : 0;
+  return predicted > 0 ? sum / predicted : 0;
 }
 
 /// Mean square, encoded, over the object's pixels of views.
@@ -172,7 +172,7 @@ double Reconstruction::error_on(const std::vector<HeldOutView>& views) {
 }
 
 Reconstruction::Effort Reconstruction::effort() const {
-  return {rung(), control_ ? control_->share(counts_.received) : 1.0};
+  return {effort_level(), control_ ? control_->update_fraction(counts_.received) : 1.0};
 }
 
 IngestReport Reconstruction::take(const Capture& capture) {
@@ -180,7 +180,7 @@ IngestReport Reconstruction::take(const Capture& capture) {
   IngestReport report = model_->ingest(capture);
   if (!image_size_ && model_->began_with(capture)) {
     image_size_ = size_of(capture);
-    if (wish_.bytes && fit_memory(capture)) report = model_->ingest(capture);
+    if (limits_.bytes && fit_memory(capture)) report = model_->ingest(capture);
   }
   switch (report.status) {
     case IngestStatus::kAccepted:
@@ -217,7 +217,7 @@ void Reconstruction::note_accepted(const Capture& capture, const IngestReport& r
   patches_.updated += report.patches_updated;
   patches_.skipped += report.patches_skipped;
   patches_.left_out += report.patches_left_out;
-  if (wish_.bytes) stay_within_memory();
+  if (limits_.bytes) stay_within_memory();
 }
 
 Reconstruction::Withdrawn Reconstruction::withdraw(const Capture& capture) {
@@ -232,7 +232,7 @@ Reconstruction::Withdrawn Reconstruction::withdraw(const Capture& capture) {
       if (--counts_.refused[known->reason] == 0) counts_.refused.erase(known->reason);
       break;
     case IngestStatus::kHeldOut:
-      if (wish_.bytes) how = Withdrawn::kNearly;  // it has taken memory, which is limited
+      if (limits_.bytes) how = Withdrawn::kNearly;  // it has taken memory, which is limited
       held_out_bytes_ = 0;
       std::erase_if(held_out_, is_it);
       for (const HeldOutView& view : held_out_) held_out_bytes_ += bytes_of(view);
@@ -272,9 +272,9 @@ void Reconstruction::restart() {
   counts_ = {};
   probe_ = {};
   image_size_.reset();
-  memory_rung_.reset();
+  memory_level_.reset();
   forget_work();
-  model_->restart(rung());
+  model_->restart(effort_level());
 }
 
 void Reconstruction::forget_work() {

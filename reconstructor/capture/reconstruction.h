@@ -10,7 +10,7 @@
 #include "common/base/running_statistics.h"
 #include "common/capture/capture.h"
 #include "common/geometry/mesh.h"
-#include "reconstructor/effort/budget.h"
+#include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/held_out.h"
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/models/model_settings.h"
@@ -42,21 +42,21 @@ class Reconstruction {
  public:
   Reconstruction(Mesh mesh, const ModelSettings& settings);
 
-  /// Before the first capture: keeps the time of an image and the memory within what is asked for, as far as the ladder
-  /// goes (budget.h). `record`, of `captures` earlier ones: what an earlier run decided. `ladder`: what the rungs cost
-  /// and lose on this scene, where it was measured: the cheapest that reaches a PSNR asked for is taken; without it a
-  /// rung that is taken for its time is judged on the first images. Throws ConfigError.
-  void keep_within(const TradeoffWish& wish, const std::string& record = {}, std::uint64_t captures = 0,
-                   MeasuredLadder ladder = {});
+  /// Before the first capture: keeps the time per image and the memory within the limits, as far as the effort levels
+  /// go (effort_control.h). `record`, of `captures` earlier ones: what an earlier run decided. `measured`: what the
+  /// effort levels cost and lose on this scene: the cheapest that reaches a PSNR asked for is taken; without it a level
+  /// that is taken for its time is judged on the first images. Throws ConfigError.
+  void keep_within(const Limits& limits, const std::string& record = {}, std::uint64_t captures = 0,
+                   MeasuredLevels measured = {});
   /// Before the first capture: the model is no finer than at this effort level.
-  void begin_at(int effort_level);
-  const TradeoffWish& wish() const { return wish_; }
+  void begin_at(int level);
+  const Limits& limits() const { return limits_; }
 
   IngestReport ingest(const Capture& capture);
   enum class Withdrawn {
     kExactly,  ///< the model is, to the bit, one that never saw it: it was refused, held out or a repetition
     kNearly,   ///< AppearanceModel::withdraw
-    kNot,      ///< the model can only be made anew: it is the first image
+    kNot,      ///< the model can only be rebuilt: it is the first image
   };
   /// Takes a capture back, at once.
   Withdrawn withdraw(const Capture& capture);
@@ -84,10 +84,10 @@ class Reconstruction {
     std::uint64_t updated = 0, skipped = 0, left_out = 0;
   };
   const PatchCounts& patches() const { return patches_; }
-  /// How hard the model works: the rung of the ladder, and the share of an image's rings that it updates.
+  /// How hard the model works: its effort level, and how much of what an image shows it updates.
   struct Effort {
-    int rung = 0;
-    double share = 1;
+    int level = 0;
+    double update_fraction = 1;
     bool operator==(const Effort&) const = default;
   };
   Effort effort() const;
@@ -106,23 +106,23 @@ class Reconstruction {
   Judgement judge(const StepsDone& progress = {});
 
  private:
-  /// An image that the rung of a budget is chosen by.
+  /// An image that the effort level of a budget is chosen by.
   struct ProbeImage {
     Capture capture;
-    double held_out_bytes = 0;  ///< of the views held out before it
-    float known_gain = 1;       ///< by which the camera says that it is brighter than the model's level
-    double foretold_error = 0;  ///< mean square, encoded, of foretelling it from those before; NaN where none did
+    double held_out_bytes = 0;   ///< of the views held out before it
+    float known_gain = 1;        ///< by which the camera says that it is brighter than the model's level
+    double predicted_error = 0;  ///< mean square, encoded, of predicting it from those before; NaN where none did
   };
   IngestReport take(const Capture& capture);
   void note(const Capture& capture, const IngestReport& report);
   void note_accepted(const Capture& capture, const IngestReport& report);
   bool fit_memory(const Capture& first);
   void stay_within_memory();
-  int rung() const;
-  void choose_rung();
-  void fold_probe_at(int rung);
+  int effort_level() const;
+  void choose_level();
+  void fold_probe_at(int level);
   double error_on(const std::vector<HeldOutView>& views);
-  double foretold_error() const;
+  double predicted_error() const;
   void forget_work();
 
   double resident_before_;
@@ -137,15 +137,15 @@ class Reconstruction {
   RunningStatistics updates_;
   PatchCounts patches_;
 
-  TradeoffWish wish_;
+  Limits limits_;
   std::optional<EffortControl> control_;
-  MeasuredLadder ladder_;
-  int target_rung_ = 0;                    ///< by the PSNR asked for
-  std::optional<int> memory_rung_;         ///< by the memory, when the first image has come
+  MeasuredLevels measured_;
+  int target_level_ = 0;                   ///< by the PSNR asked for
+  std::optional<int> memory_level_;        ///< by the memory, when the first image has come
   std::optional<CaptureSize> image_size_;  ///< of the first image
   double held_out_bytes_ = 0;
   bool memory_exceeded_ = false;   ///< although all have: told once
-  std::vector<ProbeImage> probe_;  ///< the accepted images until the rung is chosen
+  std::vector<ProbeImage> probe_;  ///< the accepted images until the effort level is chosen
 };
 
 }  // namespace sheen

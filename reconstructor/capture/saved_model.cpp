@@ -101,14 +101,14 @@ ModelOrigin origin_of(const SavedModel& model, const std::filesystem::path& fold
   const ModelMetadata& metadata = model.metadata;
   if (!metadata.contains(kSceneKey) || !metadata.contains(kCapturesKey))
     throw FileError(folder.string(),
-                    "does not say which images it was built from, as models of an older Sheen do not; build it anew");
+                    "does not say which images it was built from, as models of an older Sheen do not; build it again");
   const std::filesystem::path file = folder / kModelJsonFile;
   ModelOrigin origin;
   try {
     origin.settings = parse_scene_config(metadata.at(kSceneKey), file).settings;
   } catch (const ConfigError& error) {
     throw FileError(folder.string(),
-                    std::string("was saved by another version of Sheen; build it anew: ") + error.what());
+                    std::string("was saved by another version of Sheen; build it again: ") + error.what());
   }
   try {
     for (const json& entry : json::parse(metadata.at(kCapturesKey))) {

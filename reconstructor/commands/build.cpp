@@ -16,8 +16,8 @@
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/commands/wish_options.h"
-#include "reconstructor/effort/budget.h"
+#include "reconstructor/commands/limit_options.h"
+#include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/scene/scene_config.h"
 #include "reconstructor/scene/scene_mesh.h"
@@ -28,16 +28,16 @@ namespace {
 struct BuildArguments {
   std::string dataset, mesh, out, config, json;
   std::optional<int> hold_out;
-  WishArguments wish;
+  LimitArguments limits;
 };
 
 /// The data set's model with these settings.
 std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, const Mesh& mesh,
                                            const CaptureSet& captures, const ModelSettings& settings,
-                                           const TradeoffWish& wish, const MeasuredLadder& ladder, int effort_level,
+                                           const Limits& limits, const MeasuredLevels& measured, int effort_level,
                                            bool first) {
   auto reconstruction = std::make_unique<Reconstruction>(mesh, settings);
-  reconstruction->keep_within(wish, {}, 0, ladder);
+  reconstruction->keep_within(limits, {}, 0, measured);
   if (effort_level > 0) reconstruction->begin_at(effort_level);
   {
     Progress progress("building", captures.size);
@@ -71,26 +71,26 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
 /// then the best of those built.
 std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments, const Mesh& mesh,
                                                 const CaptureSet& captures, const ModelSettings& settings,
-                                                const TradeoffWish& wish) {
+                                                const Limits& limits) {
   std::unique_ptr<Reconstruction> best;
   double best_db = 0;
   for (int level = settings.effort_levels() - 1; level >= 0; --level) {
-    auto built = build_once(arguments, mesh, captures, settings, wish, {}, level, !best);
+    auto built = build_once(arguments, mesh, captures, settings, limits, {}, level, !best);
     if (built->held_out().empty())
       throw ConfigError("--target needs held-out views to judge by: name test views or give --hold-out N");
     const double db = built->judge().model.psnr_db;
     // By time or memory: what comes next would be too.
-    const bool bound = built->effort() != Reconstruction::Effort{.rung = level};
+    const bool bound = built->effort() != Reconstruction::Effort{.level = level};
     std::printf("effort level %d: %.2f dB, %.1f ms per image, %.0f MB\n", level, db, 1e3 * built->updates().median_s(),
                 static_cast<double>(built->model().figures().bytes) / 1e6);
     if (!best || db > best_db) {
       best = std::move(built);
       best_db = db;
     }
-    if (best_db >= *wish.psnr_db || bound) break;
+    if (best_db >= *limits.psnr_db || bound) break;
   }
-  if (best_db < *wish.psnr_db)
-    std::printf("no setting within the limits reaches %.2f dB; the best one is kept\n", *wish.psnr_db);
+  if (best_db < *limits.psnr_db)
+    std::printf("no setting within the limits reaches %.2f dB; the best one is kept\n", *limits.psnr_db);
   return best;
 }
 
@@ -101,7 +101,7 @@ void build(const BuildArguments& arguments) {
   const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
   ModelSettings& settings = *scene.settings;
   if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
-  const TradeoffWish wish = arguments.wish.apply(settings);
+  const Limits limits = arguments.limits.apply(settings);
   if (arguments.out.empty())
     std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
   else
@@ -109,8 +109,8 @@ void build(const BuildArguments& arguments) {
   const CaptureSet captures = open_capture_set(arguments.dataset);
   const Mesh mesh = load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
   const std::unique_ptr<Reconstruction> built =
-      wish.psnr_db ? build_to_target(arguments, mesh, captures, settings, wish)
-                   : build_once(arguments, mesh, captures, settings, wish, scene.ladder, 0, true);
+      limits.psnr_db ? build_to_target(arguments, mesh, captures, settings, limits)
+                     : build_once(arguments, mesh, captures, settings, limits, scene.measured, 0, true);
   Reconstruction& reconstruction = *built;
   if (!arguments.out.empty()) save_reconstruction(reconstruction, arguments.out, arguments.dataset);
   const Reconstruction::Judgement judged = reconstruction.judge();
@@ -134,8 +134,8 @@ void add_build_command(CLI::App& app) {
                    "hold out every Nth image where the dataset names no test views; 0 = none")
       ->check(whole_number_in(0, 1'000'000));
   command->add_option("--config", arguments->config, "scene file (TOML)");
-  arguments->wish.add_to(*command,
-                         "PSNR that held-out views are to reach: 35dB; the cheapest setting that does is searched");
+  arguments->limits.add_to(*command,
+                           "PSNR that held-out views are to reach: 35dB; the cheapest setting that does is searched");
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { build(*arguments); });
 }

@@ -9,8 +9,8 @@
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/evaluation/error_ranking.h"
 #include "reconstructor/evaluation/evaluation_report.h"
-#include "reconstructor/evaluation/foretelling.h"
 #include "reconstructor/evaluation/held_out.h"
 
 namespace sheen {
@@ -64,10 +64,10 @@ void evaluate(const EvaluateArguments& arguments) {
   if (std::isfinite(model.psnr_db) && std::isfinite(constant_scores.psnr_db))
     print_scores(model.psnr_db, model.ssim, constant_scores.psnr_db);
   const PeerHeuristic other = peers->heuristic();
-  const Foretelling foretelling = judge_foretelling(views, *saved.snapshot, other, painter);
-  report["foretelling"] = foretelling_report(foretelling);
+  const ErrorRanking ranking = judge_error_ranking(views, *saved.snapshot, other, painter);
+  report["error_ranking"] = ranking_report(ranking);
   report["predicted_error"] = prediction_report(model);
-  print_predictions(model, foretelling, other.title);
+  print_predictions(model, ranking, other.title);
   if (arguments.baselines) {
     std::vector<PeerScores> baselines{{{"constant_colour", "constant colour", constant}, constant_scores}};
     for (const Peer& peer : peers->others()) baselines.push_back({peer, score(views, *peer.appearance, painter)});

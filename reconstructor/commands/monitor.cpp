@@ -18,7 +18,7 @@ struct MonitorArguments {
   bool once = false, json = false;
 };
 
-/// A line a second until Ctrl-C; a reconstructor that is away for a while is waited for.
+/// A line per second until Ctrl-C; a reconstructor that is away for a while is waited for.
 void watch(const MonitorArguments& arguments) {
   const std::string token = monitor_token(arguments.token, arguments.token_file);
   const auto look = [&arguments, &token] {

@@ -26,8 +26,8 @@
 #include "reconstructor/capture/live_display.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/commands/wish_options.h"
-#include "reconstructor/effort/budget.h"
+#include "reconstructor/commands/limit_options.h"
+#include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/monitor/monitor_server.h"
 #include "reconstructor/monitor/monitor_token.h"
@@ -49,7 +49,7 @@ struct ServeArguments {
   std::string mesh, session, config, endpoint = ReceiverOptions{}.endpoint, keys, tracker_key, json;
   std::string monitor_host = MonitorOptions{}.host, monitor_token, monitor_token_file;
   int monitor_port = MonitorOptions{}.port;
-  WishArguments wish;
+  LimitArguments limits;
   bool headless = false, once = false, no_monitor = false;
 };
 
@@ -243,20 +243,20 @@ void serve(const ServeArguments& arguments) {
   std::signal(SIGPIPE, SIG_IGN);  // whoever read our messages may be gone before the model is saved
   ReportFile json(arguments.json);
   const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
-  const TradeoffWish wish = arguments.wish.apply(*scene.settings);
+  const Limits limits = arguments.limits.apply(*scene.settings);
   // Which maps and terms reach a PSNR shows when all images are there, or was measured: until then all that the target
   // needs is kept.
-  if (wish.psnr_db && scene.ladder.empty()) {
-    if (!arguments.wish.tolerance.empty())
+  if (limits.psnr_db && scene.measured.empty()) {
+    if (!arguments.limits.tolerance.empty())
       throw ConfigError("--target and --tolerance exclude each other: the target sets the tolerance");
-    set(*scene.settings, "tolerance", tolerance_of(*wish.psnr_db));
+    set(*scene.settings, "tolerance", tolerance_of(*limits.psnr_db));
   }
   const ReceiverOptions link = link_options(arguments);
   std::optional<EndOnStop> starting("sheen-reconstructor: stopped before the capture began");
   Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh, *scene.settings, {}), *scene.settings);
   starting.reset();
   Session session = open_session(arguments.session, arguments.mesh);
-  reconstruction.keep_within(wish, session.metadata(kEffortKey).value_or(""), session.size(), scene.ladder);
+  reconstruction.keep_within(limits, session.metadata(kEffortKey).value_or(""), session.size(), scene.measured);
   if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
 
   LiveDisplay display(reconstruction.painter(), {arguments.session, link.endpoint, scene.kind->name(),
@@ -317,7 +317,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--mesh", a->mesh, "PLY, OBJ or OFF of the object, in the stage's frame")->required();
   command->add_option("--session", a->session, "folder of the session; continued if it exists")->required();
   command->add_option("--config", a->config, "scene file (TOML)");
-  a->wish.add_to(*command, "PSNR that held-out views are to reach: 35dB; no ring is kept more exactly than that");
+  a->limits.add_to(*command, "PSNR that held-out views are to reach: 35dB; no ring is kept more exactly than that");
   command->add_option("--endpoint", a->endpoint, "of the tracker")->check(endpoint_error)->capture_default_str();
   command->add_option("--keys", a->keys, "own secret key (NAME.key); encrypts the link");
   command->add_option("--tracker-key", a->tracker_key, "the tracker's public key (NAME.pub)");

@@ -13,8 +13,8 @@
 #include "common/base/stop_signal.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/effort/budget.h"
-#include "reconstructor/effort/tradeoff_wish.h"
+#include "reconstructor/effort/effort_control.h"
+#include "reconstructor/effort/limits.h"
 #include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/scene/scene_config.h"
 #include "reconstructor/scene/scene_mesh.h"
@@ -109,10 +109,10 @@ Plot plot_against(const std::string& title, const std::string& cost_label, const
 void write_plots(const std::vector<TradeoffPoint>& points, const Frontiers& frontiers, const std::string& dataset,
                  const std::filesystem::path& out) {
   const std::string of = std::filesystem::path(dataset).filename().string();
-  const PlotFiles time = write_plot(plot_against("Time against worth: " + of, "wall time an image (ms)", points,
+  const PlotFiles time = write_plot(plot_against("Time against worth: " + of, "wall time per image (ms)", points,
                                                  frontiers.time, frontiers.by_time, 1),
                                     out / "tradeoff_time");
-  write_plot(plot_against("Processor time against worth: " + of, "processor time an image (ms)", points, frontiers.cpu,
+  write_plot(plot_against("Processor time against worth: " + of, "processor time per image (ms)", points, frontiers.cpu,
                           frontiers.by_cpu, 1),
              out / "tradeoff_cpu");
   write_plot(plot_against("Memory against worth: " + of, "state of all rings (MB)", points, frontiers.bytes,
@@ -177,15 +177,15 @@ nlohmann::json point_to_json(const TradeoffPoint& p) {
           {"psnr_db", p.psnr_db},      {"ssim", p.ssim},         {"scene", to_toml(p.setting.options)}};
 }
 
-/// The default, and the rungs that stand from `first_rung` on.
-MeasuredLadder measured_ladder(const std::vector<TradeoffPoint>& points, std::size_t first_rung) {
-  MeasuredLadder ladder{{points.front().image_ms, points.front().psnr_db}};
-  for (std::size_t i = first_rung; i < points.size(); ++i) ladder.push_back({points[i].image_ms, points[i].psnr_db});
-  return ladder;
+/// The default, and the effort levels that stand from `first_level` on.
+MeasuredLevels measured_levels(const std::vector<TradeoffPoint>& points, std::size_t first_level) {
+  MeasuredLevels measured{{points.front().image_ms, points.front().psnr_db}};
+  for (std::size_t i = first_level; i < points.size(); ++i) measured.push_back({points[i].image_ms, points[i].psnr_db});
+  return measured;
 }
 
 void tradeoff(const TradeoffArguments& arguments) {
-  const TradeoffWish wish = parse_wish(arguments.budget, arguments.target, arguments.memory);
+  const Limits limits = parse_limits(arguments.budget, arguments.target, arguments.memory);
   install_stop_signals();
   ReportFile json(arguments.json);
   const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
@@ -207,7 +207,7 @@ void tradeoff(const TradeoffArguments& arguments) {
                                  [&](std::size_t done) { progress.update(done); });
   }
   std::vector<Setting> settings = arguments.parts ? part_settings(base) : tradeoff_settings(base, arguments.quick);
-  const std::size_t first_rung = settings.size();
+  const std::size_t first_level = settings.size();
   if (!arguments.parts)
     for (Setting& setting : effort_level_settings(base)) settings.push_back(std::move(setting));
   std::vector<TradeoffPoint> points;
@@ -241,7 +241,7 @@ void tradeoff(const TradeoffArguments& arguments) {
   if (!arguments.out.empty() && !arguments.parts && points.size() == settings.size()) {
     const std::filesystem::path file = std::filesystem::path(arguments.out) / "scene.toml";
     write_file(file, to_toml(base) + "\n# What --budget and --target can choose from, as measured.\n" +
-                         rungs_to_toml(measured_ladder(points, first_rung)));
+                         levels_to_toml(measured_levels(points, first_level)));
     std::printf("\n%s: for --config of build and serve, whose --budget and --target then go by these figures\n",
                 file.c_str());
   }
@@ -253,10 +253,10 @@ void tradeoff(const TradeoffArguments& arguments) {
     point["frontier_bytes"] = contains(frontiers.by_bytes, i);
     report["points"].push_back(std::move(point));
   }
-  if (!wish.empty()) {
-    const TradeoffChoice choice = choose_setting(points, wish);
+  if (!limits.empty()) {
+    const TradeoffChoice choice = choose_setting(points, limits);
     const TradeoffPoint& chosen = points[choice.index];
-    std::printf("\n%s: %s\n%.1f ms an image, %.1f MB, %.2f dB%s\n\n%s", describe(wish).c_str(),
+    std::printf("\n%s: %s\n%.1f ms per image, %.1f MB, %.2f dB%s\n\n%s", describe(limits).c_str(),
                 chosen.setting.name.c_str(), chosen.image_ms, chosen.bytes / 1e6, chosen.psnr_db,
                 choice.holds ? "" : ": no setting measured does it all, this one comes nearest",
                 to_toml(chosen.setting.options).c_str());
@@ -275,19 +275,20 @@ void add_tradeoff_command(CLI::App& app) {
   command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
       ->required();
   command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
-  command->add_option("--out", arguments->out,
-                      "folder for the plots (SVG), their tables (CSV) and the scene file (TOML) with the rungs of "
-                      "--budget as measured");
+  command->add_option(
+      "--out", arguments->out,
+      "folder for the plots (SVG), their tables (CSV) and the scene file (TOML) with the effort levels of "
+      "--budget as measured");
   command->add_option("--config", arguments->config, "scene file (TOML): what the sweep starts from");
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->add_flag("--quick", arguments->quick, "about half of the settings");
   CLI::Option* parts = command->add_flag(
       "--parts", arguments->parts,
       "measure what each part of the model is worth instead: without it, or with the paper's way in its place");
-  command->add_option("--budget", arguments->budget, "name the best setting within a time an image: 33ms");
+  command->add_option("--budget", arguments->budget, "name the best setting within a time per image: 33ms");
   command->add_option("--target", arguments->target, "name the quickest setting that reaches a held-out PSNR: 35dB");
   command->add_option("--memory", arguments->memory, "name the best setting within the light field's memory: 1GB");
-  for (const char* wish : {"--budget", "--target", "--memory"}) parts->excludes(wish);
+  for (const char* limits : {"--budget", "--target", "--memory"}) parts->excludes(limits);
   command->callback([arguments] { tradeoff(*arguments); });
 }
 

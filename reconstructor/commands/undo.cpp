@@ -102,7 +102,7 @@ void undo(const UndoArguments& arguments) {
   if (changed && std::filesystem::exists(model / "model.json"))
     std::printf(
         "a running `serve` follows; else %s is as before: `sheen-reconstructor build %s --mesh %s --out %s` makes it "
-        "anew\n",
+        "again\n",
         model.c_str(), arguments.session.c_str(), (model / "mesh.ply").c_str(), model.c_str());
 }
 

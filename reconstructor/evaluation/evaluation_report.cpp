@@ -67,9 +67,9 @@ void print_baselines(const std::string& model_title, const Scores& model, std::s
               model.psnr_gain_aligned_db - strongest.psnr_gain_aligned_db);
 }
 
-json foretelling_report(const Foretelling& foretelling) {
-  return {{"rank_correlation", json_number(foretelling.rank_correlation)},
-          {"peer_rank_correlation", json_number(foretelling.peer_rank_correlation)}};
+json ranking_report(const ErrorRanking& ranking) {
+  return {{"rank_correlation", json_number(ranking.rank_correlation)},
+          {"peer_rank_correlation", json_number(ranking.peer_rank_correlation)}};
 }
 
 json calibration_report(const ErrorCalibration& calibration) {
@@ -102,7 +102,7 @@ json prediction_report(const Scores& scores) {
   return report;
 }
 
-void print_predictions(const Scores& scores, const Foretelling& foretelling, const std::string& peer_title) {
+void print_predictions(const Scores& scores, const ErrorRanking& ranking, const std::string& peer_title) {
   const CalibrationCheck check = check_calibration(scores);
   const ErrorCalibration all = calibrate(scores);
   constexpr double kPercent = 100 * ErrorCalibration::kCoverage;
@@ -126,7 +126,7 @@ void print_predictions(const Scores& scores, const Foretelling& foretelling, con
         check.predicted_db, ErrorCalibration::kFewestViews + 1, check.views.size(), check.measured_db);
   }
   std::printf("rank correlation of predicted and measured errors of triangles: %.2f (%s: %.2f)\n",
-              foretelling.rank_correlation, peer_title.c_str(), foretelling.peer_rank_correlation);
+              ranking.rank_correlation, peer_title.c_str(), ranking.peer_rank_correlation);
 }
 
 void print_scores(double psnr_db, double ssim, double constant_psnr_db) {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "reconstructor/evaluation/foretelling.h"
+#include "reconstructor/evaluation/error_ranking.h"
 #include "reconstructor/evaluation/held_out.h"
 #include "reconstructor/models/peers.h"
 
@@ -31,12 +31,12 @@ nlohmann::json baselines_report(std::span<const PeerScores> peers);
 /// A table for a person: a line per peer, one for the model, and what that is above the last, the strongest peer.
 void print_baselines(const std::string& model_title, const Scores& model, std::span<const PeerScores> peers);
 
-nlohmann::json foretelling_report(const Foretelling& foretelling);
+nlohmann::json ranking_report(const ErrorRanking& ranking);
 nlohmann::json calibration_report(const ErrorCalibration& calibration);
 /// What the model predicted of each of these views before and after calibration by the others, and what came of it.
 nlohmann::json prediction_report(const Scores& scores);
 /// The same for a person: a line per view, one for all, and how well it ranks the errors of triangles.
-void print_predictions(const Scores& scores, const Foretelling& foretelling, const std::string& peer_title);
+void print_predictions(const Scores& scores, const ErrorRanking& ranking, const std::string& peer_title);
 
 /// A line for a person: what held-out views say, beside the constant colour's figure.
 void print_scores(double psnr_db, double ssim, double constant_psnr_db);

@@ -93,7 +93,7 @@ double predicted_psnr_db(const PaintedView& painted, const ImageU8& mask) {
   std::size_t pixels = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (mask.data()[i] == 0) continue;
-    const double error = painted.foretold.data()[i];
+    const double error = painted.predicted_error.data()[i];
     squares += error * error;
     ++pixels;
   }

@@ -33,7 +33,7 @@ struct IngestReport {
       0;  ///< ||p|| / ||c|| over all updated patches: how much of the image the model did not know
   /// PSNR, encoded values, of predicting a sample of the image from the images before it: the held-out figure, live.
   /// NaN where the model knew nothing of what the image shows.
-  double foretold_psnr_db = std::numeric_limits<double>::quiet_NaN();
+  double predicted_psnr_db = std::numeric_limits<double>::quiet_NaN();
   float exposure_gain = 1;  ///< by which this image is brighter than the model's level, as the camera or the image says
 };
 

@@ -46,7 +46,7 @@ inline constexpr double kWellKnownDb = 32;
 struct ViewAdvice {
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< object frame
   double heuristic = 0;                           ///< mean over the surface seen from there, 0 = nothing to gain .. 1
-  double turn_deg = 0;                            ///< from the present eye, seen from the object
+  double angle_deg = 0;                           ///< from the present eye, seen from the object
   std::string reason;                             ///< for a person: what is missing there
   double worst_psnr_db = 0;                       ///< predicted of a picture from the least known place on offer
   bool well_known() const { return worst_psnr_db >= kWellKnownDb; }

@@ -82,7 +82,7 @@ void frames(const MonitorState& state, Exposition& out) {
 }
 
 void speed(const MonitorState& state, Exposition& out) {
-  out.single("ingest_images_per_second", "gauge", "Images that the model takes in a second.", state.images_per_s);
+  out.single("ingest_images_per_second", "gauge", "Images that the model ingests per second.", state.images_per_s);
   out.summary("update_duration_seconds", "Time to fold one image into the model.", state.update);
   out.summary("capture_latency_seconds", "Time from a frame's grabbing until it is durable.", state.latency);
   out.family("stage_duration_median_seconds", "gauge", "Median time of a stage of an update.");

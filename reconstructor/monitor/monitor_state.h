@@ -65,7 +65,7 @@ struct MonitorState {
   std::uint64_t received = 0, accepted = 0, held_out = 0, withdrawn = 0, waiting = 0, journaled = 0;
   std::uint64_t sequence_gaps = 0;               ///< captures that the tracker numbered and nobody received
   std::map<std::string, std::uint64_t> refused;  ///< by reason
-  double images_per_s = 0;                       ///< that the model takes in
+  double images_per_s = 0;                       ///< that the model ingests
 
   struct Queue {
     std::uint64_t depth = 0;

@@ -75,20 +75,20 @@ void FoldedViews<Scalar>::erase(int view) {
 }
 
 template <typename Scalar>
-void FoldedViews<Scalar>::follow(const BasisTurn& turn) {
-  if (turn.kind == BasisTurn::Kind::kNone) return;
-  if (turn.kind == BasisTurn::Kind::kGone) {
+void FoldedViews<Scalar>::follow(const BasisRotation& rotation) {
+  if (rotation.kind == BasisRotation::Kind::kNone) return;
+  if (rotation.kind == BasisRotation::Kind::kGone) {
     for (int v = 0; v < count(); ++v) views_[v].lost += coefficients_.col(v).template cast<double>().squaredNorm();
     coefficients_.resize(0, count());
     scatter_.resize(0, 0);
     return;
   }
-  const MatrixXd& m = turn.new_from_old;
-  Matrix turned = m.transpose().template cast<Scalar>() * coefficients_;
-  for (Eigen::Index v = 0; v < turned.cols(); ++v)  // in double: coefficients have the scale of their columns
+  const MatrixXd& m = rotation.new_from_old;
+  Matrix rotated = m.transpose().template cast<Scalar>() * coefficients_;
+  for (Eigen::Index v = 0; v < rotated.cols(); ++v)  // in double: coefficients have the scale of their columns
     views_[v].lost += std::max(0.0, coefficients_.col(v).template cast<double>().squaredNorm() -
-                                        turned.col(v).template cast<double>().squaredNorm());
-  coefficients_ = std::move(turned);
+                                        rotated.col(v).template cast<double>().squaredNorm());
+  coefficients_ = std::move(rotated);
   if (scatter_.size() > 0) scatter_ = (m.transpose() * scatter_ * m).eval();
 }
 

@@ -12,7 +12,7 @@
 namespace sheen {
 
 /// The ledger of the views that were folded into a ring's online SVD: what each of them is in the basis, what it
-/// weighs, and what the basis does not hold of it. It follows the basis as that turns, and it can say what G is
+/// weighs, and what the basis does not hold of it. It follows the basis as that rotates, and it can say what G is
 /// (`RingBasis`) when views were taken out: merged views become their weighted mean, and how they scattered about it is
 /// summed up in one matrix, so that always
 ///
@@ -41,11 +41,11 @@ class FoldedViews {
     int exponent;  ///< the fold was given the column times 2^-exponent
     std::shared_ptr<const Shown> shown;
   };
-  /// Makes each column of a fold a view. The turn of that fold has been followed.
+  /// Makes each column of a fold a view. The rotation of that fold has been followed.
   void append(const Fold& fold, std::vector<Arrival> columns);
 
-  /// The basis has turned.
-  void follow(const BasisTurn& turn);
+  /// The basis has rotated.
+  void follow(const BasisRotation& rotation);
   /// Y <- factor Y.
   void multiply(const Eigen::MatrixXd& factor);
 

@@ -174,8 +174,8 @@ typename MissingRows<Scalar>::Matrix MissingRows<Scalar>::displayed_coefficients
   Matrix y = views.coefficients().topRows(displayed);
   if (displayed == 0) return y;  // all is black
   const MatrixXd covariance = prior(basis, views);
-  const double appendix = covariance.diagonal().tail(basis.rank() - displayed).sum() / basis.rows();
-  const MatrixXd precision = prior_precision(covariance.topLeftCorner(displayed, displayed), noise + appendix);
+  const double guard_variance = covariance.diagonal().tail(basis.rank() - displayed).sum() / basis.rows();
+  const MatrixXd precision = prior_precision(covariance.topLeftCorner(displayed, displayed), noise + guard_variance);
   visit_masked_views(basis, views, [&](int v, const Eigen::Map<const MatrixXd>& known, const VectorXd& projection) {
     y.col(v) = stored<Scalar>(
         most_probable_coefficients(known.topLeftCorner(displayed, displayed), projection.head(displayed), precision));

@@ -41,8 +41,8 @@ class SeenRows {
 ///   y = argmin ||c_known - B_known y||^2 / noise + y^T (G / n)^-1 y        n: sum of the weights of all views
 ///
 /// with B and G of the ring's basis and `noise` the variance of a known row. That takes B_known^T B_known of all
-/// columns at once (known_grams.h) and B_known^T c_known; with r terms a column costs r^3 for the solution and r^2 for
-/// each group of rows that are hidden together.
+/// columns at once (known_grams.h) and B_known^T c_known; with r terms a column costs r^3 for the solution and r^2
+/// for each group of rows that are hidden together.
 template <typename Scalar>
 class MissingRows {
  public:
@@ -66,7 +66,7 @@ class MissingRows {
   /// probable given that only these terms will explain it: the terms behind are noise then.
   Matrix displayed_coefficients(const Basis& basis, const Views& views, double noise) const;
 
-  /// Imputes the hidden rows of the folded views anew, from what the basis has learnt since, if the columns have grown
+  /// Imputes the hidden rows of the folded views again, from what the basis has learnt since, if the columns have grown
   /// by a tenth since the last time: one step of expectation maximisation. Coefficients, G and the lost energy change.
   void impute_again_when_due(Basis& basis, Views& views, std::int64_t columns_folded, double noise);
 

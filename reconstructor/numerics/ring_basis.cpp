@@ -31,7 +31,7 @@ constexpr double kSmallestPivot = 16 * std::numeric_limits<Scalar>::epsilon();
 constexpr double kLargestGrowth = 1.5;
 constexpr int kMostPasses = 3;
 
-// A turn of the basis costs it about one unit of rounding of orthonormality, and a polish gives it back.
+// A rotation of the basis costs it about one unit of rounding of orthonormality, and a polish gives it back.
 constexpr int kTurnsBetweenPolishes = 4;
 // What is dropped on the way may be missed later: it takes this share of the budget, the displayed rank the whole.
 constexpr double kShareOfBudgetOnTheWay = 0.5;
@@ -59,12 +59,12 @@ struct RingBasis<Scalar>::Block {
   MatrixXd outside;           ///< directions x count: coefficients in R
   MatrixXd overlap;           ///< rank x count: H = B^T P, what projecting once left behind
   MatrixXd to_directions;     ///< count x directions
-  MatrixXd loss;              ///< E = B^T B - I; empty when the basis will not turn
+  MatrixXd loss;              ///< E = B^T B - I; empty when the basis will not rotate
 };
 
 /// New basis = Q from_core: the leading singular directions of all columns, in core coordinates.
 template <typename Scalar>
-struct RingBasis<Scalar>::Turn {
+struct RingBasis<Scalar>::Rotation {
   int rank = 0, displayed = 0;
   double lost = 0;       ///< energy of the directions left out
   VectorXd spectrum;     ///< rank
@@ -144,24 +144,24 @@ void RingBasis<Scalar>::split_residuals(Matrix& columns, Block& block, const Rin
 /// without any direction.
 template <typename Scalar>
 void RingBasis<Scalar>::choose_rank(const VectorXd& descending, double lost, const RingFactorOptions& options,
-                                    Turn& turn) const {
+                                    Rotation& rotation) const {
   const double energy = lost + descending.sum();
   const double budget = options.tolerance * options.tolerance * energy;
   // of the columns, and of the eigenvalues, which are no more exact than the largest of them
   const double rounding =
       std::max(kNoise<Scalar> * kNoise<Scalar>, 4 * std::numeric_limits<double>::epsilon()) * energy;
-  turn.rank = static_cast<int>(descending.size());
-  while (turn.rank > 0) {
-    const double next = descending[turn.rank - 1];
-    const bool affordable = lost + turn.lost + next <= kShareOfBudgetOnTheWay * budget;
-    if (!affordable && next > rounding && turn.rank <= options.terms_kept()) break;
-    turn.lost += next;
-    --turn.rank;
+  rotation.rank = static_cast<int>(descending.size());
+  while (rotation.rank > 0) {
+    const double next = descending[rotation.rank - 1];
+    const bool affordable = lost + rotation.lost + next <= kShareOfBudgetOnTheWay * budget;
+    if (!affordable && next > rounding && rotation.rank <= options.terms_kept()) break;
+    rotation.lost += next;
+    --rotation.rank;
   }
-  turn.displayed = turn.rank;
-  for (double hidden = lost + turn.lost; turn.displayed > 0; --turn.displayed) {
-    hidden += descending[turn.displayed - 1];
-    if (hidden > budget && turn.displayed <= options.max_rank) break;
+  rotation.displayed = rotation.rank;
+  for (double hidden = lost + rotation.lost; rotation.displayed > 0; --rotation.displayed) {
+    hidden += descending[rotation.displayed - 1];
+    if (hidden > budget && rotation.displayed <= options.max_rank) break;
   }
 }
 
@@ -188,8 +188,8 @@ VectorXd RingBasis<Scalar>::orthonormalise_again(Matrix& columns, Block& block) 
 
 /// (3) and (4).
 template <typename Scalar>
-typename RingBasis<Scalar>::Turn RingBasis<Scalar>::singular_turn(const Block& block,
-                                                                  const RingFactorOptions& options) const {
+typename RingBasis<Scalar>::Rotation RingBasis<Scalar>::singular_rotation(const Block& block,
+                                                                          const RingFactorOptions& options) const {
   const Eigen::Index directions = block.outside.rows(), size = rank_ + directions;
   if (size == 0) return {.coordinates = MatrixXd::Zero(0, block.count)};
   MatrixXd z(size, block.count);
@@ -204,27 +204,27 @@ typename RingBasis<Scalar>::Turn RingBasis<Scalar>::singular_turn(const Block& b
   core.topLeftCorner(rank_, rank_) = gram_;
   core.noalias() += z * block.weight.asDiagonal() * z.transpose();
 
-  Turn turn;
+  Rotation rotation;
   const SymmetricEigen eigen = symmetric_eigen(core);
-  turn.spectrum = eigen.values.cwiseMax(0);
-  choose_rank(turn.spectrum, lost_ + block.lost, options, turn);
-  turn.spectrum.conservativeResize(turn.rank);
-  turn.coordinates = std::move(z);
-  turn.core = std::move(core);
-  turn.from_core = eigen.vectors.leftCols(turn.rank);
-  return turn;
+  rotation.spectrum = eigen.values.cwiseMax(0);
+  choose_rank(rotation.spectrum, lost_ + block.lost, options, rotation);
+  rotation.spectrum.conservativeResize(rotation.rank);
+  rotation.coordinates = std::move(z);
+  rotation.core = std::move(core);
+  rotation.from_core = eigen.vectors.leftCols(rotation.rank);
+  return rotation;
 }
 
 /// What rounding in the inner products of the residuals, times their norms, is magnified by on its way to the basis.
 template <typename Scalar>
-double RingBasis<Scalar>::growth(const Block& block, const VectorXd& norm2, const Turn& turn) const {
-  if (turn.rank == 0) return 0;
+double RingBasis<Scalar>::growth(const Block& block, const VectorXd& norm2, const Rotation& rotation) const {
+  if (rotation.rank == 0) return 0;
   const MatrixXd reach =
-      norm2.cwiseSqrt().asDiagonal() * block.to_directions * turn.from_core.bottomRows(block.outside.rows());
+      norm2.cwiseSqrt().asDiagonal() * block.to_directions * rotation.from_core.bottomRows(block.outside.rows());
   return reach.colwise().squaredNorm().maxCoeff();
 }
 
-/// Adds the block to G, and turns the basis to the new singular directions where there are any.
+/// Adds the block to G, and rotates the basis to the new singular directions where there are any.
 template <typename Scalar>
 Fold RingBasis<Scalar>::absorb(Matrix& columns, Block& block, const RingFactorOptions& options) {
   const bool grows = block.outside.rows() > 0;
@@ -232,30 +232,30 @@ Fold RingBasis<Scalar>::absorb(Matrix& columns, Block& block, const RingFactorOp
     block.loss = row_panels::gram(this->columns(), basis_.rows());
     block.loss.diagonal().array() -= 1;
   };
-  const bool turns = grows || rank_ > displayed_ || block.count == 0;
-  if (turns) {
+  const bool rotates = grows || rank_ > displayed_ || block.count == 0;
+  if (rotates) {
     if (turns_ == 0) polish();
     turns_ = (turns_ + 1) % kTurnsBetweenPolishes;
   }
-  Turn turn = singular_turn(block, options);
+  Rotation rotation = singular_rotation(block, options);
   Fold fold;
-  if (!turns && turn.displayed == rank_) {  // nothing new: the basis stays as it is
-    gram_ = turn.core;
-    spectrum_ = turn.spectrum;
+  if (!rotates && rotation.displayed == rank_) {  // nothing new: the basis stays as it is
+    gram_ = rotation.core;
+    spectrum_ = rotation.spectrum;
     lost_ += block.lost;
-    fold.coordinates = std::move(turn.coordinates);
+    fold.coordinates = std::move(rotation.coordinates);
   } else {
     if (grows) {
       // Those of columns with hidden rows may lie mostly within B.
       VectorXd norm2 = block.residual2 + block.overlap.colwise().squaredNorm().transpose();
-      for (int pass = 1; pass < kMostPasses && growth(block, norm2, turn) > kLargestGrowth; ++pass) {
+      for (int pass = 1; pass < kMostPasses && growth(block, norm2, rotation) > kLargestGrowth; ++pass) {
         norm2 = orthonormalise_again(columns, block);
-        turn = singular_turn(block, options);
+        rotation = singular_rotation(block, options);
       }
     }
-    fold.turn = apply(columns, turn, block);
+    fold.rotation = apply(columns, rotation, block);
     fold.coordinates =
-        rank_ > 0 ? MatrixXd(turn.from_core.transpose() * turn.coordinates) : MatrixXd::Zero(0, block.count);
+        rank_ > 0 ? MatrixXd(rotation.from_core.transpose() * rotation.coordinates) : MatrixXd::Zero(0, block.count);
   }
   fold.lost = lost_of_columns(block, fold.coordinates);
   fold.norm2 = std::move(block.norm2);
@@ -265,60 +265,60 @@ Fold RingBasis<Scalar>::absorb(Matrix& columns, Block& block, const RingFactorOp
 
 /// Nothing is left but zeros, or less than the tolerance.
 template <typename Scalar>
-void RingBasis<Scalar>::forget_directions(const Turn& turn, const Block& block) {
+void RingBasis<Scalar>::forget_directions(const Rotation& rotation, const Block& block) {
   basis_.resize(row_panels::padded(rows_), 0);
   gram_.resize(0, 0);
   spectrum_.resize(0);
-  lost_ += block.lost + turn.lost;
+  lost_ += block.lost + rotation.lost;
   rank_ = displayed_ = 0;
 }
 
 /// (5). The residuals that (2) left in `columns` become part of the basis.
 template <typename Scalar>
-BasisTurn RingBasis<Scalar>::apply(const Matrix& columns, Turn& turn, const Block& block) {
-  if (turn.rank == 0) {
-    forget_directions(turn, block);
-    return {.kind = BasisTurn::Kind::kGone, .new_from_old = {}};
+BasisRotation RingBasis<Scalar>::apply(const Matrix& columns, Rotation& rotation, const Block& block) {
+  if (rotation.rank == 0) {
+    forget_directions(rotation, block);
+    return {.kind = BasisRotation::Kind::kGone, .new_from_old = {}};
   }
   const Eigen::Index directions = block.outside.rows();
-  const Eigen::Index displayed = turn.displayed;
-  const MatrixXd rotation = aligning_rotation(turn.from_core.leftCols(displayed), displayed_);
-  turn.from_core.leftCols(displayed) = (turn.from_core.leftCols(displayed) * rotation).eval();
+  const Eigen::Index displayed = rotation.displayed;
+  const MatrixXd alignment = aligning_rotation(rotation.from_core.leftCols(displayed), displayed_);
+  rotation.from_core.leftCols(displayed) = (rotation.from_core.leftCols(displayed) * alignment).eval();
 
-  const MatrixXd from_basis = turn.from_core.topRows(rank_);
-  MatrixXd half = MatrixXd::Zero(rank_, turn.rank);  // E/2 of it
+  const MatrixXd from_basis = rotation.from_core.topRows(rank_);
+  MatrixXd half = MatrixXd::Zero(rank_, rotation.rank);  // E/2 of it
   if (block.loss.size() > 0) half = 0.5 * block.loss * from_basis;
-  const MatrixXd from_residuals = block.to_directions * turn.from_core.bottomRows(directions);
-  Matrix m(rank_ + from_residuals.rows(), turn.rank);
+  const MatrixXd from_residuals = block.to_directions * rotation.from_core.bottomRows(directions);
+  Matrix m(rank_ + from_residuals.rows(), rotation.rank);
   m.topRows(rank_) = (from_basis - half - block.overlap * from_residuals).template cast<Scalar>();
   m.bottomRows(from_residuals.rows()) = from_residuals.template cast<Scalar>();
   const auto residuals = row_panels::columns(columns, static_cast<int>(from_residuals.rows()));
   const Eigen::Index padded = row_panels::padded(rows_);
-  if (turn.rank == basis_.cols()) {
-    row_panels::combine<Scalar>(this->columns(), residuals, m, padded, {basis_.data(), padded, turn.rank});
+  if (rotation.rank == basis_.cols()) {
+    row_panels::combine<Scalar>(this->columns(), residuals, m, padded, {basis_.data(), padded, rotation.rank});
   } else {
-    Matrix turned(padded, turn.rank);
-    row_panels::combine<Scalar>(this->columns(), residuals, m, padded, {turned.data(), padded, turn.rank});
-    basis_ = std::move(turned);
+    Matrix rotated(padded, rotation.rank);
+    row_panels::combine<Scalar>(this->columns(), residuals, m, padded, {rotated.data(), padded, rotation.rank});
+    basis_ = std::move(rotated);
   }
-  gram_ = turn.spectrum.asDiagonal();
+  gram_ = rotation.spectrum.asDiagonal();
   gram_.topLeftCorner(displayed, displayed) =
-      rotation.transpose() * turn.spectrum.head(displayed).asDiagonal() * rotation;
-  spectrum_ = turn.spectrum;
-  lost_ += block.lost + turn.lost;
-  rank_ = turn.rank;
-  displayed_ = turn.displayed;
-  return {.kind = BasisTurn::Kind::kTurned, .new_from_old = from_basis + half};
+      alignment.transpose() * rotation.spectrum.head(displayed).asDiagonal() * alignment;
+  spectrum_ = rotation.spectrum;
+  lost_ += block.lost + rotation.lost;
+  rank_ = rotation.rank;
+  displayed_ = rotation.displayed;
+  return {.kind = BasisRotation::Kind::kRotated, .new_from_old = from_basis + half};
 }
 
 template <typename Scalar>
-BasisTurn RingBasis<Scalar>::restore_order(const RingFactorOptions& options) {
+BasisRotation RingBasis<Scalar>::restore_order(const RingFactorOptions& options) {
   if (rank_ == 0) return {};
   Block nothing;
   nothing.inside = nothing.overlap = MatrixXd::Zero(rank_, 0);
   nothing.outside = nothing.to_directions = MatrixXd::Zero(0, 0);
   Matrix no_columns;
-  return absorb(no_columns, nothing, options).turn;
+  return absorb(no_columns, nothing, options).rotation;
 }
 
 template <typename Scalar>

@@ -14,12 +14,12 @@
 
 namespace sheen {
 
-/// How a fold turned the basis: what a coefficient vector y of a folded view becomes.
-struct BasisTurn {
+/// How a fold rotated the basis: what a coefficient vector y of a folded view becomes.
+struct BasisRotation {
   enum class Kind {
-    kNone,    ///< y stays
-    kTurned,  ///< new_from_old^T y
-    kGone,    ///< nothing: rank 0
+    kNone,     ///< y stays
+    kRotated,  ///< new_from_old^T y
+    kGone,     ///< nothing: rank 0
   };
   Kind kind = Kind::kNone;
   Eigen::MatrixXd new_from_old;  ///< old rank x new rank
@@ -27,7 +27,7 @@ struct BasisTurn {
 
 /// What folding a block in did.
 struct Fold {
-  BasisTurn turn;
+  BasisRotation rotation;
   Eigen::VectorXd norm2, residual2;  ///< for each column: ||c||^2, ||p||^2
   Eigen::MatrixXd coordinates;       ///< new rank x columns: of the block in the new basis
   Eigen::VectorXd lost;              ///< for each column: ||c||^2 less that of its coordinates
@@ -45,12 +45,12 @@ struct Fold {
 ///   (5)  B <- Q V,  y <- V^T y,  G <- S^2                  the leading columns of V alone; one pass     n (r + k) r
 ///
 /// H is the second projection of "twice is enough": P was rounded, and what that left of B in it is not lost. Every
-/// few turns E = B^T B - I is measured too and (5) starts from B (I - E/2): the polish, which gives back what rounding
-/// took from the basis. R and the polished basis are never written out: both are in the one matrix that (5) multiplies
-/// [B P] by. Only where P^T P is so ill-conditioned that this would magnify its rounding is R written over P and
-/// orthonormalised once more.
+/// few rotates E = B^T B - I is measured too and (5) starts from B (I - E/2): the polish, which gives back what
+/// rounding took from the basis. R and the polished basis are never written out: both are in the one matrix that (5)
+/// multiplies [B P] by. Only where P^T P is so ill-conditioned that this would magnify its rounding is R written over P
+/// and orthonormalised once more.
 ///
-/// The first `displayed()` columns of B span the leading singular subspace and are turned as little as possible from
+/// The first `displayed()` columns of B span the leading singular subspace and are rotated as little as possible from
 /// fold to fold (Procrustes: V's leading columns times the orthogonal factor of their overlap with the old frame); the
 /// rest is in singular order. So G is diagonal but for its leading displayed x displayed block.
 ///
@@ -87,7 +87,7 @@ class RingBasis {
             std::span<const std::uint64_t> hidden, const RingFactorOptions& options);
 
   /// Restores the singular order, and gives back the rank that the options do not ask for.
-  BasisTurn restore_order(const RingFactorOptions& options);
+  BasisRotation restore_order(const RingFactorOptions& options);
 
   /// Gives rows that were zero values, row by row, and then makes B orthonormal again. Returns what coefficients are to
   /// be multiplied by, one matrix after the other: r x r each.
@@ -102,16 +102,17 @@ class RingBasis {
 
  private:
   struct Block;
-  struct Turn;
+  struct Rotation;
 
   void split_residuals(Matrix& columns, Block& block, const RingFactorOptions& options) const;
   Eigen::VectorXd orthonormalise_again(Matrix& columns, Block& block) const;
-  void choose_rank(const Eigen::VectorXd& descending, double lost, const RingFactorOptions& options, Turn& turn) const;
-  Turn singular_turn(const Block& block, const RingFactorOptions& options) const;
-  double growth(const Block& block, const Eigen::VectorXd& norm2, const Turn& turn) const;
+  void choose_rank(const Eigen::VectorXd& descending, double lost, const RingFactorOptions& options,
+                   Rotation& rotation) const;
+  Rotation singular_rotation(const Block& block, const RingFactorOptions& options) const;
+  double growth(const Block& block, const Eigen::VectorXd& norm2, const Rotation& rotation) const;
   Fold absorb(Matrix& columns, Block& block, const RingFactorOptions& options);
-  BasisTurn apply(const Matrix& columns, Turn& turn, const Block& block);
-  void forget_directions(const Turn& turn, const Block& block);
+  BasisRotation apply(const Matrix& columns, Rotation& rotation, const Block& block);
+  void forget_directions(const Rotation& rotation, const Block& block);
 
   int rows_;
   int rank_ = 0, displayed_ = 0;

@@ -70,7 +70,7 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
   const Eigen::MatrixXd y = missing_.project(basis_, views_, pending_, hidden, row_noise());
   const bool first = rank() == 0;
   const Fold fold = basis_.fold(pending_.buffer(), weights, y, hidden, options_);
-  views_.follow(fold.turn);
+  views_.follow(fold.rotation);
   views_.append(fold, std::move(arrivals));
 
   reports.reserve(static_cast<std::size_t>(pending()));
@@ -164,7 +164,7 @@ void BasicRingFactor<Scalar>::take_from(int view, const ConstVectorRef& column, 
   rediagonalise();
 }
 
-/// G anew from what the views say, then the singular order and the rank that it asks for.
+/// G again from what the views say, then the singular order and the rank that it asks for.
 template <typename Scalar>
 void BasicRingFactor<Scalar>::rediagonalise() {
   basis_.set_gram(views_.gram());

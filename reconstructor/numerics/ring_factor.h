@@ -39,9 +39,9 @@ struct ColumnReport {
 ///   Y and the ledger of what each view weighs and lacks   merging, taking out MissingRows     what columns do not show
 ///   imputation, rows that are seen late
 ///
-/// The first `displayed_rank()` columns of B span the leading singular subspace and are turned as little as possible
-/// from fold to fold (Procrustes), so displayed coefficients do not jump; the rest, in singular order, is the appendix
-/// that makes the result independent of the order of the columns.
+/// The first `displayed_rank()` columns of B span the leading singular subspace and are rotated as little as possible
+/// from fold to fold (Procrustes), so displayed coefficients do not jump; the rest, in singular order, are guard
+/// terms, which make the result independent of the order of the columns.
 ///
 /// Rows that a column does not show (`known` = 0) are imputed when its block is folded, with the basis before the block
 /// (see imputation.h), and again each time that the columns have grown by a tenth: early guesses do not stay. What such

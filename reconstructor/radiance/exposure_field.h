@@ -22,7 +22,7 @@ struct ExposureField {
 };
 
 /// What automatic exposure would have chosen elsewhere, from what it chose at `eyes` (object frame), by the kernel that
-/// foretells each best from the others. Empty when all gains were known (log gain 0).
+/// predicts each best from the others. Empty when all gains were known (log gain 0).
 ExposureField interpolated_exposure(const Eigen::Vector3f& centre, std::span<const Eigen::Vector3d> eyes,
                                     std::span<const float> log_gains);
 

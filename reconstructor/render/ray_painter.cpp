@@ -52,7 +52,7 @@ PaintedView RayPainter::paint(const Appearance& snapshot, const Camera& camera,
       for (int c = 0; c < 3; ++c) view.beauty.at(x, y, c) = sample.rgb[c];
       view.coverage.at(x, y) = coverage_of(sample.state);
       const SurfaceQuality quality = hit.front ? shader->quality(hit.triangle) : SurfaceQuality{};
-      view.foretold.at(x, y) = quality.error;
+      view.predicted_error.at(x, y) = quality.error;
       view.heuristic.at(x, y) = quality.heuristic();
       view.reason.at(x, y) = static_cast<std::uint8_t>(quality.reason()) + 1;
     }

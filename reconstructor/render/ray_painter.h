@@ -14,11 +14,11 @@ inline constexpr std::uint8_t kCoverageUnseen = 128, kCoverageImputed = 192, kCo
 
 /// A picture of a model with what is known about each pixel.
 struct PaintedView {
-  ImageF beauty;     ///< linear RGB; 0 where there is no surface
-  ImageU8 coverage;  ///< the SampleState of what is shown, as kCoverage...; 0 where there is no surface
-  ImageF foretold;   ///< 1 channel: RMS of encoded values by which the picture is expected to be wrong
-  ImageF heuristic;  ///< 1 channel, 0..1
-  ImageU8 reason;    ///< QualityReason + 1; 0 where there is no surface
+  ImageF beauty;           ///< linear RGB; 0 where there is no surface
+  ImageU8 coverage;        ///< the SampleState of what is shown, as kCoverage...; 0 where there is no surface
+  ImageF predicted_error;  ///< 1 channel: RMS of encoded values by which the picture is expected to be wrong
+  ImageF heuristic;        ///< 1 channel, 0..1
+  ImageU8 reason;          ///< QualityReason + 1; 0 where there is no surface
 };
 
 /// Ray-casts a model's snapshot through a real camera, lens distortion included: one ray a pixel through its centre.

@@ -102,22 +102,22 @@ const ModelKind& kind_in(const toml::table& document, const std::filesystem::pat
 }
 
 /// All effort levels, as `tradeoff` measured them.
-MeasuredLadder ladder_of(const toml::node& rungs, std::size_t levels, const std::filesystem::path& file) {
+MeasuredLevels levels_of(const toml::node& entries, std::size_t levels, const std::filesystem::path& file) {
   const auto fail = [&](const toml::node& at) {
-    throw ConfigError(place(file, at.source()) + "[[rung]]: takes image_ms above 0 and psnr_db, " +
+    throw ConfigError(place(file, at.source()) + "[[effort_level]]: takes image_ms above 0 and psnr_db, " +
                       std::to_string(levels) + " times; `tradeoff --out` writes them");
   };
-  MeasuredLadder ladder;
-  const toml::array* list = rungs.as_array();
-  if (!list || list->size() != levels) fail(rungs);
+  MeasuredLevels measured;
+  const toml::array* list = entries.as_array();
+  if (!list || list->size() != levels) fail(entries);
   for (const toml::node& entry : *list) {
     const toml::table* table = entry.as_table();
     if (!table || table->size() != 2) fail(entry);
     const auto ms = (*table)["image_ms"].value<double>(), db = (*table)["psnr_db"].value<double>();
     if (!ms || !db || !(*ms > 0) || !std::isfinite(*ms) || !std::isfinite(*db)) fail(entry);
-    ladder.push_back({*ms, *db});
+    measured.push_back({*ms, *db});
   }
-  return ladder;
+  return measured;
 }
 
 }  // namespace
@@ -145,13 +145,13 @@ SceneConfig parse_scene_config(std::string_view text, const std::filesystem::pat
   const std::vector<SettingKey> keys = scene.settings->keys();
   for (const auto& [name, content] : document) {
     if (name == "model") continue;
-    if (name == "rung") {
-      scene.ladder = ladder_of(content, static_cast<std::size_t>(scene.settings->effort_levels()), file);
+    if (name == "effort_level") {
+      scene.measured = levels_of(content, static_cast<std::size_t>(scene.settings->effort_levels()), file);
       continue;
     }
     if ((name != "images" && name != model) || !content.is_table())
       throw ConfigError(place(file, content.source()) + "unknown section [" + std::string(name.str()) +
-                        "]; a scene has model, [images], [" + model + "] and, from `tradeoff`, [[rung]]");
+                        "]; a scene has model, [images], [" + model + "] and, from `tradeoff`, [[effort_level]]");
   }
   for (const SettingTable table : kTables)
     if (const toml::table* values = table_in(document, table, model)) read_table(*values, table, keys, model, file);
@@ -176,11 +176,12 @@ std::string to_toml(const ModelSettings& settings) {
   return text;
 }
 
-std::string rungs_to_toml(const MeasuredLadder& ladder) {
+std::string levels_to_toml(const MeasuredLevels& measured) {
   std::string text;
-  for (const MeasuredRung& rung : ladder) {
+  for (const MeasuredLevel& level : measured) {
     char entry[96];
-    std::snprintf(entry, sizeof entry, "[[rung]]\nimage_ms = %.9g\npsnr_db = %.9g\n", rung.image_ms, rung.psnr_db);
+    std::snprintf(entry, sizeof entry, "[[effort_level]]\nimage_ms = %.9g\npsnr_db = %.9g\n", level.image_ms,
+                  level.psnr_db);
     text += entry;
   }
   return text;

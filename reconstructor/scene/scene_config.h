@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "reconstructor/effort/budget.h"
+#include "reconstructor/effort/effort_control.h"
 #include "reconstructor/models/model_kind.h"
 
 namespace sheen {
@@ -16,7 +16,7 @@ namespace sheen {
 struct SceneConfig {
   const ModelKind* kind = nullptr;          ///< `model = "..."`; the first known kind where the file does not say
   std::unique_ptr<ModelSettings> settings;  ///< [images], [NAME], [NAME.advanced]
-  MeasuredLadder ladder;                    ///< [[rung]], as `tradeoff` writes it; empty where the file has none
+  MeasuredLevels measured;  ///< [[effort_level]], as `tradeoff` writes it; empty where the file has none
 };
 
 /// What a scene without a file has.
@@ -28,6 +28,6 @@ SceneConfig parse_scene_config(std::string_view text, const std::filesystem::pat
 
 /// The scene file of these settings, to be written and loaded again: all keys.
 std::string to_toml(const ModelSettings& settings);
-std::string rungs_to_toml(const MeasuredLadder& ladder);
+std::string levels_to_toml(const MeasuredLevels& measured);
 
 }  // namespace sheen

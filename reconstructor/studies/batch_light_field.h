@@ -91,7 +91,7 @@ class BatchLightField {
   std::unique_ptr<RingVisibility> visibility_;
   RadianceImage image_;
   Eigen::Matrix3Xf samples_;             ///< encoded values of the current image
-  std::vector<std::vector<Kept>> kept_;  ///< a ring
+  std::vector<std::vector<Kept>> kept_;  ///< per ring
   std::uint32_t images_ = 0;
 };
 

@@ -46,7 +46,7 @@ struct PatchStudy {
   PatchRow ring{.name = "ring"}, triangle{.name = "triangle"};
 };
 
-/// A patch a vertex ring, as the light field has them, beside a patch a triangle.
+/// A patch per vertex ring, as the light field has them, beside a patch per triangle.
 ///
 /// A patch a triangle is the same light field on `split_triangles` of the mesh: each of the three rings of a triangle
 /// is that triangle, so it is factorised three times alike; bytes and time of the triangles are a third of what this

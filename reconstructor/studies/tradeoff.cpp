@@ -13,10 +13,10 @@ namespace sheen {
 namespace {
 
 /// By which factor a point exceeds what is allowed; 1 when it does not.
-double excess(const TradeoffPoint& point, const TradeoffWish& wish) {
+double excess(const TradeoffPoint& point, const Limits& limits) {
   double factor = 1;
-  if (wish.image_ms) factor = std::max(factor, point.image_ms / *wish.image_ms);
-  if (wish.bytes) factor = std::max(factor, point.bytes / *wish.bytes);
+  if (limits.image_ms) factor = std::max(factor, point.image_ms / *limits.image_ms);
+  if (limits.bytes) factor = std::max(factor, point.bytes / *limits.bytes);
   return factor;
 }
 
@@ -104,7 +104,7 @@ std::vector<Setting> part_settings(const SurfaceLightFieldOptions& base) {
 std::vector<Setting> effort_level_settings(const SurfaceLightFieldOptions& base) {
   std::vector<Setting> settings;
   for (int level = 1; level < base.effort_levels(); ++level)
-    settings.push_back({"effort level " + std::to_string(level), "effort level", at_rung(base, level)});
+    settings.push_back({"effort level " + std::to_string(level), "effort level", at_effort_level(base, level)});
   return settings;
 }
 
@@ -133,19 +133,19 @@ std::vector<std::size_t> pareto_frontier(std::span<const double> cost, std::span
   return frontier;
 }
 
-TradeoffChoice choose_setting(std::span<const TradeoffPoint> points, const TradeoffWish& wish) {
+TradeoffChoice choose_setting(std::span<const TradeoffPoint> points, const Limits& limits) {
   // What a choice is judged by, in the order of what matters; the least one is taken.
   using Judgement = std::tuple<double, double, double, double>;
   const auto judge = [&](const TradeoffPoint& p) -> Judgement {
-    const double over = excess(p, wish);
-    const double short_db = wish.psnr_db ? std::max(0.0, *wish.psnr_db - p.psnr_db) : -p.psnr_db;
+    const double over = excess(p, limits);
+    const double short_db = limits.psnr_db ? std::max(0.0, *limits.psnr_db - p.psnr_db) : -p.psnr_db;
     return {over, short_db, p.image_ms, p.bytes};
   };
   TradeoffChoice choice;
   for (std::size_t i = 1; i < points.size(); ++i)
     if (judge(points[i]) < judge(points[choice.index])) choice.index = i;
   const TradeoffPoint& chosen = points[choice.index];
-  choice.holds = excess(chosen, wish) == 1 && (!wish.psnr_db || chosen.psnr_db >= *wish.psnr_db);
+  choice.holds = excess(chosen, limits) == 1 && (!limits.psnr_db || chosen.psnr_db >= *limits.psnr_db);
   return choice;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "reconstructor/effort/tradeoff_wish.h"
+#include "reconstructor/effort/limits.h"
 #include "reconstructor/studies/experiment.h"
 
 namespace sheen {
@@ -20,10 +20,10 @@ struct Setting {
 /// What a setting costs and what it is worth on held-out views.
 struct TradeoffPoint {
   Setting setting;
-  double image_ms = 0;   ///< median wall time an image
-  double cpu_ms = 0;     ///< mean processor time an image, all threads
+  double image_ms = 0;   ///< median wall time per image
+  double cpu_ms = 0;     ///< mean processor time per image, all threads
   double bytes = 0;      ///< of the rings' state
-  double mean_rank = 0;  ///< terms a ring
+  double mean_rank = 0;  ///< terms per ring
   double psnr_db = 0, ssim = 0;
 };
 
@@ -51,6 +51,6 @@ struct TradeoffChoice {
 /// With a PSNR asked for, the quickest setting (then the smallest) that reaches it within the limits; without, the best
 /// one within the limits. Where the limits cannot be kept, the setting that exceeds them by the smallest factor; where
 /// they leave no setting that reaches the PSNR, the best one within them. `points` must not be empty.
-TradeoffChoice choose_setting(std::span<const TradeoffPoint> points, const TradeoffWish& wish);
+TradeoffChoice choose_setting(std::span<const TradeoffPoint> points, const Limits& limits);
 
 }  // namespace sheen

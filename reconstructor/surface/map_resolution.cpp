@@ -26,7 +26,7 @@ std::vector<std::uint8_t> map_resolution(const Mesh& mesh, const Camera& camera,
     const Eigen::Vector3f a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
     const double edge = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     const int side = static_cast<int>(std::lround(options.scale * edge * pixels_per_metre)) + 1;
-    // A large triangle is not to blur: at most two pixels a sample.
+    // A large triangle is not to blur: at most two pixels per sample.
     const int largest = std::min(std::max(options.largest, (side + 1) / 2), kLargest);
     resolution[t] = static_cast<std::uint8_t>(std::clamp(side, options.smallest, largest));
   }

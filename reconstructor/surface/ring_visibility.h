@@ -27,11 +27,11 @@ struct VisibilityOptions {
 struct SurfaceView {
   Eigen::Vector3d eye;                   ///< object frame
   PixelBox box;                          ///< pixels that can show the mesh
-  std::vector<Eigen::Vector2f> pixel;    ///< a sample: where it falls in the image, through the lens
-  std::vector<std::uint8_t> visible;     ///< a sample
-  std::vector<int> visible_in_triangle;  ///< a triangle: how many of its samples are visible
-  std::vector<float> cosine;             ///< a triangle: towards the camera; <= 0 when it faces away
-  std::vector<float> step_px;            ///< a triangle: mean distance of neighbouring samples in the image
+  std::vector<Eigen::Vector2f> pixel;    ///< per sample: where it falls in the image, through the lens
+  std::vector<std::uint8_t> visible;     ///< per sample
+  std::vector<int> visible_in_triangle;  ///< per triangle: how many of its samples are visible
+  std::vector<float> cosine;             ///< per triangle: towards the camera; <= 0 when it faces away
+  std::vector<float> step_px;            ///< per triangle: mean distance of neighbouring samples in the image
   std::size_t visible_samples = 0;
   /// A pixel of the image: z of the first hit in the camera's frame where it lies on a front face and safely inside a
   /// surface, away from every edge; else 0. Only there may anything be sampled.

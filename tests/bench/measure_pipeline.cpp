@@ -14,7 +14,7 @@
 #include "common/simulation/sensor.h"
 #include "common/simulation/test_object.h"
 #include "reconstructor/capture/reconstruction.h"
-#include "reconstructor/effort/budget.h"
+#include "reconstructor/effort/effort_control.h"
 #include "reconstructor/models/surface_light_field/effort_levels.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 #include "reconstructor/render/ray_painter.h"
@@ -102,9 +102,9 @@ double eye_ms(const ModelSnapshot& model) {
 }
 
 Run ingest(const Mesh& mesh, const SurfaceLightFieldOptions& options, const std::vector<Capture>& captures,
-           const TradeoffWish& wish, int turns = 1) {
+           const Limits& limits, int turns = 1) {
   Reconstruction reconstruction(mesh, options);
-  reconstruction.keep_within(wish);
+  reconstruction.keep_within(limits);
   Run run;
   for (int turn = 0; turn < turns; ++turn)
     for (const Capture& capture : captures) {
@@ -155,13 +155,13 @@ void measure(GoalReport& report) {
   const Run hurried = ingest(object.mesh, options, captures, {.image_ms = kBudgetMs});
   report.add(at_least(30, {}, "ingest, --budget 33ms", hurried.rate(), "images/s",
                       {{"paper_images_per_s", paper.rate()},
-                       {"rung", hurried.effort.rung},
-                       {"share_at_the_end", hurried.effort.share}}));
+                       {"effort_level", hurried.effort.level},
+                       {"update_fraction_at_the_end", hurried.effort.update_fraction}}));
   report.add(at_most(0.3, {}, "held-out PSNR lost by it", paper.psnr_db - hurried.psnr_db, "dB",
                      {{"paper_db", paper.psnr_db}, {"budget_db", hurried.psnr_db}}));
-  for (int rung = 1; rung < options.effort_levels(); ++rung) {
-    const Run at = ingest(object.mesh, at_rung(options, rung), captures, {});
-    report.add({.name = "rung " + std::to_string(rung) + " of the ladder, cost",
+  for (int level = 1; level < options.effort_levels(); ++level) {
+    const Run at = ingest(object.mesh, at_effort_level(options, level), captures, {});
+    report.add({.name = "effort level " + std::to_string(level) + " of the effort levels, cost",
                 .value = at.median_ms() / paper.median_ms(),
                 .unit = "ratio",
                 .compared_with = {{"lost_db", paper.psnr_db - at.psnr_db}}});

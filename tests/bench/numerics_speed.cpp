@@ -29,7 +29,7 @@ RingFactorOptions capped_at(int internal_rank) {
   return {.max_rank = kDisplayed, .internal_rank = internal_rank, .tolerance = 0};
 }
 
-/// Microseconds of processor time a column once the rank is full: median of runs over 240 columns of one ring.
+/// Microseconds of processor time per column once the rank is full: median of runs over 240 columns of one ring.
 template <typename Scalar>
 double us_a_column(const Eigen::MatrixXf& columns, int internal_rank) {
   const auto data = columns.cast<Scalar>().eval();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever an EXR file holds: parts with as many pixels as they claim, which written anew are read as the same bits, or
-// a FileError.
+// Whatever an EXR file holds: parts with as many pixels as they claim, which written again are read as the same bits,
+// or a FileError.
 #include <cmath>
 #include <set>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever the files of a saved model hold: a model that can be looked at and that, saved anew, opens as the same, or a
-// FileError.
+// Whatever the files of a saved model hold: a model that can be looked at and that, saved again, opens as the same, or
+// a FileError.
 #include <array>
 #include <cmath>
 #include <filesystem>

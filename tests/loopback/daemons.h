@@ -21,7 +21,7 @@ Words operator+(Words a, const Words& b);
 Words tracker(const Words& arguments);        ///< command line of build/bin/sheen-tracker
 Words reconstructor(const Words& arguments);  ///< and of build/bin/sheen-reconstructor
 
-/// A link of 127.0.0.1 with CURVE: a free port, and a key pair a role in `folder`.
+/// A link of 127.0.0.1 with CURVE: a free port, and a key pair per role in `folder`.
 struct SecureLink {
   explicit SecureLink(const std::filesystem::path& folder);
   Words tracker_options() const;

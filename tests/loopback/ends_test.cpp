@@ -24,7 +24,7 @@ class Ends : public ::testing::Test {
  protected:
   explicit Ends(int views = 16) : data_{.folder = temp_.path() / "data", .views = views} { data_.write(); }
 
-  /// A daemon that has taken in every view, and whose tracker is done.
+  /// A daemon that has ingested every view, and whose tracker is done.
   std::unique_ptr<Process> captured(const Words& launcher = {}) {
     const std::string address = free_address();
     auto desk =

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// Two runs of a tracker, whose frames have the same names, of a camera that is set anew for each image.
+/// Two runs of a tracker, whose frames have the same names, of a camera that is set again for each image.
 class Evaluate : public ::testing::Test {
  protected:
   static constexpr int kEachRun = 14;
@@ -101,7 +101,7 @@ TEST_F(Evaluate, AModelThatDoesNotSayWhatItIsMadeOfIsRefused) {
   Json description = Json::parse(read_file(model_ / "model.json"));
   description["metadata"].erase("captures");
   write_file(model_ / "model.json", description.dump());
-  expect_outcome(run_to_end(reconstructor({"evaluate", model_, session_})), 1, {model_, "build it anew"});
+  expect_outcome(run_to_end(reconstructor({"evaluate", model_, session_})), 1, {model_, "build it again"});
 }
 
 TEST_F(Evaluate, ImagesThatTheModelWasNotBuiltFromAreNoHeldOutViews) {

@@ -43,9 +43,9 @@ TEST(Tradeoff, MeasuresPlotsAndChooses) {
   EXPECT_TRUE(json["choice"]["holds"]);
 
   // What it writes is a scene file whose effort levels --budget and --target go by.
-  const auto rung = [&](std::size_t r) { return json["points"][json["points"].size() - 6 + r]; };
-  EXPECT_EQ(rung(1)["part"], "effort level");
-  const std::string target = std::to_string(rung(5)["psnr_db"].get<double>() - 0.01) + "dB";
+  const auto level = [&](std::size_t r) { return json["points"][json["points"].size() - 6 + r]; };
+  EXPECT_EQ(level(1)["part"], "effort level");
+  const std::string target = std::to_string(level(5)["psnr_db"].get<double>() - 0.01) + "dB";
   const SecureLink link(temp.path());
   Process desk(serve(data.mesh(), temp.path() / "session",
                      link.reconstructor_options() + Words{"--once", "--config", out / "scene.toml", "--target", target,
@@ -54,8 +54,8 @@ TEST(Tradeoff, MeasuresPlotsAndChooses) {
                  0, {});
   expect_outcome(wait_to_end(desk), 0, {"14 images folded in"});
   const auto served = nlohmann::json::parse(read_file(temp.path() / "desk.json"));
-  EXPECT_EQ(served["settings"]["rung"], 5);
-  EXPECT_EQ(served["held_out"]["psnr_db"], rung(5)["psnr_db"]) << "the very model that was measured";
+  EXPECT_EQ(served["settings"]["effort_level"], 5);
+  EXPECT_EQ(served["held_out"]["psnr_db"], level(5)["psnr_db"]) << "the very model that was measured";
   EXPECT_TRUE(served["settings"]["target"]["reached"]);
 
   // What it prints is a scene file.

@@ -115,7 +115,8 @@ std::shared_ptr<const ModelSnapshot> FlatColourSnapshot::filled() const {
 }
 
 ViewAdvice FlatColourSnapshot::advise_next_view(const Eigen::Vector3d& eye) const {
-  return {.eye = Eigen::Vector3d(-eye.x(), -eye.y(), eye.z()), .heuristic = 1, .turn_deg = 180, .reason = "other side"};
+  return {
+      .eye = Eigen::Vector3d(-eye.x(), -eye.y(), eye.z()), .heuristic = 1, .angle_deg = 180, .reason = "other side"};
 }
 
 void FlatColourSnapshot::save(const std::filesystem::path& folder, const ModelMetadata& metadata,

@@ -20,7 +20,7 @@ TEST(FrameIds, ShortIdsGoOnWithOne) {
 TEST(FrameIds, OneThatCameLateIsNoGap) {
   EXPECT_EQ(frames_between(10, 9), 0u);
   EXPECT_EQ(frames_between(10, 10), 0u);
-  EXPECT_EQ(frames_between(70'000, 1), 0u) << "the camera began anew";
+  EXPECT_EQ(frames_between(70'000, 1), 0u) << "the camera began again";
 }
 
 }  // namespace

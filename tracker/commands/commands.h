@@ -7,8 +7,8 @@ class App;
 
 namespace sheen {
 
-// Each adds its subcommand to the application; one file a command. The work happens in the subcommand's callback, which
-// throws sheen::Error; main maps ConfigError to exit status 2 and everything else to 1.
+// Each adds its subcommand to the application; one file per command. The work happens in the subcommand's callback,
+// which throws sheen::Error; main maps ConfigError to exit status 2 and everything else to 1.
 void add_run_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_stage_command(CLI::App& app);

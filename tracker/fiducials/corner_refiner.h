@@ -29,7 +29,7 @@ void refine_corners(const ImageU8& grey, const Camera& camera, std::vector<TagOb
 
 /// Length (pixels) of the motion streak that lies over the tags' edges, seen in their width: of a box streak of length
 /// L across an edge the profile's slope has the variance L^2 / 12 beyond that of a sharp edge. The longest over the
-/// directions of the edges, median over the tags. Sudden jerks show here that no motion between frames foretells.
+/// directions of the edges, median over the tags. Sudden jerks show here that no motion between frames predicts.
 /// Streaks beyond the reach of the profiles (about 5 px) read as that; 0 for sharp edges. Corners must be refined.
 double measured_streak_px(const ImageU8& grey, const Camera& camera, const std::vector<TagObservation>& tags,
                           const RefinerOptions& options = {});

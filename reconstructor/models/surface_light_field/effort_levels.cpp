@@ -9,8 +9,8 @@
 
 namespace sheen {
 
-std::span<const Rung> effort_ladder() {
-  static constexpr std::array<Rung, 6> kLadder{{
+std::span<const EffortLevel> all_effort_levels() {
+  static constexpr std::array<EffortLevel, 6> kLevels{{
       {1, 64, 0},
       {0.8, 64, 0},
       {0.65, 16, 0},
@@ -18,11 +18,11 @@ std::span<const Rung> effort_ladder() {
       {0.5, 12, 4.0 / 3},
       {0.4, 12, 4.0 / 3},
   }};
-  return kLadder;
+  return kLevels;
 }
 
-SurfaceLightFieldOptions at_rung(const SurfaceLightFieldOptions& options, int rung) {
-  const Rung& r = effort_ladder()[static_cast<std::size_t>(rung)];
+SurfaceLightFieldOptions at_effort_level(const SurfaceLightFieldOptions& options, int level) {
+  const EffortLevel& r = all_effort_levels()[static_cast<std::size_t>(level)];
   SurfaceLightFieldOptions out = options;
   out.map_scale *= r.map_scale;
   RingFactorOptions& factor = out.ring.factor;
@@ -39,18 +39,18 @@ std::span<const TermLimit> memory_steps() {
   return kSteps;
 }
 
-int finest_rung(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
-                double bytes) {
+int finest_level(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
+                 double bytes) {
   constexpr TermLimit kWorthwhile{8, 12, 6};  // fewer terms on finer maps are worth less than more on coarser ones
-  const int last = static_cast<int>(effort_ladder().size()) - 1;
-  int rung = first;
-  for (; rung < last; ++rung) {
-    SurfaceLightFieldOptions limited = at_rung(options, rung);
+  const int last = static_cast<int>(all_effort_levels().size()) - 1;
+  int level = first;
+  for (; level < last; ++level) {
+    SurfaceLightFieldOptions limited = at_effort_level(options, level);
     RingFactorOptions& factor = limited.ring.factor;
     factor = factor.limited_to(kWorthwhile.max_rank, kWorthwhile.internal_rank, kWorthwhile.block);
     if (largest_account(mesh, first_capture, limited).total() <= bytes) break;
   }
-  return rung;
+  return level;
 }
 
 }  // namespace sheen

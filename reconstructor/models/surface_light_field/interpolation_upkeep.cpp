@@ -23,7 +23,7 @@ void InterpolationUpkeep::after_image(std::size_t images, std::span<const std::u
   choose(due, frames, rings);
 }
 
-void InterpolationUpkeep::anew(std::size_t images, Frames frames, Rings& rings) {
+void InterpolationUpkeep::rebuild(std::size_t images, Frames frames, Rings& rings) {
   if (fitted_at_ > 0) {
     fitted_at_ = images;
     fit_reflection_now(frames, rings);

@@ -19,7 +19,7 @@ namespace sheen {
 /// another and the same images give the same bits.
 class InterpolationUpkeep {
  public:
-  using Rings = std::vector<std::unique_ptr<RingModel>>;  ///< a vertex; null where no image reached it
+  using Rings = std::vector<std::unique_ptr<RingModel>>;  ///< per vertex; null where no image reached it
   /// `frames`: of the vertices' hemispheres.
   using Frames = std::span<const Eigen::Matrix3f>;
 
@@ -28,8 +28,8 @@ class InterpolationUpkeep {
 
   /// After the `images`th image: `due` are the rings that want to choose their kernels.
   void after_image(std::size_t images, std::span<const std::uint32_t> due, Frames frames, Rings& rings);
-  /// All anew, after an image was taken out: a bad one makes smooth kernels look good everywhere.
-  void anew(std::size_t images, Frames frames, Rings& rings);
+  /// All again, after an image was taken out: a bad one makes smooth kernels look good everywhere.
+  void rebuild(std::size_t images, Frames frames, Rings& rings);
 
  private:
   bool gather_levels(std::size_t most, Frames frames, const Rings& rings);

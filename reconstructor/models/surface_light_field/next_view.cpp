@@ -96,7 +96,7 @@ ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eig
                     .reason = describe(prospects[best].reason),
                     .worst_psnr_db = prospects[worst].psnr_db};
   const Eigen::Vector3d from = (eye - bounds.centre).normalized(), to = (advice.eye - bounds.centre).normalized();
-  advice.turn_deg = std::acos(std::clamp(from.dot(to), -1.0, 1.0)) * 180 / M_PI;
+  advice.angle_deg = std::acos(std::clamp(from.dot(to), -1.0, 1.0)) * 180 / M_PI;
   return advice;
 }
 

@@ -26,7 +26,7 @@ class PaperHeuristic {
 
  private:
   const SurfaceLightFieldSnapshot& snapshot_;
-  std::vector<ViewTriangulation> views_;  ///< a ring
+  std::vector<ViewTriangulation> views_;  ///< per ring
 };
 
 }  // namespace sheen

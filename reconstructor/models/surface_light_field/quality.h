@@ -9,7 +9,7 @@ namespace sheen {
 
 struct RingSnapshot;
 
-/// The error is kriging's own: the sill, which says how well the ring's images foretell each other, times the variance
+/// The error is kriging's own: the sill, which says how well the ring's images predict each other, times the variance
 /// of what is seen from there given the images. `common_sill`: of all rings (`SurfaceLightFieldSnapshot::common_sill`);
 /// it counts for one image beside the ring's own.
 SurfaceQuality assess_ring(const RingSnapshot& ring, const Eigen::Vector3f& direction, float common_sill);

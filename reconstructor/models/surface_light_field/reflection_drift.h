@@ -12,7 +12,7 @@ namespace sheen {
 
 /// What all rings share of how their level varies with the view: the light that comes from where a ring would mirror
 /// the eye to, a function on the sphere in spherical harmonics. It is the external drift of the kriging between views
-/// (`krige`); a ring uses it where that foretells its views better.
+/// (`krige`); a ring uses it where that predicts its views better.
 struct ReflectionDrift {
   Harmonics coefficients = Harmonics::Zero();
 
@@ -25,7 +25,7 @@ struct RingLevels {
   Eigen::Vector3f normal;
   Eigen::Matrix3Xf directions;  ///< to the eyes, a column a view
   Eigen::Matrix3Xf levels;      ///< RGB, encoded
-  Eigen::VectorXf reliability;  ///< a view, > 0
+  Eigen::VectorXf reliability;  ///< per view, > 0
 };
 
 /// Level of ring v in view j = mean of v + s_v (L(mirrored direction) - its mean over the views of v), by alternating

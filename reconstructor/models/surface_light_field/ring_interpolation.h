@@ -12,7 +12,7 @@
 namespace sheen {
 
 /// How one ring interpolates between its views: the kernel that was chosen for it, the reflection that all rings share,
-/// and when the choice is made anew. `coefficients` are the views', a column each; `normal` is the vertex's.
+/// and when the choice is due again. `coefficients` are the views', a column each; `normal` is the vertex's.
 class RingInterpolation {
  public:
   /// Rings of differing phase choose at different images, which spreads the work.
@@ -20,7 +20,7 @@ class RingInterpolation {
 
   const ViewInterpolation& chosen() const { return chosen_; }
   const std::shared_ptr<const ReflectionDrift>& reflection() const { return reflection_; }
-  /// After `images` were taken in; from then on the next choice is due when they have grown by a factor.
+  /// After `images` were ingested; from then on the next choice is due when they have grown by a factor.
   void choose(const ViewInterpolation& interpolation, int images);
   void share(std::shared_ptr<const ReflectionDrift> reflection) { reflection_ = std::move(reflection); }
 
@@ -42,7 +42,7 @@ class RingInterpolation {
 
   ViewInterpolation chosen_;
   unsigned phase_;
-  int due_;  ///< images taken in when the next choice is
+  int due_;  ///< images ingested when the next choice is
   std::shared_ptr<const ReflectionDrift> reflection_;
 };
 

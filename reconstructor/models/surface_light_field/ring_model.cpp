@@ -152,10 +152,10 @@ void RingModel::limit_terms(int max_rank, int internal_rank, int block) {
   snapshot_.reset();
 }
 
-RingModel::Foretold RingModel::foretell(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
-                                        const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const {
-  Foretold foretold;
-  if (rank() == 0) return foretold;
+RingModel::Prediction RingModel::predict(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+                                         const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const {
+  Prediction predicted;
+  if (rank() == 0) return predicted;
   const ViewInterpolant interpolant =
       interpolation_.krige(views_, with_pending(factor_.displayed_coefficients()), normal);
   const Eigen::VectorXf h = interpolation_.at(interpolant, views_, direction, normal);
@@ -163,10 +163,10 @@ RingModel::Foretold RingModel::foretell(const Eigen::VectorXf& column, std::span
     const auto row = static_cast<Eigen::Index>(3 * s);
     const auto basis = factor_.displayed_basis().middleRows<3>(row);
     if (!visible[s] || basis.isZero(0)) continue;
-    foretold.squared_error += (column.segment<3>(row) - basis * h).squaredNorm();
-    foretold.values += 3;
+    predicted.squared_error += (column.segment<3>(row) - basis * h).squaredNorm();
+    predicted.values += 3;
   }
-  return foretold;
+  return predicted;
 }
 
 bool RingModel::can_choose_interpolation() const {

@@ -43,7 +43,7 @@ class RingModel {
 
   struct Absorbed {
     bool used = false;                 ///< false: too little of the ring is visible
-    bool wants_interpolation = false;  ///< enough images have come to choose it anew
+    bool wants_interpolation = false;  ///< enough images have come to choose it again
     double energy = 0;                 ///< of the columns that this one's coming folded: ||c||^2 over what they show
     double residual_energy = 0;        ///< of the same: ||p||^2, what the ring's basis did not predict of them
   };
@@ -68,14 +68,14 @@ class RingModel {
   /// Lets go of terms beyond lower limits (RingFactor::limit); they hold from now on.
   void limit_terms(int max_rank, int internal_rank, int block);
 
-  /// How the ring as it stands, before an image is absorbed, foretells the image: over the values that the image shows
+  /// How the ring as it stands, before an image is absorbed, predicts the image: over the values that the image shows
   /// and earlier ones did, encoded.
-  struct Foretold {
+  struct Prediction {
     double squared_error = 0;
     std::size_t values = 0;
   };
-  Foretold foretell(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
-                    const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const;
+  Prediction predict(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+                     const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const;
 
   bool can_choose_interpolation() const;  ///< there are views enough to say how fast the ring varies
   /// `normal`: of the vertex. Errors with the drift are infinite while there is none, and with too few views.
@@ -114,7 +114,7 @@ class RingModel {
   ViewSet views_;
   RingInterpolation interpolation_;
   std::vector<std::uint16_t> shown_;  ///< for each sample: images that showed it, as far as the type counts
-  int images_ = 0;                    ///< taken in
+  int images_ = 0;                    ///< ingested
   float residual_ = 1;
   float best_cosine_ = 0;
   std::shared_ptr<const RingSnapshot> snapshot_;

@@ -55,16 +55,16 @@ std::size_t RingSet::count_repeated(Indices tested, const ShownImage& image) con
   return static_cast<std::size_t>(repeated);
 }
 
-RingModel::Foretold RingSet::foretell(Indices asked, const ShownImage& image) const {
-  std::vector<RingModel::Foretold> foretold(asked.size());
+RingModel::Prediction RingSet::predict(Indices asked, const ShownImage& image) const {
+  std::vector<RingModel::Prediction> predicted(asked.size());
   tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
     const std::uint32_t v = asked[i];
     RingColumn column;
     if (gather(v, image, column))
-      foretold[i] = models_[v]->foretell(column.values, column.visible, column.direction, frames_[v].row(2));
+      predicted[i] = models_[v]->predict(column.values, column.visible, column.direction, frames_[v].row(2));
   });
-  RingModel::Foretold all;
-  for (const RingModel::Foretold& ring : foretold) {
+  RingModel::Prediction all;
+  for (const RingModel::Prediction& ring : predicted) {
     all.squared_error += ring.squared_error;
     all.values += ring.values;
   }

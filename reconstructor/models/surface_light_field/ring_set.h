@@ -40,12 +40,12 @@ class RingSet {
   std::vector<std::uint32_t> newest(Indices shown, const SurfaceView& view, std::size_t wanted) const;
   /// How many of these have seen what the image shows of them (RingModel::repeats).
   std::size_t count_repeated(Indices tested, const ShownImage& image) const;
-  /// How the rings, before they take the image in, foretell what it shows of them.
-  RingModel::Foretold foretell(Indices asked, const ShownImage& image) const;
+  /// How the rings, before they ingest the image, predict what it shows of them.
+  RingModel::Prediction predict(Indices asked, const ShownImage& image) const;
 
   struct Update {
     std::vector<std::uint8_t> repeated;    ///< for each ring: it was shown nothing new and took nothing
-    std::vector<std::uint32_t> undecided;  ///< rings that want to choose their interpolation anew
+    std::vector<std::uint32_t> undecided;  ///< rings that want to choose their interpolation again
     std::size_t updated = 0;
     double energy = 0, residual_energy = 0;  ///< RingModel::Absorbed, of all
   };

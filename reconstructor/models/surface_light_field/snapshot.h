@@ -37,7 +37,7 @@ struct RingSnapshot {
   /// and mean and drift are none. Null for kriging.
   std::shared_ptr<const ViewTriangulation> triangulation;
   Eigen::Matrix3f frame;            ///< of the vertex's hemisphere
-  std::vector<std::uint8_t> shown;  ///< a sample: share of the ring's images that showed it (`shown_share`)
+  std::vector<std::uint8_t> shown;  ///< per sample: share of the ring's images that showed it (`shown_share`)
   float sill = 0;                   ///< mean square a value: how much it varies with the view (`ViewInterpolant::sill`)
   float residual = 0;               ///< psi_p: smoothed relative projection error of new images, 0..1
   float best_cosine = 0;            ///< of the most frontal view: cos of the angle to the vertex normal
@@ -84,7 +84,7 @@ class SurfaceLightFieldSnapshot : public ModelSnapshot {
 
   /// View coefficients of every ring for this eye: max_rank() x vertices, zero-padded. What a GPU needs a frame.
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const;
-  std::vector<SurfaceQuality> quality_for(const Eigen::Vector3d& eye) const;  ///< a triangle
+  std::vector<SurfaceQuality> quality_for(const Eigen::Vector3d& eye) const;  ///< per triangle
 
  private:
   std::shared_ptr<const Mesh> mesh_;

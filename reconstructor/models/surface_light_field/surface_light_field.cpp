@@ -28,7 +28,7 @@ namespace {
 // An image that may repeat an earlier one is decided on one ring of so many; by so many of those.
 constexpr std::size_t kRingsPerTested = 16;
 constexpr double kRepeatedShare = 0.95;
-constexpr std::size_t kForetoldRings = 16;  // an image: each costs a solve
+constexpr std::size_t kPredictedRings = 16;  // an image: each costs a solve
 
 bool has_pose(const PoseEstimate& pose) {
   return pose.usable() && pose.camera_from_object.rotation.coeffs().allFinite() &&
@@ -93,7 +93,7 @@ struct SurfaceLightField::Pipeline {
   bool repeats_earlier_image(const SurfaceView& view, IngestReport& report);
   std::vector<std::uint32_t> rings_to_update(const SurfaceView& view, IngestReport& report) const;
   std::vector<bool> factorise(const SurfaceView& view, IngestReport& report);
-  double foretold_psnr_db(const SurfaceView& view, const std::vector<std::uint32_t>& chosen) const;
+  double predicted_psnr_db(const SurfaceView& view, const std::vector<std::uint32_t>& chosen) const;
 
   ExposureField exposure_field() const { return folded.exposure_field(bounding_sphere(*mesh).centre.cast<float>()); }
 };
@@ -162,7 +162,7 @@ bool SurfaceLightField::Pipeline::withdraw(const Capture& capture) {
   constant_colour->remove(view, samples);
   rings->withdraw({view, samples}, found->taken);
   folded.erase(name);
-  interpolation.anew(folded.count(), frames, rings->models());
+  interpolation.rebuild(folded.count(), frames, rings->models());
   return true;
 }
 
@@ -217,7 +217,7 @@ std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const Su
 /// Which rings took what they were shown; empty when all did.
 std::vector<bool> SurfaceLightField::Pipeline::factorise(const SurfaceView& view, IngestReport& report) {
   const std::vector<std::uint32_t> chosen = rings_to_update(view, report);
-  report.foretold_psnr_db = foretold_psnr_db(view, chosen);
+  report.predicted_psnr_db = predicted_psnr_db(view, chosen);
   const RingSet::Update update = rings->absorb(chosen, {view, samples});
   report.patches_updated = update.updated;
   report.patches_skipped = static_cast<std::size_t>(std::count(update.repeated.begin(), update.repeated.end(), 1));
@@ -229,16 +229,16 @@ std::vector<bool> SurfaceLightField::Pipeline::factorise(const SurfaceView& view
   return taken;
 }
 
-/// PSNR of a few rings of the image, encoded, as foretold from the images before it; NaN where none came before.
-double SurfaceLightField::Pipeline::foretold_psnr_db(const SurfaceView& view,
-                                                     const std::vector<std::uint32_t>& chosen) const {
-  const std::size_t stride = std::max<std::size_t>(1, chosen.size() / kForetoldRings);
+/// PSNR of a few rings of the image, encoded, as predicted from the images before it; NaN where none came before.
+double SurfaceLightField::Pipeline::predicted_psnr_db(const SurfaceView& view,
+                                                      const std::vector<std::uint32_t>& chosen) const {
+  const std::size_t stride = std::max<std::size_t>(1, chosen.size() / kPredictedRings);
   std::vector<std::uint32_t> asked;  // others with every image
   for (std::size_t i = folded.count() % stride; i < chosen.size(); i += stride)
     if (rings->models()[chosen[i]]) asked.push_back(chosen[i]);
-  const RingModel::Foretold foretold = rings->foretell(asked, {view, samples});
-  if (foretold.values == 0) return std::numeric_limits<double>::quiet_NaN();
-  return -10 * std::log10(foretold.squared_error / static_cast<double>(foretold.values));
+  const RingModel::Prediction predicted = rings->predict(asked, {view, samples});
+  if (predicted.values == 0) return std::numeric_limits<double>::quiet_NaN();
+  return -10 * std::log10(predicted.squared_error / static_cast<double>(predicted.values));
 }
 
 SurfaceLightField::SurfaceLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options,
@@ -276,7 +276,7 @@ void SurfaceLightField::begin(const SurfaceLightFieldOptions& options) {
 }
 
 void SurfaceLightField::restart(int effort_level) {
-  begin(at_rung(asked_, effort_level));
+  begin(at_effort_level(asked_, effort_level));
 }
 
 void SurfaceLightField::rebuild(int effort_level) {
@@ -287,7 +287,7 @@ void SurfaceLightField::rebuild(int effort_level) {
 }
 
 int SurfaceLightField::effort_level_within(const Capture& first, int from, double bytes) const {
-  return finest_rung(*pipeline_->mesh, first, asked_, from, bytes);
+  return finest_level(*pipeline_->mesh, first, asked_, from, bytes);
 }
 
 bool SurfaceLightField::reduce_memory() {

@@ -49,7 +49,7 @@ void SurfaceLightFieldOptions::require_valid() const {
 }
 
 int SurfaceLightFieldOptions::effort_levels() const {
-  return static_cast<int>(effort_ladder().size());
+  return static_cast<int>(all_effort_levels().size());
 }
 
 MemoryNeed SurfaceLightFieldOptions::memory_need(std::size_t vertices, std::size_t triangles) const {

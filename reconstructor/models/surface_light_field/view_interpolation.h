@@ -59,7 +59,7 @@ class InterpolationChoice {
  private:
   ViewInterpolationOptions options_;
   std::vector<std::uint32_t> first_neighbour_, neighbours_;  ///< of ring v: neighbours_[first_neighbour_[v]] and on
-  std::vector<std::optional<InterpolationErrors>> latest_;   ///< a ring
+  std::vector<std::optional<InterpolationErrors>> latest_;   ///< per ring
   std::array<double, 2 * kViewKernels.size()> all_{};        ///< sum over all that were counted
 };
 

@@ -112,7 +112,7 @@ std::vector<Line> rank_lines(const SnapshotFigures& ranks) {
 
 std::vector<Line> error_lines(const CaptureFigures& f) {
   std::vector<Line> lines;
-  if (f.foretold_psnr_db) lines.push_back({"foretold", print("%.1f dB of the last image", *f.foretold_psnr_db)});
+  if (f.predicted_psnr_db) lines.push_back({"predicted", print("%.1f dB of the last image", *f.predicted_psnr_db)});
   if (f.residual) lines.push_back({"residual", print("%.1f %% of the last image", 100 * *f.residual)});
   if (!f.held_out_psnr_db) return lines;
   std::string value = print("%.1f dB", *f.held_out_psnr_db);

@@ -30,8 +30,8 @@ struct CaptureFigures {
   std::uint64_t frames_withdrawn = 0;
   std::uint64_t frames_waiting = 0;  ///< kept, and not in the model yet
   double images_per_s = 0;
-  std::optional<double> residual;          ///< relative, of the last image: 0..1
-  std::optional<double> foretold_psnr_db;  ///< of the last image, from those before it
+  std::optional<double> residual;           ///< relative, of the last image: 0..1
+  std::optional<double> predicted_psnr_db;  ///< of the last image, from those before it
   std::optional<double> held_out_psnr_db;
   std::optional<double> held_out_ssim;
 };

@@ -19,7 +19,7 @@ namespace sheen {
 struct ViewerOptions {
   int width = 1280, height = 800;  ///< pixels
   bool visible = true;             ///< false: for pictures only; still needs a display
-  int samples = 4;                 ///< a pixel, against jagged outlines; 1 = none
+  int samples = 4;                 ///< per pixel, against jagged outlines; 1 = none
   std::filesystem::path screenshot_folder = ".";
   DrawerOptions drawer;
 };

@@ -55,7 +55,7 @@ TEST(Log, TextCannotBeForged) {
 TEST(Log, JsonKeepsTypesAndSurvivesBadText) {
   const auto record = nlohmann::json::parse(format_log_json(kTime, LogLevel::kError, "journal", "disk \"full\"\n",
                                                             {{"sequence", 7},
-                                                             {"share", 0.5},
+                                                             {"update_fraction", 0.5},
                                                              {"nan", std::numeric_limits<double>::quiet_NaN()},
                                                              {"ok", true},
                                                              {"path", "caf\xe9"}}));
@@ -64,7 +64,7 @@ TEST(Log, JsonKeepsTypesAndSurvivesBadText) {
   EXPECT_EQ(record["component"], "journal");
   EXPECT_EQ(record["message"], "disk \"full\"\n");
   EXPECT_EQ(record["sequence"], 7);
-  EXPECT_EQ(record["share"], 0.5);
+  EXPECT_EQ(record["update_fraction"], 0.5);
   EXPECT_TRUE(record["nan"].is_null());
   EXPECT_EQ(record["ok"], true);
   EXPECT_EQ(record["path"], "caf\xef\xbf\xbd");

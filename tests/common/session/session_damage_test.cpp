@@ -167,7 +167,7 @@ const std::vector<Damage> kDamages{
     {"a whole file under another number",
      [](const fs::path& s) { fs::rename(file(s, 2), file(s, 9)); },
      {},
-     {"taken in", "00000009.capture"}},
+     {"ingested", "00000009.capture"}},
     {"a torn file without a row",
      [](const fs::path& s) { write(file(s, 8), "torn"); },
      {},

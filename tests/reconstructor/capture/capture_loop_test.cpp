@@ -116,7 +116,7 @@ TEST_F(CaptureLoopTest, WhatIsTakenBackIsGoneFromThePictureBeforeTheModelIsMadeA
   const int whole = shown[shown.size() - 3];
   EXPECT_EQ(whole, *std::max_element(shown.begin(), shown.end()));
   EXPECT_EQ(shown[shown.size() - 2], whole - 1) << "taken out";
-  EXPECT_EQ(shown.back(), whole - 1) << "made anew";
+  EXPECT_EQ(shown.back(), whole - 1) << "rebuilt";
 }
 
 TEST_F(CaptureLoopTest, WhatTheModelTookNothingOfIsTakenBackWithoutMakingItAnew) {
@@ -126,7 +126,7 @@ TEST_F(CaptureLoopTest, WhatTheModelTookNothingOfIsTakenBackWithoutMakingItAnew)
     LoopStatus then;
     wait_until([&](const LoopStatus& s) { return (then = s).counts.withdrawn > (image == kRefused ? 0u : 1u); });
     EXPECT_TRUE(then.exact) << image;
-    EXPECT_EQ(then.anew_until, 0u) << image;
+    EXPECT_EQ(then.rebuild_until, 0u) << image;
     EXPECT_EQ(then.ingested, kImages) << image;
   }
   expect_model_without({kRefused, kRepeated});

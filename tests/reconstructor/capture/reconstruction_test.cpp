@@ -133,7 +133,7 @@ TEST(SurfaceLightField, LooksAtTheRaySceneThatItWasGivenAlsoAfterImagesThatShowN
   const Scene scene{object.surface, analytic::diffuse(0.06)};
   std::vector<Capture> images = captures(scene, eyes(4, 0.5, 0.8));
   for (int i = 0; i < 3; ++i) images[i].pose.camera_from_object = look_at({0, 0, 0.5}, {0, 0, 1}, {0, 1, 0});
-  // A scene made anew of the model's own mesh would not have the lid that hides it.
+  // A scene rebuilt of the model's own mesh would not have the lid that hides it.
   const auto lid = std::make_shared<const RayScene>(square_mesh(0.2f, 0.1f, 1));
   SurfaceLightField hidden(object.mesh, plain_options(), lid), open(object.mesh, plain_options());
   for (const Capture& image : images) {

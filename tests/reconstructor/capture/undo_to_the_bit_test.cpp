@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An image is taken back: the model is one that was made of the others, to the bit, at once or when it is made anew.
+// An image is taken back: the model is one that was made of the others, to the bit, at once or when it is rebuilt.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <set>
 
 #include "reconstructor/capture/reconstruction.h"
-#include "reconstructor/effort/budget.h"
+#include "reconstructor/effort/effort_control.h"
 #include "reconstructor/models/surface_light_field/memory_account.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
@@ -18,7 +18,7 @@ using analytic::eyes;
 using analytic::Scene;
 using Withdrawn = Reconstruction::Withdrawn;
 
-constexpr TradeoffWish kNeverKept{.image_ms = 1e-9};  // no machine holds it, so nothing hangs on its speed
+constexpr Limits kNeverKept{.image_ms = 1e-9};  // no machine holds it, so nothing hangs on its speed
 
 class UndoToTheBit : public ::testing::Test {
  protected:
@@ -37,9 +37,9 @@ class UndoToTheBit : public ::testing::Test {
   }
   static constexpr std::size_t kRefused = 1, kHeldOut = 11, kRepeated = 13, kPartlySkipped = 15;
 
-  std::unique_ptr<Reconstruction> made_of(const TradeoffWish& wish = {}) {
+  std::unique_ptr<Reconstruction> made_of(const Limits& limits = {}) {
     auto made = std::make_unique<Reconstruction>(*object_.mesh, options_);
-    made->keep_within(wish);
+    made->keep_within(limits);
     for (const Capture& image : images_) made->ingest(image);
     return made;
   }
@@ -54,7 +54,7 @@ class UndoToTheBit : public ::testing::Test {
   /// `model` is one that was never given the images, and follows the same record.
   void expect_never_given(Reconstruction& model, const std::set<std::size_t>& missing) const {
     Reconstruction fresh(*object_.mesh, options_);
-    fresh.keep_within(model.wish(), model.effort_record(), images_.size());
+    fresh.keep_within(model.limits(), model.effort_record(), images_.size());
     replay(fresh, missing);
     expect_same_rings(*model.snapshot(), *fresh.snapshot());
     EXPECT_EQ(model.effort(), fresh.effort());
@@ -112,14 +112,14 @@ TEST_F(UndoToTheBit, AnImageThatSomeRingsSkippedIsTakenOutOfTheOthersFirst) {
 TEST_F(UndoToTheBit, ImagesOfABudgetThatLeavesRingsOut) {
   for (const std::size_t image : {std::size_t{20}, std::size_t{4}, kRefused, kRepeated}) {
     const auto model = made_of(kNeverKept);
-    ASSERT_LT(model->effort().share, 0.5);
+    ASSERT_LT(model->effort().update_fraction, 0.5);
     ASSERT_GT(model->patches().left_out, 0u);
     EXPECT_NE(model->withdraw(images_[image]), Withdrawn::kNot) << image;
     expect_exact_after_a_restart(*model, {image});
   }
 }
 
-TEST_F(UndoToTheBit, WhileTheRungOfABudgetIsStillToBeChosen) {
+TEST_F(UndoToTheBit, WhileTheEffortLevelOfABudgetIsStillToBeChosen) {
   Reconstruction model(*object_.mesh, options_);
   model.keep_within(kNeverKept);
   for (std::size_t i = 0; i < 6; ++i) model.ingest(images_[i]);
@@ -131,21 +131,21 @@ TEST_F(UndoToTheBit, WhileTheRungOfABudgetIsStillToBeChosen) {
   expect_exact_after_a_restart(model, {kRefused, 3});
 }
 
-TEST_F(UndoToTheBit, TheFirstImageTakesItsRungWithIt) {
+TEST_F(UndoToTheBit, TheFirstImageTakesItsEffortLevelWithIt) {
   // It is seen in twice the detail, whose maps the memory cannot hold; those of the others it can.
   const Camera near{.width = 320, .height = 240, .fx = 500, .fy = 500, .cx = 159.5, .cy = 119.5};
   images_[0] = analytic::capture(scene_, near, images_[0].pose.camera_from_object);
   images_[0].sequence = 1;
   options_.ring.factor.max_rank = 8;
-  TradeoffWish wish{.bytes = 1.1 * largest_account(*object_.mesh, images_[2], options_).total()};
-  ASSERT_GT(largest_account(*object_.mesh, images_[0], options_).total(), 1.1 * *wish.bytes);
+  Limits limits{.bytes = 1.1 * largest_account(*object_.mesh, images_[2], options_).total()};
+  ASSERT_GT(largest_account(*object_.mesh, images_[0], options_).total(), 1.1 * *limits.bytes);
   for (const bool with_budget : {false, true}) {
-    if (with_budget) wish.image_ms = 1e9;
-    const auto model = made_of(wish);
-    ASSERT_GT(model->effort().rung, 0);
+    if (with_budget) limits.image_ms = 1e9;
+    const auto model = made_of(limits);
+    ASSERT_GT(model->effort().level, 0);
     EXPECT_EQ(model->withdraw(images_[0]), Withdrawn::kNot);
     expect_exact_after_a_restart(*model, {0});
-    EXPECT_EQ(model->effort().rung, 0);
+    EXPECT_EQ(model->effort().level, 0);
   }
 }
 

@@ -27,7 +27,7 @@ class ResidentMemoryTest : public ::testing::Test {
     malloc_trim(0);  // what earlier tests have left would be taken again, and nothing would grow
   }
   /// As `serve` does it: one snapshot is shown while the next is made.
-  void take_in(Reconstruction& reconstruction) {
+  void ingest_next(Reconstruction& reconstruction) {
     for (const Capture& image : images_) {
       reconstruction.ingest(image);
       const auto next = reconstruction.snapshot();
@@ -43,7 +43,7 @@ class ResidentMemoryTest : public ::testing::Test {
 
 TEST_F(ResidentMemoryTest, ThePartsAddUpToWhatTheProcessHasGrownBy) {
   Reconstruction reconstruction(mesh_, options_);
-  take_in(reconstruction);
+  ingest_next(reconstruction);
   const MemoryAccount account = reconstruction.memory();
   const double grown = resident_memory().bytes - reconstruction.resident_before();
   double sum = 0;
@@ -62,7 +62,7 @@ TEST_F(ResidentMemoryTest, ALimitHoldsForTheProcess) {
   Reconstruction reconstruction(mesh_, options_);
   const double asked = 120e6;
   reconstruction.keep_within({.bytes = asked});
-  take_in(reconstruction);
+  ingest_next(reconstruction);
   const double grown = resident_memory().bytes - reconstruction.resident_before();
   std::printf("asked %.1f MB, counted %.1f MB, the process has grown by %.1f MB\n", asked / 1e6,
               reconstruction.memory().total() / 1e6, grown / 1e6);

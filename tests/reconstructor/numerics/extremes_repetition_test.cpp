@@ -111,7 +111,7 @@ TEST(Repetition, CoefficientsOfTheFirstViewsDoNotDrift) {
 }
 
 TEST(Repetition, CoefficientsStayWhileTheBasisTurnsWithEveryBlock) {
-  // Noise without end turns the appendix at each fold; rounding of a thousand rotations may not add up in Y.
+  // Noise without end turns the guard terms at each fold; rounding of a thousand rotations may not add up in Y.
   const MatrixXf span = ring_like_matrix(kRows, 50, 5, 0, 6);
   RingFactor factor(kRows, {.max_rank = 6, .tolerance = 0});
   for (int i = 0; i < 50; ++i) factor.add(span.col(i));

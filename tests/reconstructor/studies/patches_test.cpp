@@ -128,7 +128,7 @@ TEST(PatchStudy, BothKindsOfPatchReproduceADiffuseSquareAlike) {
   EXPECT_NEAR(study.triangle.ssim, study.ring.ssim, 1e-3);
   EXPECT_GT(study.triangle.bytes, 0);
   EXPECT_LT(study.triangle.bytes, study.ring.bytes) << "of three alike, one counts";
-  EXPECT_GT(study.triangle.bytes, study.ring.bytes / 3) << "floats a sample are a third, but patches are more";
+  EXPECT_GT(study.triangle.bytes, study.ring.bytes / 3) << "floats per sample are a third, but patches are more";
   EXPECT_NEAR(study.triangle.seam, study.ring.seam, 0.1) << "where nothing is lost there is no seam";
 }
 

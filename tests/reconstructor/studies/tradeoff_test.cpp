@@ -73,23 +73,23 @@ TEST(Choice, WhatCannotBeHadIsSaid) {
 }
 
 TEST(Wish, WordsAreRead) {
-  const TradeoffWish wish = parse_wish("33ms", "35dB", "1.5 GB");
-  EXPECT_EQ(wish.image_ms, 33);
-  EXPECT_EQ(wish.psnr_db, 35);
-  EXPECT_EQ(wish.bytes, 1.5e9);
-  EXPECT_EQ(parse_wish("0.2s", "", "1MiB").image_ms, 200);
-  EXPECT_EQ(parse_wish("0.2s", "", "1MiB").bytes, 1048576);
-  EXPECT_TRUE(parse_wish("", "", "").empty());
-  EXPECT_EQ(describe(wish), "at most 33 ms an image, at most 1500 MB, at least 35 dB");
+  const Limits limits = parse_limits("33ms", "35dB", "1.5 GB");
+  EXPECT_EQ(limits.image_ms, 33);
+  EXPECT_EQ(limits.psnr_db, 35);
+  EXPECT_EQ(limits.bytes, 1.5e9);
+  EXPECT_EQ(parse_limits("0.2s", "", "1MiB").image_ms, 200);
+  EXPECT_EQ(parse_limits("0.2s", "", "1MiB").bytes, 1048576);
+  EXPECT_TRUE(parse_limits("", "", "").empty());
+  EXPECT_EQ(describe(limits), "at most 33 ms per image, at most 1500 MB, at least 35 dB");
 }
 
 TEST(Wish, NonsenseIsRefusedByName) {
-  expect_error<ConfigError>([] { parse_wish("33", "", ""); }, {"--budget 33", "33ms"});
-  expect_error<ConfigError>([] { parse_wish("-5ms", "", ""); }, {"--budget -5ms"});
-  expect_error<ConfigError>([] { parse_wish("", "high", ""); }, {"--target high", "35dB"});
-  expect_error<ConfigError>([] { parse_wish("", "", "1GBB"); }, {"--memory 1GBB", "1GB"});
-  expect_error<ConfigError>([] { parse_wish("", "", "infGB"); }, {"--memory"});
-  expect_error<ConfigError>([] { parse_wish("nanms", "", ""); }, {"--budget"});
+  expect_error<ConfigError>([] { parse_limits("33", "", ""); }, {"--budget 33", "33ms"});
+  expect_error<ConfigError>([] { parse_limits("-5ms", "", ""); }, {"--budget -5ms"});
+  expect_error<ConfigError>([] { parse_limits("", "high", ""); }, {"--target high", "35dB"});
+  expect_error<ConfigError>([] { parse_limits("", "", "1GBB"); }, {"--memory 1GBB", "1GB"});
+  expect_error<ConfigError>([] { parse_limits("", "", "infGB"); }, {"--memory"});
+  expect_error<ConfigError>([] { parse_limits("nanms", "", ""); }, {"--budget"});
 }
 
 TEST(TradeoffSettings, EachIsDifferentAndNamed) {

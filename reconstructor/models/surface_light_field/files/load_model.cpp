@@ -38,7 +38,7 @@ class Description {
     if (version < 1) fail("version", "must be at least 1");
     if (version < kModelVersion)
       throw FileError(file_, "is of version " + std::to_string(version) + ", but this program reads version " +
-                                 std::to_string(kModelVersion) + "; build the model anew from its images");
+                                 std::to_string(kModelVersion) + "; build the model again from its images");
   }
 
   [[noreturn]] void fail(const std::string& field, const std::string& what) const {

@@ -25,7 +25,7 @@ struct SaveOptions {
 ///                                   below 1/2 imputed, else measured (older models have 1 wherever any did)
 ///               views               kriging: directions and weights, a pixel a view of a ring
 ///               rings               frame, mean and drift coefficients, a pixel a ring
-///               view.rank00 ...     view maps, a tile a ring, for readers that do not krige
+///               view.rank00 ...     view maps, a tile per ring, for readers that do not krige
 /// They are written into the folder ".unfinished" in it and moved when all are whole: until then an older model stays.
 /// model.json comes last and is tied to the other two, so a save that was cut short is noticed. Throws FileError.
 void save_model(const SurfaceLightFieldSnapshot& model, const std::filesystem::path& folder,

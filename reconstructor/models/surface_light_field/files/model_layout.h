@@ -47,8 +47,8 @@ AtlasSize atlas_size(std::size_t pixels);
 
 /// "surface.rank07"
 std::string rank_part(const char* layer, int rank);
-/// Channel names of the parts "views" (direction, a weight a rank) and "rings" (frame row by row, a mean and a drift a
-/// rank).
+/// Channel names of the parts "views" (direction, a weight per rank) and "rings" (frame row by row, a mean and a drift
+/// a rank).
 std::vector<std::string> views_channels(int max_rank);
 std::vector<std::string> rings_channels(int max_rank);
 

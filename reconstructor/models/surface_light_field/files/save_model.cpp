@@ -45,7 +45,7 @@ Json conventions() {
        "k(t) by kernel_shape: 0 = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale), 1 = exp(-t / scale); the nugget "
        "is in the weights"},
       {"view map",
-       "a square tile a ring, row by row; pixel centres over [-1, 1]^2: the first two coordinates of "
+       "a square tile per ring, row by row; pixel centres over [-1, 1]^2: the first two coordinates of "
        "frame * direction, moved to the rim where outside the unit disc"}};
 }
 

@@ -43,16 +43,16 @@ class LightFieldRenderer : public ModelDrawer {
   GlProgram program_;
   GlHandle vertex_array_;
   BasisStore store_;
-  BufferTexture positions_;     ///< a vertex: x, y, z, 1
+  BufferTexture positions_;     ///< per vertex: x, y, z, 1
   BufferTexture corners_;       ///< a triangle's corner: vertex, first sample in the vertex's ring
-  BufferTexture resolutions_;   ///< a triangle
-  BufferTexture slots_;         ///< a vertex: first texel, rank | buffer << 16
-  BufferTexture coefficients_;  ///< a vertex: `stride_` values
-  BufferTexture quality_;       ///< a triangle: heuristic, reason
+  BufferTexture resolutions_;   ///< per triangle
+  BufferTexture slots_;         ///< per vertex: first texel, rank | buffer << 16
+  BufferTexture coefficients_;  ///< per vertex: `stride_` values
+  BufferTexture quality_;       ///< per triangle: heuristic, reason
 
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const VertexRings> rings_;
-  std::vector<std::shared_ptr<const RingSnapshot>> uploaded_;  ///< a vertex: what the GPU holds
+  std::vector<std::shared_ptr<const RingSnapshot>> uploaded_;  ///< per vertex: what the GPU holds
   std::vector<BasisSlot> ring_slots_;
   std::size_t shortened_rings_ = 0;
   std::size_t triangle_count_ = 0;
@@ -61,7 +61,7 @@ class LightFieldRenderer : public ModelDrawer {
   std::optional<SurfaceLightFieldSnapshot> shown_;
   ExposureField exposure_;
   int stride_ = 0;
-  std::optional<Eigen::Vector3d> coefficients_eye_, quality_eye_;  ///< empty: to be computed anew
+  std::optional<Eigen::Vector3d> coefficients_eye_, quality_eye_;  ///< empty: to be computed again
 };
 
 }  // namespace sheen

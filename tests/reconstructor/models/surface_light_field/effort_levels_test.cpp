@@ -10,13 +10,13 @@
 namespace sheen {
 namespace {
 
-TEST(EffortLadder, NoRungAsksForMoreThanTheOneBefore) {
+TEST(EffortLevels, NoneAsksForMoreThanTheOneBefore) {
   const SurfaceLightFieldOptions asked = plain_options();
-  SurfaceLightFieldOptions before = at_rung(asked, 0);
+  SurfaceLightFieldOptions before = at_effort_level(asked, 0);
   EXPECT_EQ(before.map_scale, asked.map_scale);
   EXPECT_EQ(before.ring.factor.max_rank, asked.ring.factor.max_rank);
-  for (std::size_t r = 1; r < effort_ladder().size(); ++r) {
-    const SurfaceLightFieldOptions at = at_rung(asked, static_cast<int>(r));
+  for (std::size_t r = 1; r < all_effort_levels().size(); ++r) {
+    const SurfaceLightFieldOptions at = at_effort_level(asked, static_cast<int>(r));
     EXPECT_LE(at.map_scale, before.map_scale);
     EXPECT_LE(at.ring.factor.max_rank, before.ring.factor.max_rank);
     EXPECT_LE(at.ring.factor.terms_kept(), before.ring.factor.terms_kept());

@@ -53,7 +53,7 @@ TEST(Exposure, KnownExposuresGiveTheModelOfEqualOnes) {
   const std::vector<Capture> equal = captures(scene, eyes(20, kDistance, kLowest));
   SurfaceLightField reference(object.mesh, plain_options());
   ingest_all(reference, equal);
-  for (const bool locked : {false, true}) {  // locked, then set anew and locked again, is no other case
+  for (const bool locked : {false, true}) {  // locked, then set again and locked again, is no other case
     const std::vector<Capture> images = at_many_settings(equal, locked);
     for (const auto compensation : {ExposureCompensation::kKnown, ExposureCompensation::kEstimate}) {
       SurfaceLightField model(object.mesh, options_with(compensation));

@@ -185,7 +185,7 @@ TEST(NextView, PointsToTheSideThatNoImageShows) {
   }
   EXPECT_NEAR(advice.heuristic, unseen / all, 0.1);
   EXPECT_GT(unseen / all, 0.3);
-  EXPECT_NEAR(advice.turn_deg, std::acos(eye.normalized().dot(advice.eye.normalized())) * 180 / M_PI, 0.01);
+  EXPECT_NEAR(advice.angle_deg, std::acos(eye.normalized().dot(advice.eye.normalized())) * 180 / M_PI, 0.01);
   EXPECT_THAT(advice.reason, testing::HasSubstr("not seen"));
 }
 

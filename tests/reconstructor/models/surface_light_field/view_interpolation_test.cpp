@@ -122,7 +122,7 @@ TEST(InterpolationSchedule, EveryImageHasItsShareOfTheChoices) {
     EXPECT_LE(choices[image], kRings * (1.2 * std::log(image / (image - 1.0)) / std::log(1.4) + 0.02)) << image;
 }
 
-TEST(Foretold, IsTheErrorOfThePictureThatTheModelWouldHavePainted) {
+TEST(Prediction, IsTheErrorOfThePictureThatTheModelWouldHavePainted) {
   const Object object = square_object();
   const auto grey = [&](float radiance) {
     return analytic::Scene{object.surface, [radiance](const Eigen::Vector3d&, const Eigen::Vector3d&) {
@@ -132,12 +132,12 @@ TEST(Foretold, IsTheErrorOfThePictureThatTheModelWouldHavePainted) {
   SurfaceLightField model(object.mesh, plain_options());
   const std::vector<Eigen::Vector3d> eyes = analytic::eyes(13, 0.5, 0.55);
   const std::vector<Capture> known = captures(grey(0.4f), {eyes.begin(), eyes.end() - 1});
-  EXPECT_TRUE(std::isnan(model.ingest(known[0]).foretold_psnr_db)) << "nothing came before";
-  for (std::size_t i = 1; i < known.size(); ++i) EXPECT_GT(model.ingest(known[i]).foretold_psnr_db, 60);
+  EXPECT_TRUE(std::isnan(model.ingest(known[0]).predicted_psnr_db)) << "nothing came before";
+  for (std::size_t i = 1; i < known.size(); ++i) EXPECT_GT(model.ingest(known[i]).predicted_psnr_db, 60);
   Capture brighter = captures(grey(0.5f), {eyes.back()})[0];
   brighter.sequence = 100;
   const double off = srgb_encode(0.5f) - srgb_encode(0.4f);
-  EXPECT_NEAR(model.ingest(brighter).foretold_psnr_db, -20 * std::log10(off), 0.05);
+  EXPECT_NEAR(model.ingest(brighter).predicted_psnr_db, -20 * std::log10(off), 0.05);
 }
 
 }  // namespace

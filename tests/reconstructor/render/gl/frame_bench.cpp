@@ -16,7 +16,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> model() {
   return snapshot;
 }
 
-/// Arguments: width, height, samples a pixel, mode.
+/// Arguments: width, height, samples per pixel, mode.
 void move_round(benchmark::State& bench) try {
   ViewerWindow window(surface_light_field_kind(), {.width = static_cast<int>(bench.range(0)),
                                                    .height = static_cast<int>(bench.range(1)),

@@ -25,7 +25,7 @@ namespace {
 
 constexpr int kWidth = 480, kHeight = 360;
 
-/// A window that nobody sees, made anew for each test; skipped where there is no display or no OpenGL 3.3.
+/// A window that nobody sees, rebuilt for each test; skipped where there is no display or no OpenGL 3.3.
 class Window : public testing::Test {
  protected:
   void SetUp() override {
@@ -293,7 +293,7 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
                                  .frames_refused = {{"too_near", 22}, {"motion_blur", 9}},
                                  .images_per_s = 5.3,
                                  .residual = 0.041,
-                                 .foretold_psnr_db = 29.4,
+                                 .predicted_psnr_db = 29.4,
                                  .held_out_psnr_db = 31.2,
                                  .held_out_ssim = 0.941};
   state.link = TrackerLink::kStale;

@@ -209,7 +209,7 @@ TEST(ModelFiles, ANewerVersionIsRefusedNamingBoth) {
                  {"version 8589934592", "reads version 3"});
   for (const int version : {1, 2})
     expect_refused([&](Json& json) { json["version"] = version; },
-                   {"model.json", "version " + std::to_string(version), "reads version 3", "anew"});
+                   {"model.json", "version " + std::to_string(version), "reads version 3", "again"});
   expect_refused([](Json& json) { json["version"] = 0; }, {"model.json", "version"});
   expect_refused([](Json& json) { json["version"] = "1"; }, {"model.json", "version", "whole number"});
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/effort/budget.h"
+#include "reconstructor/effort/effort_control.h"
 
 #include <gtest/gtest.h>
 
@@ -29,29 +29,29 @@ TEST(Tolerance, IsARelativeErrorOrDecibels) {
     expect_error<ConfigError>([&] { parse_tolerance(wrong); }, {"--tolerance", wrong, "0.01", "40dB"});
 }
 
-TEST(MeasuredLadder, TheFirstRungThatKeepsTheBudgetIsTakenAndNoneThatLosesTooMuch) {
-  const MeasuredLadder ladder{{100, 32}, {80, 31.95}, {60, 31.9}, {50, 31.81}, {40, 31.5}, {30, 31.9}};
-  EXPECT_EQ(rung_within(ladder, 10, 0, 33), 0);
-  EXPECT_EQ(rung_within(ladder, 10, 2, 33), 2) << "no finer than memory allows";
-  EXPECT_EQ(rung_within(ladder, 45, 0, 33), 2) << "0.9 of the budget at 0.6 of the time";
-  EXPECT_EQ(rung_within(ladder, 27, 2, 33), 2);
-  EXPECT_EQ(rung_within(ladder, 1e6, 0, 33), 3) << "the next one loses half a decibel";
-  EXPECT_EQ(rung_reaching(ladder, 31.85), 5);
-  EXPECT_EQ(rung_reaching(ladder, 31.92), 1);
-  EXPECT_EQ(rung_reaching(ladder, 40), 0) << "where none does, the finest";
+TEST(MeasuredLevels, TheFirstLevelThatKeepsTheBudgetIsTakenAndNoneThatLosesTooMuch) {
+  const MeasuredLevels measured{{100, 32}, {80, 31.95}, {60, 31.9}, {50, 31.81}, {40, 31.5}, {30, 31.9}};
+  EXPECT_EQ(level_within(measured, 10, 0, 33), 0);
+  EXPECT_EQ(level_within(measured, 10, 2, 33), 2) << "no finer than memory allows";
+  EXPECT_EQ(level_within(measured, 45, 0, 33), 2) << "0.9 of the budget at 0.6 of the time";
+  EXPECT_EQ(level_within(measured, 27, 2, 33), 2);
+  EXPECT_EQ(level_within(measured, 1e6, 0, 33), 3) << "the next one loses half a decibel";
+  EXPECT_EQ(level_reaching(measured, 31.85), 5);
+  EXPECT_EQ(level_reaching(measured, 31.92), 1);
+  EXPECT_EQ(level_reaching(measured, 40), 0) << "where none does, the finest";
 }
 
 TEST(EffortControl, TheNextShareUpCostsAtMostOneAndAHalfTimesAsMuch) {
   EffortControl control(1, kLevels);
-  control.set_rung(0);
+  control.set_level(0);
   std::uint64_t image = 0;
   double before = 1;
-  for (int step = 0; control.share(image) > 0.081; ++step) {
+  for (int step = 0; control.update_fraction(image) > 0.081; ++step) {
     ASSERT_LT(step, 100);
     for (int i = 0; i < 3; ++i, ++image) control.observe(image, 100);
-    EXPECT_LE(before / control.share(image), 1.5 + 1e-9);
-    EXPECT_LT(control.share(image), before);
-    before = control.share(image);
+    EXPECT_LE(before / control.update_fraction(image), 1.5 + 1e-9);
+    EXPECT_LT(control.update_fraction(image), before);
+    before = control.update_fraction(image);
   }
 }
 
@@ -59,10 +59,11 @@ TEST(EffortControl, SettlesWhereAnImageCostsWhatItsShareDoes) {
   for (double whole_ms = 20; whole_ms < 1000; whole_ms *= 1.01)
     for (const double fixed_ms : {0.0, 2.0}) {
       EffortControl control(33, kLevels);
-      control.set_rung(0);
+      control.set_level(0);
       std::uint64_t image = 0;
       const auto go_on = [&](int images) {
-        for (int i = 0; i < images; ++i, ++image) control.observe(image, fixed_ms + control.share(image) * whole_ms);
+        for (int i = 0; i < images; ++i, ++image)
+          control.observe(image, fixed_ms + control.update_fraction(image) * whole_ms);
       };
       go_on(100);
       const std::string settled = control.record();
@@ -73,27 +74,27 @@ TEST(EffortControl, SettlesWhereAnImageCostsWhatItsShareDoes) {
 
 TEST(EffortControl, DoesLessWhenImagesTakeTooLongAndMoreWhenThereIsRoom) {
   EffortControl control(33, kLevels);
-  control.set_rung(0);
+  control.set_level(0);
   std::uint64_t image = 0;
   for (; image < 30; ++image) control.observe(image, 30);
-  EXPECT_EQ(control.share(image), 1) << "within the budget nothing changes";
+  EXPECT_EQ(control.update_fraction(image), 1) << "within the budget nothing changes";
   for (; image < 40; ++image) control.observe(image, 60);
-  const double less = control.share(image);
+  const double less = control.update_fraction(image);
   EXPECT_LT(less, 0.5);
-  EXPECT_EQ(control.share(29), 1) << "what was decided for earlier images stays";
+  EXPECT_EQ(control.update_fraction(29), 1) << "what was decided for earlier images stays";
   for (; image < 200; ++image) control.observe(image, 5);
-  EXPECT_EQ(control.share(image), 1);
+  EXPECT_EQ(control.update_fraction(image), 1);
 }
 
 TEST(EffortControl, TheRecordGivesTheSameSharesAgain) {
   EffortControl first(33, kLevels);
-  first.set_rung(3);
+  first.set_level(3);
   for (std::uint64_t image = 0; image < 100; ++image) first.observe(image, image < 50 ? 50 : 10);
   EffortControl second(33, kLevels, first.record(), 100);
-  EXPECT_EQ(second.rung(), 3);
+  EXPECT_EQ(second.effort_level(), 3);
   for (std::uint64_t image = 0; image < 100; ++image) {
     second.observe(image, 1e9);  // however long they take this time
-    EXPECT_EQ(second.share(image), first.share(image)) << image;
+    EXPECT_EQ(second.update_fraction(image), first.update_fraction(image)) << image;
   }
   EXPECT_EQ(second.record(), first.record());
   for (const char* wrong : {"x", "-1", "99", "1 3", "1 3:", "1 3:99", "1 a:1", "1 3:1 x"})
@@ -106,8 +107,8 @@ TEST(Budget, OneThatCannotHoldLeavesRingsOutAndTheRecordReproducesTheModel) {
   Reconstruction hurried(*square_object().mesh, options);
   hurried.keep_within({.image_ms = 1e-9});  // no machine holds it, so what happens does not hang on its speed
   for (const Capture& image : images) hurried.ingest(image);
-  EXPECT_GT(hurried.effort().rung, 0) << "coarser maps lose nothing of a scene as smooth as this";
-  EXPECT_LT(hurried.effort().share, 0.2);
+  EXPECT_GT(hurried.effort().level, 0) << "coarser maps lose nothing of a scene as smooth as this";
+  EXPECT_LT(hurried.effort().update_fraction, 0.2);
   EXPECT_GT(hurried.patches().left_out, hurried.patches().updated / 4);
   EXPECT_EQ(hurried.counts().accepted, images.size());
   EXPECT_EQ(hurried.counts().received, images.size());
@@ -131,30 +132,30 @@ TEST(Budget, OneThatHoldsChangesNothing) {
   EXPECT_EQ(within.patches().left_out, 0u);
 }
 
-TEST(Budget, ARungIsTakenForWhatItLosesOnTheScene) {
+TEST(Budget, ALevelIsTakenForWhatItLosesOnTheScene) {
   // Waves no longer than a few samples of the finest maps: no coarser ones hold them.
   const analytic::Scene fine{square_object().surface, analytic::two_terms(0.004)};
   const std::vector<Capture> images = captures(fine, analytic::eyes(12, 0.5, 0.55));
   Reconstruction hurried(*square_object().mesh, plain_options());
   hurried.keep_within({.image_ms = 1e-9});
   for (const Capture& image : images) hurried.ingest(image);
-  EXPECT_EQ(hurried.effort().rung, 0);
+  EXPECT_EQ(hurried.effort().level, 0);
 }
 
 TEST(Budget, WhatWasMeasuredOnTheSceneDecides) {
   const std::vector<Capture> images = glossy_captures(10);
-  MeasuredLadder ladder(kLevels, {.image_ms = 10, .psnr_db = 30});
-  for (std::size_t r = 2; r < ladder.size(); ++r) ladder[r].psnr_db = 29;
+  MeasuredLevels measured(kLevels, {.image_ms = 10, .psnr_db = 30});
+  for (std::size_t r = 2; r < measured.size(); ++r) measured[r].psnr_db = 29;
   Reconstruction hurried(*square_object().mesh, plain_options());
-  hurried.keep_within({.image_ms = 1e-9}, {}, 0, ladder);
+  hurried.keep_within({.image_ms = 1e-9}, {}, 0, measured);
   for (const Capture& image : images) hurried.ingest(image);
-  EXPECT_EQ(hurried.effort().rung, 1);
+  EXPECT_EQ(hurried.effort().level, 1);
 
   Reconstruction wanted(*square_object().mesh, plain_options());
-  wanted.keep_within({.psnr_db = 28.5}, {}, 0, ladder);
-  EXPECT_EQ(wanted.effort().rung, static_cast<int>(ladder.size()) - 1);
-  wanted.keep_within({.psnr_db = 29.5}, {}, 0, ladder);
-  EXPECT_EQ(wanted.effort().rung, 1);
+  wanted.keep_within({.psnr_db = 28.5}, {}, 0, measured);
+  EXPECT_EQ(wanted.effort().level, static_cast<int>(measured.size()) - 1);
+  wanted.keep_within({.psnr_db = 29.5}, {}, 0, measured);
+  EXPECT_EQ(wanted.effort().level, 1);
 }
 
 TEST(Memory, TheBoundHoldsWhateverComes) {

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/commands/wish_options.h"
+#include "reconstructor/commands/limit_options.h"
 
 #include <CLI/CLI.hpp>
 
 #include "common/base/errors.h"
-#include "reconstructor/effort/budget.h"
+#include "reconstructor/effort/effort_control.h"
 
 namespace sheen {
 
-void WishArguments::add_to(CLI::App& command, const std::string& about_target) {
+void LimitArguments::add_to(CLI::App& command, const std::string& about_target) {
   command.add_option("--budget", budget, "time that an image may take: 33ms; the model is made coarser until it holds");
   command.add_option("--target", target, about_target);
   command.add_option("--memory", memory, "memory that the model may take: 1GB");
   command.add_option("--tolerance", tolerance, "relative error that a part of the surface may keep: 0.01, or 40dB");
 }
 
-TradeoffWish WishArguments::apply(ModelSettings& settings) const {
-  const TradeoffWish wish = parse_wish(budget, target, memory);
+Limits LimitArguments::apply(ModelSettings& settings) const {
+  const Limits limits = parse_limits(budget, target, memory);
   if (!tolerance.empty()) set(settings, "tolerance", parse_tolerance(tolerance));
-  return wish;
+  return limits;
 }
 
 }  // namespace sheen

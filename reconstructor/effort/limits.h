@@ -7,7 +7,7 @@
 namespace sheen {
 
 /// What a user asks of a light field; what is absent does not matter.
-struct TradeoffWish {
+struct Limits {
   std::optional<double> image_ms;  ///< at most: wall time of folding one image in
   std::optional<double> bytes;     ///< at most: of the rings' state
   std::optional<double> psnr_db;   ///< at least: of held-out views
@@ -17,9 +17,9 @@ struct TradeoffWish {
 
 /// The three words of the command line: "33ms" or "0.2s", "35dB", "1GB" (B, kB, MB, GB, or KiB, MiB, GiB); an empty
 /// word asks for nothing. Throws ConfigError naming the option and what it takes.
-TradeoffWish parse_wish(const std::string& budget, const std::string& target, const std::string& memory);
+Limits parse_limits(const std::string& budget, const std::string& target, const std::string& memory);
 
-/// "33 ms", "35 dB" and "1 GB" of a wish, joined by commas: for messages.
-std::string describe(const TradeoffWish& wish);
+/// "33 ms", "35 dB" and "1 GB" of limits, joined by commas: for messages.
+std::string describe(const Limits& limits);
 
 }  // namespace sheen

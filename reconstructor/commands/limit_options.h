@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "reconstructor/effort/tradeoff_wish.h"
+#include "reconstructor/effort/limits.h"
 #include "reconstructor/models/model_settings.h"
 
 namespace CLI {
@@ -13,12 +13,12 @@ class App;
 namespace sheen {
 
 /// What `build` and `serve` let a user ask of the model: time, accuracy, memory.
-struct WishArguments {
+struct LimitArguments {
   std::string budget, target, memory, tolerance;
 
   void add_to(CLI::App& command, const std::string& about_target);
   /// Lays the tolerance on the settings; the rest is the command's. Throws ConfigError naming the option.
-  TradeoffWish apply(ModelSettings& settings) const;
+  Limits apply(ModelSettings& settings) const;
 };
 
 }  // namespace sheen

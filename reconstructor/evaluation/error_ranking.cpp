@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/evaluation/foretelling.h"
+#include "reconstructor/evaluation/error_ranking.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,10 +42,10 @@ double rank_correlation(std::span<const double> a, std::span<const double> b) {
   return std::inner_product(x.begin(), x.end(), y.begin(), 0.0) / std::sqrt(xx * yy);
 }
 
-Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const Appearance& model, const PeerHeuristic& peer,
-                              const RayPainter& painter) {
-  std::vector<double> foretold, by_peer, measured;
-  Foretelling result;
+ErrorRanking judge_error_ranking(const std::vector<HeldOutView>& views, const Appearance& model,
+                                 const PeerHeuristic& peer, const RayPainter& painter) {
+  std::vector<double> predicted, by_peer, measured;
+  ErrorRanking result;
   for (const HeldOutView& view : views) {
     const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
     const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object);
@@ -57,7 +57,7 @@ Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const Appea
       if (!view.inside.data()[i] || !hits[i]) continue;
       TriangleError& triangle = errors[hits[i].triangle];
       ++triangle.pixels;
-      expected[hits[i].triangle] = painted.foretold.data()[i];
+      expected[hits[i].triangle] = painted.predicted_error.data()[i];
       for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
         const double difference = (double(picture.data()[c]) - double(view.truth.data()[c])) / 255;
         triangle.sum += difference * difference;
@@ -65,12 +65,12 @@ Foretelling judge_foretelling(const std::vector<HeldOutView>& views, const Appea
     }
     for (std::size_t t = 0; t < errors.size(); ++t) {
       if (errors[t].pixels < kFewestPixels) continue;
-      foretold.push_back(expected[t]);
+      predicted.push_back(expected[t]);
       by_peer.push_back(heuristic[t]);
       measured.push_back(errors[t].rms());
     }
   }
-  result.rank_correlation = rank_correlation(foretold, measured);
+  result.rank_correlation = rank_correlation(predicted, measured);
   result.peer_rank_correlation = rank_correlation(by_peer, measured);
   return result;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/effort/tradeoff_wish.h"
+#include "reconstructor/effort/limits.h"
 
 #include <charconv>
 #include <cmath>
@@ -33,22 +33,22 @@ std::string text(double value, const char* unit) {
 
 }  // namespace
 
-TradeoffWish parse_wish(const std::string& budget, const std::string& target, const std::string& memory) {
+Limits parse_limits(const std::string& budget, const std::string& target, const std::string& memory) {
   static const std::map<std::string, double> times{{"ms", 1}, {"s", 1e3}};
   static const std::map<std::string, double> decibels{{"dB", 1}};
   static const std::map<std::string, double> sizes{{"B", 1},        {"kB", 1e3},     {"MB", 1e6},    {"GB", 1e9},
                                                    {"KiB", 0x1p10}, {"MiB", 0x1p20}, {"GiB", 0x1p30}};
-  return {.image_ms = quantity(budget, times, "--budget", "the time an image may take, such as 33ms or 0.2s"),
+  return {.image_ms = quantity(budget, times, "--budget", "the time that an image may take, such as 33ms or 0.2s"),
           .bytes = quantity(memory, sizes, "--memory", "the memory the light field may take, such as 1GB or 500MB"),
           .psnr_db = quantity(target, decibels, "--target", "the PSNR of held-out views to reach, such as 35dB")};
 }
 
-std::string describe(const TradeoffWish& wish) {
+std::string describe(const Limits& limits) {
   std::string out;
   const auto add = [&](const std::string& part) { out += (out.empty() ? "" : ", ") + part; };
-  if (wish.image_ms) add("at most " + text(*wish.image_ms, "ms an image"));
-  if (wish.bytes) add("at most " + text(*wish.bytes / 1e6, "MB"));
-  if (wish.psnr_db) add("at least " + text(*wish.psnr_db, "dB"));
+  if (limits.image_ms) add("at most " + text(*limits.image_ms, "ms per image"));
+  if (limits.bytes) add("at most " + text(*limits.bytes / 1e6, "MB"));
+  if (limits.psnr_db) add("at least " + text(*limits.psnr_db, "dB"));
   return out;
 }
 

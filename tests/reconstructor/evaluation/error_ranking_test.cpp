@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/evaluation/foretelling.h"
+#include "reconstructor/evaluation/error_ranking.h"
 
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ PeerHeuristic papers(const std::shared_ptr<const SurfaceLightFieldSnapshot>& mod
 }
 
 struct Judged {
-  Foretelling foretelling;
+  ErrorRanking ranking;
   Scores scores;
   std::shared_ptr<const SurfaceLightFieldSnapshot> model;
 };
@@ -53,13 +53,13 @@ Judged judge(const analytic::Scene& scene, int images) {
   for (const Capture& unseen : captures(scene, analytic::eyes(7, kDistance, 0.55, 0.9)))
     views.push_back(make_held_out_view(unseen, 1, painter));
   const auto snapshot = model.light_field_snapshot();
-  return {judge_foretelling(views, *snapshot, papers(snapshot), painter), score(views, *snapshot, painter), snapshot};
+  return {judge_error_ranking(views, *snapshot, papers(snapshot), painter), score(views, *snapshot, painter), snapshot};
 }
 
-TEST(Foretelling, TellsTheHalfThatIsWrongFromTheOneThatIsRight) {
+TEST(ErrorRanking, TellsTheHalfThatIsWrongFromTheOneThatIsRight) {
   const Judged judged = judge(half_shiny(4), 30);
-  EXPECT_GT(judged.foretelling.rank_correlation, 0.6);
-  EXPECT_GT(judged.foretelling.rank_correlation, judged.foretelling.peer_rank_correlation);
+  EXPECT_GT(judged.ranking.rank_correlation, 0.6);
+  EXPECT_GT(judged.ranking.rank_correlation, judged.ranking.peer_rank_correlation);
   const Mesh& mesh = judged.model->mesh();
   const auto quality = judged.model->quality_for({0.06, 0.1, 0.45});
   for (std::size_t t = 0; t < quality.size(); ++t) {
@@ -69,8 +69,8 @@ TEST(Foretelling, TellsTheHalfThatIsWrongFromTheOneThatIsRight) {
   }
 }
 
-TEST(Foretelling, IsRightWithinSomeDecibelsHoweverMuchIsWrong) {
-  // A colour that turns smoothly is foretold too carefully: kernels must allow for less.
+TEST(ErrorRanking, IsRightWithinSomeDecibelsHoweverMuchIsWrong) {
+  // A colour that turns smoothly is predicted too carefully: kernels must allow for less.
   for (const auto& [turns, images] :
        {std::pair{1.0, 6}, {2.0, 12}, {4.0, 6}, {4.0, 12}, {4.0, 30}, {8.0, 30}, {8.0, 80}}) {
     const Judged judged = judge(half_shiny(turns), images);
@@ -80,11 +80,11 @@ TEST(Foretelling, IsRightWithinSomeDecibelsHoweverMuchIsWrong) {
   }
 }
 
-TEST(Foretelling, OfNoViewSaysNothing) {
+TEST(ErrorRanking, OfNoViewSaysNothing) {
   const Object object = square_object();
   SurfaceLightField model(object.mesh, plain_options());
   const auto snapshot = model.light_field_snapshot();
-  const Foretelling judged = judge_foretelling({}, *snapshot, papers(snapshot), RayPainter(*object.mesh));
+  const ErrorRanking judged = judge_error_ranking({}, *snapshot, papers(snapshot), RayPainter(*object.mesh));
   EXPECT_TRUE(std::isnan(judged.rank_correlation));
 }
 
