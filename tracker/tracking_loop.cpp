@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/base/bounded_queue.h"
+#include "common/base/clock.h"
 #include "common/base/errors.h"
 
 namespace sheen {
@@ -27,14 +28,14 @@ class StageTimer {
   StageTimer(TrackingReport& report, const char* stage) : times_(report.stage_ms[stage]) {}
   ~StageTimer() {
     if (times_.size() == kTimesKept) times_.erase(times_.begin(), times_.begin() + kTimesKept / 2);
-    times_.push_back(static_cast<float>((steady_ns() - start_) * 1e-6));
+    times_.push_back(static_cast<float>((steady_now_ns() - start_) * 1e-6));
   }
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
 
  private:
   std::vector<float>& times_;
-  const std::int64_t start_ = steady_ns();
+  const std::int64_t start_ = steady_now_ns();
 };
 
 /// Identifies intrinsics; not a secret, only has to change with them.
@@ -200,7 +201,7 @@ bool TrackingLoop::Impl::keep(const Capture& capture, const Hooks& hooks) {
 }
 
 void TrackingLoop::Impl::publish(const Hooks& hooks) {
-  const std::int64_t now = steady_ns();
+  const std::int64_t now = steady_now_ns();
   if (!hooks.publish || now - published_ns < kPublishEvery_ns) return;
   published_ns = now;
   Status status{.role = "tracker",

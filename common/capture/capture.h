@@ -10,6 +10,7 @@
 #include "common/camera/camera.h"
 #include "common/camera/rigid3.h"
 #include "common/capture/lighting.h"
+#include "common/image/image.h"
 #include "common/image/raw_image.h"
 
 namespace sheen {

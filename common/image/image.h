@@ -65,4 +65,9 @@ struct PixelBox {
 using ImageU8 = Image<std::uint8_t>;
 using ImageF = Image<float>;
 
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+
 }  // namespace sheen

@@ -12,10 +12,6 @@ namespace sheen {
 /// orientation is not applied: poses belong to the pixels as they are stored. Throws FileError, for damaged data too.
 RawImage read_image(const std::filesystem::path& path);
 
-struct ImageSize {
-  int width = 0;
-  int height = 0;
-};
 /// Of such a file, without decoding its pixels. Throws FileError.
 ImageSize read_image_size(const std::filesystem::path& path);
 

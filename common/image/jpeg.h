@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "common/image/image.h"
-#include "common/image/image_io.h"
 
 namespace sheen {
 

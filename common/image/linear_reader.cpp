@@ -96,4 +96,32 @@ void LinearReader::read_bayer(const PixelBox& box, int channels, float* out, std
   demosaic(width, height, load, take);
 }
 
+ImageF to_linear_rgb(const RawImage& image, float black_level, const float white_balance[3]) {
+  ImageF rgb(image.width, image.height, 3);
+  LinearReader(image, black_level, white_balance)
+      .read({0, 0, image.width, image.height}, 3, rgb.data(), 3 * static_cast<std::size_t>(image.width));
+  return rgb;
+}
+
+ImageU8 to_grey8(const RawImage& image) {
+  ImageU8 grey(image.width, image.height, 1);
+  if (image.format == PixelFormat::kRGB32f) {
+    const ImageU8 rgb = to_srgb8(to_linear_rgb(image));
+    for (std::size_t i = 0; i < grey.size(); ++i)
+      grey.data()[i] = (54 * rgb.data()[3 * i] + 183 * rgb.data()[3 * i + 1] + 19 * rgb.data()[3 * i + 2] + 128) >> 8;
+    return grey;
+  }
+  for (int y = 0; y < image.height; ++y) {
+    const std::uint8_t* in = image.bytes.data() + y * image.stride;
+    std::uint8_t* out = grey.row(y);
+    if (image.format == PixelFormat::kRGB8) {
+      for (int x = 0; x < image.width; ++x)
+        out[x] = (54 * in[3 * x] + 183 * in[3 * x + 1] + 19 * in[3 * x + 2] + 128) >> 8;
+    } else {
+      std::copy_n(in, image.width, out);
+    }
+  }
+  return grey;
+}
+
 }  // namespace sheen

@@ -28,4 +28,11 @@ class LinearReader {
   float linear_[256];  ///< of an 8-bit value; of a mosaic's site as `demosaic` takes it
 };
 
+/// Linear RGB radiance, 3 channels, 1.0 = white level. Bayer is interpolated by `demosaic`,
+/// `black_level` (0..1 of full scale) subtracted and the rest rescaled, each channel multiplied by its white balance.
+ImageF to_linear_rgb(const RawImage& image, float black_level = 0, const float white_balance[3] = nullptr);
+
+/// 8-bit grey for looking at and for finding tags; Bayer sites are used as they are, with no demosaicing.
+ImageU8 to_grey8(const RawImage& image);
+
 }  // namespace sheen

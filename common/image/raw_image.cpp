@@ -6,9 +6,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "common/image/color.h"
-#include "common/image/linear_reader.h"
-
 namespace sheen {
 namespace {
 
@@ -58,34 +55,6 @@ std::string validation_error(const RawImage& image) {
   if (image.stride < image.width * pixel || image.stride > std::size_t(1) << 24) return "image.stride is out of range";
   if (image.bytes.size() != image.stride * image.height) return "image.bytes does not match stride times height";
   return {};
-}
-
-ImageF to_linear_rgb(const RawImage& image, float black_level, const float white_balance[3]) {
-  ImageF rgb(image.width, image.height, 3);
-  LinearReader(image, black_level, white_balance)
-      .read({0, 0, image.width, image.height}, 3, rgb.data(), 3 * static_cast<std::size_t>(image.width));
-  return rgb;
-}
-
-ImageU8 to_grey8(const RawImage& image) {
-  ImageU8 grey(image.width, image.height, 1);
-  if (image.format == PixelFormat::kRGB32f) {
-    const ImageU8 rgb = to_srgb8(to_linear_rgb(image));
-    for (std::size_t i = 0; i < grey.size(); ++i)
-      grey.data()[i] = (54 * rgb.data()[3 * i] + 183 * rgb.data()[3 * i + 1] + 19 * rgb.data()[3 * i + 2] + 128) >> 8;
-    return grey;
-  }
-  for (int y = 0; y < image.height; ++y) {
-    const std::uint8_t* in = image.bytes.data() + y * image.stride;
-    std::uint8_t* out = grey.row(y);
-    if (image.format == PixelFormat::kRGB8) {
-      for (int x = 0; x < image.width; ++x)
-        out[x] = (54 * in[3 * x] + 183 * in[3 * x + 1] + 19 * in[3 * x + 2] + 128) >> 8;
-    } else {
-      std::copy_n(in, image.width, out);
-    }
-  }
-  return grey;
 }
 
 }  // namespace sheen

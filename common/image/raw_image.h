@@ -6,8 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "common/image/image.h"
-
 namespace sheen {
 
 /// Names of the GenICam Pixel Format Naming Convention. Values are Sheen's own and are never reused.
@@ -48,12 +46,5 @@ PixelFormat pixel_format_from_pfnc(std::string_view name);  ///< kUnspecified wh
 
 /// Empty when sizes, stride and format agree, else which field is wrong.
 std::string validation_error(const RawImage& image);
-
-/// Linear RGB radiance, 3 channels, 1.0 = white level. Bayer is interpolated by `demosaic`,
-/// `black_level` (0..1 of full scale) subtracted and the rest rescaled, each channel multiplied by its white balance.
-ImageF to_linear_rgb(const RawImage& image, float black_level = 0, const float white_balance[3] = nullptr);
-
-/// 8-bit grey for looking at and for finding tags; Bayer sites are used as they are, with no demosaicing.
-ImageU8 to_grey8(const RawImage& image);
 
 }  // namespace sheen

@@ -281,9 +281,4 @@ std::string reason_of(const std::string& error) {
   return error.substr(0, error.find_first_of(": "));
 }
 
-std::int64_t steady_now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
 }  // namespace sheen

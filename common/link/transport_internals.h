@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/clock.h"
 #include "common/link/transport.h"
 
 namespace zmq {
@@ -126,7 +127,5 @@ bool receive_parts(zmq::socket_t& socket, std::size_t max_parts, std::vector<zmq
 
 /// The first word of an error: what it is counted under.
 std::string reason_of(const std::string& error);
-
-std::int64_t steady_now_ns();
 
 }  // namespace sheen

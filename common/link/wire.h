@@ -8,23 +8,11 @@
 
 #include "common/capture/capture.h"
 #include "common/image/image_codec.h"
+#include "common/link/message_type.h"
 
 namespace sheen {
 
-inline constexpr std::uint16_t kWireMajor = 1;                        ///< peers of another major version are refused
 inline constexpr std::size_t kMaxHeaderBytes = std::size_t(1) << 20;  ///< of a capture's Protobuf header
-
-enum class MessageType : std::uint16_t {
-  kHello = 1,    ///< receiver -> sender: protocol version, role, what it already holds
-  kWelcome = 2,  ///< sender -> receiver: source session, version
-  kCredit = 3,   ///< receiver -> sender: may send so many more captures
-  kKeep = 4,     ///< sender -> receiver: a capture that is delivered at least once
-  kLive = 5,     ///< sender -> receiver: the newest frame, for looking at; may be dropped
-  kAck = 6,      ///< receiver -> sender: durable up to this sequence of this source session
-  kRefuse = 7,   ///< either way: why the other side's message was not accepted
-  kStatus = 8,   ///< on the monitor socket
-  kEnd = 9,      ///< sender -> receiver: the source has ended after so many captures
-};
 
 /// A capture as it travels and as the journal keeps it: 8-byte envelope (magic, major, type), Protobuf header, raw blob
 /// (pixels, then mask). Pixels stay outside Protobuf.

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "common/link/message_type.h"
 #include "common/link/status.h"
-#include "common/link/wire.h"
 
 namespace sheen {
 

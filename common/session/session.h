@@ -10,33 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "common/base/errors.h"
 #include "common/capture/capture.h"
 #include "common/link/wire.h"
+#include "common/session/session_types.h"
 
 namespace sheen {
-
-inline constexpr int kSessionVersion = 2;  ///< of the layout on disk; a newer one is refused with both versions named
-
-/// An entry of a session's list of withdrawals: a capture was taken back, or put back. The last entry of a capture
-/// counts.
-struct Withdrawal {
-  std::uint64_t number = 0;  ///< of the entry, rising
-  std::uint64_t capture = 0;
-  bool withdrawn = false;
-};
-
-/// Another program keeps the session's index locked. What was asked for may be asked for again.
-class SessionBusy : public FileError {
- public:
-  using FileError::FileError;
-};
-
-/// One capture cannot be read. The others can.
-class DamagedCapture : public FileError {
- public:
-  using FileError::FileError;
-};
 
 /// Journal of a capture: a folder with `session.sqlite` (index, metadata) and one file per capture in `captures/` (the
 /// wire encoding, lossless). A capture is durable when `append` returns: file and index are flushed to the disk.

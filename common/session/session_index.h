@@ -13,7 +13,7 @@
 
 #include "common/base/errors.h"
 #include "common/session/capture_file.h"
-#include "common/session/session.h"
+#include "common/session/session_types.h"
 
 namespace sheen {
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/image/image.h"
 #include "common/image/raw_image.h"
 #include "common/simulation/camera_path.h"
 #include "common/simulation/path_tracer.h"

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <thread>
 
+#include "common/base/clock.h"
 #include "common/base/log.h"
 
 namespace sheen {
@@ -16,10 +17,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds kPoll{50};
 constexpr int kLateSnapshotFactor = 5;
 constexpr int kJudgementsRest = 4;  // times as long as the last live judgement took, before the next
-
-std::int64_t now_ns() {
-  return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
-}
 
 /// Does it again for as long as another program keeps the session's index locked; SessionBusy gets out once it is asked
 /// to stop.
@@ -82,7 +79,7 @@ void CaptureLoop::receive(std::stop_token stop) {
   while (!stop.stop_requested()) {
     std::optional<Received> received = receiver_.next(kPoll);
     if (received) {
-      received->capture.times.received_ns = now_ns();
+      received->capture.times.received_ns = steady_now_ns();
       if (observer_.on_capture) observer_.on_capture(received->capture);
       if (!received->live) {
         try {
@@ -102,7 +99,7 @@ void CaptureLoop::receive(std::stop_token stop) {
     status_.link = link;
     status_.journaled = journaled;
     if (received && !received->live && status_.link.clock) {
-      const std::int64_t trackers_now_ns = now_ns() + status_.link.clock->offset_ns;
+      const std::int64_t trackers_now_ns = steady_now_ns() + status_.link.clock->offset_ns;
       status_.latency.add(1e-9 * static_cast<double>(trackers_now_ns - received->capture.times.grabbed_ns));
     }
     journaled_changed_.notify_all();

@@ -48,7 +48,6 @@ struct LoopStatus {
   /// was none are not in it.
   RunningStatistics latency;
   /// Live figures on views the model never saw.
-  using HeldOutPoint = HeldOutCurve::Point;
   std::vector<HeldOutPoint> held_out_curve;
   std::string error;  ///< what stopped the loop, if anything did (a full disk, say)
 };

@@ -8,6 +8,7 @@
 
 #include "common/image/color.h"
 #include "common/image/image_io.h"
+#include "common/image/linear_reader.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/guidance.h"
 
@@ -199,8 +200,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.latency = summarize(status.latency);
   state.rank_histogram = status.rank_histogram;
   state.model_bytes = status.model_bytes;
-  for (const LoopStatus::HeldOutPoint& p : status.held_out_curve)
-    state.held_out_curve.push_back({p.images, p.psnr_db, p.ssim, p.constant_psnr_db});
+  state.held_out_curve = status.held_out_curve;
   state.next_view = guidance_in_words(now);
   state.well_known = next_view_ && next_view_->well_known;
   state.preview_jpeg = preview_jpeg_;

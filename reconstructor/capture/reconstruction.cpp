@@ -22,35 +22,29 @@ Reconstruction::Reconstruction(Mesh mesh, const ModelSettings& settings)
       mesh_(std::make_shared<Mesh>(std::move(mesh))),
       asked_(settings.clone()),
       model_(asked_->make_model(mesh_)),
-      painter_(*mesh_) {}
+      painter_(*mesh_),
+      effort_(settings.effort_levels()) {}
 
 void Reconstruction::keep_within(const Limits& limits, const std::string& record, std::uint64_t captures,
                                  MeasuredLevels measured) {
-  limits_ = limits;
-  measured_ = std::move(measured);
-  if (limits.psnr_db && !measured_.empty()) target_level_ = level_reaching(measured_, *limits.psnr_db);
-  if (limits.image_ms) {
-    if (record.empty())
-      control_.emplace(*limits.image_ms, asked_->effort_levels());
-    else
-      control_.emplace(*limits.image_ms, asked_->effort_levels(), record, captures);
-  }
-  model_->restart(effort_level());
+  effort_.keep_within(limits, record, captures, std::move(measured));
+  model_->restart(effort_.level());
 }
 
 void Reconstruction::begin_at(int level) {
-  target_level_ = level;
-  model_->restart(effort_level());
+  effort_.begin_at(level);
+  model_->restart(effort_.level());
 }
 
 IngestReport Reconstruction::ingest(const Capture& capture) {
-  if (!control_) return take(capture);
+  EffortControl* control = effort_.control();
+  if (!control) return take(capture);
   const std::uint64_t number = counts_.received;
-  model_->set_update_fraction(control_->update_fraction(number));
+  model_->set_update_fraction(control->update_fraction(number));
   const double held_out_bytes = held_out_bytes_;
   const IngestReport report = take(capture);
   if (report.status != IngestStatus::kAccepted) return report;
-  if (!control_->effort_level()) {
+  if (!control->effort_level()) {
     probe_.push_back({capture, held_out_bytes, exposure_product(capture) > 0 ? report.exposure_gain : 1,
                       std::pow(10, -report.predicted_psnr_db / 10)});
     if (probe_.size() == EffortControl::kProbeImages) choose_level();
@@ -58,28 +52,24 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
   }
   double update_ms = 0;
   for (const auto& [stage, ms] : report.stage_ms) update_ms += ms;
-  const double before = control_->update_fraction(number),
-               after = (control_->observe(number, update_ms), control_->update_fraction(number + 1));
+  const double before = control->update_fraction(number),
+               after = (control->observe(number, update_ms), control->update_fraction(number + 1));
   if (after != before)
     log_info("budget",
              after < before ? "images take too long: less of each image is updated"
                             : "there is room: more of each image is updated",
-             {{"update_fraction", after}, {"budget_ms", control_->budget_ms()}});
+             {{"update_fraction", after}, {"budget_ms", control->budget_ms()}});
   return report;
-}
-
-/// The coarsest of those that target, memory and time ask for.
-int Reconstruction::effort_level() const {
-  return std::max({target_level_, memory_level_.value_or(0), control_ ? control_->effort_level().value_or(0) : 0});
 }
 
 /// True when the model has begun again, with coarser maps.
 bool Reconstruction::fit_memory(const Capture& first) {
-  const int before = effort_level();
-  memory_level_ = model_->effort_level_within(first, before, *limits_.bytes);
-  if (*memory_level_ == before) return false;
-  log_info("memory", "a model with the maps asked for would not fit: coarser ones", {{"effort_level", *memory_level_}});
-  model_->rebuild(*memory_level_);
+  const int before = effort_.level();
+  const int level = model_->effort_level_within(first, before, *effort_.limits().bytes);
+  effort_.set_memory_level(level);
+  if (level == before) return false;
+  log_info("memory", "a model with the maps asked for would not fit: coarser ones", {{"effort_level", level}});
+  model_->rebuild(level);
   return true;
 }
 
@@ -89,12 +79,13 @@ void Reconstruction::stay_within_memory() {
     const MemoryAccount account = memory();
     return account.total() - account.probe;
   };
-  while (held() > *limits_.bytes && model_->reduce_memory())
-    log_info("memory", "the model outgrew it: less detail is kept", {{"bytes", held()}, {"asked", *limits_.bytes}});
-  if (!memory_exceeded_ && held() > *limits_.bytes) {
+  while (held() > *effort_.limits().bytes && model_->reduce_memory())
+    log_info("memory", "the model outgrew it: less detail is kept",
+             {{"bytes", held()}, {"asked", *effort_.limits().bytes}});
+  if (!memory_exceeded_ && held() > *effort_.limits().bytes) {
     memory_exceeded_ = true;
     log_warning("memory", "not even the smallest setting stays within it; a coarser mesh would",
-                {{"bytes", held()}, {"asked", *limits_.bytes}});
+                {{"bytes", held()}, {"asked", *effort_.limits().bytes}});
   }
 }
 
@@ -107,18 +98,18 @@ MemoryAccount Reconstruction::memory() const {
 
 /// By what the first images took, and by what is lost on them where nothing was measured before.
 void Reconstruction::choose_level() {
-  const int begun_at = effort_level();
-  const double budget_ms = control_->budget_ms(), image_ms = 1e3 * updates_.median_s();
+  const int begun_at = effort_.level();
+  const double budget_ms = effort_.control()->budget_ms(), image_ms = 1e3 * updates_.median_s();
   int chosen = begun_at;
-  if (!measured_.empty()) {
-    chosen = level_within(measured_, image_ms, begun_at, budget_ms);
+  if (!effort_.measured().empty()) {
+    chosen = level_within(effort_.measured(), image_ms, begun_at, budget_ms);
     if (chosen != begun_at) fold_probe_at(chosen);
   } else if (image_ms > kBudgetMargin * budget_ms) {
     std::vector<HeldOutView> views;
     for (std::size_t i = 0; i < probe_.size(); i += 2)
       views.push_back(make_held_out_view(probe_[i].capture, probe_[i].known_gain, painter_));
     const double finest = error_on(views), unseen = std::max(predicted_error(), finest);
-    while (chosen + 1 < asked_->effort_levels() && 1e3 * updates_.median_s() > kBudgetMargin * budget_ms) {
+    while (chosen + 1 < effort_.levels() && 1e3 * updates_.median_s() > kBudgetMargin * budget_ms) {
       fold_probe_at(chosen + 1);
       // What coarser maps and fewer terms cannot hold of the images is added to the error on images that are not seen.
       const double lost_db = 10 * std::log10(1 + std::max(0.0, error_on(views) - finest) / unseen);
@@ -131,7 +122,8 @@ void Reconstruction::choose_level() {
       ++chosen;
     }
   }
-  control_->set_level(chosen == begun_at ? 0 : chosen);  // what only memory or target asked for is theirs to say again
+  effort_.control()->set_level(
+      chosen == begun_at ? 0 : chosen);  // what only memory or target asked for is theirs to say again
   probe_ = {};
   if (chosen != begun_at)
     log_info("budget", "the first images take too long: a coarser model is begun",
@@ -172,7 +164,7 @@ double Reconstruction::error_on(const std::vector<HeldOutView>& views) {
 }
 
 Reconstruction::Effort Reconstruction::effort() const {
-  return {effort_level(), control_ ? control_->update_fraction(counts_.received) : 1.0};
+  return {effort_.level(), effort_.update_fraction(counts_.received)};
 }
 
 IngestReport Reconstruction::take(const Capture& capture) {
@@ -180,7 +172,7 @@ IngestReport Reconstruction::take(const Capture& capture) {
   IngestReport report = model_->ingest(capture);
   if (!image_size_ && model_->began_with(capture)) {
     image_size_ = size_of(capture);
-    if (limits_.bytes && fit_memory(capture)) report = model_->ingest(capture);
+    if (effort_.limits().bytes && fit_memory(capture)) report = model_->ingest(capture);
   }
   switch (report.status) {
     case IngestStatus::kAccepted:
@@ -217,7 +209,7 @@ void Reconstruction::note_accepted(const Capture& capture, const IngestReport& r
   patches_.updated += report.patches_updated;
   patches_.skipped += report.patches_skipped;
   patches_.left_out += report.patches_left_out;
-  if (limits_.bytes) stay_within_memory();
+  if (effort_.limits().bytes) stay_within_memory();
 }
 
 Reconstruction::Withdrawn Reconstruction::withdraw(const Capture& capture) {
@@ -232,7 +224,7 @@ Reconstruction::Withdrawn Reconstruction::withdraw(const Capture& capture) {
       if (--counts_.refused[known->reason] == 0) counts_.refused.erase(known->reason);
       break;
     case IngestStatus::kHeldOut:
-      if (limits_.bytes) how = Withdrawn::kNearly;  // it has taken memory, which is limited
+      if (effort_.limits().bytes) how = Withdrawn::kNearly;  // it has taken memory, which is limited
       held_out_bytes_ = 0;
       std::erase_if(held_out_, is_it);
       for (const HeldOutView& view : held_out_) held_out_bytes_ += bytes_of(view);
@@ -265,16 +257,15 @@ void Reconstruction::refuse_damaged(std::uint64_t captures) {
 }
 
 void Reconstruction::restart() {
-  if (control_) control_->begin_again(counts_.received);
+  effort_.begin_again(counts_.received);
   held_out_.clear();
   held_out_bytes_ = 0;
   captures_.clear();
   counts_ = {};
   probe_ = {};
   image_size_.reset();
-  memory_level_.reset();
   forget_work();
-  model_->restart(effort_level());
+  model_->restart(effort_.level());
 }
 
 void Reconstruction::forget_work() {

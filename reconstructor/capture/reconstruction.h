@@ -10,7 +10,7 @@
 #include "common/base/running_statistics.h"
 #include "common/capture/capture.h"
 #include "common/geometry/mesh.h"
-#include "reconstructor/effort/effort_control.h"
+#include "reconstructor/effort/effort_plan.h"
 #include "reconstructor/evaluation/held_out.h"
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/models/model_settings.h"
@@ -50,7 +50,7 @@ class Reconstruction {
                    MeasuredLevels measured = {});
   /// Before the first capture: the model is no finer than at this effort level.
   void begin_at(int level);
-  const Limits& limits() const { return limits_; }
+  const Limits& limits() const { return effort_.limits(); }
 
   IngestReport ingest(const Capture& capture);
   enum class Withdrawn {
@@ -95,7 +95,7 @@ class Reconstruction {
   /// Of this process before there was a reconstruction, in bytes.
   double resident_before() const { return resident_before_; }
   /// What was decided to keep the budget, for a later run to follow; empty when nothing was.
-  std::string effort_record() const { return control_ ? control_->record() : std::string(); }
+  std::string effort_record() const { return effort_.record(); }
 
   double images_per_s() const;  ///< accepted images over the time spent on ingesting them
 
@@ -118,7 +118,6 @@ class Reconstruction {
   void note_accepted(const Capture& capture, const IngestReport& report);
   bool fit_memory(const Capture& first);
   void stay_within_memory();
-  int effort_level() const;
   void choose_level();
   void fold_probe_at(int level);
   double error_on(const std::vector<HeldOutView>& views);
@@ -137,11 +136,7 @@ class Reconstruction {
   RunningStatistics updates_;
   PatchCounts patches_;
 
-  Limits limits_;
-  std::optional<EffortControl> control_;
-  MeasuredLevels measured_;
-  int target_level_ = 0;                   ///< by the PSNR asked for
-  std::optional<int> memory_level_;        ///< by the memory, when the first image has come
+  EffortPlan effort_;
   std::optional<CaptureSize> image_size_;  ///< of the first image
   double held_out_bytes_ = 0;
   bool memory_exceeded_ = false;   ///< although all have: told once

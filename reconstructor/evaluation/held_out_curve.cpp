@@ -35,7 +35,7 @@ void HeldOutCurve::judge(const std::vector<HeldOutView>& held_out, const std::ve
                          std::uint64_t images, const Appearance& model, const Appearance& constant,
                          const RayPainter& painter) {
   std::vector<std::pair<std::string, std::uint64_t>> names;
-  Point point{.images = images};
+  HeldOutPoint point{.images = images};
   const double share = 1.0 / static_cast<double>(panel.size());
   for (const std::size_t i : panel) {
     const HeldOutView& view = held_out[i];
@@ -50,7 +50,7 @@ void HeldOutCurve::judge(const std::vector<HeldOutView>& held_out, const std::ve
   add(point);
 }
 
-void HeldOutCurve::add(const Point& point) {
+void HeldOutCurve::add(const HeldOutPoint& point) {
   if (points_.size() == kMostPoints) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < points_.size(); i += 2) points_[kept++] = points_[i];

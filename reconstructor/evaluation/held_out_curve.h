@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/capture/held_out_point.h"
 #include "reconstructor/evaluation/held_out.h"
 
 namespace sheen {
@@ -22,21 +23,15 @@ class HeldOutCurve {
  public:
   static constexpr std::size_t kMostPoints = 200;
 
-  /// After so many images; means over the views that judge, and the constant colour's.
-  struct Point {
-    std::uint64_t images = 0;
-    double psnr_db = 0, ssim = 0, constant_psnr_db = 0;
-  };
-
   /// `panel`: indices of `held_out`, not empty.
   void judge(const std::vector<HeldOutView>& held_out, const std::vector<std::size_t>& panel, std::uint64_t images,
              const Appearance& model, const Appearance& constant, const RayPainter& painter);
-  void add(const Point& point);
-  const std::vector<Point>& points() const { return points_; }
+  void add(const HeldOutPoint& point);
+  const std::vector<HeldOutPoint>& points() const { return points_; }
 
  private:
   std::vector<std::pair<std::string, std::uint64_t>> panel_;  ///< source session and sequence
-  std::vector<Point> points_;
+  std::vector<HeldOutPoint> points_;
 };
 
 }  // namespace sheen

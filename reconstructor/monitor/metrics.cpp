@@ -96,7 +96,7 @@ void speed(const MonitorState& state, Exposition& out) {
 
 void quality(const MonitorState& state, Exposition& out) {
   if (!state.held_out_curve.empty()) {
-    const MonitorState::HeldOutPoint& last = state.held_out_curve.back();
+    const HeldOutPoint& last = state.held_out_curve.back();
     out.single("heldout_psnr_db", "gauge", "PSNR on object pixels of views that the model never saw.", last.psnr_db);
     out.single("heldout_ssim", "gauge", "SSIM on object pixels of views that the model never saw.", last.ssim);
     out.single("heldout_constant_psnr_db", "gauge", "The same PSNR for the mean colour of each surface sample.",

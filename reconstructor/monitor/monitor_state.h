@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/running_statistics.h"
+#include "common/capture/held_out_point.h"
 
 namespace sheen {
 
@@ -77,10 +78,6 @@ struct MonitorState {
   std::vector<std::size_t> rank_histogram;  ///< rings of rank 0, 1, ...
   std::uint64_t model_bytes = 0;
 
-  struct HeldOutPoint {
-    std::uint64_t images = 0;  ///< in the model by then
-    double psnr_db = 0, ssim = 0, constant_psnr_db = 0;
-  };
   std::vector<HeldOutPoint> held_out_curve;
   std::string next_view;    ///< where to hold the camera next, for a person
   bool well_known = false;  ///< nothing needs an image any more; `next_view` says why

@@ -22,7 +22,7 @@ Json to_json(const DurationSummary& durations) {
   return json;
 }
 
-Json curve_to_json(const std::vector<MonitorState::HeldOutPoint>& curve) {
+Json curve_to_json(const std::vector<HeldOutPoint>& curve) {
   const std::size_t step = curve.size() / kCurvePoints + 1;
   Json json = Json::array();
   for (std::size_t i = 0; i < curve.size(); ++i) {

@@ -234,8 +234,8 @@ Fold RingBasis<Scalar>::absorb(Matrix& columns, Block& block, const RingFactorOp
   };
   const bool rotates = grows || rank_ > displayed_ || block.count == 0;
   if (rotates) {
-    if (turns_ == 0) polish();
-    turns_ = (turns_ + 1) % kTurnsBetweenPolishes;
+    if (rotations_ == 0) polish();
+    rotations_ = (rotations_ + 1) % kTurnsBetweenPolishes;
   }
   Rotation rotation = singular_rotation(block, options);
   Fold fold;

@@ -45,7 +45,7 @@ struct Fold {
 ///   (5)  B <- Q V,  y <- V^T y,  G <- S^2                  the leading columns of V alone; one pass     n (r + k) r
 ///
 /// H is the second projection of "twice is enough": P was rounded, and what that left of B in it is not lost. Every
-/// few rotates E = B^T B - I is measured too and (5) starts from B (I - E/2): the polish, which gives back what
+/// few rotations E = B^T B - I is measured too and (5) starts from B (I - E/2): the polish, which gives back what
 /// rounding took from the basis. R and the polished basis are never written out: both are in the one matrix that (5)
 /// multiplies [B P] by. Only where P^T P is so ill-conditioned that this would magnify its rounding is R written over P
 /// and orthonormalised once more.
@@ -116,9 +116,9 @@ class RingBasis {
 
   int rows_;
   int rank_ = 0, displayed_ = 0;
-  int turns_ = 0;    ///< of the basis since the last polish, that one included
-  double lost_ = 0;  ///< energy of the folded columns that B does not hold
-  Matrix basis_;     ///< padded rows x rank
+  int rotations_ = 0;  ///< of the basis since the last polish, that one included
+  double lost_ = 0;    ///< energy of the folded columns that B does not hold
+  Matrix basis_;       ///< padded rows x rank
   Eigen::MatrixXd gram_;
   Eigen::VectorXd spectrum_;
 };

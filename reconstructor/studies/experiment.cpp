@@ -10,6 +10,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/median.h"
+#include "common/image/linear_reader.h"
 #include "reconstructor/radiance/capture_rules.h"
 
 namespace sheen {

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "common/image/image_io.h"
+#include "common/image/linear_reader.h"
 #include "reconstructor/monitor/monitor_server.h"
 #include "tests/reconstructor/monitor/sample_state.h"
 

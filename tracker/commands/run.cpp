@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/base/clock.h"
 #include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
@@ -40,11 +41,11 @@ class LinkSink : public CaptureSink {
  public:
   explicit LinkSink(CaptureSender& sender) : sender_(sender) {}
   bool keep(Capture capture, std::chrono::milliseconds timeout) override {
-    capture.times.sent_ns = steady_ns();
+    capture.times.sent_ns = steady_now_ns();
     return sender_.keep(std::move(capture), timeout);
   }
   void live(Capture capture) override {
-    capture.times.sent_ns = steady_ns();
+    capture.times.sent_ns = steady_now_ns();
     sender_.live(std::move(capture));
   }
 

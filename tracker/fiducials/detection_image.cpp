@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/base/median.h"
+#include "common/image/linear_reader.h"
 #include "tracker/fiducials/tag_detector.h"
 
 namespace sheen {

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <vector>
 
+#include "common/base/clock.h"
 #include "common/base/errors.h"
 
 namespace sheen {
@@ -213,7 +214,7 @@ std::optional<Frame> AravisCamera::grab(std::chrono::milliseconds timeout) {
   std::size_t size = 0;
   const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
   Frame frame;
-  frame.times.grabbed_ns = steady_ns();
+  frame.times.grabbed_ns = steady_now_ns();
   frame.complete = status == ARV_BUFFER_STATUS_SUCCESS;
   frame.camera_frame_id = arv_buffer_get_frame_id(buffer);
   frame.exposure = impl_->exposure;

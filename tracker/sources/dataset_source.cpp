@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracker/sources/dataset_source.h"
+#include "common/base/clock.h"
 
 namespace sheen {
 
@@ -12,7 +13,7 @@ std::optional<Frame> DatasetSource::next(std::chrono::milliseconds) {
   frame.given = read_capture(dataset_, next_view_);
   frame.camera_frame_id = frame.given->camera_frame_id;
   frame.exposure = frame.given->exposure;
-  frame.times.grabbed_ns = steady_ns();
+  frame.times.grabbed_ns = steady_now_ns();
   ++next_view_;
   return frame;
 }

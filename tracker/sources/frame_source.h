@@ -58,10 +58,4 @@ class FrameSource {
   bool ended() const { return state() == SourceState::kEnded; }
 };
 
-/// The tracker's clock, for `FrameTimes`.
-inline std::int64_t steady_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
 }  // namespace sheen

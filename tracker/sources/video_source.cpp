@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "common/base/clock.h"
 #include "common/base/errors.h"
 
 namespace sheen {
@@ -68,7 +69,7 @@ std::optional<Frame> VideoSource::next(std::chrono::milliseconds) {
   cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
   Frame frame;
   frame.camera_frame_id = impl_->frames++;
-  frame.times.grabbed_ns = steady_ns();
+  frame.times.grabbed_ns = steady_now_ns();
   const double played_ms = impl_->capture.get(cv::CAP_PROP_POS_MSEC);
   frame.times.device_ns = impl_->device ? frame.times.grabbed_ns : std::llround(played_ms * 1e6);
   frame.image = {.format = PixelFormat::kRGB8,

@@ -72,7 +72,7 @@ struct SurfaceLightField::Pipeline {
   std::unique_ptr<RingVisibility> visibility;
   std::unique_ptr<ConstantColour> constant_colour;
   std::optional<RingSet> rings;
-  double share = 1;  ///< of the rings that an image shows: those that it updates
+  double update_fraction = 1;  ///< of the rings that an image shows: those that it updates
 
   RadianceImage image;
   Eigen::Matrix3Xf samples;  ///< encoded values of the current image
@@ -208,7 +208,7 @@ bool SurfaceLightField::Pipeline::repeats_earlier_image(const SurfaceView& view,
 std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const SurfaceView& view,
                                                                         IngestReport& report) const {
   std::vector<std::uint32_t> shown = rings->shown_by(view);
-  const auto wanted = static_cast<std::size_t>(std::ceil(share * static_cast<double>(shown.size())));
+  const auto wanted = static_cast<std::size_t>(std::ceil(update_fraction * static_cast<double>(shown.size())));
   if (wanted >= shown.size()) return shown;
   report.patches_left_out = shown.size() - wanted;
   return rings->newest(shown, view, wanted);
@@ -270,7 +270,7 @@ void SurfaceLightField::begin(const SurfaceLightFieldOptions& options) {
   auto fresh = std::make_unique<Pipeline>(pipeline_->mesh, options, pipeline_->scene);
   fresh->frames = std::move(pipeline_->frames);
   fresh->version = pipeline_->version;
-  fresh->share = pipeline_->share;
+  fresh->update_fraction = pipeline_->update_fraction;
   pipeline_ = std::move(fresh);
   memory_step_ = 0;
 }
@@ -302,7 +302,7 @@ const SurfaceLightFieldOptions& SurfaceLightField::settings() const {
 }
 
 void SurfaceLightField::set_update_fraction(double fraction) {
-  pipeline_->share = std::clamp(fraction, 0.01, 1.0);
+  pipeline_->update_fraction = std::clamp(fraction, 0.01, 1.0);
 }
 
 void SurfaceLightField::limit_terms(int max_rank, int internal_rank, int block) {

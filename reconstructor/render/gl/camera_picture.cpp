@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/image/color.h"
+#include "common/image/linear_reader.h"
 
 namespace sheen {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/image/raw_image.h"
+#include "common/image/image.h"
+#include "common/image/linear_reader.h"
 
 #include <gtest/gtest.h>
 

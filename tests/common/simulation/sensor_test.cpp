@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/simulation/sensor.h"
+#include "common/image/linear_reader.h"
 
 #include <gtest/gtest.h>
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/image/linear_reader.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/expect_error.h"
 

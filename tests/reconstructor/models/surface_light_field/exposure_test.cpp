@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "common/image/linear_reader.h"
 #include "reconstructor/radiance/exposure_gain.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <random>
 
+#include "common/image/linear_reader.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/render/ray_painter.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"

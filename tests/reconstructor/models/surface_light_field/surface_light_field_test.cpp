@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <random>
 
+#include "common/image/linear_reader.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/expect_error.h"
 

@@ -2,6 +2,7 @@
 // An image that is taken out of a finished model, against a model that never saw it.
 #include <gtest/gtest.h>
 
+#include "common/image/linear_reader.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
 namespace sheen {

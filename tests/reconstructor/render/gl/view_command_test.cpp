@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "common/base/errors.h"
+#include "common/image/image.h"
 #include "common/image/image_io.h"
 #include "common/image/raw_image.h"
 #include "reconstructor/commands/commands.h"
