@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   sheen::add_serve_command(app);
   sheen::add_build_command(app);
   sheen::add_render_command(app);
+  sheen::add_compress_command(app);
   sheen::add_evaluate_command(app);
   sheen::add_view_command(app);
   sheen::add_undo_command(app);

@@ -50,7 +50,7 @@ std::optional<CaptureEnd::Result> CaptureEnd::run() {
     save_reconstruction(reconstruction_, *result.model, folder_.string(), steps_of(EndStage::kSaving));
   }
   const Reconstruction::Judgement judged = reconstruction_.judge(steps_of(EndStage::kJudging));
-  if (result.model) note_calibration(calibrate(judged.model), *result.model);
+  if (result.model) note_judgement(judged.model, *result.model);
   result.report = std::make_shared<nlohmann::json>(live_report(reconstruction_, judged, loop_.status()));
   return result;
 }

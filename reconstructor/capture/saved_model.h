@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -14,7 +15,7 @@
 
 namespace sheen {
 
-/// Every saved model has it: {"format": ..., "metadata": {...}, ...}.
+/// Every saved model that is a folder has it: {"format": ..., "metadata": {...}, ...}.
 inline constexpr const char* kModelJsonFile = "model.json";
 
 /// Saves the model as it stands, unseen parts filled with a guess, and notes its settings and what became of
@@ -23,8 +24,17 @@ inline constexpr const char* kModelJsonFile = "model.json";
 void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& folder, const std::string& source,
                          const StepsDone& progress = {});
 
-/// What the model's predicted errors were off by on its held-out views goes into the saved model, once they are judged.
-void note_calibration(const ErrorCalibration& calibration, const std::filesystem::path& model_folder);
+struct SavedSize {
+  std::uintmax_t bytes = 0;
+  double loss_db = 0;  ///< as judged on the held-out views, or where there are none as the model measures it
+};
+/// Saves it as one small file.
+SavedSize save_compressed(Reconstruction& reconstruction, const std::filesystem::path& file, const std::string& source,
+                          CompressionTarget target);
+
+/// How the model was judged on its held-out views, and what its predicted errors were off by there, goes into the saved
+/// model.
+void note_judgement(const Scores& scores, const std::filesystem::path& model);
 
 /// What a saved model notes of its making.
 struct ModelOrigin {
@@ -41,11 +51,14 @@ struct SavedModel {
   std::shared_ptr<const ModelSnapshot> snapshot;
   ModelMetadata metadata;
 };
-/// Opens a saved model of whichever kind wrote it. Throws FileError, also where no kind known to this program did.
-SavedModel open_model(const std::filesystem::path& folder);
+/// Opens a saved model, a folder or a file, of whichever kind wrote it. Throws FileError, also where no kind known to
+/// this program did.
+SavedModel open_model(const std::filesystem::path& path);
+/// Of the held-out views, as they were judged when it was saved; NaN where none was.
+double held_out_psnr_db(const SavedModel& model);
 /// Not known where nothing was noted: no view was held out, or too few. Throws FileError.
-ErrorCalibration calibration_of(const SavedModel& model, const std::filesystem::path& folder);
+ErrorCalibration calibration_of(const SavedModel& model, const std::filesystem::path& path);
 /// Throws FileError where the model does not say.
-ModelOrigin origin_of(const SavedModel& model, const std::filesystem::path& folder);
+ModelOrigin origin_of(const SavedModel& model, const std::filesystem::path& path);
 
 }  // namespace sheen

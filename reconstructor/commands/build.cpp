@@ -17,6 +17,7 @@
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/limit_options.h"
+#include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/scene/scene_config.h"
@@ -29,6 +30,7 @@ struct BuildArguments {
   std::string dataset, mesh, out, config, json;
   std::optional<int> hold_out;
   LimitArguments limits;
+  SizeArguments size;
 };
 
 /// The data set's model with these settings.
@@ -102,8 +104,11 @@ void build(const BuildArguments& arguments) {
   ModelSettings& settings = *scene.settings;
   if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
   const Limits limits = arguments.limits.apply(settings);
+  const std::optional<CompressionTarget> size = arguments.size.target();
   if (arguments.out.empty())
     std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
+  else if (size)
+    check_writable(arguments.out);
   else
     check_writable_folder(arguments.out);
   const CaptureSet captures = open_capture_set(arguments.dataset);
@@ -112,11 +117,20 @@ void build(const BuildArguments& arguments) {
       limits.psnr_db ? build_to_target(arguments, mesh, captures, settings, limits)
                      : build_once(arguments, mesh, captures, settings, limits, scene.measured, 0, true);
   Reconstruction& reconstruction = *built;
-  if (!arguments.out.empty()) save_reconstruction(reconstruction, arguments.out, arguments.dataset);
+  std::optional<SavedSize> saved;
+  if (!arguments.out.empty() && size)
+    saved = save_compressed(reconstruction, arguments.out, arguments.dataset, *size);
+  else if (!arguments.out.empty())
+    save_reconstruction(reconstruction, arguments.out, arguments.dataset);
   const Reconstruction::Judgement judged = reconstruction.judge();
-  if (!arguments.out.empty()) note_calibration(calibrate(judged.model), arguments.out);
-  const nlohmann::json report = reconstruction_report(reconstruction, judged);
+  if (!arguments.out.empty()) note_judgement(judged.model, arguments.out);
+  nlohmann::json report = reconstruction_report(reconstruction, judged);
   print_summary(report);
+  if (saved) {
+    report["file"] = {{"bytes", saved->bytes}, {"loss_db", saved->loss_db}};
+    std::printf("%s: %.3f MB, %.2f dB lost\n", arguments.out.c_str(), static_cast<double>(saved->bytes) / 1e6,
+                saved->loss_db);
+  }
   json.write(to_text(report));
 }
 
@@ -128,7 +142,7 @@ void add_build_command(CLI::App& app) {
   command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
       ->required();
   command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
-  command->add_option("--out", arguments->out, "folder of the model to write");
+  command->add_option("--out", arguments->out, "model to write: a folder, or one small file with --bytes or --loss");
   command
       ->add_option("--hold-out", arguments->hold_out,
                    "hold out every Nth image where the dataset names no test views; 0 = none")
@@ -136,6 +150,7 @@ void add_build_command(CLI::App& app) {
   command->add_option("--config", arguments->config, "scene file (TOML)");
   arguments->limits.add_to(*command,
                            "PSNR that held-out views are to reach: 35dB; the cheapest setting that does is searched");
+  arguments->size.add_to(*command);
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { build(*arguments); });
 }

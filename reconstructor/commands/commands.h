@@ -12,6 +12,7 @@ namespace sheen {
 void add_serve_command(CLI::App& app);
 void add_build_command(CLI::App& app);
 void add_render_command(CLI::App& app);
+void add_compress_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_view_command(CLI::App& app);
 void add_undo_command(CLI::App& app);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string_view>
 
 #include "reconstructor/models/model_settings.h"
 #include "reconstructor/models/model_snapshot.h"
@@ -23,7 +24,12 @@ class ModelKind {
   virtual std::unique_ptr<ModelSettings> default_settings() const = 0;
   /// Opens what `ModelSnapshot::save` wrote: it renders as the one that was saved, bit for bit. Throws FileError that
   /// names file and part where one is missing or broken.
-  virtual std::shared_ptr<const ModelSnapshot> load(const std::filesystem::path& folder) const = 0;
+  virtual std::shared_ptr<const ModelSnapshot> load(const std::filesystem::path& path) const = 0;
+  /// Saved models that are one file: whether a file that begins so is one of them.
+  virtual bool reads_file(std::string_view start) const = 0;
+  /// What is noted in such a file, and notes something else. Throws FileError.
+  virtual ModelMetadata file_metadata(const std::filesystem::path& file) const = 0;
+  virtual void set_file_metadata(const std::filesystem::path& file, const ModelMetadata& metadata) const = 0;
   /// With an OpenGL context current. Throws DeviceError.
   virtual std::unique_ptr<ModelDrawer> make_drawer(const DrawerOptions& options) const = 0;
 };

@@ -4,11 +4,16 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/progress.h"
+#include "common/camera/posed_camera.h"
 #include "common/capture/lighting.h"
 #include "common/geometry/mesh.h"
 #include "reconstructor/models/surface_quality.h"
@@ -63,6 +68,22 @@ struct SnapshotFigures {
 /// What a person or a script wants to know of a saved model later: source, date, settings. Keys and texts in UTF-8.
 using ModelMetadata = std::map<std::string, std::string>;
 
+class ModelSnapshot;
+
+/// How small a model is to be made.
+struct CompressionTarget {
+  std::optional<double> bytes;  ///< of the file; without it, by what is lost
+  double loss_db = 0.1;         ///< of the PSNR of the model's pictures
+  /// PSNR (dB) of the pictures of a model, where there is something to judge it by.
+  std::function<double(const ModelSnapshot&)> judge;
+  /// That of the model's own, where they cannot be judged again; NaN: what the model predicts of them.
+  double psnr_db = std::numeric_limits<double>::quiet_NaN();
+};
+struct CompressedModel {
+  std::shared_ptr<const ModelSnapshot> snapshot;  ///< its `save` writes one file
+  double loss_db = 0;                             ///< as judged, or else as measured against the model
+};
+
 /// A model at one moment. Parts that did not change since the last snapshot are shared with it.
 class ModelSnapshot : public Appearance {
  public:
@@ -70,12 +91,16 @@ class ModelSnapshot : public Appearance {
   virtual const std::shared_ptr<const Mesh>& shared_mesh() const = 0;
   virtual std::uint64_t version() const = 0;  ///< counts up with every snapshot of a model
   virtual bool empty() const = 0;             ///< no image has reached it
+  /// From where the images were taken that it was made of, in their order.
+  virtual const std::vector<PosedCamera>& cameras() const = 0;
   virtual SnapshotFigures figures() const = 0;
   /// With a guess for what no image showed, for pictures that must have no holes; it stays marked as unseen.
   virtual std::shared_ptr<const ModelSnapshot> filled() const = 0;
   /// Where an image would be worth most, for a camera that is at `eye` now (object frame). Quick enough to be asked
   /// several times a second.
   virtual ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const = 0;
+  /// The model in fewer bytes. Throws ConfigError where it cannot be made so small.
+  virtual CompressedModel compressed(const CompressionTarget& target) const = 0;
   /// Writes the model into a folder, which is created where needed, whole or not at all: an older model stays until
   /// then. What is written is for `ModelKind::load`. Throws FileError.
   virtual void save(const std::filesystem::path& folder, const ModelMetadata& metadata,

@@ -6,18 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "common/camera/camera.h"
-#include "common/camera/rigid3.h"
+#include "common/camera/posed_camera.h"
 #include "common/capture/capture.h"
 #include "common/geometry/mesh.h"
 
 namespace sheen {
-
-/// From where an image was taken.
-struct PosedCamera {
-  Camera camera;
-  Rigid3 camera_from_object;
-};
 
 /// "100 x 80 x 52 mm", or in metres where it is larger than one.
 std::string size_text(const Mesh& mesh);

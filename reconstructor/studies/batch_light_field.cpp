@@ -78,6 +78,7 @@ std::shared_ptr<const RingSnapshot> ring_snapshot(const Factored& ring, const Vi
   auto snapshot = std::make_shared<RingSnapshot>();
   snapshot->basis = ring.basis;
   snapshot->directions = ring.matrix.directions;
+  snapshot->reliability = ring.reliability;
   snapshot->frame = frame;
   snapshot->shown.resize(static_cast<std::size_t>(ring.matrix.known.rows() / 3));
   for (std::size_t s = 0; s < snapshot->shown.size(); ++s)

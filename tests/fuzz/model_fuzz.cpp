@@ -41,6 +41,7 @@ SurfaceLightFieldSnapshot small_model() {
     ring->directions.resize(3, views);
     for (int k = 0; k < views; ++k)
       ring->directions.col(k) = (mesh->vertices[v] * 10 + Eigen::Vector3f(0, 0, 0.1f * k)).normalized();
+    ring->reliability = Eigen::VectorXf::Constant(views, 0.5f);
     if (v == 2) {
       ring->drift = Eigen::VectorXf::Constant(v, 0.1f);
       ring->reflection = reflection;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/base/errors.h"
 #include "reconstructor/models/model_kind.h"
 #include "reconstructor/render/ray_painter.h"
 
@@ -35,9 +36,11 @@ class FlatColourSnapshot : public ModelSnapshot {
   const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }
   std::uint64_t version() const override { return version_; }
   bool empty() const override;
+  const std::vector<PosedCamera>& cameras() const override { return cameras_; }
   SnapshotFigures figures() const override;
   std::shared_ptr<const ModelSnapshot> filled() const override;
   ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
+  CompressedModel compressed(const CompressionTarget&) const override { throw ConfigError("a flat colour is small"); }
   void save(const std::filesystem::path& folder, const ModelMetadata& metadata,
             const StepsDone& progress) const override;
 
@@ -49,6 +52,7 @@ class FlatColourSnapshot : public ModelSnapshot {
   std::vector<Eigen::Vector3f> colours_;
   std::vector<bool> seen_;
   std::uint64_t version_;
+  std::vector<PosedCamera> cameras_;  ///< none: it does not ask
 };
 
 class FlatColourModel : public AppearanceModel {

@@ -10,8 +10,17 @@ namespace {
 
 constexpr int kLatticeNeighbours[6][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, -1}, {-1, 1}};
 
-/// Mean basis row of the seen samples, a channel: 3 x rank.
-Eigen::MatrixXf mean_rows(const RingSnapshot& ring) {
+/// A ring of `samples` unseen samples that has the seen ring's mean colour everywhere.
+std::shared_ptr<const RingSnapshot> guess_from(const RingSnapshot& seen, int samples) {
+  auto guess = std::make_shared<RingSnapshot>(seen);
+  guess->basis = mean_seen_rows(seen).replicate(samples, 1);
+  guess->shown.assign(static_cast<std::size_t>(samples), 0);
+  return guess;
+}
+
+}  // namespace
+
+Eigen::MatrixXf mean_seen_rows(const RingSnapshot& ring) {
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, ring.rank());
   int seen = 0;
   for (std::size_t s = 0; s < ring.shown.size(); ++s)
@@ -22,19 +31,9 @@ Eigen::MatrixXf mean_rows(const RingSnapshot& ring) {
   return mean / static_cast<float>(std::max(seen, 1));
 }
 
-/// A ring of `samples` unseen samples that has the seen ring's mean colour everywhere.
-std::shared_ptr<const RingSnapshot> guess_from(const RingSnapshot& seen, int samples) {
-  auto guess = std::make_shared<RingSnapshot>(seen);
-  guess->basis = mean_rows(seen).replicate(samples, 1);
-  guess->shown.assign(static_cast<std::size_t>(samples), 0);
-  return guess;
-}
-
-}  // namespace
-
 void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution) {
   if (ring.rank() == 0 || std::find(ring.shown.begin(), ring.shown.end(), 0) == ring.shown.end()) return;
-  const Eigen::MatrixXf mean = mean_rows(ring);
+  const Eigen::MatrixXf mean = mean_seen_rows(ring);
   int first = 0;
   for (const int n : resolution) {
     for (int i = 0; i < n; ++i)
@@ -68,7 +67,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightF
   for (std::size_t v = 0; v < rings.size(); ++v)
     if (!seen[v] && source[v] != kNoVertex) rings[v] = guess_from(*rings[source[v]], snapshot.rings().ring_samples(v));
   return std::make_shared<SurfaceLightFieldSnapshot>(snapshot.shared_mesh(), snapshot.shared_rings(), std::move(rings),
-                                                     snapshot.version(), snapshot.exposure());
+                                                     snapshot.version(), snapshot.exposure(), snapshot.cameras());
 }
 
 }  // namespace sheen

@@ -8,6 +8,9 @@
 
 namespace sheen {
 
+/// Mean basis row of the samples that were seen, per channel: 3 x rank.
+Eigen::MatrixXf mean_seen_rows(const RingSnapshot& ring);
+
 /// Gives basis rows to the samples of a ring that no image showed, so that nothing that is interpolated between seen
 /// and unseen samples goes dark: beside seen samples the mean of these, farther off the ring's mean, a channel.
 /// `resolution`: of the ring's triangles, in its order. `shown` stays.

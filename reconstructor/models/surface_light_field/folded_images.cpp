@@ -23,6 +23,12 @@ bool FoldedImages::any_nearer(const Eigen::Vector3d& eye, double distance) const
                      [&](const FoldedImage& f) { return (f.eye - eye).norm() < distance; });
 }
 
+std::vector<PosedCamera> FoldedImages::cameras() const {
+  std::vector<PosedCamera> cameras;
+  for (const FoldedImage& image : images_) cameras.push_back(image.camera);
+  return cameras;
+}
+
 ExposureField FoldedImages::exposure_field(const Eigen::Vector3f& centre) const {
   std::vector<Eigen::Vector3d> eyes;
   std::vector<float> log_gains;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/camera/posed_camera.h"
 #include "common/capture/capture.h"
 #include "reconstructor/radiance/exposure_field.h"
 
@@ -22,6 +23,7 @@ struct FoldedImage {
   float gain;      ///< that its values were divided by
   float log_gain;  ///< estimated; 0 where the gain is known
   Eigen::Vector3d eye;
+  PosedCamera camera;
   std::vector<bool> taken;  ///< for each ring, whether it took what it was shown; empty when all did
 };
 
@@ -32,6 +34,7 @@ class FoldedImages {
   void add(FoldedImage image) { images_.push_back(std::move(image)); }
   const FoldedImage* find(const ImageName& name) const;  ///< null when it was not folded in
   void erase(const ImageName& name);
+  std::vector<PosedCamera> cameras() const;
   bool any_nearer(const Eigen::Vector3d& eye, double distance) const;
   /// The estimated gains over the directions from `centre` to the eyes.
   ExposureField exposure_field(const Eigen::Vector3f& centre) const;

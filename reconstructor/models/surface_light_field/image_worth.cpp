@@ -24,17 +24,6 @@ struct Variation {
   double sum = 0, views = 0;
 };
 
-Variation variation_of(const RingSnapshot& ring) {
-  Variation variation{.views = static_cast<double>(ring.directions.cols())};
-  const double rows = static_cast<double>(ring.basis.rows());
-  for (Eigen::Index j = 0; j < ring.directions.cols(); ++j) {
-    const Eigen::VectorXf h = ring.coefficients(ring.directions.col(j));
-    const double unexplained = ring.residual * ring.residual * h.squaredNorm();
-    variation.sum += ((h - ring.mean).squaredNorm() + unexplained) / rows;
-  }
-  return variation;
-}
-
 /// Covariance of what a ring shows from two directions, in units of how much it varies with the view.
 double covariance(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return kLevel + std::exp(-angle_between(a, b) / kReach);
@@ -52,7 +41,7 @@ struct Sight {
   Eigen::VectorXd variance;  ///< in units of how much the ring varies with the view
 };
 
-Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, const RingSnapshot* ring,
+Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, const RingViews* ring,
                std::span<const Eigen::Vector3d> eyes) {
   Sight sight;
   std::vector<Eigen::Vector3f> directions;
@@ -83,20 +72,20 @@ Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, con
 
 }  // namespace
 
-std::vector<double> image_worth(const SurfaceLightFieldSnapshot& snapshot, std::span<const Eigen::Vector3d> eyes) {
+std::vector<double> image_worth(const LightFieldSnapshot& snapshot, std::span<const Eigen::Vector3d> eyes) {
   const Mesh& mesh = snapshot.mesh();
   const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
   const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kRingsLookedAt);
   std::vector<std::size_t> looked_at;
   for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) looked_at.push_back(v);
-  const auto ring_of = [&](std::size_t i) {
-    const RingSnapshot* ring = snapshot.ring_data()[looked_at[i]].get();
-    return ring && ring->rank() > 0 ? ring : nullptr;
-  };
+  const auto ring_of = [&](std::size_t i) { return snapshot.seen_ring(looked_at[i]); };
 
   std::vector<Variation> variations(looked_at.size());
   tbb::parallel_for(std::size_t{0}, looked_at.size(), [&](std::size_t i) {
-    if (const RingSnapshot* ring = ring_of(i)) variations[i] = variation_of(*ring);
+    if (const RingViews* ring = ring_of(i)) {
+      const auto views = static_cast<double>(ring->directions.cols());
+      variations[i] = {snapshot.ring_variation(looked_at[i]) * views, views};
+    }
   });
   Variation common{kPriorVariation, 1};
   for (const Variation& v : variations) {
@@ -109,7 +98,7 @@ std::vector<double> image_worth(const SurfaceLightFieldSnapshot& snapshot, std::
     const std::size_t v = looked_at[i];
     const double variation =
         (variations[i].sum + kPriorViews * common.sum / common.views) / (variations[i].views + kPriorViews);
-    const RingSnapshot* const ring = ring_of(i);
+    const RingViews* const ring = ring_of(i);
     const Sight sight = sight_of(mesh.vertices[v], normals[v], ring, eyes);
     by_ring[i].assign(eyes.size(), 0);
     for (std::size_t k = 0; k < sight.eyes.size(); ++k)

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 
 namespace sheen {
 
@@ -16,6 +16,6 @@ namespace sheen {
 /// too. Summed over the surface in sight. Unlike
 /// the paper's heuristic (000 sec. 3.3) it knows that two images near each other say little more than one, and how much
 /// of the surface a place shows. Looks at a part of the rings, so that it can be asked for several times a second.
-std::vector<double> image_worth(const SurfaceLightFieldSnapshot& snapshot, std::span<const Eigen::Vector3d> eyes);
+std::vector<double> image_worth(const LightFieldSnapshot& snapshot, std::span<const Eigen::Vector3d> eyes);
 
 }  // namespace sheen

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/kind.h"
 
+#include "common/base/files.h"
+#include "reconstructor/models/surface_light_field/files/compact_file.h"
 #include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/models/surface_light_field/files/model_layout.h"
 #include "reconstructor/models/surface_light_field/gl/light_field_renderer.h"
@@ -17,8 +19,16 @@ class SurfaceLightFieldKind : public ModelKind {
   std::unique_ptr<ModelSettings> default_settings() const override {
     return std::make_unique<SurfaceLightFieldOptions>();
   }
-  std::shared_ptr<const ModelSnapshot> load(const std::filesystem::path& folder) const override {
-    return load_model(folder);
+  std::shared_ptr<const ModelSnapshot> load(const std::filesystem::path& path) const override {
+    if (std::filesystem::is_directory(path)) return load_model(path);
+    return load_compact(path);
+  }
+  bool reads_file(std::string_view start) const override { return is_compact(start); }
+  ModelMetadata file_metadata(const std::filesystem::path& file) const override {
+    return compact_metadata(read_file(file), file.string());
+  }
+  void set_file_metadata(const std::filesystem::path& file, const ModelMetadata& metadata) const override {
+    save_compact(file, read_file(file), metadata);
   }
   std::unique_ptr<ModelDrawer> make_drawer(const DrawerOptions& options) const override {
     return std::make_unique<LightFieldRenderer>(options);

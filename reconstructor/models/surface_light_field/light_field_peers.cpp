@@ -5,7 +5,7 @@
 
 namespace sheen {
 
-LightFieldPeers::LightFieldPeers(std::shared_ptr<const SurfaceLightFieldSnapshot> model,
+LightFieldPeers::LightFieldPeers(std::shared_ptr<const LightFieldSnapshot> model,
                                  const SurfaceLightFieldOptions& options, bool photographs)
     : model_(std::move(model)),
       sampling_(options.sampling),

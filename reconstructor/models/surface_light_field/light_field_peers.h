@@ -7,8 +7,8 @@
 #include "reconstructor/models/peers.h"
 #include "reconstructor/models/photographs.h"
 #include "reconstructor/models/surface_light_field/constant_colour.h"
+#include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 #include "reconstructor/models/surface_light_field/paper_heuristic.h"
-#include "reconstructor/models/surface_light_field/snapshot.h"
 #include "reconstructor/models/surface_light_field/surface_light_field_options.h"
 #include "reconstructor/radiance/radiance_image.h"
 
@@ -18,7 +18,7 @@ namespace sheen {
 /// and, with `photographs`, the nearest photograph and the unstructured lumigraph, which keep them all.
 class LightFieldPeers : public Peers {
  public:
-  LightFieldPeers(std::shared_ptr<const SurfaceLightFieldSnapshot> model, const SurfaceLightFieldOptions& options,
+  LightFieldPeers(std::shared_ptr<const LightFieldSnapshot> model, const SurfaceLightFieldOptions& options,
                   bool photographs);
 
   void add(const Capture& capture, float exposure_gain, bool repeated) override;
@@ -27,7 +27,7 @@ class LightFieldPeers : public Peers {
   PeerHeuristic heuristic() const override;
 
  private:
-  std::shared_ptr<const SurfaceLightFieldSnapshot> model_;
+  std::shared_ptr<const LightFieldSnapshot> model_;
   Sampling sampling_;
   RingVisibility visibility_;
   ConstantColour mean_;

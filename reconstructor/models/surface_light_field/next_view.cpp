@@ -47,7 +47,7 @@ struct Prospect {
   QualityReason reason = QualityReason::kGood;  ///< which has most of the heuristic
 };
 
-Prospect prospect_from(const SurfaceLightFieldSnapshot& snapshot, const std::vector<Eigen::Vector3f>& normals,
+Prospect prospect_from(const LightFieldSnapshot& snapshot, const std::vector<Eigen::Vector3f>& normals,
                        const Eigen::Vector3d& eye) {
   const Mesh& mesh = snapshot.mesh();
   const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kRingsLookedAt);
@@ -58,8 +58,7 @@ Prospect prospect_from(const SurfaceLightFieldSnapshot& snapshot, const std::vec
     const double facing = normals[v].dot(direction);
     if (facing < 0.2) continue;
     SurfaceQuality quality;
-    if (const RingSnapshot* ring = snapshot.ring_data()[v].get())
-      quality = assess_ring(*ring, direction, snapshot.common_sill());
+    if (const RingViews* ring = snapshot.seen_ring(v)) quality = assess_ring(*ring, direction, snapshot.common_sill());
     sum += facing * quality.heuristic();
     squared_error += facing * quality.error * quality.error;
     weight += facing;
@@ -75,7 +74,7 @@ Prospect prospect_from(const SurfaceLightFieldSnapshot& snapshot, const std::vec
 
 }  // namespace
 
-ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eigen::Vector3d& eye) {
+ViewAdvice advise_next_view(const LightFieldSnapshot& snapshot, const Eigen::Vector3d& eye) {
   const BoundingSphere bounds = bounding_sphere(snapshot.mesh());
   const double distance = (eye - bounds.centre).norm();
   const std::vector<Eigen::Vector3f> normals = vertex_normals(snapshot.mesh());

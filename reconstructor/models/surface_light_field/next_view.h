@@ -3,13 +3,13 @@
 
 #include <Eigen/Core>
 
-#include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 
 namespace sheen {
 
 /// Where an image would be worth most (`image_worth`): a place on the sphere through the present eye, above the stage's
 /// plane. Where that place is well known already, the least known one. Looks at a part of the rings, so that it can be
 /// asked for several times a second.
-ViewAdvice advise_next_view(const SurfaceLightFieldSnapshot& snapshot, const Eigen::Vector3d& eye);
+ViewAdvice advise_next_view(const LightFieldSnapshot& snapshot, const Eigen::Vector3d& eye);
 
 }  // namespace sheen

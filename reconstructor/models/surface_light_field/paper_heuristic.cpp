@@ -19,7 +19,7 @@ struct Terms {
   bool seen = false;
 };
 
-Terms assess(const RingSnapshot& ring, const ViewTriangulation& views, const Eigen::Vector3f& direction) {
+Terms assess(const RingViews& ring, const ViewTriangulation& views, const Eigen::Vector3f& direction) {
   const ViewTriangulation::Location at = views.locate(hemisphere_point(ring.frame, direction));
   return {.projection = std::min(1.0f, ring.residual / kHighResidual),
           .hemisphere = at.triangle < 0 ? 1.0f : std::min(1.0f, views.area(at.triangle) / kSparseArea),
@@ -28,17 +28,17 @@ Terms assess(const RingSnapshot& ring, const ViewTriangulation& views, const Eig
 
 }  // namespace
 
-PaperHeuristic::PaperHeuristic(const SurfaceLightFieldSnapshot& snapshot, std::size_t every)
-    : snapshot_(snapshot), views_(snapshot.ring_data().size()) {
+PaperHeuristic::PaperHeuristic(const LightFieldSnapshot& snapshot, std::size_t every)
+    : snapshot_(snapshot), views_(snapshot.mesh().vertices.size()) {
   tbb::parallel_for(std::size_t{0}, views_.size(), [&](std::size_t v) {
-    const RingSnapshot* ring = snapshot_.ring_data()[v].get();
-    if (v % every == 0 && ring && ring->rank() > 0) views_[v] = triangulate_views(ring->frame, ring->directions);
+    const RingViews* ring = snapshot_.seen_ring(v);
+    if (v % every == 0 && ring) views_[v] = triangulate_views(ring->frame, ring->directions);
   });
 }
 
 float PaperHeuristic::of_ring(std::size_t vertex, const Eigen::Vector3d& eye) const {
-  const RingSnapshot* ring = snapshot_.ring_data()[vertex].get();
-  if (!ring || ring->rank() == 0) return 1;
+  const RingViews* ring = snapshot_.seen_ring(vertex);
+  if (!ring) return 1;
   const Terms terms =
       assess(*ring, views_[vertex], (eye.cast<float>() - snapshot_.mesh().vertices[vertex]).normalized());
   return std::sqrt(0.5f * (terms.projection * terms.projection + terms.hemisphere * terms.hemisphere));
@@ -48,8 +48,7 @@ std::vector<float> PaperHeuristic::seen_from(const Eigen::Vector3d& eye) const {
   const Mesh& mesh = snapshot_.mesh();
   std::vector<Terms> rings(views_.size());
   tbb::parallel_for(std::size_t{0}, rings.size(), [&](std::size_t v) {
-    const RingSnapshot* ring = snapshot_.ring_data()[v].get();
-    if (ring && ring->rank() > 0)
+    if (const RingViews* ring = snapshot_.seen_ring(v))
       rings[v] = assess(*ring, views_[v], (eye.cast<float>() - mesh.vertices[v]).normalized());
   });
   std::vector<float> heuristic;

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
@@ -17,7 +17,7 @@ class PaperHeuristic {
  public:
   /// `snapshot` must outlive this.
   /// `every`: only rings 0, every, 2 every, ... can be asked for, in less time.
-  explicit PaperHeuristic(const SurfaceLightFieldSnapshot& snapshot, std::size_t every = 1);
+  explicit PaperHeuristic(const LightFieldSnapshot& snapshot, std::size_t every = 1);
 
   /// A triangle; 1 where one of its rings shows nothing.
   std::vector<float> seen_from(const Eigen::Vector3d& eye) const;
@@ -25,7 +25,7 @@ class PaperHeuristic {
   float of_ring(std::size_t vertex, const Eigen::Vector3d& eye) const;
 
  private:
-  const SurfaceLightFieldSnapshot& snapshot_;
+  const LightFieldSnapshot& snapshot_;
   std::vector<ViewTriangulation> views_;  ///< per ring
 };
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 
 namespace sheen {
 namespace {
@@ -13,11 +13,8 @@ constexpr float kCommonViews = 1;  // images that the other rings' sills count f
 
 }  // namespace
 
-SurfaceQuality assess_ring(const RingSnapshot& ring, const Eigen::Vector3f& direction, float common_sill) {
+SurfaceQuality assess_ring(const RingViews& ring, const Eigen::Vector3f& direction, float common_sill) {
   SurfaceQuality quality;
-  const auto shown = [](std::uint8_t share) { return share > 0; };
-  if (ring.rank() == 0 || ring.directions.cols() == 0 || std::none_of(ring.shown.begin(), ring.shown.end(), shown))
-    return quality;
   quality.seen = true;
   const auto views = static_cast<float>(ring.directions.cols());
   const float sill = (views * ring.sill + kCommonViews * common_sill) / (views + kCommonViews);

@@ -223,7 +223,7 @@ std::size_t RingModel::snapshot_bytes() const {
   const auto rank = static_cast<std::size_t>(factor_.displayed_rank()),
              views = static_cast<std::size_t>(factor_.views());
   return sizeof(RingSnapshot) + shown_.size() +
-         sizeof(float) * (3 * shown_.size() * rank + views * (3 + rank) + 2 * rank);
+         sizeof(float) * (3 * shown_.size() * rank + views * (4 + rank) + 2 * rank);
 }
 
 double RingModel::largest_bytes(double samples, const RingModelOptions& options) {
@@ -236,7 +236,7 @@ double RingModel::largest_bytes(double samples, const RingModelOptions& options)
 
 double RingModel::largest_snapshot_bytes(double samples, const RingModelOptions& options) {
   const double rank = options.factor.max_rank, views = options.max_views + options.factor.block;
-  return sizeof(RingSnapshot) + samples + sizeof(float) * (3.0 * samples * rank + views * (3 + rank) + 2 * rank);
+  return sizeof(RingSnapshot) + samples + sizeof(float) * (3.0 * samples * rank + views * (4 + rank) + 2 * rank);
 }
 
 std::shared_ptr<const RingSnapshot> RingModel::snapshot(const Eigen::Matrix3f& frame, std::span<const int> resolution) {
@@ -257,6 +257,7 @@ std::shared_ptr<const RingSnapshot> RingModel::settled_snapshot(const Eigen::Mat
   auto snapshot = std::make_shared<RingSnapshot>();
   snapshot->basis = factor_.displayed_basis();
   snapshot->directions = views_.direction_matrix();
+  snapshot->reliability = views_.reliability();
   snapshot->frame = frame;
   snapshot->shown.resize(shown_.size());
   for (std::size_t s = 0; s < shown_.size(); ++s) snapshot->shown[s] = shown_share(shown_[s], images_);

@@ -148,7 +148,12 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   constant_colour->add(view, samples);
   std::vector<bool> taken = factorise(view, report);
   clock.done("factorize");
-  folded.add({name_of(capture), report.exposure_gain, std::log(gain), view.eye, std::move(taken)});
+  folded.add({name_of(capture),
+              report.exposure_gain,
+              std::log(gain),
+              view.eye,
+              {capture.camera, capture.pose.camera_from_object},
+              std::move(taken)});
   return done(IngestStatus::kAccepted);
 }
 
@@ -320,7 +325,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_
         std::vector<std::shared_ptr<const RingSnapshot>>(p.mesh->vertices.size()), p.version++);
   }
   return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.shape, p.rings->snapshots(), p.version++,
-                                                     p.exposure_field());
+                                                     p.exposure_field(), p.folded.cameras());
 }
 
 std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {

@@ -62,7 +62,7 @@ std::unique_ptr<AppearanceModel> SurfaceLightFieldOptions::make_model(std::share
 
 std::unique_ptr<Peers> SurfaceLightFieldOptions::make_peers(std::shared_ptr<const ModelSnapshot> snapshot,
                                                             bool photographs) const {
-  return std::make_unique<LightFieldPeers>(std::dynamic_pointer_cast<const SurfaceLightFieldSnapshot>(snapshot), *this,
+  return std::make_unique<LightFieldPeers>(std::dynamic_pointer_cast<const LightFieldSnapshot>(snapshot), *this,
                                            photographs);
 }
 

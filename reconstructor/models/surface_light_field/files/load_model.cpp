@@ -7,6 +7,7 @@
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "reconstructor/models/surface_light_field/files/json_parts.h"
 #include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/models/surface_light_field/files/model_layout.h"
 
@@ -119,40 +120,15 @@ std::shared_ptr<const VertexRings> read_rings(const Description& description, co
   return std::make_shared<VertexRings>(mesh, std::move(resolution));
 }
 
-ExposureField read_exposure(const Description& description) {
-  const auto found = description.json().find("exposure");
-  if (found == description.json().end() || !found->is_object()) description.fail("exposure", "must be an object");
-  const auto directions = found->find("directions");
-  if (directions == found->end() || !directions->is_array() || directions->size() % 3 != 0)
-    description.fail("exposure.directions", "must be a list of three numbers a view");
-  const std::size_t views = directions->size() / 3;
-  const auto list = [&](const char* field, std::size_t size) {
-    return description.list<float>(*found, field, size, -1e6, 1e6);
-  };
-  ExposureField exposure;
-  exposure.centre = Eigen::Map<const Eigen::Vector3f>(list("centre", 3).data());
-  if (views == 0) return exposure;
-  exposure.directions =
-      Eigen::Map<const Eigen::Matrix3Xf>(list("directions", 3 * views).data(), 3, static_cast<Eigen::Index>(views));
-  exposure.log_gain.mean = Eigen::Map<const Eigen::VectorXf>(list("mean", 1).data(), 1);
-  exposure.log_gain.weights =
-      Eigen::Map<const Eigen::RowVectorXf>(list("weights", views).data(), static_cast<Eigen::Index>(views));
-  const std::vector<float> kernel = list("kernel", 3);
-  if (kernel[0] <= 0 || kernel[1] < 0 || (kernel[2] != 0 && kernel[2] != 1))
-    description.fail("exposure.kernel", "must be a positive scale, a nugget and a shape");
-  exposure.kernel = {kernel[0], kernel[1], static_cast<KernelShape>(kernel[2])};
-  return exposure;
-}
-
-/// Null where no ring uses it.
-std::shared_ptr<const ReflectionDrift> read_reflection(const Description& description) {
-  const auto found = description.json().find("reflection");
-  if (found == description.json().end() || !found->is_array()) description.fail("reflection", "must be a list");
-  if (found->empty()) return nullptr;
-  auto reflection = std::make_shared<ReflectionDrift>();
-  reflection->coefficients = Eigen::Map<const Harmonics>(
-      description.list<float>(description.json(), "reflection", kHarmonics, -1e6, 1e6).data());
-  return reflection;
+/// A field that `from_json` reads.
+template <typename Value>
+Value read_part(const Description& description, const char* field, Value (*from_json)(const Json&)) {
+  const auto found = description.json().find(field);
+  try {
+    return from_json(found == description.json().end() ? Json() : *found);
+  } catch (const std::invalid_argument& error) {
+    description.fail(field, error.what());
+  }
 }
 
 /// Rings with all but what maps.exr holds, and where that stands.
@@ -288,7 +264,10 @@ class MapsReader {
       const RingEntry& entry = rings_.layout.rings[i];
       const Eigen::Map<const Eigen::MatrixXf> pixels(image.data() + channels * entry.first_view, channels, entry.views);
       rings_.data[i]->directions = pixels.topRows<3>();
-      rings_.data[i]->weights = pixels.middleRows(3, entry.rank);
+      rings_.data[i]->reliability = pixels.row(3).transpose();
+      if (!(rings_.data[i]->reliability.array() > 0).all())
+        fail("views", "vertex " + std::to_string(entry.vertex) + ": a reliability is not above 0");
+      rings_.data[i]->weights = pixels.middleRows(kViewChannels, entry.rank);
       for (int k = 0; k < entry.views; ++k)
         if (std::abs(rings_.data[i]->directions.col(k).norm() - 1) > 1e-3f)
           fail("views", "vertex " + std::to_string(entry.vertex) + ": a direction is no unit vector");
@@ -322,13 +301,14 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& fold
   const auto mesh = read_mesh(description, folder);
   const auto vertex_rings = read_rings(description, *mesh);
   Rings rings = read_ring_list(description, *vertex_rings);
-  rings.reflection = read_reflection(description);
+  rings.reflection = read_part(description, "reflection", reflection_from_json);
   MapsReader(folder / kMapsFile, rings).read(description.text("id"));
 
   std::vector<std::shared_ptr<const RingSnapshot>> ring_data(mesh->vertices.size());
   for (std::size_t i = 0; i < rings.data.size(); ++i) ring_data[rings.layout.rings[i].vertex] = rings.data[i];
   return std::make_shared<SurfaceLightFieldSnapshot>(mesh, vertex_rings, std::move(ring_data), kOnlySnapshot,
-                                                     read_exposure(description));
+                                                     read_part(description, "exposure", exposure_from_json),
+                                                     read_part(description, "cameras", cameras_from_json));
 }
 
 ModelMetadata load_model_metadata(const fs::path& folder) {

@@ -34,7 +34,7 @@ std::string rank_part(const char* layer, int rank) {
 }
 
 std::vector<std::string> views_channels(int max_rank) {
-  std::vector<std::string> names = {"direction.x", "direction.y", "direction.z"};
+  std::vector<std::string> names = {"direction.x", "direction.y", "direction.z", "reliability.Y"};
   for (int r = 0; r < max_rank; ++r) names.push_back(numbered("weight.rank", r));
   return names;
 }

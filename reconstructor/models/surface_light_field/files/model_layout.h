@@ -10,8 +10,9 @@
 
 namespace sheen {
 
-/// 2: kernels have a shape; rings a drift. 3: rings a sill. Earlier versions are refused.
-inline constexpr int kModelVersion = 3;
+/// 2: kernels have a shape; rings a drift. 3: rings a sill. 4: views a reliability; the cameras. Earlier versions are
+/// refused.
+inline constexpr int kModelVersion = 4;
 inline constexpr const char* kModelFormat = "sheen surface light field";
 inline constexpr const char* kModelIdAttribute = "sheen.model";
 inline constexpr const char* kMeshFile = "mesh.ply";
@@ -47,8 +48,9 @@ AtlasSize atlas_size(std::size_t pixels);
 
 /// "surface.rank07"
 std::string rank_part(const char* layer, int rank);
-/// Channel names of the parts "views" (direction, a weight per rank) and "rings" (frame row by row, a mean and a drift
-/// a rank).
+inline constexpr int kViewChannels = 4;  ///< of the part "views", before the weights
+/// Channel names of the parts "views" (direction, reliability, a weight per rank) and "rings" (frame row by row, a mean
+/// and a drift a rank).
 std::vector<std::string> views_channels(int max_rank);
 std::vector<std::string> rings_channels(int max_rank);
 

@@ -7,6 +7,7 @@
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "reconstructor/models/surface_light_field/files/json_parts.h"
 #include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/models/surface_light_field/files/model_layout.h"
 
@@ -49,24 +50,11 @@ Json conventions() {
        "frame * direction, moved to the rim where outside the unit disc"}};
 }
 
-/// Directions run x y z a view; weights and the mean are of the log of the gain.
-Json exposure_of(const ExposureField& exposure) {
-  const auto numbers = [](const auto& m) { return std::vector<float>(m.data(), m.data() + m.size()); };
-  return {{"centre", numbers(exposure.centre)},
-          {"directions", numbers(exposure.directions)},
-          {"mean", numbers(exposure.log_gain.mean)},
-          {"weights", numbers(exposure.log_gain.weights)},
-          {"kernel", {exposure.kernel.scale_rad, exposure.kernel.nugget, static_cast<int>(exposure.kernel.shape)}}};
-}
-
-/// The function that all rings share, empty where none uses it.
-Json reflection_of(const SurfaceLightFieldSnapshot& model) {
+/// The function that all rings share; null where none uses it.
+const ReflectionDrift* reflection_of(const SurfaceLightFieldSnapshot& model) {
   for (const auto& ring : model.ring_data())
-    if (ring && ring->reflection) {
-      const Harmonics& c = ring->reflection->coefficients;
-      return std::vector<float>(c.data(), c.data() + c.size());
-    }
-  return Json::array();
+    if (ring && ring->reflection) return ring->reflection.get();
+  return nullptr;
 }
 
 Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout, const std::string& mesh_hash) {
@@ -75,8 +63,9 @@ Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& l
   json["version"] = kModelVersion;
   json["mesh_hash"] = mesh_hash;
   json["conventions"] = conventions();
-  json["exposure"] = exposure_of(model.exposure());
-  json["reflection"] = reflection_of(model);
+  json["cameras"] = cameras_to_json(model.cameras());
+  json["exposure"] = exposure_to_json(model.exposure());
+  json["reflection"] = reflection_to_json(reflection_of(model));
   Json resolution = Json::array();
   for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) resolution.push_back(model.rings().resolution(t));
   json["lattice_resolution"] = std::move(resolution);
@@ -112,6 +101,7 @@ std::string id_of(const Json& description, const SurfaceLightFieldSnapshot& mode
     if (!ring) continue;
     add(ring->basis);
     add(ring->directions);
+    add(ring->reliability);
     add(ring->weights);
     add(ring->mean);
     add(ring->drift);
@@ -146,13 +136,14 @@ ImageF measured_image(const SurfaceLightFieldSnapshot& model, const ModelLayout&
 }
 
 ImageF views_image(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout) {
-  const int channels = 3 + layout.max_rank;
+  const int channels = kViewChannels + layout.max_rank;
   ImageF image = blank_atlas(layout.views, channels);
   for (const RingEntry& entry : layout.rings) {
     const RingSnapshot& ring = *model.ring_data()[entry.vertex];
     Eigen::Map<Eigen::MatrixXf> pixels(image.data() + channels * entry.first_view, channels, entry.views);
     pixels.topRows<3>() = ring.directions;
-    pixels.middleRows(3, entry.rank) = ring.weights;
+    pixels.row(3) = ring.reliability.transpose();
+    pixels.middleRows(kViewChannels, entry.rank) = ring.weights;
   }
   return image;
 }

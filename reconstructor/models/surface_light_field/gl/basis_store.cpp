@@ -12,16 +12,16 @@ namespace {
 constexpr std::size_t kFirstTexels = std::size_t(1) << 16;  // what OpenGL 3.3 promises at least
 
 /// Texels (sample, term), the terms of a sample side by side, out of a basis whose rows are 3 * sample + channel.
-void pack(const RingSnapshot& ring, int rank, std::vector<std::uint16_t>& texels) {
+void pack(const SurfacePatch& patch, int rank, std::vector<std::uint16_t>& texels) {
   const auto bits = [](float value) { return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(value)); };
-  const std::size_t samples = static_cast<std::size_t>(ring.basis.rows() / 3);
+  const std::size_t samples = static_cast<std::size_t>(patch.basis.rows() / 3);
   texels.resize(samples * rank * 4);
   for (int r = 0; r < rank; ++r) {
-    const float* value = ring.basis.col(r).data();
+    const float* value = patch.basis.col(r).data();
     std::uint16_t* texel = texels.data() + 4 * r;
     for (std::size_t s = 0; s < samples; ++s, texel += 4 * rank, value += 3) {
       for (int c = 0; c < 3; ++c) texel[c] = bits(value[c]);
-      texel[3] = bits(static_cast<float>(ring.state(static_cast<int>(s))));
+      texel[3] = bits(static_cast<float>(patch.state(static_cast<int>(s))));
     }
   }
 }
@@ -67,14 +67,14 @@ BasisSlot BasisStore::place(std::size_t texels) {
   return {};
 }
 
-BasisSlot BasisStore::store(const RingSnapshot& ring) {
-  const std::size_t samples = static_cast<std::size_t>(ring.basis.rows() / 3);
+BasisSlot BasisStore::store(const SurfacePatch& patch) {
+  const std::size_t samples = static_cast<std::size_t>(patch.basis.rows() / 3);
   if (samples == 0) return {};
-  for (int rank = ring.rank(); rank > 0; rank /= 2) {
+  for (int rank = patch.rank(); rank > 0; rank /= 2) {
     BasisSlot slot = place(samples * rank);
     if (slot.texels == 0) continue;
     slot.rank = static_cast<std::uint16_t>(rank);
-    pack(ring, rank, staging_);
+    pack(patch, rank, staging_);
     buffers_[slot.buffer].texture.write(slot.first, slot.texels, staging_.data());
     return slot;
   }

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/gl/range_allocator.h"
-#include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 #include "reconstructor/render/gl/gl_objects.h"
 
 namespace sheen {
 
-/// Where the surface maps of one ring stand on the GPU. The texel of sample s and term r is `first` + s * `rank` + r of
-/// buffer `buffer`: (R, G, B) in half floats; the fourth value is its SampleState.
+/// Where the surface maps of one patch stand on the GPU. The texel of sample s and term r is `first` + s * `rank` + r
+/// of buffer `buffer`: (R, G, B) in half floats; the fourth value is its SampleState.
 struct BasisSlot {
   std::uint32_t first = 0;
   std::uint16_t rank = 0;  ///< terms stored; 0 = nothing is
@@ -20,7 +20,7 @@ struct BasisSlot {
   std::uint32_t texels = 0;
 };
 
-/// Surface maps of many rings in a few texture buffers, which grow as rings and ranks do.
+/// Surface maps of many patches in a few texture buffers, which grow as patches and ranks do.
 class BasisStore {
  public:
   static constexpr int kMaxBuffers = 4;
@@ -31,9 +31,9 @@ class BasisStore {
 
   /// Grows for `texels` more in one step, as far as that is possible: growing copies what is there.
   void reserve(std::size_t texels);
-  /// Uploads a ring's surface maps. Where memory is short only the first terms are kept: `BasisSlot::rank` says how
+  /// Uploads a patch's surface maps. Where memory is short only the first terms are kept: `BasisSlot::rank` says how
   /// many.
-  BasisSlot store(const RingSnapshot& ring);
+  BasisSlot store(const SurfacePatch& patch);
   void release(const BasisSlot& slot);
 
   std::size_t texels_used() const;

@@ -21,7 +21,7 @@ LightFieldRenderer::LightFieldRenderer(const DrawerOptions& options)
       vertex_array_(make_gl_vertex_array()),
       store_(options.max_buffer_texels),
       positions_(GL_RGBA32F, 16),
-      corners_(GL_RG32UI, 8),
+      corners_(GL_RGBA32UI, 16),
       resolutions_(GL_R8UI, 1),
       slots_(GL_RG32UI, 8),
       coefficients_(GL_R32F, 4),
@@ -46,21 +46,21 @@ LightFieldRenderer::LightFieldRenderer(const DrawerOptions& options)
 
 bool LightFieldRenderer::update(const std::shared_ptr<const ModelSnapshot>& model) {
   if (!model) return true;
-  const auto snapshot = std::dynamic_pointer_cast<const SurfaceLightFieldSnapshot>(model);
+  const auto snapshot = std::dynamic_pointer_cast<const LightFieldSnapshot>(model);
   if (!snapshot) throw Error("what is to be drawn is no surface light field");
   if (snapshot->shared_mesh() != mesh_ || snapshot->shared_rings() != rings_) upload_mesh(*snapshot);
-  const bool complete = upload_rings(*snapshot);
+  const bool complete = upload_patches(*snapshot);
   exposure_ = snapshot->exposure();
   check_gl("uploading surface maps");
   return complete;
 }
 
 std::vector<std::string> LightFieldRenderer::notes() const {
-  if (shortened_rings_ == 0) return {};
-  return {"graphics memory is full: " + std::to_string(shortened_rings_) + " rings are drawn with fewer terms"};
+  if (shortened_patches_ == 0) return {};
+  return {"graphics memory is full: " + std::to_string(shortened_patches_) + " patches are drawn with fewer terms"};
 }
 
-void LightFieldRenderer::upload_mesh(const SurfaceLightFieldSnapshot& snapshot) {
+void LightFieldRenderer::upload_mesh(const LightFieldSnapshot& snapshot) {
   const Mesh& mesh = snapshot.mesh();
   const VertexRings& rings = snapshot.rings();
   std::vector<Eigen::Vector4f> positions;
@@ -69,38 +69,36 @@ void LightFieldRenderer::upload_mesh(const SurfaceLightFieldSnapshot& snapshot) 
   std::vector<std::uint8_t> resolutions;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int c = 0; c < 3; ++c) {
-      corners.push_back(mesh.triangles[t][c]);
-      corners.push_back(rings.membership(t, c).first_sample);
+      const PatchCorner corner = snapshot.corner(t, c);
+      corners.insert(corners.end(), {mesh.triangles[t][c], corner.patch, corner.first_sample, corner.column});
     }
     resolutions.push_back(static_cast<std::uint8_t>(rings.resolution(t)));
   }
   positions_.assign(positions.size(), positions.data());
-  corners_.assign(corners.size() / 2, corners.data());
+  corners_.assign(corners.size() / 4, corners.data());
   resolutions_.assign(resolutions.size(), resolutions.data());
 
-  for (const BasisSlot& slot : ring_slots_) store_.release(slot);
-  uploaded_.assign(mesh.vertices.size(), nullptr);
-  ring_slots_.assign(mesh.vertices.size(), {});
-  shortened_rings_ = 0;
+  for (const BasisSlot& slot : patch_slots_) store_.release(slot);
+  uploaded_.assign(snapshot.patch_count(), nullptr);
+  patch_slots_.assign(snapshot.patch_count(), {});
+  shortened_patches_ = 0;
   triangle_count_ = mesh.triangles.size();
   mesh_ = snapshot.shared_mesh();
   rings_ = snapshot.shared_rings();
   shown_.reset();
 }
 
-bool LightFieldRenderer::upload_rings(const SurfaceLightFieldSnapshot& snapshot) {
-  const auto& wanted = snapshot.ring_data();
+bool LightFieldRenderer::upload_patches(const LightFieldSnapshot& snapshot) {
+  std::vector<std::shared_ptr<const SurfacePatch>> wanted(snapshot.patch_count());
   std::vector<std::size_t> changed;
   std::size_t growth = 0;
-  for (std::size_t v = 0; v < wanted.size(); ++v) {
-    if (wanted[v] == uploaded_[v]) continue;
-    changed.push_back(v);
-    if (!wanted[v]) continue;
-    if (wanted[v]->basis.rows() != 3 * rings_->ring_samples(v))
-      throw Error("vertex " + std::to_string(v) + ": the ring has " + std::to_string(rings_->ring_samples(v)) +
-                  " samples, its surface maps have " + std::to_string(wanted[v]->basis.rows()) + " / 3");
-    const std::size_t texels = static_cast<std::size_t>(wanted[v]->basis.size() / 3);
-    growth += texels - std::min<std::size_t>(texels, ring_slots_[v].texels);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    wanted[i] = snapshot.patch(i);
+    if (wanted[i] == uploaded_[i]) continue;
+    changed.push_back(i);
+    if (!wanted[i]) continue;
+    const std::size_t texels = static_cast<std::size_t>(wanted[i]->basis.size() / 3);
+    growth += texels - std::min<std::size_t>(texels, patch_slots_[i].texels);
   }
   if (changed.empty() && shown_) return true;
 
@@ -109,21 +107,21 @@ bool LightFieldRenderer::upload_rings(const SurfaceLightFieldSnapshot& snapshot)
   std::size_t texels = 0, done = 0;
   for (; done < changed.size() && (done == 0 || texels < options_.texels_per_update); ++done) {
     const std::size_t v = changed[done];
-    if (uploaded_[v] && ring_slots_[v].rank < uploaded_[v]->rank()) --shortened_rings_;
-    store_.release(ring_slots_[v]);
-    ring_slots_[v] = wanted[v] ? store_.store(*wanted[v]) : BasisSlot{};
-    if (wanted[v] && ring_slots_[v].rank < wanted[v]->rank()) ++shortened_rings_;
+    if (uploaded_[v] && patch_slots_[v].rank < uploaded_[v]->rank()) --shortened_patches_;
+    store_.release(patch_slots_[v]);
+    patch_slots_[v] = wanted[v] ? store_.store(*wanted[v]) : BasisSlot{};
+    if (wanted[v] && patch_slots_[v].rank < wanted[v]->rank()) ++shortened_patches_;
     uploaded_[v] = wanted[v];
-    texels += ring_slots_[v].texels;
+    texels += patch_slots_[v].texels;
   }
 
   std::vector<std::uint32_t> slots;
-  for (const BasisSlot& slot : ring_slots_) {
+  for (const BasisSlot& slot : patch_slots_) {
     slots.push_back(slot.first);
     slots.push_back(slot.rank | std::uint32_t(slot.buffer) << 16);
   }
-  slots_.assign(ring_slots_.size(), slots.data());
-  shown_.emplace(mesh_, rings_, uploaded_, snapshot.version());
+  slots_.assign(patch_slots_.size(), slots.data());
+  shown_ = snapshot.with_patches(uploaded_);
   coefficients_eye_.reset();
   quality_eye_.reset();
   return done == changed.size();

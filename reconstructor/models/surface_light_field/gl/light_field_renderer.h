@@ -9,33 +9,33 @@
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/gl/basis_store.h"
-#include "reconstructor/models/surface_light_field/snapshot.h"
+#include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 #include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/gl/model_drawer.h"
 
 namespace sheen {
 
-/// Draws a surface light field with OpenGL 3.3: all terms of all three rings of a triangle in one pass of one fragment
-/// shader, by the formula of the CPU's `ViewShader`. Surface maps stay on the GPU as half floats; view coefficients are
-/// computed on the CPU a frame.
+/// Draws a surface light field with OpenGL 3.3: all terms at all three corners of a triangle in one pass of one
+/// fragment shader, by the formula of the CPU's `ViewShader`. Surface maps stay on the GPU as half floats; view
+/// coefficients are computed on the CPU a frame.
 class LightFieldRenderer : public ModelDrawer {
  public:
   /// With a context current. Throws DeviceError where a shader is refused.
   explicit LightFieldRenderer(const DrawerOptions& options = {});
 
-  /// Rings that are not there at all first.
+  /// Patches that are not there at all first.
   bool update(const std::shared_ptr<const ModelSnapshot>& model) override;
   void draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading) override;
   std::vector<std::string> notes() const override;
 
-  /// Rings of which the GPU has no room for all terms: drawn with the strongest ones.
-  std::size_t shortened_rings() const { return shortened_rings_; }
+  /// Patches of which the GPU has no room for all terms: drawn with the strongest ones.
+  std::size_t shortened_patches() const { return shortened_patches_; }
   std::size_t texels_used() const { return store_.texels_used(); }
   std::size_t texels_reserved() const { return store_.texels_reserved(); }
 
  private:
-  void upload_mesh(const SurfaceLightFieldSnapshot& snapshot);
-  bool upload_rings(const SurfaceLightFieldSnapshot& snapshot);
+  void upload_mesh(const LightFieldSnapshot& snapshot);
+  bool upload_patches(const LightFieldSnapshot& snapshot);
   void upload_coefficients(const Eigen::Vector3d& eye);
   void upload_quality(const Eigen::Vector3d& eye);
 
@@ -44,21 +44,21 @@ class LightFieldRenderer : public ModelDrawer {
   GlHandle vertex_array_;
   BasisStore store_;
   BufferTexture positions_;     ///< per vertex: x, y, z, 1
-  BufferTexture corners_;       ///< a triangle's corner: vertex, first sample in the vertex's ring
+  BufferTexture corners_;       ///< a triangle's corner: vertex, and its PatchCorner
   BufferTexture resolutions_;   ///< per triangle
-  BufferTexture slots_;         ///< per vertex: first texel, rank | buffer << 16
-  BufferTexture coefficients_;  ///< per vertex: `stride_` values
+  BufferTexture slots_;         ///< per patch: first texel, rank | buffer << 16
+  BufferTexture coefficients_;  ///< per column: `stride_` values
   BufferTexture quality_;       ///< per triangle: heuristic, reason
 
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const VertexRings> rings_;
-  std::vector<std::shared_ptr<const RingSnapshot>> uploaded_;  ///< per vertex: what the GPU holds
-  std::vector<BasisSlot> ring_slots_;
-  std::size_t shortened_rings_ = 0;
+  std::vector<std::shared_ptr<const SurfacePatch>> uploaded_;  ///< per patch: what the GPU holds
+  std::vector<BasisSlot> patch_slots_;
+  std::size_t shortened_patches_ = 0;
   std::size_t triangle_count_ = 0;
 
-  /// The rings as the GPU has them: coefficients belong to the basis that is there, not to the newest one.
-  std::optional<SurfaceLightFieldSnapshot> shown_;
+  /// The patches as the GPU has them: coefficients belong to the basis that is there, not to the newest one.
+  std::shared_ptr<const LightFieldSnapshot> shown_;
   ExposureField exposure_;
   int stride_ = 0;
   std::optional<Eigen::Vector3d> coefficients_eye_, quality_eye_;  ///< empty: to be computed again

@@ -85,7 +85,7 @@ vec3 marked(vec3 encoded, int state) {
   return state > 0 ? encoded : mix(encoded, vec3(0.20, 0.21, 0.24), 0.45 * stripe());
 }
 
-// Sum over the three rings and all their terms, sRGB-encoded (000 sec. 4.1). The state is the best of the samples that
+// Sum over the three corners and all their terms, sRGB-encoded (000 sec. 4.1). The state is the best of the samples that
 // weigh in, as the CPU's ViewShader has it.
 vec3 light_field() {
   ivec3 index;
@@ -95,13 +95,14 @@ vec3 light_field() {
   float total = 0.0;
   int state = 0;
   for (int c = 0; c < 3; ++c) {
-    uvec2 corner = texelFetch(corners, 3 * gl_PrimitiveID + c).xy;
-    uvec2 slot = texelFetch(slots, int(corner.x)).xy;
+    uvec4 corner = texelFetch(corners, 3 * gl_PrimitiveID + c);  // vertex, patch, first sample, column
+    if (corner.y == 0xffffffffu) continue;
+    uvec2 slot = texelFetch(slots, int(corner.y)).xy;
     int rank = int(slot.y & 0xffffu);
     if (rank == 0) continue;
     uint buffer = slot.y >> 16;
-    ivec3 texel = int(slot.x) + (int(corner.y) + index) * rank;
-    int h = int(corner.x) * coefficient_stride;
+    ivec3 texel = int(slot.x) + (int(corner.z) + index) * rank;
+    int h = int(corner.w) * coefficient_stride;
     for (int k = 0; k < 3; ++k)
       if (weight[k] > 0.25) state = max(state, int(fetch_basis(buffer, texel[k]).a + 0.5));
     vec3 value = vec3(0);

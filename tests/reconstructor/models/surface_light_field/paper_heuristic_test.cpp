@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/paper_heuristic.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
 
 #include <gtest/gtest.h>
 
@@ -16,6 +17,7 @@ std::shared_ptr<RingSnapshot> ring_of_three(float residual) {
   auto ring = std::make_shared<RingSnapshot>();
   ring->frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
   ring->basis = Eigen::MatrixXf::Ones(3, 1);
+  ring->shown = {255};
   ring->residual = residual;
   ring->directions.resize(3, 3);
   for (int j = 0; j < 3; ++j) {

@@ -82,6 +82,7 @@ std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t v
     const Eigen::Vector3f local(std::sin(lean) * std::cos(turn), std::sin(lean) * std::sin(turn), std::cos(lean));
     ring->directions.col(j) = ring->frame.transpose() * local;
   }
+  ring->reliability = Eigen::VectorXf::Ones(kViews);
   ring->kernel = {0.6f, 0.05f};
   ring->mean = Eigen::VectorXf::Constant(rank, 0.2f);
   ring->mean[0] = 1;

@@ -276,12 +276,12 @@ TEST_F(Window, FullGraphicsMemoryShortensRingsInsteadOfLosingThem) {
   LightFieldRenderer renderer({.max_buffer_texels = 200000});
   while (!renderer.update(light_field.snapshot())) {
   }
-  EXPECT_GT(renderer.shortened_rings(), 0u);
+  EXPECT_GT(renderer.shortened_patches(), 0u);
   EXPECT_LE(renderer.texels_used(), 4 * 200000u);
   const SyntheticLightField small({.around = 24, .across = 8, .unseen = 0});
   while (!renderer.update(small.snapshot())) {
   }
-  EXPECT_EQ(renderer.shortened_rings(), 0u) << "another model finds the room of the first";
+  EXPECT_EQ(renderer.shortened_patches(), 0u) << "another model finds the room of the first";
 }
 
 TEST_F(Window, EveryModeDrawsWhatItShould) {

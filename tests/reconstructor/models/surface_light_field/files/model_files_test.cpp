@@ -17,6 +17,12 @@ namespace {
 
 using Json = nlohmann::json;
 
+std::vector<PosedCamera> two_cameras() {
+  const Camera camera{.width = 640, .height = 480, .fx = 800, .fy = 801, .cx = 319.5, .cy = 239.25};
+  return {{camera, look_at({1, 0.3, 0.2}, {0, 0, 0}, {0, 0, 1})},
+          {camera, look_at({-1, 0.1, 0.4}, {0, 0, 0}, {0, 0, 1})}};
+}
+
 /// An octahedron whose rings hold random numbers: no image would give them, but every one of them must come back. The
 /// last vertex has no ring, the one before a ring of rank 0.
 std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
@@ -39,6 +45,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
     ring->basis = Eigen::MatrixXf::NullaryExpr(3 * samples, rank, draw);
     ring->weights = Eigen::MatrixXf::NullaryExpr(rank, views, draw);
     ring->mean = Eigen::VectorXf::NullaryExpr(rank, draw);
+    ring->reliability = Eigen::VectorXf::NullaryExpr(views, [&] { return 0.1f + std::abs(draw()); });
     ring->frame = hemisphere_frame(mesh->vertices[v].normalized());
     ring->directions.resize(3, views);
     for (int k = 0; k < views; ++k)
@@ -56,7 +63,8 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
     ring->views_folded = 10 + v;
     data[v] = std::move(ring);
   }
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, rings, std::move(data), 4711);
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, rings, std::move(data), 4711, ExposureField{},
+                                                     two_cameras());
 }
 
 void expect_same_pictures(const SurfaceLightFieldSnapshot& a, const SurfaceLightFieldSnapshot& b) {
@@ -203,13 +211,13 @@ void expect_refused(Change change, const std::vector<std::string>& words) {
 }
 
 TEST(ModelFiles, ANewerVersionIsRefusedNamingBoth) {
-  expect_refused([](Json& json) { json["version"] = 4; },
-                 {"model.json", "version 4", "reads version 3", "newer Sheen"});
+  expect_refused([](Json& json) { json["version"] = 5; },
+                 {"model.json", "version 5", "reads version 4", "newer Sheen"});
   expect_refused([](Json& json) { json["version"] = std::int64_t(1) << 33; },
-                 {"version 8589934592", "reads version 3"});
-  for (const int version : {1, 2})
+                 {"version 8589934592", "reads version 4"});
+  for (const int version : {1, 2, 3})
     expect_refused([&](Json& json) { json["version"] = version; },
-                   {"model.json", "version " + std::to_string(version), "reads version 3", "again"});
+                   {"model.json", "version " + std::to_string(version), "reads version 4", "again"});
   expect_refused([](Json& json) { json["version"] = 0; }, {"model.json", "version"});
   expect_refused([](Json& json) { json["version"] = "1"; }, {"model.json", "version", "whole number"});
 }

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/base/quantity.h"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include "common/base/errors.h"
+
+namespace sheen {
+namespace {
+
+double quantity(const std::string& option, const std::string& word, const std::string& takes,
+                const std::map<std::string, double>& units) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  std::string unit(end, word.data() + word.size());
+  unit.erase(0, unit.find_first_not_of(' '));
+  const auto known = units.find(unit);
+  if (error != std::errc{} || known == units.end() || !(value > 0) || !std::isfinite(value))
+    throw ConfigError(option + " " + word + ": takes " + takes);
+  return value * known->second;
+}
+
+}  // namespace
+
+double parse_time_ms(const std::string& option, const std::string& word, const std::string& takes) {
+  return quantity(option, word, takes, {{"ms", 1}, {"s", 1e3}});
+}
+
+double parse_decibels(const std::string& option, const std::string& word, const std::string& takes) {
+  return quantity(option, word, takes, {{"dB", 1}});
+}
+
+double parse_bytes(const std::string& option, const std::string& word, const std::string& takes) {
+  return quantity(option, word, takes,
+                  {{"B", 1}, {"kB", 1e3}, {"MB", 1e6}, {"GB", 1e9}, {"KiB", 0x1p10}, {"MiB", 0x1p20}, {"GiB", 0x1p30}});
+}
+
+}  // namespace sheen

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace sheen {
+
+// Words of the command line: a positive number and its unit, with or without a space between them. Each throws
+// ConfigError that names the option and says what it takes.
+
+/// "33ms", "0.2s": in milliseconds.
+double parse_time_ms(const std::string& option, const std::string& word, const std::string& takes);
+/// "35dB".
+double parse_decibels(const std::string& option, const std::string& word, const std::string& takes);
+/// "500MB" (B, kB, MB, GB, or KiB, MiB, GiB): in bytes.
+double parse_bytes(const std::string& option, const std::string& word, const std::string& takes);
+
+}  // namespace sheen

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/report_file.h"
+#include "reconstructor/capture/saved_model.h"
+#include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/size_options.h"
+
+namespace sheen {
+namespace {
+
+struct CompressArguments {
+  std::string model, out, json;
+  SizeArguments size;
+};
+
+void compress(const CompressArguments& arguments) {
+  ReportFile json(arguments.json);
+  CompressionTarget target = arguments.size.target().value_or(CompressionTarget{});
+  check_writable(arguments.out);
+  const SavedModel saved = open_model(arguments.model);
+  target.psnr_db = held_out_psnr_db(saved);
+  const CompressedModel small = saved.snapshot->compressed(target);
+  small.snapshot->save(arguments.out, saved.metadata, {});
+  const auto bytes = std::filesystem::file_size(arguments.out);
+  std::printf("%s: %.3f MB, about %.2f dB lost\n", arguments.out.c_str(), static_cast<double>(bytes) / 1e6,
+              small.loss_db);
+  json.write(nlohmann::json{{"file", {{"bytes", bytes}, {"loss_db", small.loss_db}}}}.dump(2) + "\n");
+}
+
+}  // namespace
+
+void add_compress_command(CLI::App& app) {
+  auto arguments = std::make_shared<CompressArguments>();
+  CLI::App* command = app.add_subcommand(
+      "compress",
+      "Makes a saved model small: one file, as exact as it is\nasked to be (without --bytes: 0.1 dB lost).");
+  command->add_option("model", arguments->model, "saved model")->required();
+  command->add_option("--out", arguments->out, "file to write")->required();
+  arguments->size.add_to(*command);
+  command->add_option("--json", arguments->json, "report to write; - for standard output");
+  command->callback([arguments] { compress(*arguments); });
+}
+
+}  // namespace sheen

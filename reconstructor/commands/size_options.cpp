@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/commands/size_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "common/base/quantity.h"
+
+namespace sheen {
+
+void SizeArguments::add_to(CLI::App& command) {
+  CLI::Option* by_bytes = command.add_option("--bytes", bytes, "size of the file: 2MB (kB, MB, GB, KiB, MiB, GiB)");
+  command.add_option("--loss", loss, "what the pictures may lose of their PSNR: 0.1dB")->excludes(by_bytes);
+}
+
+std::optional<CompressionTarget> SizeArguments::target() const {
+  if (bytes.empty() && loss.empty()) return std::nullopt;
+  CompressionTarget target;
+  if (!bytes.empty()) target.bytes = parse_bytes("--bytes", bytes, "the size that the file may have, such as 2MB");
+  if (!loss.empty())
+    target.loss_db = parse_decibels("--loss", loss, "what the pictures may lose of their PSNR, such as 0.1dB");
+  return target;
+}
+
+}  // namespace sheen

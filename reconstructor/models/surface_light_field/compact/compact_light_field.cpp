@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/compact/compact_light_field.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "common/base/errors.h"
+#include "common/base/median.h"
+#include "reconstructor/models/surface_light_field/files/compact_file.h"
+#include "reconstructor/numerics/view_kriging.h"
+#include "reconstructor/surface/view_hemisphere.h"
+
+namespace sheen {
+namespace {
+
+constexpr std::uint64_t kOnlySnapshot = 1;  ///< number of a model that does not change
+constexpr float kGreyLevels = 255;
+
+/// A share of the ring's images that stands for the state.
+std::uint8_t share_of(SampleState state) {
+  constexpr std::uint8_t kShares[] = {0, 64, 255};
+  return kShares[static_cast<std::size_t>(state)];
+}
+
+std::shared_ptr<const SurfacePatch> surface_patch(const Patch& patch) {
+  if (patch.mean.size() == 0) return nullptr;
+  auto surface = std::make_shared<SurfacePatch>();
+  surface->basis.resize(patch.mean.size(), 1 + patch.basis.cols());
+  surface->basis.col(0) = patch.mean / kGreyLevels;
+  surface->basis.rightCols(patch.basis.cols()) = patch.basis / kGreyLevels;
+  for (const SampleState state : patch.state) surface->shown.push_back(share_of(state));
+  return surface;
+}
+
+std::shared_ptr<const RingViews> ring_views(const PatchModel& model, const CompactRing& ring, RingSystem system,
+                                            const Eigen::Vector3f& normal) {
+  auto views = std::make_shared<RingViews>();
+  views->directions = std::move(system.directions);
+  views->reliability = std::move(system.reliability);
+  views->kernel = system.kernel;
+  if (ring.drift) views->reflection = model.reflection;
+  views->frame = hemisphere_frame(normal);
+  views->sill = ring.sill;
+  views->residual = ring.residual;
+  views->best_cosine = views->directions.cols() > 0 ? (normal.transpose() * views->directions).maxCoeff() : -1;
+  views->views_folded = ring.views_folded;
+  return views;
+}
+
+SnapshotFigures figures_of(const std::vector<std::shared_ptr<const SurfacePatch>>& patches) {
+  SnapshotFigures figures;
+  std::vector<int> ranks;
+  std::size_t samples = 0, seen = 0, measured = 0;
+  for (const auto& patch : patches) {
+    if (!patch) continue;
+    samples += patch->shown.size();
+    std::size_t here = 0;
+    for (std::size_t s = 0; s < patch->shown.size(); ++s) {
+      here += patch->state(static_cast<int>(s)) != SampleState::kUnseen;
+      measured += patch->state(static_cast<int>(s)) == SampleState::kMeasured;
+    }
+    seen += here;
+    if (here > 0) ranks.push_back(patch->rank());
+  }
+  if (samples == 0 || ranks.empty()) return figures;
+  figures.seen = static_cast<double>(seen) / static_cast<double>(samples);
+  figures.measured = static_cast<double>(measured) / static_cast<double>(samples);
+  figures.most_rank = *std::max_element(ranks.begin(), ranks.end());
+  figures.median_rank = median(ranks);
+  return figures;
+}
+
+}  // namespace
+
+CompactLightField::CompactLightField(const PatchModel& model, std::shared_ptr<const std::string> encoded)
+    : LightFieldSnapshot(model.mesh, model.rings_of_mesh, kOnlySnapshot, model.exposure, model.cameras),
+      shapes_(model.shapes),
+      encoded_(std::move(encoded)) {
+  const std::size_t vertices = model.mesh->vertices.size();
+  patches_.resize(model.patches.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches_.size(), 64), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) patches_[t] = surface_patch(model.patches[t]);
+  });
+  const std::vector<Eigen::Vector3f> normals = vertex_normals(*model.mesh);
+  interpolants_.resize(vertices);
+  corner_column_.resize(3 * model.mesh->triangles.size());
+  for (std::uint32_t p = 0; p < shapes_.patches.size(); ++p) {
+    const PatchShape& shape = shapes_.patches[p];
+    for (const std::uint32_t v : shape.vertices) {
+      interpolants_[v].columns.push_back(0);
+      interpolants_[v].patches.push_back(p);
+    }
+    for (const std::uint32_t t : shape.triangles)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto at = std::lower_bound(shape.vertices.begin(), shape.vertices.end(), model.mesh->triangles[t][c]);
+        corner_column_[3 * t + c] =
+            static_cast<std::uint32_t>(columns_) + static_cast<std::uint32_t>(at - shape.vertices.begin());
+      }
+    for (std::size_t i = 0; i < shape.vertices.size(); ++i)
+      interpolants_[shape.vertices[i]].columns.back() = static_cast<std::uint32_t>(columns_ + i);
+    columns_ += shape.vertices.size();
+  }
+  seen_.resize(vertices);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 16), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v)
+      if (const CompactRing* ring = model.ring(v)) interpolate_at(model, v, normals[model.source[v]]);
+  });
+  double sum = 0, views = 0;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    if (!model.rings[v].seen) continue;
+    seen_[v] = interpolants_[v].views;
+    sum += model.rings[v].sill * static_cast<double>(model.rings[v].views.size());
+    views += static_cast<double>(model.rings[v].views.size());
+  }
+  common_sill_ = views > 0 ? static_cast<float>(sum / views) : 0;
+  for (const Patch& patch : model.patches) max_terms_ = std::max(max_terms_, static_cast<int>(patch.basis.cols()));
+  figures_ = figures_of(patches_);
+}
+
+void CompactLightField::interpolate_at(const PatchModel& model, std::size_t vertex, const Eigen::Vector3f& normal) {
+  const CompactRing& ring = *model.ring(vertex);
+  RingSystem system = ring_system(model, ring, normal);
+  Eigen::Index terms = 0;
+  Interpolant& here = interpolants_[vertex];
+  for (const std::uint32_t p : here.patches) terms += model.patches[p].basis.cols();
+  Eigen::MatrixXf coefficients(terms, system.directions.cols());
+  Eigen::Index first = 0;
+  for (const std::uint32_t p : here.patches) {
+    const Patch& patch = model.patches[p];
+    const std::vector<Eigen::Index> at = places(ring, patch_images(model, shapes_.patches[p]));
+    for (std::size_t j = 0; j < at.size(); ++j)
+      coefficients.col(static_cast<Eigen::Index>(j)).segment(first, patch.basis.cols()) = patch.coefficients.col(at[j]);
+    first += patch.basis.cols();
+  }
+  ViewInterpolant interpolant = krige(system.directions, coefficients, system.reliability, system.kernel, system.drift);
+  here.views = ring_views(model, ring, std::move(system), normal);
+  here.weights = std::move(interpolant.weights);
+  here.mean = std::move(interpolant.mean);
+  here.drift = std::move(interpolant.drift);
+}
+
+PatchCorner CompactLightField::corner(std::size_t triangle, int corner) const {
+  const auto c = static_cast<std::size_t>(corner);
+  const std::uint32_t patch = shapes_.patch_of[triangle];
+  if (!patches_[patch] || !interpolants_[mesh().triangles[triangle][c]].views) return {};
+  return {patch, shapes_.first_sample[triangle], corner_column_[3 * triangle + c]};
+}
+
+Eigen::MatrixXf CompactLightField::coefficients_for(const Eigen::Vector3d& eye) const {
+  Eigen::MatrixXf coefficients = Eigen::MatrixXf::Zero(1 + max_terms_, static_cast<Eigen::Index>(columns_));
+  coefficients.row(0).setOnes();  // of the mean map
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, interpolants_.size(), 64), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      const Interpolant& interpolant = interpolants_[v];
+      if (!interpolant.views) continue;
+      const Eigen::Vector3f direction = (eye.cast<float>() - mesh().vertices[v]).normalized();
+      Eigen::VectorXf h = interpolant.mean;
+      h.noalias() +=
+          interpolant.weights * covariances(interpolant.views->kernel, interpolant.views->directions, direction);
+      if (interpolant.drift.size() > 0)
+        h += interpolant.views->reflection->at(direction, interpolant.views->frame.row(2)) * interpolant.drift;
+      Eigen::Index first = 0;
+      for (std::size_t i = 0; i < interpolant.patches.size(); ++i) {
+        const auto& patch = patches_[interpolant.patches[i]];
+        const Eigen::Index terms = patch ? patch->rank() - 1 : 0;
+        coefficients.col(interpolant.columns[i]).segment(1, terms) = h.segment(first, terms);
+        first += terms;
+      }
+    }
+  });
+  return coefficients;
+}
+
+std::shared_ptr<const LightFieldSnapshot> CompactLightField::with_patches(
+    const std::vector<std::shared_ptr<const SurfacePatch>>&) const {
+  return shared_from_this();  // it never changes: what is not there yet is merely not drawn
+}
+
+std::shared_ptr<const ModelSnapshot> CompactLightField::filled() const {
+  return shared_from_this();
+}
+
+const RingViews* CompactLightField::seen_ring(std::size_t vertex) const {
+  return seen_[vertex].get();
+}
+
+std::size_t CompactLightField::bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& patch : patches_)
+    if (patch) bytes += static_cast<std::size_t>(patch->basis.size()) * sizeof(float) + patch->shown.size();
+  for (const Interpolant& interpolant : interpolants_)
+    bytes += static_cast<std::size_t>(interpolant.weights.size() + interpolant.mean.size() + interpolant.drift.size()) *
+             sizeof(float);
+  return bytes;
+}
+
+CompressedModel CompactLightField::compressed(const CompressionTarget&) const {
+  throw ConfigError("the model is compressed already; compress the one that it was made from");
+}
+
+void CompactLightField::save(const std::filesystem::path& path, const ModelMetadata& metadata, const StepsDone&) const {
+  save_compact(path, *encoded_, metadata);
+}
+
+}  // namespace sheen

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "reconstructor/models/surface_light_field/compact/patch_model.h"
+#include "reconstructor/models/surface_light_field/light_field_snapshot.h"
+
+namespace sheen {
+
+/// A surface light field as it is stored: a patch for a few triangles (PatchModel), and for each vertex the kriging of
+/// the coefficients of its patches. What no image showed has a guess already.
+class CompactLightField : public LightFieldSnapshot, public std::enable_shared_from_this<CompactLightField> {
+ public:
+  /// `encoded`: the file that the model stands for, which `save` writes.
+  CompactLightField(const PatchModel& model, std::shared_ptr<const std::string> encoded);
+
+  SnapshotFigures figures() const override { return figures_; }
+  std::shared_ptr<const ModelSnapshot> filled() const override;
+  CompressedModel compressed(const CompressionTarget& target) const override;
+  void save(const std::filesystem::path& path, const ModelMetadata& metadata, const StepsDone& progress) const override;
+
+  std::size_t patch_count() const override { return patches_.size(); }
+  std::shared_ptr<const SurfacePatch> patch(std::size_t index) const override { return patches_[index]; }
+  PatchCorner corner(std::size_t triangle, int corner) const override;
+  Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const override;
+  std::shared_ptr<const LightFieldSnapshot> with_patches(
+      const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const override;
+  const RingViews* seen_ring(std::size_t vertex) const override;
+  double ring_variation(std::size_t vertex) const override { return seen_[vertex]->sill; }
+  float common_sill() const override { return common_sill_; }
+  std::size_t bytes() const;  ///< of all patches and their interpolation
+
+ private:
+  /// Kriging of the terms of all patches round a vertex, one below the other: h = mean + drift * reflection + weights
+  /// * k.
+  struct Interpolant {
+    std::shared_ptr<const RingViews> views;
+    Eigen::MatrixXf weights;
+    Eigen::VectorXf mean, drift;
+    std::vector<std::uint32_t> patches, columns;  ///< round the vertex, and where their coefficients go
+  };
+  void interpolate_at(const PatchModel& model, std::size_t vertex, const Eigen::Vector3f& normal);
+
+  std::vector<std::shared_ptr<const SurfacePatch>> patches_;  ///< the mean map, then the terms
+  PatchShapes shapes_;
+  std::vector<std::uint32_t> corner_column_;            ///< three per triangle
+  std::vector<Interpolant> interpolants_;               ///< per vertex
+  std::vector<std::shared_ptr<const RingViews>> seen_;  ///< per vertex; null where no image showed it
+  float common_sill_ = 0;
+  int max_terms_ = 0;
+  std::size_t columns_ = 0;
+  SnapshotFigures figures_;
+  std::shared_ptr<const std::string> encoded_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/compact/compress.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+#include <string>
+
+#include "common/base/errors.h"
+#include "common/geometry/ray_scene.h"
+#include "common/image/color.h"
+#include "reconstructor/models/surface_light_field/compact/fit_patches.h"
+#include "reconstructor/models/surface_light_field/files/compact_file.h"
+
+namespace sheen {
+namespace {
+
+constexpr std::size_t kEyes = 12, kRaysPerEye = 40000;
+
+/// A point of the surface as both forms of the light field have it.
+struct SurfacePoint {
+  std::uint32_t triangle = 0, old_triangle = 0;
+  float u = 0, v = 0, old_u = 0, old_v = 0;
+  Eigen::Vector3f encoded = Eigen::Vector3f::Zero();  ///< colour of the exact form
+};
+
+/// What is lost is looked for at points in sight of eyes that lie between two cameras each.
+class LossMeter {
+ public:
+  LossMeter(const SurfaceLightFieldSnapshot& exact, const CanonicalMesh& mesh) : exact_(exact), mesh_(mesh) {
+    const std::vector<PosedCamera>& cameras = exact.cameras();
+    std::mt19937 random(1);
+    const RayScene scene(*mesh.mesh);
+    const std::size_t stride = std::max<std::size_t>(1, cameras.size() / kEyes);
+    for (std::size_t i = 0; i < cameras.size(); i += stride) add_eye(between(cameras, i), scene, random);
+    predicted_ /= static_cast<double>(std::max<std::size_t>(points_, 1));
+  }
+
+  /// Mean square of encoded values.
+  double loss(const CompactLightField& compact) const {
+    double sum = 0;
+    for (const Sight& sight : sights_) {
+      const auto shader = compact.shader_for({sight.eye});
+      for (const SurfacePoint& point : sight.points)
+        sum += (encoded(shader->shade(point.triangle, point.u, point.v).rgb) - point.encoded).squaredNorm() / 3;
+    }
+    return sum / static_cast<double>(std::max<std::size_t>(points_, 1));
+  }
+  /// Mean square error that the light field itself predicts of its pictures.
+  double predicted_error() const { return predicted_; }
+
+ private:
+  struct Sight {
+    Eigen::Vector3d eye;
+    std::vector<SurfacePoint> points;
+  };
+
+  static Eigen::Vector3f encoded(const Eigen::Vector3f& radiance) {
+    return radiance.unaryExpr([](float value) { return std::clamp(srgb_encode(value), 0.0f, 1.0f); });
+  }
+
+  Eigen::Vector3d between(const std::vector<PosedCamera>& cameras, std::size_t i) const {
+    const Eigen::Vector3d eye = camera_centre(cameras[i].camera_from_object);
+    Eigen::Vector3d nearest = eye;
+    double distance = INFINITY;
+    for (std::size_t j = 0; j < cameras.size(); ++j) {
+      const Eigen::Vector3d other = camera_centre(cameras[j].camera_from_object);
+      if (j == i || (other - eye).norm() > distance || other == eye) continue;
+      distance = (other - eye).norm();
+      nearest = other;
+    }
+    return (eye + nearest) / 2;
+  }
+
+  /// Where random rays from the eye meet the front of what some image showed.
+  void add_eye(const Eigen::Vector3d& eye, const RayScene& scene, std::mt19937& random) {
+    const Mesh& mesh = *mesh_.mesh;
+    const BoundingSphere bounds = bounding_sphere(mesh);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    const auto shader = exact_.shader_for({eye});
+    Sight sight{.eye = eye};
+    for (std::size_t i = 0; i < kRaysPerEye; ++i) {
+      const Eigen::Vector3d target =
+          bounds.centre + bounds.radius * Eigen::Vector3d::NullaryExpr([&] { return uniform(random); });
+      const Hit hit = scene.intersect({eye.cast<float>(), (target - eye).cast<float>()});
+      if (!hit || !hit.front) continue;
+      SurfacePoint point{.triangle = hit.triangle, .u = hit.u, .v = hit.v};
+      point.old_triangle = mesh_.old_triangle[point.triangle];
+      const float weight[3] = {1 - point.u - point.v, point.u, point.v};
+      float old[3];
+      for (int c = 0; c < 3; ++c) old[(c + mesh_.first_corner[point.triangle]) % 3] = weight[c];
+      point.old_u = old[1];
+      point.old_v = old[2];
+      const SurfaceSample sample = shader->shade(point.old_triangle, point.old_u, point.old_v);
+      if (sample.state == SampleState::kUnseen) continue;
+      point.encoded = encoded(sample.rgb);
+      const double error = shader->quality(point.old_triangle).error;
+      predicted_ += error * error;
+      sight.points.push_back(point);
+    }
+    points_ += sight.points.size();
+    sights_.push_back(std::move(sight));
+  }
+
+  const SurfaceLightFieldSnapshot& exact_;
+  const CanonicalMesh& mesh_;
+  std::vector<Sight> sights_;
+  std::size_t points_ = 0;
+  double predicted_ = 0;
+};
+
+/// A quantity that rises or falls evenly with the step, both in logarithms, is brought to what is wanted by the step,
+/// from below.
+class StepSearch {
+ public:
+  StepSearch(double wanted, double slope) : wanted_(std::log(wanted)), slope_(slope) {}
+
+  double step() const { return std::exp(at_); }
+  /// What the step gave. False when no other step is worth trying.
+  bool next(double found) {
+    const double here = std::log(std::max(found, 1e-9));
+    ++tried_;
+    if (here <= wanted_ && wanted_ - here < kNearEnough) return false;
+    if (tried_ > 1 && std::abs(at_ - before_at_) > 1e-3) {
+      const double slope = (here - before_) / (at_ - before_at_);
+      if (slope * slope_ > 0)
+        slope_ = std::clamp(slope, std::min(slope_ / 3, slope_ * 3), std::max(slope_ / 3, slope_ * 3));
+    }
+    before_ = here;
+    before_at_ = at_;
+    const double move = (wanted_ - kNearEnough / 2 - here) / slope_;
+    at_ = std::clamp(at_ + std::clamp(move, -kFarthest, kFarthest), std::log(kFinest), std::log(kCoarsest));
+    return tried_ < kMostTries && at_ != before_at_;
+  }
+
+ private:
+  static constexpr double kNearEnough = 0.015, kFarthest = 1.5, kFinest = 0.5, kCoarsest = 100;
+  static constexpr int kMostTries = 9;
+  double wanted_, slope_, at_ = std::log(8.0), before_ = 0, before_at_ = 0;
+  int tried_ = 0;
+};
+
+class Compression {
+ public:
+  Compression(const SurfaceLightFieldSnapshot& exact, const CompressionTarget& target)
+      : exact_(exact),
+        target_(target),
+        mesh_(canonical_mesh(exact.mesh())),
+        model_(fit_patches(exact, mesh_, kLeastRms, kPatchTriangles)) {
+    if (target.judge) psnr_db_ = target.judge(exact);
+    if (!std::isfinite(psnr_db_)) meter_.emplace(exact, mesh_);
+  }
+
+  CompressedModel run() { return target_.bytes ? within_bytes(*target_.bytes) : within_loss(target_.loss_db); }
+
+ private:
+  // Terms that are fainter are lost at any step that anybody asks for. In larger patches the coefficients cost less and
+  // the maps more: from 4 to 12 triangles the sum is the same within 2 %.
+  static constexpr double kLeastRms = 0.4;
+  static constexpr std::size_t kPatchTriangles = 8;
+
+  std::shared_ptr<const std::string> encoded(double step) {
+    return std::make_shared<const std::string>(encode_compact(model_, mesh_, static_cast<float>(step)));
+  }
+
+  CompressedModel within_bytes(double bytes) {
+    StepSearch search(bytes, -0.9);
+    std::shared_ptr<const std::string> best;
+    std::size_t least = 0;
+    bool more = true;
+    while (more) {
+      auto candidate = encoded(search.step());
+      const std::size_t size = candidate->size();
+      more = search.next(static_cast<double>(size));
+      if (least == 0 || size < least) least = size;
+      if (static_cast<double>(size) <= bytes && (!best || size > best->size())) best = std::move(candidate);
+    }
+    if (!best)
+      throw ConfigError("the model does not fit into " + std::to_string(static_cast<std::size_t>(bytes)) +
+                        " bytes: the least that was reached is " + std::to_string(least));
+    auto opened = open(best);
+    const double loss = loss_of(*opened);
+    return {std::move(opened), loss};
+  }
+
+  CompressedModel within_loss(double loss_db) {
+    StepSearch search(loss_db, 1.2);
+    CompressedModel best;
+    std::size_t bytes = 0;
+    bool more = true;
+    while (more) {
+      auto candidate = encoded(search.step());
+      auto opened = open(candidate);
+      const double loss = loss_of(*opened);
+      more = search.next(loss);
+      if (best.snapshot && (loss > loss_db ? best.loss_db <= loss_db || loss >= best.loss_db
+                                           : best.loss_db <= loss_db && candidate->size() >= bytes))
+        continue;
+      bytes = candidate->size();
+      best = {std::move(opened), loss};
+    }
+    return best;
+  }
+
+  static std::shared_ptr<const CompactLightField> open(const std::shared_ptr<const std::string>& bytes) {
+    return std::make_shared<CompactLightField>(decode_compact(*bytes, "the compressed model"), bytes);
+  }
+
+  /// In dB of the PSNR of the pictures.
+  double loss_of(const CompactLightField& compact) {
+    if (!meter_) return psnr_db_ - target_.judge(compact);
+    const double error =
+        std::isfinite(target_.psnr_db) ? std::pow(10, -target_.psnr_db / 10) : meter_->predicted_error();
+    return 10 * std::log10(1 + meter_->loss(compact) / std::max(error, 1e-12));
+  }
+
+  const SurfaceLightFieldSnapshot& exact_;
+  const CompressionTarget& target_;
+  CanonicalMesh mesh_;
+  PatchModel model_;
+  double psnr_db_ = std::numeric_limits<double>::quiet_NaN();
+  std::optional<LossMeter> meter_;  ///< where there is no judge
+};
+
+}  // namespace
+
+CompressedModel compress(const SurfaceLightFieldSnapshot& snapshot, const CompressionTarget& target) {
+  return Compression(snapshot, target).run();
+}
+
+}  // namespace sheen

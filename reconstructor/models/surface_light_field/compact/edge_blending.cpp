@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/compact/edge_blending.h"
+
+#include <algorithm>
+#include <tuple>
+#include <vector>
+
+namespace sheen {
+namespace {
+
+/// An edge of a triangle, from its vertex of lower number to the other.
+struct Edge {
+  std::uint32_t low, high, triangle;
+  int from, to;  ///< corners
+  bool operator<(const Edge& other) const {
+    return std::tie(low, high, triangle) < std::tie(other.low, other.high, other.triangle);
+  }
+};
+
+std::vector<Edge> edges_of(const Mesh& mesh) {
+  std::vector<Edge> edges;
+  edges.reserve(3 * mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const int next = (c + 1) % 3;
+      const std::uint32_t a = mesh.triangles[t][static_cast<std::size_t>(c)],
+                          b = mesh.triangles[t][static_cast<std::size_t>(next)];
+      edges.push_back(a < b ? Edge{a, b, t, c, next} : Edge{b, a, t, next, c});
+    }
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+/// The samples of a triangle along one of its edges, in the edge's direction, as they stand in its patch.
+std::vector<Eigen::Index> samples_along(const PatchModel& model, const Edge& edge) {
+  const int n = model.rings_of_mesh->resolution(edge.triangle);
+  std::vector<Eigen::Index> samples;
+  for (int k = 0; k < n; ++k) {
+    int weight[3] = {0, 0, 0};  // of the corners
+    weight[edge.from] = n - 1 - k;
+    weight[edge.to] = k;
+    samples.push_back(Eigen::Index{model.shapes.first_sample[edge.triangle]} + lattice_index(n, weight[1], weight[2]));
+  }
+  return samples;
+}
+
+/// Rows of a map along an edge: 3 x samples.
+Eigen::Matrix3Xf along(const Eigen::Ref<const Eigen::VectorXf>& map, const std::vector<Eigen::Index>& samples) {
+  Eigen::Matrix3Xf values(3, static_cast<Eigen::Index>(samples.size()));
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    values.col(static_cast<Eigen::Index>(k)) = map.segment<3>(3 * samples[k]);
+  return values;
+}
+
+/// At so many places, evenly spread.
+Eigen::Matrix3Xf resampled(const Eigen::Matrix3Xf& values, Eigen::Index places) {
+  if (values.cols() == places) return values;
+  Eigen::Matrix3Xf out(3, places);
+  for (Eigen::Index k = 0; k < places; ++k) {
+    const float at = static_cast<float>(k) * static_cast<float>(values.cols() - 1) / static_cast<float>(places - 1);
+    const Eigen::Index low = std::min(static_cast<Eigen::Index>(at), values.cols() - 2);
+    const float share = at - static_cast<float>(low);
+    out.col(k) = (1 - share) * values.col(low) + share * values.col(low + 1);
+  }
+  return out;
+}
+
+void blend(Eigen::Ref<Eigen::VectorXf> map_a, const std::vector<Eigen::Index>& a, Eigen::Ref<Eigen::VectorXf> map_b,
+           const std::vector<Eigen::Index>& b) {
+  const Eigen::Matrix3Xf values_a = along(map_a, a), values_b = along(map_b, b);
+  const Eigen::Matrix3Xf mean_a = (values_a + resampled(values_b, values_a.cols())) / 2,
+                         mean_b = (values_b + resampled(values_a, values_b.cols())) / 2;
+  for (std::size_t k = 0; k < a.size(); ++k) map_a.segment<3>(3 * a[k]) = mean_a.col(static_cast<Eigen::Index>(k));
+  for (std::size_t k = 0; k < b.size(); ++k) map_b.segment<3>(3 * b[k]) = mean_b.col(static_cast<Eigen::Index>(k));
+}
+
+}  // namespace
+
+void blend_edges(PatchModel& model) {
+  const std::vector<Edge> edges = edges_of(*model.mesh);
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+    const Edge &a = edges[i], &b = edges[i + 1];
+    const auto same = [](const Edge& x, const Edge& y) { return x.low == y.low && x.high == y.high; };
+    if (!same(a, b)) continue;
+    const bool odd = (i > 0 && same(edges[i - 1], a)) || (i + 2 < edges.size() && same(edges[i + 2], b));
+    if (odd) continue;  // more than two triangles: it is not known which belong together
+    const std::uint32_t patch_a = model.shapes.patch_of[a.triangle], patch_b = model.shapes.patch_of[b.triangle];
+    Patch &of_a = model.patches[patch_a], &of_b = model.patches[patch_b];
+    if (of_a.mean.size() == 0 || of_b.mean.size() == 0) continue;
+    const std::vector<Eigen::Index> samples_a = samples_along(model, a), samples_b = samples_along(model, b);
+    blend(of_a.mean, samples_a, of_b.mean, samples_b);
+    if (patch_a != patch_b) continue;
+    for (Eigen::Index k = 0; k < of_a.basis.cols(); ++k)
+      blend(of_a.basis.col(k), samples_a, of_a.basis.col(k), samples_b);
+  }
+}
+
+}  // namespace sheen

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/compact/fit_patches.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+#include "reconstructor/numerics/symmetric_eigen.h"
+#include "reconstructor/numerics/view_kriging.h"
+#include "reconstructor/surface/nearest_seen.h"
+
+namespace sheen {
+namespace {
+
+constexpr float kGreyLevels = 255;
+constexpr float kMoved = 2e-3f;  // rad: further from all cameras a view is one that others were merged into
+
+std::vector<std::uint8_t> resolutions(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical) {
+  std::vector<std::uint8_t> resolution;
+  for (const std::uint32_t old : canonical.old_triangle)
+    resolution.push_back(static_cast<std::uint8_t>(snapshot.rings().resolution(old)));
+  return resolution;
+}
+
+/// Gives each view of a ring the camera that it is of, or the nearest one that is left.
+std::vector<std::uint16_t> images_of(const Eigen::Matrix3Xf& directions, const Eigen::Matrix3Xf& cameras) {
+  struct Pair {
+    float cosine;
+    Eigen::Index view, camera;
+  };
+  std::vector<Pair> pairs;
+  const Eigen::MatrixXf cosines = directions.transpose() * cameras;
+  for (Eigen::Index j = 0; j < directions.cols(); ++j)
+    for (Eigen::Index i = 0; i < cameras.cols(); ++i) pairs.push_back({cosines(j, i), j, i});
+  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.cosine > b.cosine; });
+  std::vector<std::uint16_t> images(static_cast<std::size_t>(directions.cols()));
+  std::vector<bool> given(images.size()), taken(static_cast<std::size_t>(cameras.cols()));
+  for (const Pair& pair : pairs) {
+    const auto view = static_cast<std::size_t>(pair.view), camera = static_cast<std::size_t>(pair.camera);
+    if (given[view] || taken[camera]) continue;
+    given[view] = taken[camera] = true;
+    images[view] = static_cast<std::uint16_t>(camera);
+  }
+  return images;
+}
+
+/// A ring's views by image, and where each stands in the snapshot's ring.
+struct RingOrder {
+  std::vector<Eigen::Index> view;
+};
+
+std::uint8_t kernel_index(std::vector<ViewKernel>& kernels, const ViewKernel& kernel) {
+  const auto found = std::find(kernels.begin(), kernels.end(), kernel);
+  if (found == kernels.end()) kernels.push_back(kernel);
+  return static_cast<std::uint8_t>(std::find(kernels.begin(), kernels.end(), kernel) - kernels.begin());
+}
+
+/// Coefficients of a ring's views, in grey levels: what kriging displays there and what the nugget kept from being
+/// displayed.
+Eigen::MatrixXf view_coefficients(const RingSnapshot& ring, const RingOrder& order) {
+  Eigen::MatrixXf coefficients(ring.rank(), static_cast<Eigen::Index>(order.view.size()));
+  for (std::size_t j = 0; j < order.view.size(); ++j) {
+    const Eigen::Index view = order.view[j];
+    coefficients.col(static_cast<Eigen::Index>(j)) =
+        ring.coefficients(ring.directions.col(view)) +
+        ring.weights.col(view) * (ring.kernel.nugget / ring.reliability[view]);
+  }
+  return kGreyLevels * coefficients;
+}
+
+/// What is displayed in a ring's own views of values in them: values * (I - Z diag(nugget / reliability)).
+Eigen::MatrixXf smoother(const RingSystem& system) {
+  const Eigen::Index n = system.directions.cols();
+  if (n < 2) return Eigen::MatrixXf::Identity(n, n);
+  const ViewInterpolant dual =
+      krige(system.directions, Eigen::MatrixXf::Identity(n, n), system.reliability, system.kernel, system.drift);
+  Eigen::MatrixXf smoother = -dual.weights;
+  for (Eigen::Index j = 0; j < n; ++j) smoother.col(j) *= system.kernel.nugget / system.reliability[j];
+  smoother.diagonal().array() += 1;
+  return smoother;
+}
+
+/// Lattice sample of the old triangle for each of the new, whose corner 0 is the old one's corner `first`.
+std::vector<int> rotated_samples(int resolution, int first) {
+  std::vector<int> old(static_cast<std::size_t>(lattice_samples(resolution)));
+  for (int i = 0; i < resolution; ++i)
+    for (int j = 0; i + j < resolution; ++j) {
+      const int weight[3] = {resolution - 1 - i - j, i, j};  // of the new corners
+      int of_old[3];
+      for (int c = 0; c < 3; ++c) of_old[(c + first) % 3] = weight[c];
+      old[static_cast<std::size_t>(lattice_index(resolution, i, j))] = lattice_index(resolution, of_old[1], of_old[2]);
+    }
+  return old;
+}
+
+class PatchFit {
+ public:
+  PatchFit(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical, double least_rms,
+           std::size_t patch_triangles)
+      : snapshot_(snapshot),
+        canonical_(canonical),
+        least_square_(least_rms * least_rms),
+        patch_triangles_(patch_triangles) {}
+
+  PatchModel fit() {
+    const Mesh& mesh = *canonical_.mesh;
+    model_.mesh = canonical_.mesh;
+    model_.rings_of_mesh = std::make_shared<VertexRings>(mesh, resolutions(snapshot_, canonical_));
+    model_.patch_triangles = patch_triangles_;
+    model_.shapes = cut_into_patches(mesh, *model_.rings_of_mesh, patch_triangles_);
+    model_.cameras = snapshot_.cameras();
+    model_.exposure = snapshot_.exposure();
+    model_.rings.resize(mesh.vertices.size());
+    orders_.resize(mesh.vertices.size());
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) describe_ring(v);
+    find_sources(model_);
+    const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
+    smoothers_.resize(mesh.vertices.size());
+    coefficients_.resize(mesh.vertices.size());
+    tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t v) {
+      if (!model_.rings[v].seen) return;
+      smoothers_[v] = smoother(ring_system(model_, model_.rings[v], normals[v]));
+      coefficients_[v] = view_coefficients(old_ring(v), orders_[v]);
+    });
+    model_.patches.resize(model_.shapes.patches.size());
+    tbb::parallel_for(std::size_t{0}, model_.patches.size(), [&](std::size_t i) { fit_patch(i); });
+    return std::move(model_);
+  }
+
+ private:
+  /// A triangle's rows in the basis of one of its rings.
+  struct RingRows {
+    std::uint32_t source;
+    Eigen::MatrixXf basis;
+  };
+
+  const RingSnapshot& old_ring(std::size_t vertex) const {
+    return *snapshot_.ring_data()[canonical_.old_vertex[vertex]];
+  }
+
+  void describe_ring(std::size_t vertex) {
+    const RingSnapshot* old = snapshot_.ring_data()[canonical_.old_vertex[vertex]].get();
+    CompactRing& ring = model_.rings[vertex];
+    if (!old || !old->seen() || model_.cameras.empty()) return;
+    ring.seen = true;
+    ring.kernel = kernel_index(model_.kernels, old->kernel);
+    ring.drift = old->drift.size() > 0;
+    if (ring.drift) model_.reflection = old->reflection;
+    ring.sill = old->sill;
+    ring.residual = old->residual;
+    ring.views_folded = old->views_folded;
+    Eigen::Matrix3Xf cameras(3, static_cast<Eigen::Index>(model_.cameras.size()));
+    for (std::size_t i = 0; i < model_.cameras.size(); ++i)
+      cameras.col(static_cast<Eigen::Index>(i)) = camera_direction(model_, vertex, i);
+    const std::vector<std::uint16_t> images = images_of(old->directions, cameras);
+    RingOrder& order = orders_[vertex];
+    for (Eigen::Index j = 0; j < old->directions.cols(); ++j) order.view.push_back(j);
+    std::sort(order.view.begin(), order.view.end(), [&](Eigen::Index a, Eigen::Index b) {
+      return images[static_cast<std::size_t>(a)] < images[static_cast<std::size_t>(b)];
+    });
+    for (const Eigen::Index j : order.view) {
+      CompactView view{.image = images[static_cast<std::size_t>(j)], .reliability = old->reliability[j]};
+      view.direction = cameras.col(view.image);
+      view.moved = angle_between(view.direction, old->directions.col(j)) > kMoved;
+      if (view.moved) view.direction = old->directions.col(j);
+      ring.views.push_back(view);
+    }
+  }
+
+  void fit_patch(std::size_t index) {
+    const PatchShape& shape = model_.shapes.patches[index];
+    Patch& patch = model_.patches[index];
+    const std::vector<std::uint16_t> images = patch_images(model_, shape);
+    patch.state.assign(shape.samples, SampleState::kUnseen);
+    if (images.empty()) return;
+    const auto count = static_cast<Eigen::Index>(images.size());
+    Eigen::MatrixXf columns(3 * Eigen::Index{shape.samples}, count);
+    for (std::size_t i = 0; i < shape.triangles.size(); ++i) {
+      const std::uint32_t first = shape.first_sample[i];
+      const int samples = lattice_samples(model_.rings_of_mesh->resolution(shape.triangles[i]));
+      gather(shape.triangles[i], images, columns.middleRows(3 * Eigen::Index{first}, 3 * samples),
+             std::span(patch.state).subspan(first, static_cast<std::size_t>(samples)));
+    }
+    patch.mean = columns.rowwise().mean();
+    columns.colwise() -= patch.mean;
+
+    Eigen::MatrixXd displayed = Eigen::MatrixXd::Zero(count, count);  // sum over vertices of H H^T
+    double views = 0;
+    for (const std::uint32_t vertex : shape.vertices) {
+      const std::uint32_t source = model_.source[vertex];
+      if (source == kNoVertex) continue;
+      const std::vector<Eigen::Index> at = places(model_.rings[source], images);
+      const Eigen::MatrixXd square = (smoothers_[source] * smoothers_[source].transpose()).template cast<double>();
+      for (std::size_t i = 0; i < at.size(); ++i)
+        for (std::size_t j = 0; j < at.size(); ++j)
+          displayed(at[i], at[j]) += square(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      views += static_cast<double>(at.size());
+    }
+    factorise(columns, displayed, views, patch);
+  }
+
+  /// What the triangle is in each of the images: the mean of what its rings say that have a view of it, or of what
+  /// they all expect from there where none has.
+  void gather(std::uint32_t triangle, const std::vector<std::uint16_t>& images, Eigen::Ref<Eigen::MatrixXf> columns,
+              std::span<SampleState> state) const {
+    const int n = model_.rings_of_mesh->resolution(triangle), samples = lattice_samples(n);
+    const std::vector<int> old_sample = rotated_samples(n, canonical_.first_corner[triangle]);
+    Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(columns.rows(), columns.cols());
+    Eigen::VectorXf rings_with = Eigen::VectorXf::Zero(columns.cols());
+    std::array<std::optional<RingRows>, 3> rows;
+    const Triangle& corners = model_.mesh->triangles[triangle];
+    const bool any_seen =
+        std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return model_.source[v] == v; });
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t vertex = corners[static_cast<std::size_t>(c)];
+      const std::uint32_t source = model_.source[vertex];
+      if (source == kNoVertex || (any_seen && source != vertex)) continue;  // a guess says nothing beside what was seen
+      if (source == vertex) {
+        const int corner = (c + canonical_.first_corner[triangle]) % 3;
+        const auto first =
+            static_cast<int>(snapshot_.rings().membership(canonical_.old_triangle[triangle], corner).first_sample);
+        rows[static_cast<std::size_t>(c)] = {source, old_ring(source).basis.middleRows(3 * first, 3 * samples)};
+        for (std::size_t s = 0; s < old_sample.size(); ++s)
+          state[s] = std::max(state[s], old_ring(source).state(first + old_sample[s]));
+      } else {
+        rows[static_cast<std::size_t>(c)] = {source, mean_seen_rows(old_ring(source)).replicate(samples, 1)};
+      }
+      const std::vector<Eigen::Index> at = places(model_.rings[source], images);
+      const Eigen::MatrixXf values = rows[static_cast<std::size_t>(c)]->basis * coefficients_[source];
+      for (std::size_t j = 0; j < at.size(); ++j) {
+        sum.col(at[j]) += values.col(static_cast<Eigen::Index>(j));
+        rings_with[at[j]] += 1;
+      }
+    }
+    for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+      if (rings_with[j] > 0) continue;
+      for (const auto& ring : rows) {
+        if (!ring) continue;
+        const Eigen::Vector3f direction = camera_direction(model_, ring->source, images[static_cast<std::size_t>(j)]);
+        sum.col(j) += ring->basis * (kGreyLevels * old_ring(ring->source).coefficients(direction));
+        rings_with[j] += 1;
+      }
+    }
+    for (int s = 0; s < samples; ++s)
+      columns.middleRows<3>(3 * s) = sum.middleRows<3>(3 * old_sample[static_cast<std::size_t>(s)]);
+    columns.array().rowwise() /= rings_with.cwiseMax(1).transpose().array();
+  }
+
+  /// The leading left singular vectors of columns * displayed^(1/2), as far as they are seen.
+  void factorise(const Eigen::MatrixXf& columns, const Eigen::MatrixXd& displayed, double views, Patch& patch) const {
+    const Eigen::Index count = columns.cols();
+    // Columns may depend on each other; in single precision what is then left of them would be noise.
+    const Eigen::MatrixXd exact = columns.cast<double>();
+    Eigen::MatrixXd gram = exact.transpose() * exact;
+    gram.diagonal().array() += 1e-9 * gram.trace() / static_cast<double>(count) + 1e-12;
+    const Eigen::LLT<Eigen::MatrixXd> cholesky(gram);  // columns = Q R, R^T R = gram
+    const auto r = cholesky.matrixU();
+    const Eigen::MatrixXd seen = r * displayed * r.transpose();
+    const SymmetricEigen eigen = symmetric_eigen(seen);
+    const double least = least_square_ * views * static_cast<double>(columns.rows());
+    Eigen::Index terms = 0;
+    while (terms < count && eigen.values[terms] > least) ++terms;
+    patch.displayed =
+        (eigen.values.head(terms) / (views * static_cast<double>(columns.rows()))).cwiseSqrt().cast<float>();
+    Eigen::MatrixXd into = eigen.vectors.leftCols(terms);
+    r.solveInPlace(into);
+    patch.basis = (exact * into).cast<float>();
+    patch.coefficients = (eigen.vectors.leftCols(terms).transpose() * Eigen::MatrixXd(r)).cast<float>();
+  }
+
+  const SurfaceLightFieldSnapshot& snapshot_;
+  const CanonicalMesh& canonical_;
+  double least_square_;
+  std::size_t patch_triangles_;
+  PatchModel model_;
+  std::vector<RingOrder> orders_;
+  std::vector<Eigen::MatrixXf> smoothers_;
+  std::vector<Eigen::MatrixXf> coefficients_;  ///< of the rings' views
+};
+
+}  // namespace
+
+PatchModel fit_patches(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical, double least_rms,
+                       std::size_t patch_triangles) {
+  return PatchFit(snapshot, canonical, least_rms, patch_triangles).fit();
+}
+
+}  // namespace sheen

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "reconstructor/models/surface_light_field/compact/patch_spectrum.h"
+
+namespace sheen {
+
+/// The patches in layers, so that a reader that has the first ones can draw already: the smooth part of the means, the
+/// rest of the means, then a layer per term. A layer is read after all before it.
+inline constexpr int kMeanLayers = 2;
+
+/// What all layers are read with: the number of coefficients of each patch, and the tiles of its lattices.
+struct PatchLayout {
+  std::vector<std::size_t> images;                      ///< per patch; 0: nothing is known of it
+  std::vector<std::vector<int>> tile_sizes;             ///< per patch: of all its triangles
+  std::vector<std::vector<std::uint16_t>> haar_parent;  ///< per patch: of each coefficient; unused for the mean
+};
+
+std::string encode_layer(const PatchLayout& layout, const std::vector<QuantisedPatch>& patches, int layer);
+/// Adds a layer to `patches`. Throws std::runtime_error.
+void decode_layer(const PatchLayout& layout, std::string_view bytes, std::vector<QuantisedPatch>& patches, int layer);
+
+/// Layers that these patches fill.
+int layer_count(const std::vector<QuantisedPatch>& patches);
+
+}  // namespace sheen

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/compact/patch_model.h"
+
+#include <algorithm>
+
+namespace sheen {
+
+Eigen::Vector3f camera_direction(const PatchModel& model, std::size_t vertex, std::size_t camera) {
+  return (camera_centre(model.cameras[camera].camera_from_object).cast<float>() - model.mesh->vertices[vertex])
+      .normalized();
+}
+
+void find_sources(PatchModel& model) {
+  std::vector<std::uint8_t> seen;
+  for (const CompactRing& ring : model.rings) seen.push_back(ring.seen);
+  model.source = nearest_seen(*model.mesh, *model.rings_of_mesh, seen);
+}
+
+std::vector<std::uint16_t> patch_images(const PatchModel& model, const PatchShape& shape) {
+  std::vector<std::uint16_t> images;
+  for (const std::uint32_t vertex : shape.vertices)
+    if (const CompactRing* ring = model.ring(vertex))
+      for (const CompactView& view : ring->views) images.push_back(view.image);
+  std::sort(images.begin(), images.end());
+  images.erase(std::unique(images.begin(), images.end()), images.end());
+  return images;
+}
+
+std::vector<Eigen::Index> places(const CompactRing& ring, const std::vector<std::uint16_t>& images) {
+  std::vector<Eigen::Index> places;
+  places.reserve(ring.views.size());
+  for (const CompactView& view : ring.views)
+    places.push_back(std::lower_bound(images.begin(), images.end(), view.image) - images.begin());
+  return places;
+}
+
+RingSystem ring_system(const PatchModel& model, const CompactRing& ring, const Eigen::Vector3f& normal) {
+  RingSystem system;
+  const auto views = static_cast<Eigen::Index>(ring.views.size());
+  system.directions.resize(3, views);
+  system.reliability.resize(views);
+  system.kernel = model.kernels[ring.kernel];
+  for (Eigen::Index j = 0; j < views; ++j) {
+    const CompactView& view = ring.views[static_cast<std::size_t>(j)];
+    system.directions.col(j) = view.direction;
+    system.reliability[j] = view.reliability;
+  }
+  if (!ring.drift || !model.reflection) return system;
+  system.drift.resize(views);
+  for (Eigen::Index j = 0; j < views; ++j) system.drift[j] = model.reflection->at(system.directions.col(j), normal);
+  return system;
+}
+
+}  // namespace sheen

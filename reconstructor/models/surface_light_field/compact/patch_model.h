@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/camera/posed_camera.h"
+#include "common/geometry/mesh.h"
+#include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/models/surface_light_field/compact/patch_shapes.h"
+#include "reconstructor/models/surface_light_field/reflection_drift.h"
+#include "reconstructor/numerics/view_kernel.h"
+#include "reconstructor/radiance/exposure_field.h"
+#include "reconstructor/surface/nearest_seen.h"
+#include "reconstructor/surface/vertex_ring.h"
+
+namespace sheen {
+
+/// A view of a ring: the image that it stands for. Views that were merged stand a little beside it.
+struct CompactView {
+  std::uint16_t image = 0;    ///< index into PatchModel::cameras
+  Eigen::Vector3f direction;  ///< unit, from the vertex; of the camera itself unless `moved`
+  bool moved = false;
+  float reliability = 1;
+};
+
+/// From where a ring was seen and how it interpolates: all of a ring but its colours.
+struct CompactRing {
+  bool seen = false;               ///< by any image; a ring that is not takes the views of its `source`
+  std::vector<CompactView> views;  ///< by ascending image
+  std::uint8_t kernel = 0;         ///< index into PatchModel::kernels
+  bool drift = false;              ///< takes part in the reflection that all rings share
+  float sill = 0, residual = 0;
+  int views_folded = 0;
+};
+
+/// Colours of a patch, sRGB-encoded in grey levels (0..255): row i in image j is mean_i + basis_i . coefficients_j.
+struct Patch {
+  Eigen::VectorXf mean;            ///< 3 * samples; empty where none of its rings is known
+  Eigen::MatrixXf basis;           ///< rows x terms, by falling energy
+  Eigen::MatrixXf coefficients;    ///< terms x images (`patch_images`)
+  Eigen::VectorXf displayed;       ///< per term: RMS of what it adds to the picture
+  std::vector<SampleState> state;  ///< per sample
+};
+
+/// A surface light field with one basis for a few triangles: colour(s, d) = mean(s) + basis(s) sum_c beta_c A w_c(d),
+/// where A are the patch's coefficients in the images and w_c(d) the weights by which the ring of corner c krigs
+/// between its views. Nothing is stored for three rings; blending is the rings' own.
+struct PatchModel {
+  std::shared_ptr<const Mesh> mesh;
+  std::shared_ptr<const VertexRings> rings_of_mesh;
+  std::vector<PosedCamera> cameras;  ///< of the images
+  ExposureField exposure;
+  std::shared_ptr<const ReflectionDrift> reflection;  ///< null where no ring uses it
+  std::vector<ViewKernel> kernels;
+  std::vector<CompactRing> rings;     ///< per vertex
+  std::vector<std::uint32_t> source;  ///< per vertex: itself, or the seen one that is its guess (`nearest_seen`)
+  std::size_t patch_triangles = 1;    ///< that `shapes` were cut by
+  PatchShapes shapes;
+  std::vector<Patch> patches;  ///< as `shapes` has them
+
+  /// The ring that a vertex is drawn by; null where nothing is known.
+  const CompactRing* ring(std::size_t vertex) const {
+    return source[vertex] == kNoVertex ? nullptr : &rings[source[vertex]];
+  }
+};
+
+/// From a vertex to a camera.
+Eigen::Vector3f camera_direction(const PatchModel& model, std::size_t vertex, std::size_t camera);
+
+/// Where each vertex takes its views from (`PatchModel::source`), once it is known which rings were seen.
+void find_sources(PatchModel& model);
+
+/// Images that any ring of the patch's corners has a view of, ascending.
+std::vector<std::uint16_t> patch_images(const PatchModel& model, const PatchShape& shape);
+
+/// For each view of a ring, where its image stands among those of a patch.
+std::vector<Eigen::Index> places(const CompactRing& ring, const std::vector<std::uint16_t>& images);
+
+/// Directions and reliabilities of a ring's views, and its drift in them (empty without).
+struct RingSystem {
+  Eigen::Matrix3Xf directions;
+  Eigen::VectorXf reliability, drift;
+  ViewKernel kernel;
+};
+/// `normal`: of the vertex whose views these are.
+RingSystem ring_system(const PatchModel& model, const CompactRing& ring, const Eigen::Vector3f& normal);
+
+}  // namespace sheen

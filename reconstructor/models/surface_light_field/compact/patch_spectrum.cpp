@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/compact/patch_spectrum.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
+
+namespace sheen {
+namespace {
+
+// A wide dead zone: what is left out costs less picture than the bits that it would take.
+constexpr float kSurfaceThreshold = 0.7f, kCoefficientThreshold = 0.52f;
+// Values are rarer, the larger they are: what an interval stands for is below its middle.
+constexpr float kSurfaceShift = 0.06f, kCoefficientShift = 0.02f;
+// Coefficients are few: finer steps cost little, and an error of one is seen all over its patch.
+constexpr float kCoefficientStep = 0.15f;  // of the step of the maps
+constexpr float kLeastTerm = 0.12f;        // of that step: what a term must add to the picture
+
+/// Luma and two differences of a colour, orthonormal.
+Eigen::Matrix3f opponent() {
+  Eigen::Matrix3f m;
+  m << 1 / std::sqrt(3.0f), 1 / std::sqrt(3.0f), 1 / std::sqrt(3.0f),  //
+      1 / std::sqrt(2.0f), 0, -1 / std::sqrt(2.0f),                    //
+      1 / std::sqrt(6.0f), -2 / std::sqrt(6.0f), 1 / std::sqrt(6.0f);
+  return m;
+}
+
+std::int32_t quantised(float value, float threshold) {
+  constexpr float kMost = 1 << 22;
+  const float size = std::min(std::floor(std::abs(value) + 1 - threshold), kMost);
+  return static_cast<std::int32_t>(std::copysign(size, value));
+}
+
+float dequantised(std::int32_t value, float shift) {
+  const auto v = static_cast<float>(value);
+  return value == 0 ? 0.0f : v + std::copysign(shift, v);
+}
+
+/// The levels of a map's tiles, their first frequencies, differ little: joined two and two again and again, by the
+/// unbalanced Haar transform, most of them is in one number. levels, weights: a row per tile; `weights` are the roots
+/// of the tiles' sizes. The first row is that number, times the root of all their sizes.
+void join_levels(Eigen::Ref<Eigen::MatrixX3f> levels, Eigen::VectorXf weights, bool forward) {
+  struct Join {
+    Eigen::Index into, from;
+    float weight_into, weight_from;
+  };
+  std::vector<Join> joins;
+  for (Eigen::Index step = 1; step < levels.rows(); step *= 2)
+    for (Eigen::Index i = 0; i + step < levels.rows(); i += 2 * step) {
+      const float whole = std::hypot(weights[i], weights[i + step]);
+      joins.push_back({i, i + step, weights[i] / whole, weights[i + step] / whole});
+      weights[i] = whole;
+    }
+  if (!forward) std::reverse(joins.begin(), joins.end());
+  for (const Join& join : joins) {
+    const Eigen::RowVector3f a = levels.row(join.into), b = levels.row(join.from);
+    const float wa = join.weight_into, wb = join.weight_from;
+    levels.row(join.into) = wa * a + wb * b;  // its own inverse
+    levels.row(join.from) = wb * a - wa * b;
+  }
+}
+
+/// Frequencies of a map's tiles, a block of rows after the other: their number of rows each, luma and two differences.
+struct MapFrequencies {
+  std::vector<Eigen::MatrixX3f> tiles;
+  std::vector<std::size_t> sizes;  ///< samples of each tile
+
+  void join(bool forward) {
+    Eigen::MatrixX3f levels(static_cast<Eigen::Index>(tiles.size()), 3);
+    Eigen::VectorXf weights(levels.rows());
+    for (Eigen::Index t = 0; t < levels.rows(); ++t) {
+      levels.row(t) = tiles[static_cast<std::size_t>(t)].row(0);
+      weights[t] = std::sqrt(static_cast<float>(sizes[static_cast<std::size_t>(t)]));
+    }
+    join_levels(levels, weights, forward);
+    for (Eigen::Index t = 0; t < levels.rows(); ++t) tiles[static_cast<std::size_t>(t)].row(0) = levels.row(t);
+  }
+};
+
+/// values: rows 3 * sample + channel.
+QuantisedMap quantise_map(const Eigen::Ref<const Eigen::VectorXf>& values, const std::vector<int>& resolutions,
+                          float step) {
+  static const Eigen::Matrix3f colours = opponent();
+  MapFrequencies frequencies;
+  const float* first = values.data();
+  for (const int resolution : resolutions) {
+    const Eigen::Map<const Eigen::Matrix3Xf> rgb(first, 3, lattice_samples(resolution));
+    for (const LatticeSpectrum::Tile& tile : lattice_spectrum(resolution).tiles) {
+      Eigen::MatrixX3f samples(static_cast<Eigen::Index>(tile.samples.size()), 3);
+      for (std::size_t s = 0; s < tile.samples.size(); ++s)
+        samples.row(static_cast<Eigen::Index>(s)) = (colours * rgb.col(tile.samples[s])).transpose() / step;
+      frequencies.tiles.emplace_back(tile.vectors->transpose() * samples);
+      frequencies.sizes.push_back(tile.samples.size());
+    }
+    first += rgb.size();
+  }
+  frequencies.join(true);
+  QuantisedMap map;
+  for (const Eigen::MatrixX3f& tile : frequencies.tiles)
+    for (int c = 0; c < 3; ++c) {
+      QuantisedMap::Band band;
+      for (Eigen::Index f = 0; f < tile.rows(); ++f) band.values.push_back(quantised(tile(f, c), kSurfaceThreshold));
+      while (!band.values.empty() && band.values.back() == 0) band.values.pop_back();
+      map.bands.push_back(std::move(band));
+    }
+  return map;
+}
+
+bool is_zero(const QuantisedMap& map) {
+  return std::all_of(map.bands.begin(), map.bands.end(), [](const auto& band) { return band.values.empty(); });
+}
+
+void dequantise_map(const QuantisedMap& map, const std::vector<int>& resolutions, float step,
+                    Eigen::Ref<Eigen::VectorXf> values) {
+  static const Eigen::Matrix3f to_rgb = opponent().transpose();
+  MapFrequencies frequencies;
+  const QuantisedMap::Band* bands = map.bands.data();
+  for (const int resolution : resolutions)
+    for (const LatticeSpectrum::Tile& tile : lattice_spectrum(resolution).tiles) {
+      std::size_t used = 1;
+      for (int c = 0; c < 3; ++c) used = std::max(used, bands[c].values.size());
+      Eigen::MatrixX3f& here =
+          frequencies.tiles.emplace_back(Eigen::MatrixX3f::Zero(static_cast<Eigen::Index>(used), 3));
+      for (int c = 0; c < 3; ++c)
+        for (std::size_t f = 0; f < bands[c].values.size(); ++f)
+          here(static_cast<Eigen::Index>(f), c) = step * dequantised(bands[c].values[f], kSurfaceShift);
+      frequencies.sizes.push_back(tile.samples.size());
+      bands += 3;
+    }
+  frequencies.join(false);
+  float* first = values.data();
+  std::size_t next = 0;
+  for (const int resolution : resolutions) {
+    Eigen::Map<Eigen::Matrix3Xf> rgb(first, 3, lattice_samples(resolution));
+    for (const LatticeSpectrum::Tile& tile : lattice_spectrum(resolution).tiles) {
+      const Eigen::MatrixX3f& here = frequencies.tiles[next++];
+      const Eigen::MatrixX3f samples = tile.vectors->leftCols(here.rows()) * here;
+      for (std::size_t s = 0; s < tile.samples.size(); ++s)
+        rgb.col(tile.samples[s]) = to_rgb * samples.row(static_cast<Eigen::Index>(s)).transpose();
+    }
+    first += rgb.size();
+  }
+}
+
+Eigen::VectorXf dequantise_coefficients(const std::vector<std::int32_t>& coefficients, float step) {
+  Eigen::VectorXf values(static_cast<Eigen::Index>(coefficients.size()));
+  for (std::size_t j = 0; j < coefficients.size(); ++j)
+    values[static_cast<Eigen::Index>(j)] = step * dequantised(coefficients[j], kCoefficientShift);
+  return values;
+}
+
+/// How large a map is that a term of this scale has, RMS in grey levels.
+float size_of(std::int32_t scale) {
+  return std::exp2(static_cast<float>(std::clamp(scale, -40, 40)) / 2);
+}
+
+}  // namespace
+
+QuantisedPatch quantise(const Patch& patch, const std::vector<int>& resolutions, const ViewHaar::Plan& plan,
+                        float step) {
+  QuantisedPatch quantised_patch{.known = patch.mean.size() > 0};
+  if (!quantised_patch.known) return quantised_patch;
+  quantised_patch.mean = quantise_map(patch.mean, resolutions, step);
+  // A basis of unit RMS makes the coefficients grey levels.
+  const float unit = 1 / std::sqrt(static_cast<float>(patch.basis.rows()));
+  for (Eigen::Index k = 0; k < patch.basis.cols() && patch.displayed[k] >= kLeastTerm * step; ++k) {
+    QuantisedTerm term{.scale = static_cast<std::int32_t>(std::lround(2 * std::log2(patch.displayed[k])))};
+    Eigen::VectorXf frequencies = patch.coefficients.row(k).transpose();
+    ViewHaar::forward(plan, frequencies);
+    for (Eigen::Index j = 0; j < frequencies.size(); ++j)
+      term.coefficients.push_back(quantised(frequencies[j] * unit / (kCoefficientStep * step), kCoefficientThreshold));
+    term.map = quantise_map(patch.basis.col(k) * (size_of(term.scale) / unit), resolutions, step);
+    if (is_zero(term.map) ||
+        std::all_of(term.coefficients.begin(), term.coefficients.end(), [](std::int32_t value) { return value == 0; }))
+      break;
+    quantised_patch.terms.push_back(std::move(term));
+  }
+  return quantised_patch;
+}
+
+Patch dequantise(const QuantisedPatch& quantised_patch, const std::vector<int>& resolutions, const ViewHaar::Plan& plan,
+                 float step) {
+  Patch patch;
+  if (!quantised_patch.known) return patch;
+  const auto terms = static_cast<Eigen::Index>(quantised_patch.terms.size());
+  Eigen::Index rows = 0;
+  for (const int resolution : resolutions) rows += 3 * lattice_samples(resolution);
+  patch.mean.resize(rows);
+  dequantise_map(quantised_patch.mean, resolutions, step, patch.mean);
+  patch.basis.resize(rows, terms);
+  patch.coefficients.resize(terms, plan.size);
+  for (Eigen::Index k = 0; k < terms; ++k) {
+    const QuantisedTerm& term = quantised_patch.terms[static_cast<std::size_t>(k)];
+    dequantise_map(term.map, resolutions, step, patch.basis.col(k));
+    Eigen::VectorXf coefficients = dequantise_coefficients(term.coefficients, kCoefficientStep * step);
+    ViewHaar::inverse(plan, coefficients);
+    patch.coefficients.row(k) = coefficients.transpose() / size_of(term.scale);
+  }
+  return patch;
+}
+
+}  // namespace sheen

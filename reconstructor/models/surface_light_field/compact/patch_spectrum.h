@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "reconstructor/models/surface_light_field/compact/patch_model.h"
+#include "reconstructor/models/surface_light_field/compact/view_haar.h"
+
+namespace sheen {
+
+/// A surface map as it is stored: for each tile of each triangle's lattice luma and two colour differences, each its
+/// frequencies from the smoothest on, in steps.
+struct QuantisedMap {
+  struct Band {
+    std::vector<std::int32_t> values;  ///< as far as one is not 0
+  };
+  std::vector<Band> bands;  ///< three for each tile
+};
+
+struct QuantisedTerm {
+  std::vector<std::int32_t> coefficients;  ///< Haar coefficients over the patch's images, in steps
+  std::int32_t scale = 0;                  ///< of the map: half octaves of grey levels
+  QuantisedMap map;                        ///< the basis, as large as it is seen
+};
+
+struct QuantisedPatch {
+  bool known = false;  ///< any ring of its corners is
+  QuantisedMap mean;
+  std::vector<QuantisedTerm> terms;
+};
+
+/// `step`: of the surface maps, in grey levels (of 255). All maps have the same, so that every byte goes where it adds
+/// most to the picture (reverse water-filling); coefficients have a finer one, a fixed part of it. Terms that add too
+/// little for the step, and those behind them, are dropped.
+/// `resolutions`: of the patch's triangles, in their order.
+QuantisedPatch quantise(const Patch& patch, const std::vector<int>& resolutions, const ViewHaar::Plan& plan,
+                        float step);
+
+/// Mean, basis and coefficients; not the states.
+Patch dequantise(const QuantisedPatch& quantised, const std::vector<int>& resolutions, const ViewHaar::Plan& plan,
+                 float step);
+
+}  // namespace sheen

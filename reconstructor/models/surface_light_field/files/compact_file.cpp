@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/files/compact_file.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <zstd.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <stdexcept>
+
+#include "common/base/crc32c.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "reconstructor/models/surface_light_field/compact/edge_blending.h"
+#include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
+#include "reconstructor/models/surface_light_field/compact/patch_coding.h"
+#include "reconstructor/models/surface_light_field/compact/ring_coding.h"
+#include "reconstructor/models/surface_light_field/files/json_parts.h"
+
+namespace sheen {
+namespace {
+
+using Json = nlohmann::json;
+using OrderedJson = nlohmann::ordered_json;
+
+constexpr std::string_view kMagic = "sheenSLF";
+constexpr std::uint32_t kVersion = 1;
+constexpr int kZstdLevel = 19;
+// No more memory than the size of a file makes likely: packed parts, and samples of the surface.
+constexpr std::size_t kMostUnpacked = std::size_t{1} << 28, kDensest = 1000;
+constexpr std::size_t kMostSamples = std::size_t{1} << 28, kSamplesPerByte = 4000;
+constexpr int kMostLayers = 128;
+constexpr std::size_t kMostPatchTriangles = 256;
+
+struct ChunkHead {
+  char name[4];
+  std::uint32_t checksum;
+  std::uint64_t size;
+};
+
+std::uint32_t checksum(std::string_view bytes) {
+  return crc32c({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+}
+
+void append_chunk(std::string& out, std::string_view name, std::string_view bytes) {
+  ChunkHead head{.checksum = checksum(bytes), .size = bytes.size()};
+  std::memcpy(head.name, name.data(), sizeof head.name);
+  out.append(reinterpret_cast<const char*>(&head), sizeof head);
+  out.append(bytes);
+}
+
+std::string packed(std::string_view text) {
+  std::string out(ZSTD_compressBound(text.size()), '\0');
+  out.resize(ZSTD_compress(out.data(), out.size(), text.data(), text.size(), kZstdLevel));
+  return out;
+}
+
+std::string unpacked(std::string_view bytes) {
+  const unsigned long long size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > kMostUnpacked ||
+      size > kDensest * (bytes.size() + kDensest))
+    throw std::runtime_error("cannot be unpacked");
+  std::string out(size, '\0');
+  if (ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size()) != size)
+    throw std::runtime_error("cannot be unpacked");
+  return out;
+}
+
+/// Chunks one after the other; at the end of a file that was cut short there is none.
+class Chunks {
+ public:
+  Chunks(std::string_view bytes, std::string file) : rest_(bytes), file_(std::move(file)) {
+    if (!is_compact(bytes)) throw FileError(file_, "is no surface light field in one file");
+    std::uint32_t version = 0;
+    if (bytes.size() < kMagic.size() + sizeof version) throw FileError(file_, "is cut short");
+    std::memcpy(&version, bytes.data() + kMagic.size(), sizeof version);
+    if (version != kVersion)
+      throw FileError(file_, "is of version " + std::to_string(version) + ", but this program reads version " +
+                                 std::to_string(kVersion));
+    rest_.remove_prefix(kMagic.size() + sizeof version);
+  }
+
+  /// Empty where the file ends before it is whole.
+  std::optional<std::string_view> next(std::string_view name) {
+    ChunkHead head;
+    if (rest_.size() < sizeof head) return std::nullopt;
+    std::memcpy(&head, rest_.data(), sizeof head);
+    if (std::string_view(head.name, sizeof head.name) != name) fail(name, "is not where it should be");
+    rest_.remove_prefix(sizeof head);
+    if (head.size > rest_.size()) return std::nullopt;
+    const std::string_view bytes = rest_.substr(0, head.size);
+    rest_.remove_prefix(head.size);
+    if (checksum(bytes) != head.checksum) fail(name, "is damaged (its checksum is another)");
+    return bytes;
+  }
+  std::string_view required(std::string_view name) {
+    const auto bytes = next(name);
+    if (!bytes) fail(name, "is missing: the file was cut short");
+    return *bytes;
+  }
+  bool at_end() const { return rest_.empty(); }
+  [[noreturn]] void fail(std::string_view name, const std::string& what) const {
+    throw FileError(file_, "chunk \"" + std::string(name) + "\" " + what);
+  }
+
+ private:
+  std::string_view rest_;
+  std::string file_;
+};
+
+OrderedJson description_of(const PatchModel& model, float step, int layers) {
+  OrderedJson kernels = OrderedJson::array();
+  for (const ViewKernel& kernel : model.kernels) kernels.push_back(kernel_to_json(kernel));
+  return {{"step", step},
+          {"patch_triangles", model.patch_triangles},
+          {"layers", layers},
+          {"kernels", kernels},
+          {"reflection", reflection_to_json(model.reflection.get())},
+          {"exposure", exposure_to_json(model.exposure)},
+          {"cameras", cameras_to_json(model.cameras)}};
+}
+
+struct Description {
+  float step = 0;
+  int layers = 0;
+  std::size_t patch_triangles = 0;
+};
+
+Description read_description(std::string_view bytes, PatchModel& model) {
+  const Json json = Json::parse(unpacked(bytes));
+  Description description{json.at("step"), json.at("layers"), json.at("patch_triangles")};
+  if (!(description.step > 0 && description.step < 1e6f) || description.layers < kMeanLayers ||
+      description.layers > kMostLayers || description.patch_triangles > kMostPatchTriangles)
+    throw std::runtime_error("holds a step or layers that cannot be");
+  const Json& kernels = json.at("kernels");
+  if (!kernels.is_array() || kernels.size() > 255) throw std::runtime_error("holds no list of kernels");
+  for (const Json& kernel : kernels) model.kernels.push_back(kernel_from_json(kernel));
+  model.reflection = reflection_from_json(json.at("reflection"));
+  model.exposure = exposure_from_json(json.at("exposure"));
+  model.cameras = cameras_from_json(json.at("cameras"));
+  if (model.cameras.size() > UINT16_MAX) throw std::runtime_error("holds too many cameras");
+  return description;
+}
+
+ViewHaar haar_of(const PatchModel& model) {
+  return {model.cameras, bounding_sphere(*model.mesh).centre};
+}
+
+/// How each patch is laid out, and how its coefficients are transformed.
+struct Layout {
+  PatchLayout patches;
+  std::vector<ViewHaar::Plan> plans;          ///< per patch
+  std::vector<std::vector<int>> resolutions;  ///< per patch: of its triangles
+};
+
+Layout layout_of(const PatchModel& model) {
+  const ViewHaar haar = haar_of(model);
+  const std::size_t patches = model.shapes.patches.size();
+  Layout layout;
+  layout.patches.images.resize(patches);
+  layout.patches.tile_sizes.resize(patches);
+  layout.patches.haar_parent.resize(patches);
+  layout.plans.resize(patches);
+  layout.resolutions.resize(patches);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches, 64), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      const std::vector<std::uint16_t> images = patch_images(model, model.shapes.patches[t]);
+      layout.plans[t] = haar.plan(images);
+      layout.patches.images[t] = images.size();
+      layout.patches.haar_parent[t].resize(images.size());
+      for (const ViewHaar::Plan::Step& step : layout.plans[t].steps)
+        layout.patches.haar_parent[t][static_cast<std::size_t>(step.coefficient)] =
+            static_cast<std::uint16_t>(step.parent);
+      for (const std::uint32_t triangle : model.shapes.patches[t].triangles) {
+        layout.resolutions[t].push_back(model.rings_of_mesh->resolution(triangle));
+        for (const LatticeSpectrum::Tile& tile : lattice_spectrum(layout.resolutions[t].back()).tiles)
+          layout.patches.tile_sizes[t].push_back(static_cast<int>(tile.samples.size()));
+      }
+    }
+  });
+  return layout;
+}
+
+std::string layer_name(int layer) {
+  char name[16];
+  std::snprintf(name, sizeof name, "L%03d", layer);
+  return name;
+}
+
+std::string encoded_metadata(const ModelMetadata& metadata) {
+  return packed(Json(metadata).dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+std::string start_of_file(const ModelMetadata& metadata) {
+  std::string out(kMagic);
+  out.append(reinterpret_cast<const char*>(&kVersion), sizeof kVersion);
+  append_chunk(out, "META", encoded_metadata(metadata));
+  return out;
+}
+
+}  // namespace
+
+bool is_compact(std::string_view start) {
+  return start.substr(0, kMagic.size()) == kMagic;
+}
+
+std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float step) {
+  const std::string rings = encode_rings(model);  // first: reliabilities are those of the file from here on
+  const Layout layout = layout_of(model);
+  std::vector<QuantisedPatch> patches(model.patches.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i)
+      patches[i] = quantise(model.patches[i], layout.resolutions[i], layout.plans[i], step);
+  });
+  std::vector<std::uint8_t> resolutions;
+  for (std::size_t t = 0; t < model.mesh->triangles.size(); ++t)
+    resolutions.push_back(static_cast<std::uint8_t>(model.rings_of_mesh->resolution(t)));
+  const int layers = layer_count(patches);
+  std::vector<std::string> encoded(static_cast<std::size_t>(layers));
+  tbb::parallel_for(0, layers, [&](int layer) {
+    encoded[static_cast<std::size_t>(layer)] = encode_layer(layout.patches, patches, layer);
+  });
+
+  std::string out = start_of_file({});
+  append_chunk(out, "DESC", packed(description_of(model, step, layers).dump()));
+  append_chunk(out, "MESH", packed(mesh.bytes));
+  append_chunk(out, "RESO", encode_resolutions(resolutions));
+  append_chunk(out, "RING", rings);
+  append_chunk(out, layer_name(0), encoded[0]);
+  append_chunk(out, "STAT", encode_states(model));
+  for (int layer = 1; layer < layers; ++layer)
+    append_chunk(out, layer_name(layer), encoded[static_cast<std::size_t>(layer)]);
+  return out;
+}
+
+PatchModel decode_compact(std::string_view bytes, const std::string& file) {
+  Chunks chunks(bytes, file);
+  PatchModel model;
+  std::string_view reading = "META";
+  try {
+    chunks.required(reading);
+    reading = "DESC";
+    const Description description = read_description(chunks.required(reading), model);
+    reading = "MESH";
+    model.mesh = std::make_shared<Mesh>(decode_mesh(unpacked(chunks.required(reading))));
+    reading = "RESO";
+    std::vector<std::uint8_t> resolutions = decode_resolutions(chunks.required(reading), model.mesh->triangles.size());
+    std::size_t samples = 0;
+    for (const std::uint8_t resolution : resolutions) samples += static_cast<std::size_t>(lattice_samples(resolution));
+    if (samples > kMostSamples || samples > kSamplesPerByte * bytes.size())
+      chunks.fail(reading, "asks for more samples than such a file can hold");
+    model.rings_of_mesh = std::make_shared<VertexRings>(*model.mesh, std::move(resolutions));
+    reading = "RING";
+    decode_rings(chunks.required(reading), model);
+    find_sources(model);
+    model.shapes = cut_into_patches(*model.mesh, *model.rings_of_mesh, description.patch_triangles);
+    const Layout layout = layout_of(model);
+    model.patches.resize(model.shapes.patches.size());
+    for (std::size_t i = 0; i < model.patches.size(); ++i)
+      model.patches[i].state.assign(model.shapes.patches[i].samples, SampleState::kMeasured);
+    std::vector<QuantisedPatch> patches(model.patches.size());
+    reading = "L000";
+    decode_layer(layout.patches, chunks.required(reading), patches, 0);
+    reading = "STAT";
+    if (const auto states = chunks.next(reading)) {
+      decode_states(*states, model);
+      for (int layer = 1; layer < description.layers; ++layer) {
+        const std::string name = layer_name(layer);
+        const auto layer_bytes = chunks.next(name);
+        if (!layer_bytes) break;
+        try {
+          decode_layer(layout.patches, *layer_bytes, patches, layer);
+        } catch (const std::runtime_error& error) {
+          chunks.fail(name, error.what());
+        }
+      }
+    }
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        Patch patch = dequantise(patches[i], layout.resolutions[i], layout.plans[i], description.step);
+        patch.state = std::move(model.patches[i].state);
+        model.patches[i] = std::move(patch);
+      }
+    });
+    blend_edges(model);
+  } catch (const FileError&) {
+    throw;
+  } catch (const Json::exception& error) {
+    chunks.fail(reading, std::string("is no such description: ") + error.what());
+  } catch (const std::invalid_argument& error) {
+    chunks.fail(reading, error.what());
+  } catch (const std::runtime_error& error) {
+    chunks.fail(reading, error.what());
+  }
+  return model;
+}
+
+void save_compact(const std::filesystem::path& file, std::string_view encoded, const ModelMetadata& metadata) {
+  Chunks chunks(encoded, file.string());
+  const std::string_view old = chunks.required("META");
+  const std::size_t first = static_cast<std::size_t>(old.data() + old.size() - encoded.data());
+  std::string out = start_of_file(metadata);
+  out.append(encoded.substr(first));
+  write_file(file, out);
+}
+
+std::shared_ptr<const CompactLightField> load_compact(const std::filesystem::path& file) {
+  auto bytes = std::make_shared<const std::string>(read_file(file));
+  const PatchModel model = decode_compact(*bytes, file.string());
+  return std::make_shared<CompactLightField>(model, bytes);
+}
+
+ModelMetadata compact_metadata(std::string_view bytes, const std::string& file) {
+  Chunks chunks(bytes, file);
+  const std::string_view metadata = chunks.required("META");
+  try {
+    return Json::parse(unpacked(metadata)).get<ModelMetadata>();
+  } catch (const std::exception& error) {
+    chunks.fail("META", error.what());
+  }
+}
+
+}  // namespace sheen

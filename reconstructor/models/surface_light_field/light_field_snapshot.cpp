@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/light_field_snapshot.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/image/color.h"
+#include "reconstructor/models/surface_light_field/next_view.h"
+#include "reconstructor/models/surface_light_field/quality.h"
+
+namespace sheen {
+namespace {
+
+/// Shades from the surface maps and a vector of view coefficients per corner. It lives no longer than what shares the
+/// snapshot: it refers to its patches.
+class LightFieldShader : public ViewShader {
+ public:
+  LightFieldShader(const LightFieldSnapshot& snapshot, const Eigen::Vector3d& eye)
+      : mesh_(snapshot.shared_mesh()),
+        rings_(snapshot.shared_rings()),
+        coefficients_(snapshot.coefficients_for(eye)),
+        exposure_(snapshot.exposure().at(eye)),
+        quality_(snapshot.quality_for(eye)) {
+    patches_.reserve(snapshot.patch_count());
+    for (std::size_t i = 0; i < snapshot.patch_count(); ++i) patches_.push_back(snapshot.patch(i));
+    corners_.reserve(3 * mesh_->triangles.size());
+    for (std::size_t t = 0; t < mesh_->triangles.size(); ++t)
+      for (int c = 0; c < 3; ++c) corners_.push_back(snapshot.corner(t, c));
+  }
+
+  SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
+    const float beta[3] = {1 - u - v, u, v};
+    const LatticeStencil stencil = lattice_stencil(rings_->resolution(triangle), u, v);
+    Eigen::Vector3f encoded = Eigen::Vector3f::Zero();
+    float total = 0;
+    SampleState state = SampleState::kUnseen;
+    for (int c = 0; c < 3; ++c) {
+      const PatchCorner& corner = corners_[3 * std::size_t{triangle} + static_cast<std::size_t>(c)];
+      if (corner.patch == PatchCorner::kUnknown) continue;
+      const SurfacePatch* patch = patches_[corner.patch].get();
+      if (!patch || patch->rank() == 0) continue;
+      const auto h = coefficients_.col(corner.column).head(patch->rank());
+      Eigen::Vector3f value = Eigen::Vector3f::Zero();
+      for (int k = 0; k < 3; ++k) {
+        const int sample = static_cast<int>(corner.first_sample) + stencil.index[k];
+        value.noalias() += stencil.weight[k] * (patch->basis.middleRows<3>(3 * sample) * h);
+        if (stencil.weight[k] > 0.25f) state = std::max(state, patch->state(sample));
+      }
+      encoded += beta[c] * value;
+      total += beta[c];
+    }
+    if (total < 1e-4f) return {};
+    encoded /= total;
+    const Eigen::Vector3f radiance(srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z()));
+    return {exposure_ * radiance, state};
+  }
+  SurfaceQuality quality(std::uint32_t triangle) const override { return quality_[triangle]; }
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
+  std::shared_ptr<const VertexRings> rings_;
+  std::vector<std::shared_ptr<const SurfacePatch>> patches_;
+  std::vector<PatchCorner> corners_;  ///< three per triangle
+  Eigen::MatrixXf coefficients_;
+  float exposure_;
+  std::vector<SurfaceQuality> quality_;
+};
+
+}  // namespace
+
+std::uint8_t shown_share(int showed_it, int images) {
+  if (showed_it <= 0) return 0;
+  return static_cast<std::uint8_t>(std::clamp(std::lround(255.0 * showed_it / std::max(images, 1)), 1L, 255L));
+}
+
+SampleState sample_state(std::uint8_t shown) {
+  constexpr int kHalf = 128;
+  if (shown == 0) return SampleState::kUnseen;
+  return shown < kHalf ? SampleState::kImputed : SampleState::kMeasured;
+}
+
+std::unique_ptr<ViewShader> LightFieldSnapshot::shader_for(const ViewQuery& query) const {
+  return std::make_unique<LightFieldShader>(*this, query.eye);
+}
+
+ViewAdvice LightFieldSnapshot::advise_next_view(const Eigen::Vector3d& eye) const {
+  return sheen::advise_next_view(*this, eye);
+}
+
+int LightFieldSnapshot::max_rank() const {
+  int rank = 0;
+  for (std::size_t i = 0; i < patch_count(); ++i)
+    if (const auto here = patch(i)) rank = std::max(rank, here->rank());
+  return rank;
+}
+
+std::vector<SurfaceQuality> LightFieldSnapshot::quality_for(const Eigen::Vector3d& eye) const {
+  std::vector<SurfaceQuality> rings(mesh_->vertices.size()), triangles;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rings.size(), 64), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v)
+      if (const RingViews* ring = seen_ring(v))
+        rings[v] = assess_ring(*ring, (eye.cast<float>() - mesh_->vertices[v]).normalized(), common_sill());
+  });
+  triangles.reserve(mesh_->triangles.size());
+  for (const auto& [a, b, c] : mesh_->triangles) triangles.push_back(combine(rings[a], rings[b], rings[c]));
+  return triangles;
+}
+
+}  // namespace sheen

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/models/surface_light_field/reflection_drift.h"
+#include "reconstructor/numerics/view_kernel.h"
+#include "reconstructor/radiance/exposure_field.h"
+#include "reconstructor/surface/vertex_ring.h"
+
+namespace sheen {
+
+/// Share of a ring's images that showed a sample, in 255ths; 0 only where none did, and no more than 255.
+std::uint8_t shown_share(int showed_it, int images);
+/// What such a share says of the sample. The one place where the states are told apart.
+SampleState sample_state(std::uint8_t shown);
+
+/// Surface maps of a part of the surface: encoded value of row i = sum_r basis(i, r) * h_r, with coefficients h of the
+/// eye. Values are sRGB-encoded (`srgb_encode`); the sum over a triangle's corners is decoded once, at the end.
+struct SurfacePatch {
+  Eigen::MatrixXf basis;            ///< rows (3 * samples) x rank
+  std::vector<std::uint8_t> shown;  ///< per sample: share of the images that showed it (`shown_share`)
+
+  int rank() const { return static_cast<int>(basis.cols()); }
+  SampleState state(int sample) const { return sample_state(shown[sample]); }
+};
+
+/// From where the triangles round a vertex were seen, and how what they show varies with the view.
+struct RingViews {
+  Eigen::Matrix3Xf directions;  ///< unit vectors from the vertex to the cameras, object frame; a column per view
+  Eigen::VectorXf reliability;  ///< per view, > 0: the kernel's nugget is divided by it
+  std::shared_ptr<const ReflectionDrift> reflection;  ///< what all rings share; null where the ring does without
+  ViewKernel kernel;
+  Eigen::Matrix3f frame;  ///< of the vertex's hemisphere
+  float sill = 0;         ///< mean square per value: how much it varies with the view (`ViewInterpolant::sill`)
+  float residual = 0;     ///< psi_p: smoothed relative projection error of new images, 0..1
+  float best_cosine = 0;  ///< of the most frontal view: cos of the angle to the vertex normal
+  int views_folded = 0;   ///< images folded in, thinned ones included
+};
+
+/// What a corner of a triangle is drawn with.
+struct PatchCorner {
+  static constexpr std::uint32_t kUnknown = 0xffffffffu;
+  std::uint32_t patch = kUnknown;  ///< kUnknown: no image has reached the corner's ring
+  std::uint32_t first_sample = 0;  ///< of the triangle's samples among the patch's
+  std::uint32_t column = 0;        ///< of `LightFieldSnapshot::coefficients_for`
+};
+
+/// An immutable surface light field (000): each triangle is the sum over its corners of barycentric weight times
+/// surface maps times view coefficients. What the maps are of, a ring or a triangle, is the representation's own.
+class LightFieldSnapshot : public ModelSnapshot {
+ public:
+  LightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings, std::uint64_t version,
+                     ExposureField exposure, std::vector<PosedCamera> cameras)
+      : mesh_(std::move(mesh)),
+        rings_(std::move(rings)),
+        version_(version),
+        exposure_(std::move(exposure)),
+        cameras_(std::move(cameras)) {}
+
+  const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }
+  std::uint64_t version() const override { return version_; }
+  bool empty() const override { return max_rank() == 0; }
+  const std::vector<PosedCamera>& cameras() const override { return cameras_; }
+  std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
+  ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
+
+  const std::shared_ptr<const VertexRings>& shared_rings() const { return rings_; }
+  const VertexRings& rings() const { return *rings_; }
+  const ExposureField& exposure() const { return exposure_; }
+
+  virtual std::size_t patch_count() const = 0;
+  virtual std::shared_ptr<const SurfacePatch> patch(std::size_t index) const = 0;  ///< null: no image has reached it
+  virtual PatchCorner corner(std::size_t triangle, int corner) const = 0;
+  /// View coefficients for this eye: max_rank() x columns (`PatchCorner::column`), zero-padded. What a GPU needs per
+  /// frame.
+  virtual Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const = 0;
+  /// The same snapshot with these patches in place of its own, which are newer: what a GPU holds that is still
+  /// being filled.
+  virtual std::shared_ptr<const LightFieldSnapshot> with_patches(
+      const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const = 0;
+
+  /// Null where no image showed anything of the vertex's triangles.
+  virtual const RingViews* seen_ring(std::size_t vertex) const = 0;
+  /// How much the ring varies with the view: mean over its views of the mean square over its rows, encoded.
+  virtual double ring_variation(std::size_t vertex) const = 0;
+  virtual float common_sill() const = 0;  ///< mean of the rings' sills
+
+  int max_rank() const;
+  std::vector<SurfaceQuality> quality_for(const Eigen::Vector3d& eye) const;  ///< per triangle
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
+  std::shared_ptr<const VertexRings> rings_;
+  std::uint64_t version_;
+  ExposureField exposure_;
+  std::vector<PosedCamera> cameras_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whatever a small model's file holds, its checksums right or wrong: a model that can be looked at, or a FileError.
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "common/base/crc32c.h"
+#include "common/base/errors.h"
+#include "reconstructor/models/surface_light_field/compact/fit_patches.h"
+#include "reconstructor/models/surface_light_field/files/compact_file.h"
+#include "reconstructor/surface/view_hemisphere.h"
+#include "tests/fuzz/fuzz_input.h"
+
+namespace {
+
+using namespace sheen;
+using fuzz::Input;
+
+/// A tetrahedron that three cameras have seen; its last vertex is a guess.
+SurfaceLightFieldSnapshot small_model() {
+  auto mesh = std::make_shared<Mesh>();
+  mesh->vertices = {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}, {-0.1f, -0.1f, -0.1f}};
+  mesh->triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
+  auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{5, 3, 4, 2});
+  const Camera camera{.width = 640, .height = 480, .fx = 800, .fy = 800, .cx = 320, .cy = 240};
+  std::vector<PosedCamera> cameras;
+  for (const Eigen::Vector3d& eye : {Eigen::Vector3d(1, 0.2, 0.3), {0.2, 1, 0.4}, {0.3, 0.3, 1}})
+    cameras.push_back({camera, look_at(eye, {0, 0, 0}, {0, 0.1, 1})});
+  auto reflection = std::make_shared<ReflectionDrift>();
+  reflection->coefficients.setConstant(0.1f);
+  std::vector<std::shared_ptr<const RingSnapshot>> data(4);
+  for (int v = 0; v < 3; ++v) {
+    const int samples = rings->ring_samples(v), views = 3;
+    auto ring = std::make_shared<RingSnapshot>();
+    ring->basis = Eigen::MatrixXf::NullaryExpr(3 * samples, 2, [](Eigen::Index i, Eigen::Index j) {
+      return 0.3f + 0.2f * std::sin(static_cast<float>(3 * i + 7 * j));
+    });
+    ring->weights = Eigen::MatrixXf::NullaryExpr(2, views, [](Eigen::Index i, Eigen::Index j) {
+      return 0.3f * static_cast<float>(i + 1) * (j == 1 ? -2.0f : 1.0f);
+    });
+    ring->mean = Eigen::VectorXf::Constant(2, 0.5f);
+    ring->frame = hemisphere_frame(mesh->vertices[static_cast<std::size_t>(v)].normalized());
+    ring->directions.resize(3, views);
+    for (int k = 0; k < views; ++k)
+      ring->directions.col(k) = (camera_centre(cameras[static_cast<std::size_t>(k)].camera_from_object).cast<float>() -
+                                 mesh->vertices[static_cast<std::size_t>(v)])
+                                    .normalized();
+    ring->reliability = Eigen::VectorXf::Constant(views, 0.5f);
+    if (v == 2) {
+      ring->drift = Eigen::VectorXf::Constant(2, 0.1f);
+      ring->reflection = reflection;
+    }
+    ring->kernel = kViewKernels[static_cast<std::size_t>(v)];
+    ring->shown.assign(static_cast<std::size_t>(samples), 200);
+    ring->sill = 0.01f;
+    ring->views_folded = views;
+    data[static_cast<std::size_t>(v)] = std::move(ring);
+  }
+  return {mesh, rings, std::move(data), 1, {}, cameras};
+}
+
+std::string valid_file() {
+  const SurfaceLightFieldSnapshot model = small_model();
+  const CanonicalMesh mesh = canonical_mesh(model.mesh());
+  PatchModel patches = fit_patches(model, mesh, 0.1, 2);
+  return encode_compact(patches, mesh, 2);
+}
+
+constexpr std::size_t kStart = 12, kHead = 16;
+
+struct Chunk {
+  std::string name, bytes;
+};
+
+std::vector<Chunk> chunks_of(const std::string& file) {
+  std::vector<Chunk> chunks;
+  for (std::size_t at = kStart; at < file.size();) {
+    std::uint64_t size = 0;
+    std::memcpy(&size, file.data() + at + 8, sizeof size);
+    chunks.push_back({file.substr(at, 4), file.substr(at + kHead, size)});
+    at += kHead + size;
+  }
+  return chunks;
+}
+
+/// With checksums that are right.
+std::string joined(const std::string& start, const std::vector<Chunk>& chunks) {
+  std::string file = start;
+  for (const Chunk& chunk : chunks) {
+    const std::uint32_t sum = crc32c({reinterpret_cast<const std::uint8_t*>(chunk.bytes.data()), chunk.bytes.size()});
+    const std::uint64_t size = chunk.bytes.size();
+    file += chunk.name;
+    file.append(reinterpret_cast<const char*>(&sum), sizeof sum);
+    file.append(reinterpret_cast<const char*>(&size), sizeof size);
+    file += chunk.bytes;
+  }
+  return file;
+}
+
+void look_at_all(const CompactLightField& model) {
+  for (const Eigen::Vector3d& eye : {Eigen::Vector3d(1, 0.3, 0.2), Eigen::Vector3d(-0.2, -0.4, -0.9)}) {
+    const auto shader = model.shader_for({eye});
+    for (std::uint32_t t = 0; t < std::min<std::size_t>(model.mesh().triangles.size(), 8); ++t)
+      for (const auto& [u, v] : {std::pair(0.2f, 0.3f), std::pair(1.0f, 0.0f), std::pair(0.0f, 1.0f)})
+        shader->shade(t, u, v);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const std::string kValid = valid_file();
+  Input in{{data, size}};
+  const bool right_checksums = in.byte() % 8 != 0;
+  std::vector<Chunk> chunks = chunks_of(kValid);
+  std::string file = kValid;
+  if (right_checksums) {
+    while (in.rest.size() >= 5) {
+      Chunk& chunk = chunks[in.byte() % chunks.size()];
+      fuzz::damage_once(chunk.bytes, in);
+    }
+    file = joined(kValid.substr(0, kStart), chunks);
+  } else {
+    while (in.rest.size() >= 4) fuzz::damage_once(file, in);
+  }
+  try {
+    const PatchModel model = decode_compact(file, "fuzzed");
+    look_at_all(*std::make_shared<CompactLightField>(model, nullptr));
+  } catch (const FileError&) {
+  }
+  return 0;
+}

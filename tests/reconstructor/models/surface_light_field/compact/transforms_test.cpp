@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "reconstructor/models/surface_light_field/compact/canonical_mesh.h"
+#include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
+#include "reconstructor/models/surface_light_field/compact/patch_shapes.h"
+#include "reconstructor/models/surface_light_field/compact/view_haar.h"
+#include "tests/support/test_meshes.h"
+
+namespace sheen {
+namespace {
+
+TEST(LatticeSpectrum, HoldsEachSampleOnceAndIsOrthonormal) {
+  for (const int resolution : {2, 3, 8, 24, 25, 40, 97}) {
+    std::set<int> samples;
+    for (const LatticeSpectrum::Tile& tile : lattice_spectrum(resolution).tiles) {
+      samples.insert(tile.samples.begin(), tile.samples.end());
+      const Eigen::MatrixXf& vectors = *tile.vectors;
+      ASSERT_EQ(vectors.rows(), static_cast<Eigen::Index>(tile.samples.size()));
+      EXPECT_TRUE((vectors.transpose() * vectors).isIdentity(1e-4f)) << resolution;
+      const float level = vectors(0, 0);
+      EXPECT_TRUE(vectors.col(0).isConstant(level, 1e-4f)) << "the smoothest is constant: " << resolution;
+      EXPECT_GT(level, 0);
+    }
+    EXPECT_EQ(samples.size(), static_cast<std::size_t>(lattice_samples(resolution)));
+    EXPECT_EQ(*samples.rbegin(), lattice_samples(resolution) - 1);
+  }
+}
+
+std::vector<PosedCamera> cameras_round(std::size_t count) {
+  std::vector<PosedCamera> cameras(count);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (PosedCamera& camera : cameras)
+    camera.camera_from_object.translation = {normal(random), normal(random), normal(random)};
+  return cameras;
+}
+
+TEST(ViewHaar, IsOrthonormalOverEverySubset) {
+  std::mt19937 random(4);
+  const ViewHaar haar(cameras_round(50), {0, 0, 0});
+  for (const std::size_t keep : {1, 2, 3, 10, 50}) {
+    std::vector<std::uint16_t> images;
+    for (std::uint16_t i = 0; i < 50; ++i)
+      if (images.size() < keep && random() % 2) images.push_back(i);
+    if (images.empty()) images.push_back(7);
+    const ViewHaar::Plan plan = haar.plan(images);
+    const auto n = static_cast<Eigen::Index>(images.size());
+    Eigen::MatrixXf transform(n, n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      Eigen::VectorXf unit = Eigen::VectorXf::Unit(n, j);
+      ViewHaar::forward(plan, unit);
+      transform.col(j) = unit;
+      ViewHaar::inverse(plan, unit);
+      EXPECT_TRUE(unit.isApprox(Eigen::VectorXf::Unit(n, j), 1e-5f));
+    }
+    EXPECT_TRUE((transform.transpose() * transform).isIdentity(1e-5f)) << n;
+    Eigen::VectorXf same = Eigen::VectorXf::Ones(n);
+    ViewHaar::forward(plan, same);
+    EXPECT_NEAR(same[0], std::sqrt(static_cast<float>(n)), 1e-4f);
+    EXPECT_LT(same.tail(n - 1).norm(), 1e-4f) << "what is the same in all images is one number";
+  }
+}
+
+TEST(PatchShapes, EachTriangleIsInOnePatch) {
+  const Mesh mesh = sphere_mesh(1, 3);
+  const VertexRings rings(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 5));
+  for (const std::size_t most : {1, 4, 8, 30}) {
+    const PatchShapes shapes = cut_into_patches(mesh, rings, most);
+    std::size_t triangles = 0;
+    for (std::size_t p = 0; p < shapes.patches.size(); ++p) {
+      const PatchShape& patch = shapes.patches[p];
+      EXPECT_LE(patch.triangles.size(), most + most / 2 + 1) << "what is left over goes to a neighbour";
+      EXPECT_EQ(patch.samples, patch.triangles.size() * static_cast<std::size_t>(lattice_samples(5)));
+      for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
+        EXPECT_EQ(shapes.patch_of[patch.triangles[i]], p);
+        EXPECT_EQ(shapes.first_sample[patch.triangles[i]], patch.first_sample[i]);
+      }
+      triangles += patch.triangles.size();
+    }
+    EXPECT_EQ(triangles, mesh.triangles.size());
+    EXPECT_LT(shapes.patches.size(), 2 * mesh.triangles.size() / most + 1);
+  }
+}
+
+/// Each triangle of the stored mesh is the old one, turned by its first corner.
+void expect_same_surface(const Mesh& mesh) {
+  const CanonicalMesh canonical = canonical_mesh(mesh);
+  ASSERT_EQ(canonical.mesh->triangles.size(), mesh.triangles.size());
+  const double side = 2 * bounding_sphere(mesh).radius;
+  std::set<std::uint32_t> used(canonical.old_triangle.begin(), canonical.old_triangle.end());
+  EXPECT_EQ(used.size(), mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const int old = (c + canonical.first_corner[t]) % 3;
+      EXPECT_EQ(canonical.old_vertex[canonical.mesh->triangles[t][static_cast<std::size_t>(c)]],
+                mesh.triangles[canonical.old_triangle[t]][static_cast<std::size_t>(old)]);
+      EXPECT_LT((canonical.mesh->corner(t, c) - mesh.corner(canonical.old_triangle[t], old)).norm(), 2e-5 * side);
+    }
+  const Mesh again = decode_mesh(canonical.bytes);
+  EXPECT_EQ(again.triangles, canonical.mesh->triangles);
+  EXPECT_EQ(again.vertices, canonical.mesh->vertices);
+}
+
+TEST(CanonicalMesh, IsTheSameSurfaceInAnotherOrder) {
+  expect_same_surface(sphere_mesh(0.3f, 3));
+  expect_same_surface(square_mesh(0.1f, 0, 8));
+}
+
+TEST(CanonicalMesh, TakesOddMeshes) {
+  Mesh odd = square_mesh(0.1f, 0, 3);
+  odd.triangles.push_back(odd.triangles[4]);                                                 // twice
+  odd.triangles.push_back({odd.triangles[5][1], odd.triangles[5][0], odd.triangles[5][2]});  // and from behind
+  odd.vertices.push_back({5, 5, 5});                                                         // in no triangle
+  const CanonicalMesh canonical = canonical_mesh(odd);
+  EXPECT_EQ(canonical.mesh->triangles.size(), odd.triangles.size());
+  EXPECT_EQ(canonical.mesh->vertices.size(), odd.vertices.size() - 1);
+  const std::set<std::uint32_t> used(canonical.old_triangle.begin(), canonical.old_triangle.end());
+  EXPECT_EQ(used.size(), odd.triangles.size());
+}
+
+TEST(CanonicalMesh, DamagedBytesAreRefused) {
+  const std::string bytes = canonical_mesh(sphere_mesh(0.3f, 2)).bytes;
+  std::mt19937 random(5);
+  for (int i = 0; i < 2000; ++i) {
+    std::string damaged = bytes.substr(0, i % 4 == 0 ? random() % bytes.size() : bytes.size());
+    for (int k = 0; k < 3 && !damaged.empty(); ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
+    try {
+      const Mesh mesh = decode_mesh(damaged);
+      for (const Triangle& triangle : mesh.triangles)
+        for (const std::uint32_t v : triangle) ASSERT_LT(v, mesh.vertices.size());
+    } catch (const std::runtime_error&) {
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sheen
