@@ -10,6 +10,7 @@
 #include "common/image/image_io.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/render/gl/opening_view.h"
 #include "reconstructor/render/gl/viewer_window.h"
 
 namespace sheen {
@@ -45,6 +46,11 @@ void view(const ViewArguments& arguments) {
   controls.reasons = arguments.reasons;
   controls.states = arguments.states;
   controls.frame(state.snapshot->shared_mesh());
+  const Eigen::Vector3d centre = bounding_sphere(state.snapshot->mesh()).centre;
+  if (const auto opening = opening_view(state.snapshot->cameras(), centre)) {
+    controls.orbit.set_up(opening->up);
+    controls.orbit.look_from(opening->direction);
+  }
   if (!arguments.eye.empty()) controls.orbit.place({arguments.eye[0], arguments.eye[1], arguments.eye[2]});
 
   if (picture_only) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/render/gl/orbit_camera.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -20,8 +21,16 @@ void OrbitCamera::frame(const BoundingSphere& object) {
   elevation_ = 0.5;
 }
 
+void OrbitCamera::set_up(const Eigen::Vector3d& up) {
+  frame_ = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up).toRotationMatrix();
+}
+
+void OrbitCamera::look_from(const Eigen::Vector3d& direction) {
+  place(target_ + distance_ * direction);
+}
+
 void OrbitCamera::place(const Eigen::Vector3d& eye) {
-  const Eigen::Vector3d offset = eye - target_;
+  const Eigen::Vector3d offset = frame_.transpose() * (eye - target_);
   const double distance = offset.norm();
   if (!(distance > 1e-6 * radius_)) return;
   distance_ = distance;
@@ -36,7 +45,7 @@ void OrbitCamera::orbit(double right_rad, double up_rad) {
 
 void OrbitCamera::pan(double right, double up) {
   const Eigen::Vector3d forward = -direction();
-  const Eigen::Vector3d across = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+  const Eigen::Vector3d across = forward.cross(frame_.col(2)).normalized();
   const double height = 2 * kTanHalfView * distance_;  // of the picture, at the target
   target_ += height * (right * across + up * across.cross(forward));
 }
@@ -46,7 +55,8 @@ void OrbitCamera::dolly(double factor) {
 }
 
 Eigen::Vector3d OrbitCamera::direction() const {
-  return {std::cos(elevation_) * std::cos(azimuth_), std::cos(elevation_) * std::sin(azimuth_), std::sin(elevation_)};
+  return frame_ * Eigen::Vector3d(std::cos(elevation_) * std::cos(azimuth_), std::cos(elevation_) * std::sin(azimuth_),
+                                  std::sin(elevation_));
 }
 
 Viewpoint OrbitCamera::viewpoint(int width, int height) const {
@@ -54,7 +64,7 @@ Viewpoint OrbitCamera::viewpoint(int width, int height) const {
   camera.fx = camera.fy = 0.5 * std::min(width, height) / kTanHalfView;
   camera.cx = 0.5 * width - 0.5;
   camera.cy = 0.5 * height - 0.5;
-  return {camera, look_at(target_ + distance_ * direction(), target_, Eigen::Vector3d::UnitZ())};
+  return {camera, look_at(target_ + distance_ * direction(), target_, frame_.col(2))};
 }
 
 }  // namespace sheen

@@ -16,11 +16,16 @@ struct Viewpoint {
   Eigen::Vector3d eye() const { return camera_centre(camera_from_object); }
 };
 
-/// The free camera of a person with a mouse: it circles round a target, z up, and never rolls.
+/// The free camera of a person with a mouse: it circles round a target, one direction up (z, until it is told
+/// another), and never rolls.
 class OrbitCamera {
  public:
   /// Frames an object from obliquely above.
   void frame(const BoundingSphere& object);
+  /// What is up, a unit vector. The eye stays where it is seen from the target in the new frame.
+  void set_up(const Eigen::Vector3d& up);
+  /// The eye keeps its distance and stands in this direction from the target.
+  void look_from(const Eigen::Vector3d& direction);
   /// Puts the eye there; it looks at the target. An eye on the target is ignored.
   void place(const Eigen::Vector3d& eye);
   void orbit(double right_rad, double up_rad);
@@ -35,6 +40,7 @@ class OrbitCamera {
  private:
   Eigen::Vector3d direction() const;  ///< unit, from the target to the eye
 
+  Eigen::Matrix3d frame_ = Eigen::Matrix3d::Identity();  ///< columns: two directions across, and up
   Eigen::Vector3d target_ = Eigen::Vector3d::Zero();
   double radius_ = 1;  ///< of the object: the scale of what is near and far
   double distance_ = 3;
