@@ -80,8 +80,8 @@ void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::
   reconstruction.snapshot()->filled()->save(folder, metadata_of(reconstruction, source), progress);
 }
 
-SavedSize save_compressed(Reconstruction& reconstruction, const std::filesystem::path& file, const std::string& source,
-                          CompressionTarget target) {
+CompressedModel save_compressed(Reconstruction& reconstruction, const std::filesystem::path& file,
+                                const std::string& source, CompressionTarget target) {
   const std::vector<HeldOutView>& views = reconstruction.held_out();
   if (!views.empty())
     target.judge = [&views](const ModelSnapshot& model) {
@@ -90,9 +90,10 @@ SavedSize save_compressed(Reconstruction& reconstruction, const std::filesystem:
       for (const HeldOutView& view : views) sum += score_object(view, model, painter).psnr_db;
       return sum / static_cast<double>(views.size());
     };
-  const CompressedModel small = reconstruction.snapshot()->filled()->compressed(target);
+  CompressedModel small = reconstruction.snapshot()->filled()->compressed(target);
   small.snapshot->save(file, metadata_of(reconstruction, source), {});
-  return {std::filesystem::file_size(file), small.loss_db};
+  note_judgement(score(views, *small.snapshot, RayPainter(small.snapshot->mesh())), file);
+  return small;
 }
 
 void note_judgement(const Scores& scores, const std::filesystem::path& model) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -24,13 +23,9 @@ inline constexpr const char* kModelJsonFile = "model.json";
 void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& folder, const std::string& source,
                          const StepsDone& progress = {});
 
-struct SavedSize {
-  std::uintmax_t bytes = 0;
-  double loss_db = 0;  ///< as judged on the held-out views, or where there are none as the model measures it
-};
-/// Saves it as one small file.
-SavedSize save_compressed(Reconstruction& reconstruction, const std::filesystem::path& file, const std::string& source,
-                          CompressionTarget target);
+/// Saves it as one small file, judged on the held-out views.
+CompressedModel save_compressed(Reconstruction& reconstruction, const std::filesystem::path& file,
+                                const std::string& source, CompressionTarget target);
 
 /// How the model was judged on its held-out views, and what its predicted errors were off by there, goes into the saved
 /// model.

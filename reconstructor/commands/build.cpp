@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -96,6 +97,13 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
   return best;
 }
 
+nlohmann::json tell_size(const std::string& file, const CompressedModel& model, const CompressionTarget& asked) {
+  const auto bytes = std::filesystem::file_size(file);
+  std::printf("%s: %.3f MB, %.2f dB lost%s\n", file.c_str(), static_cast<double>(bytes) / 1e6, model.loss_db,
+              !asked.bytes && model.loss_db > asked.loss_db ? "; no file loses less" : "");
+  return {{"bytes", bytes}, {"loss_db", model.loss_db}};
+}
+
 void build(const BuildArguments& arguments) {
   install_stop_signals();
   const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
@@ -117,20 +125,16 @@ void build(const BuildArguments& arguments) {
       limits.psnr_db ? build_to_target(arguments, mesh, captures, settings, limits)
                      : build_once(arguments, mesh, captures, settings, limits, scene.measured, 0, true);
   Reconstruction& reconstruction = *built;
-  std::optional<SavedSize> saved;
+  std::optional<CompressedModel> small;
   if (!arguments.out.empty() && size)
-    saved = save_compressed(reconstruction, arguments.out, arguments.dataset, *size);
+    small = save_compressed(reconstruction, arguments.out, arguments.dataset, *size);
   else if (!arguments.out.empty())
     save_reconstruction(reconstruction, arguments.out, arguments.dataset);
   const Reconstruction::Judgement judged = reconstruction.judge();
-  if (!arguments.out.empty()) note_judgement(judged.model, arguments.out);
+  if (!arguments.out.empty() && !small) note_judgement(judged.model, arguments.out);
   nlohmann::json report = reconstruction_report(reconstruction, judged);
   print_summary(report);
-  if (saved) {
-    report["file"] = {{"bytes", saved->bytes}, {"loss_db", saved->loss_db}};
-    std::printf("%s: %.3f MB, %.2f dB lost\n", arguments.out.c_str(), static_cast<double>(saved->bytes) / 1e6,
-                saved->loss_db);
-  }
+  if (small) report["file"] = tell_size(arguments.out, *small, *size);
   json.write(to_text(report));
 }
 

@@ -96,6 +96,54 @@ TEST_F(Evaluate, GivesTheFiguresThatBuildReportedToTheLastDigit) {
   }
 }
 
+TEST_F(Evaluate, ASmallModelLosesWhatItsReportSays) {
+  const Json exact = build("hold_out_every = 4", model_);
+  const fs::path small = temp_.path() / "small.slf", report = temp_.path() / "small.json";
+  const auto evaluated = [&] {
+    expect_outcome(run_to_end(reconstructor({"evaluate", small, session_, "--json", report})), 0, {"held-out views"});
+    return Json::parse(read_file(report));
+  };
+  expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", mesh_, "--config",
+                                           temp_.write("scene.toml", "[images]\nhold_out_every = 4\n"), "--out", small,
+                                           "--loss", "0.5dB", "--json", report})),
+                 0, {"small.slf", "dB lost"});
+  const Json built = Json::parse(read_file(report));
+  EXPECT_EQ(built["file"]["bytes"], fs::file_size(small));
+  EXPECT_LE(built["file"]["loss_db"], 0.5);
+  const Json judged = evaluated();
+  EXPECT_NEAR(exact["held_out"]["psnr_db"].get<double>() - judged["object"]["psnr_db"].get<double>(),
+              built["file"]["loss_db"].get<double>(), 1e-3);
+  EXPECT_TRUE(judged["predicted_error"]["calibration"]["calibrated"]);
+
+  expect_outcome(run_to_end(reconstructor({"compress", model_, "--out", small, "--bytes", "60kB", "--json", report})),
+                 0, {"small.slf"});
+  EXPECT_EQ(Json::parse(read_file(report))["file"]["bytes"], fs::file_size(small));
+  EXPECT_NEAR(static_cast<double>(fs::file_size(small)), 60e3, 0.02 * 60e3);
+  EXPECT_EQ(evaluated()["views"].size(), judged["views"].size());
+}
+
+TEST_F(Evaluate, WhatCannotBeMadeSmallSaysWhy) {
+  build("hold_out_every = 4", model_);
+  const fs::path small = temp_.path() / "small.slf";
+  expect_outcome(run_to_end(reconstructor({"compress", model_, "--out", small, "--bytes", "100B"})), 2,
+                 {"does not fit", "the least"});
+  expect_outcome(run_to_end(reconstructor({"compress", model_, "--out", small, "--bytes", "many"})), 2,
+                 {"--bytes many"});
+  expect_outcome(run_to_end(reconstructor({"compress", model_, "--out", small, "--loss", "0.1"})), 2, {"--loss 0.1"});
+  expect_outcome(run_to_end(reconstructor({"compress", model_, "--out", small, "--loss", "0.1dB", "--bytes", "1MB"})),
+                 2, {"--loss"});
+  expect_outcome(run_to_end(reconstructor({"compress", temp_.path() / "none", "--out", small})), 1,
+                 {"none", "no such"});
+  EXPECT_FALSE(fs::exists(small));
+  expect_outcome(run_to_end(reconstructor({"compress", model_, "--out", small})), 0, {"dB lost"});
+  expect_outcome(run_to_end(reconstructor({"compress", small, "--out", temp_.path() / "again"})), 2,
+                 {"compressed already"});
+  write_file(small, "sheenSLF, and no more");
+  expect_outcome(run_to_end(reconstructor({"evaluate", small, session_})), 1, {"small.slf", "version"});
+  write_file(small, "a text");
+  expect_outcome(run_to_end(reconstructor({"view", small})), 1, {"small.slf", "no model"});
+}
+
 TEST_F(Evaluate, AModelThatDoesNotSayWhatItIsMadeOfIsRefused) {
   build("hold_out_every = 4", model_);
   Json description = Json::parse(read_file(model_ / "model.json"));

@@ -139,7 +139,7 @@ class StepSearch {
   }
 
  private:
-  static constexpr double kNearEnough = 0.015, kFarthest = 1.5, kFinest = 0.5, kCoarsest = 100;
+  static constexpr double kNearEnough = 0.015, kFarthest = 1.5, kFinest = 0.1, kCoarsest = 100;
   static constexpr int kMostTries = 9;
   double wanted_, slope_, at_ = std::log(8.0), before_ = 0, before_at_ = 0;
   int tried_ = 0;
@@ -151,18 +151,25 @@ class Compression {
       : exact_(exact),
         target_(target),
         mesh_(canonical_mesh(exact.mesh())),
-        model_(fit_patches(exact, mesh_, kLeastRms, kPatchTriangles)) {
-    if (target.judge) psnr_db_ = target.judge(exact);
+        psnr_db_(target.judge ? target.judge(exact) : std::numeric_limits<double>::quiet_NaN()),
+        model_(fit_patches(exact, mesh_, least_rms(std::isfinite(psnr_db_) ? psnr_db_ : target.psnr_db),
+                           kPatchTriangles)) {
     if (!std::isfinite(psnr_db_)) meter_.emplace(exact, mesh_);
   }
 
   CompressedModel run() { return target_.bytes ? within_bytes(*target_.bytes) : within_loss(target_.loss_db); }
 
  private:
-  // Terms that are fainter are lost at any step that anybody asks for. In larger patches the coefficients cost less and
-  // the maps more: from 4 to 12 triangles the sum is the same within 2 %.
-  static constexpr double kLeastRms = 0.4;
+  // In larger patches the coefficients cost less and the maps more: from 4 to 12 triangles the sum is the same within
+  // 2 %.
   static constexpr std::size_t kPatchTriangles = 8;
+
+  /// Terms that are fainter, in grey levels, are lost at any step that anybody asks for: a part of the error that the
+  /// pictures have anyway.
+  static double least_rms(double psnr_db) {
+    constexpr double kPart = 0.04, kLeast = 0.04, kMost = 0.4;
+    return std::isfinite(psnr_db) ? std::clamp(kPart * 255 * std::pow(10, -psnr_db / 20), kLeast, kMost) : kMost;
+  }
 
   std::shared_ptr<const std::string> encoded(double step) {
     return std::make_shared<const std::string>(encode_compact(model_, mesh_, static_cast<float>(step)));
@@ -222,8 +229,8 @@ class Compression {
   const SurfaceLightFieldSnapshot& exact_;
   const CompressionTarget& target_;
   CanonicalMesh mesh_;
+  double psnr_db_;  ///< as judged; NaN where nobody does
   PatchModel model_;
-  double psnr_db_ = std::numeric_limits<double>::quiet_NaN();
   std::optional<LossMeter> meter_;  ///< where there is no judge
 };
 

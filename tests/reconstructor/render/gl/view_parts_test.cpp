@@ -10,6 +10,7 @@
 
 #include "reconstructor/models/surface_light_field/gl/range_allocator.h"
 #include "reconstructor/render/gl/hud.h"
+#include "reconstructor/render/gl/opening_view.h"
 #include "reconstructor/render/gl/orbit_camera.h"
 #include "reconstructor/render/gl/stroke_font.h"
 #include "reconstructor/render/gl/view_controls.h"
@@ -96,6 +97,43 @@ TEST(OrbitCamera, PlacedEyeIsWhereItWasPut) {
   EXPECT_NEAR((orbit.viewpoint(640, 480).eye() - eye).norm(), 0, 1e-12);
   orbit.place({0.1, 0, 0});
   EXPECT_NEAR((orbit.viewpoint(640, 480).eye() - eye).norm(), 0, 1e-12) << "an eye on the target says nothing";
+}
+
+TEST(OrbitCamera, IsUprightWhateverIsUp) {
+  for (const Eigen::Vector3d& up : {Eigen::Vector3d(0, -1, 0), {0, 0, -1}, {0.6, 0, 0.8}}) {
+    OrbitCamera orbit;
+    orbit.frame({{1, 2, 3}, 0.5});
+    orbit.set_up(up);
+    const Eigen::Vector3d direction = up.unitOrthogonal();
+    orbit.look_from(direction);
+    const Viewpoint view = orbit.viewpoint(640, 480);
+    EXPECT_NEAR((view.eye() - Eigen::Vector3d(1, 2, 3)).normalized().dot(direction), 1, 1e-12);
+    const Eigen::Vector3d up_in_picture = view.camera_from_object.rotation * up;
+    EXPECT_NEAR(up_in_picture.y(), -1, 1e-12);
+  }
+}
+
+TEST(OpeningView, IsThatOfACameraAndTheirUp) {
+  const Eigen::Vector3d centre(1, 0, 0), up(0, -1, 0);
+  std::vector<PosedCamera> cameras;
+  std::vector<Eigen::Vector3d> directions;
+  for (int i = 0; i < 9; ++i) {
+    const double turn = 0.2 * (i - 4), lean = 0.2 + 0.05 * (i % 3);
+    directions.push_back(
+        Eigen::Vector3d(std::cos(lean) * std::sin(turn), -std::sin(lean), std::cos(lean) * std::cos(turn)));
+    cameras.push_back({{}, look_at(centre + 2 * directions.back(), centre, up)});
+  }
+  const std::optional<OpeningView> view = opening_view(cameras, centre);
+  ASSERT_TRUE(view);
+  EXPECT_GT(view->up.dot(up), 0.9);
+  EXPECT_LT(std::abs(view->direction.x()), 0.25) << "from the middle of them";
+  EXPECT_TRUE(std::any_of(directions.begin(), directions.end(),
+                          [&](const Eigen::Vector3d& d) { return d.isApprox(view->direction, 1e-9); }));
+
+  cameras.resize(2);
+  cameras[1] = {{}, look_at(centre + Eigen::Vector3d(0, 0, 2), centre, -up)};
+  EXPECT_GT(opening_view(cameras, centre)->up.z(), 0.99) << "they do not agree";
+  EXPECT_FALSE(opening_view({}, centre));
 }
 
 TEST(Guidance, SpeaksInTheDirectionsOfTheCamerasPicture) {
