@@ -64,7 +64,7 @@ std::string valid_file() {
   const SurfaceLightFieldSnapshot model = small_model();
   const CanonicalMesh mesh = canonical_mesh(model.mesh());
   PatchModel patches = fit_patches(model, mesh, 0.1, 2);
-  return encode_compact(patches, mesh, 2);
+  return encode_compact(patches, mesh, 2, {});
 }
 
 constexpr std::size_t kStart = 12, kHead = 16;

@@ -118,7 +118,8 @@ class LossMeter {
 /// from below.
 class StepSearch {
  public:
-  StepSearch(double wanted, double slope) : wanted_(std::log(wanted)), slope_(slope) {}
+  StepSearch(double wanted, double slope, double first)
+      : wanted_(std::log(wanted)), slope_(slope), at_(std::log(first)) {}
 
   double step() const { return std::exp(at_); }
   /// What the step gave. False when no other step is worth trying.
@@ -141,7 +142,7 @@ class StepSearch {
  private:
   static constexpr double kNearEnough = 0.015, kFarthest = 1.5, kFinest = 0.1, kCoarsest = 100;
   static constexpr int kMostTries = 9;
-  double wanted_, slope_, at_ = std::log(8.0), before_ = 0, before_at_ = 0;
+  double wanted_, slope_, at_, before_ = 0, before_at_ = 0;
   int tried_ = 0;
 };
 
@@ -171,47 +172,69 @@ class Compression {
     return std::isfinite(psnr_db) ? std::clamp(kPart * 255 * std::pow(10, -psnr_db / 20), kLeast, kMost) : kMost;
   }
 
-  std::shared_ptr<const std::string> encoded(double step) {
-    return std::make_shared<const std::string>(encode_compact(model_, mesh_, static_cast<float>(step)));
+  /// Which is the better one differs: faint terms are worth their bytes where detail moves with the view, fine detail
+  /// is where it does not. Both are tried.
+  static constexpr Rounding kRoundings[] = {{.threshold = 0.7f, .least_term = 0.12f},
+                                            {.threshold = 0.58f, .least_term = 0.25f}};
+  static constexpr double kFirstStep = 8;
+
+  std::shared_ptr<const std::string> encoded(double step, const Rounding& rounding) {
+    return std::make_shared<const std::string>(encode_compact(model_, mesh_, static_cast<float>(step), rounding));
   }
 
   CompressedModel within_bytes(double bytes) {
-    StepSearch search(bytes, -0.9);
-    std::shared_ptr<const std::string> best;
+    CompressedModel best;
     std::size_t least = 0;
-    bool more = true;
-    while (more) {
-      auto candidate = encoded(search.step());
-      const std::size_t size = candidate->size();
-      more = search.next(static_cast<double>(size));
-      if (least == 0 || size < least) least = size;
-      if (static_cast<double>(size) <= bytes && (!best || size > best->size())) best = std::move(candidate);
+    double first_step = kFirstStep;
+    for (const Rounding& rounding : kRoundings) {
+      StepSearch search(bytes, -0.9, first_step);
+      std::shared_ptr<const std::string> largest;
+      bool more = true;
+      while (more) {
+        auto candidate = encoded(search.step(), rounding);
+        const std::size_t size = candidate->size();
+        first_step = search.step();
+        more = search.next(static_cast<double>(size));
+        if (least == 0 || size < least) least = size;
+        if (static_cast<double>(size) <= bytes && (!largest || size > largest->size())) largest = std::move(candidate);
+      }
+      if (!largest) continue;
+      auto opened = open(largest);
+      const double loss = loss_of(*opened);
+      if (!best.snapshot || loss < best.loss_db) best = {std::move(opened), loss};
     }
-    if (!best)
+    if (!best.snapshot)
       throw ConfigError("the model does not fit into " + std::to_string(static_cast<std::size_t>(bytes)) +
                         " bytes: the least that was reached is " + std::to_string(least));
-    auto opened = open(best);
-    const double loss = loss_of(*opened);
-    return {std::move(opened), loss};
+    return best;
   }
 
   CompressedModel within_loss(double loss_db) {
-    StepSearch search(loss_db, 1.2);
     CompressedModel best;
-    std::size_t bytes = 0;
-    bool more = true;
-    while (more) {
-      auto candidate = encoded(search.step());
-      auto opened = open(candidate);
-      const double loss = loss_of(*opened);
-      more = search.next(loss);
-      if (best.snapshot && (loss > loss_db ? best.loss_db <= loss_db || loss >= best.loss_db
-                                           : best.loss_db <= loss_db && candidate->size() >= bytes))
-        continue;
-      bytes = candidate->size();
-      best = {std::move(opened), loss};
+    std::size_t best_bytes = 0;
+    double first_step = kFirstStep;
+    for (const Rounding& rounding : kRoundings) {
+      StepSearch search(loss_db, 1.2, first_step);
+      bool more = true;
+      while (more) {
+        auto candidate = encoded(search.step(), rounding);
+        auto opened = open(candidate);
+        const double loss = loss_of(*opened);
+        first_step = search.step();
+        more = search.next(loss);
+        if (best.snapshot && !better(loss, candidate->size(), best.loss_db, best_bytes, loss_db)) continue;
+        best_bytes = candidate->size();
+        best = {std::move(opened), loss};
+      }
     }
     return best;
+  }
+
+  /// Smaller, of those that lose no more than they may; else the one that loses less.
+  static bool better(double loss, std::size_t bytes, double than_loss, std::size_t than_bytes, double most_loss) {
+    const bool good = loss <= most_loss, than_good = than_loss <= most_loss;
+    if (good != than_good) return good;
+    return good ? bytes < than_bytes : loss < than_loss;
   }
 
   static std::shared_ptr<const CompactLightField> open(const std::shared_ptr<const std::string>& bytes) {

@@ -9,13 +9,11 @@
 namespace sheen {
 namespace {
 
-// A wide dead zone: what is left out costs less picture than the bits that it would take.
-constexpr float kSurfaceThreshold = 0.7f, kCoefficientThreshold = 0.52f;
+constexpr float kCoefficientThreshold = 0.52f;
 // Values are rarer, the larger they are: what an interval stands for is below its middle.
 constexpr float kSurfaceShift = 0.06f, kCoefficientShift = 0.02f;
 // Coefficients are few: finer steps cost little, and an error of one is seen all over its patch.
-constexpr float kCoefficientStep = 0.15f;  // of the step of the maps
-constexpr float kLeastTerm = 0.12f;        // of that step: what a term must add to the picture
+constexpr float kCoefficientStep = 0.2f;  // of the step of the maps
 
 /// Luma and two differences of a colour, orthonormal.
 Eigen::Matrix3f opponent() {
@@ -80,7 +78,7 @@ struct MapFrequencies {
 
 /// values: rows 3 * sample + channel.
 QuantisedMap quantise_map(const Eigen::Ref<const Eigen::VectorXf>& values, const std::vector<int>& resolutions,
-                          float step) {
+                          float step, float threshold) {
   static const Eigen::Matrix3f colours = opponent();
   MapFrequencies frequencies;
   const float* first = values.data();
@@ -100,7 +98,7 @@ QuantisedMap quantise_map(const Eigen::Ref<const Eigen::VectorXf>& values, const
   for (const Eigen::MatrixX3f& tile : frequencies.tiles)
     for (int c = 0; c < 3; ++c) {
       QuantisedMap::Band band;
-      for (Eigen::Index f = 0; f < tile.rows(); ++f) band.values.push_back(quantised(tile(f, c), kSurfaceThreshold));
+      for (Eigen::Index f = 0; f < tile.rows(); ++f) band.values.push_back(quantised(tile(f, c), threshold));
       while (!band.values.empty() && band.values.back() == 0) band.values.pop_back();
       map.bands.push_back(std::move(band));
     }
@@ -157,20 +155,20 @@ float size_of(std::int32_t scale) {
 
 }  // namespace
 
-QuantisedPatch quantise(const Patch& patch, const std::vector<int>& resolutions, const ViewHaar::Plan& plan,
-                        float step) {
+QuantisedPatch quantise(const Patch& patch, const std::vector<int>& resolutions, const ViewHaar::Plan& plan, float step,
+                        const Rounding& rounding) {
   QuantisedPatch quantised_patch{.known = patch.mean.size() > 0};
   if (!quantised_patch.known) return quantised_patch;
-  quantised_patch.mean = quantise_map(patch.mean, resolutions, step);
+  quantised_patch.mean = quantise_map(patch.mean, resolutions, step, rounding.threshold);
   // A basis of unit RMS makes the coefficients grey levels.
   const float unit = 1 / std::sqrt(static_cast<float>(patch.basis.rows()));
-  for (Eigen::Index k = 0; k < patch.basis.cols() && patch.displayed[k] >= kLeastTerm * step; ++k) {
+  for (Eigen::Index k = 0; k < patch.basis.cols() && patch.displayed[k] >= rounding.least_term * step; ++k) {
     QuantisedTerm term{.scale = static_cast<std::int32_t>(std::lround(2 * std::log2(patch.displayed[k])))};
     Eigen::VectorXf frequencies = patch.coefficients.row(k).transpose();
     ViewHaar::forward(plan, frequencies);
     for (Eigen::Index j = 0; j < frequencies.size(); ++j)
       term.coefficients.push_back(quantised(frequencies[j] * unit / (kCoefficientStep * step), kCoefficientThreshold));
-    term.map = quantise_map(patch.basis.col(k) * (size_of(term.scale) / unit), resolutions, step);
+    term.map = quantise_map(patch.basis.col(k) * (size_of(term.scale) / unit), resolutions, step, rounding.threshold);
     if (is_zero(term.map) ||
         std::all_of(term.coefficients.begin(), term.coefficients.end(), [](std::int32_t value) { return value == 0; }))
       break;

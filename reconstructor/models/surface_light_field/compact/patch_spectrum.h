@@ -31,12 +31,18 @@ struct QuantisedPatch {
   std::vector<QuantisedTerm> terms;
 };
 
+/// What is left out, which a reader need not know.
+struct Rounding {
+  float threshold = 0.7f;    ///< part of a step that counts as one: a wide dead zone
+  float least_term = 0.12f;  ///< part of a step that a term must add to the picture
+};
+
 /// `step`: of the surface maps, in grey levels (of 255). All maps have the same, so that every byte goes where it adds
 /// most to the picture (reverse water-filling); coefficients have a finer one, a fixed part of it. Terms that add too
 /// little for the step, and those behind them, are dropped.
 /// `resolutions`: of the patch's triangles, in their order.
-QuantisedPatch quantise(const Patch& patch, const std::vector<int>& resolutions, const ViewHaar::Plan& plan,
-                        float step);
+QuantisedPatch quantise(const Patch& patch, const std::vector<int>& resolutions, const ViewHaar::Plan& plan, float step,
+                        const Rounding& rounding);
 
 /// Mean, basis and coefficients; not the states.
 Patch dequantise(const QuantisedPatch& quantised, const std::vector<int>& resolutions, const ViewHaar::Plan& plan,

@@ -207,13 +207,13 @@ bool is_compact(std::string_view start) {
   return start.substr(0, kMagic.size()) == kMagic;
 }
 
-std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float step) {
+std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float step, const Rounding& rounding) {
   const std::string rings = encode_rings(model);  // first: reliabilities are those of the file from here on
   const Layout layout = layout_of(model);
   std::vector<QuantisedPatch> patches(model.patches.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i)
-      patches[i] = quantise(model.patches[i], layout.resolutions[i], layout.plans[i], step);
+      patches[i] = quantise(model.patches[i], layout.resolutions[i], layout.plans[i], step, rounding);
   });
   std::vector<std::uint8_t> resolutions;
   for (std::size_t t = 0; t < model.mesh->triangles.size(); ++t)
