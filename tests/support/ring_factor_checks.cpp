@@ -10,7 +10,7 @@
 namespace sheen {
 
 template <typename Scalar>
-std::string broken_invariants(const BasicRingFactor<Scalar>& factor) {
+std::string broken_invariants(const BasicRingFactor<Scalar>& factor, std::int64_t columns) {
   std::ostringstream broken;
   const auto demand = [&](bool holds, const char* what, double value) {
     if (!holds) broken << what << ": " << value << "\n";
@@ -19,7 +19,7 @@ std::string broken_invariants(const BasicRingFactor<Scalar>& factor) {
   const int rank = factor.rank();
   demand(rank <= options.terms_kept(), "rank above the terms kept", rank);
   demand(rank <= factor.rows(), "rank above the rows", rank);
-  demand(rank <= std::max<std::int64_t>(factor.columns_added(), 0), "rank above the columns", rank);
+  demand(rank <= columns, "rank above the columns", rank);
   demand(factor.displayed_rank() <= options.max_rank, "displayed rank", factor.displayed_rank());
   demand(factor.displayed_rank() <= rank, "displayed rank above the rank", factor.displayed_rank());
   demand(factor.views() == factor.folded_views() + factor.pending(), "views", factor.views());
@@ -87,8 +87,8 @@ RingFactor settled_factor(const Eigen::MatrixXf& columns, const RingFactorOption
   return factor.settled();
 }
 
-template std::string broken_invariants(const RingFactor&);
-template std::string broken_invariants(const RingFactorDouble&);
+template std::string broken_invariants(const RingFactor&, std::int64_t);
+template std::string broken_invariants(const RingFactorDouble&, std::int64_t);
 template double model_error(const RingFactor&, const Eigen::MatrixXf&);
 template double model_error(const RingFactorDouble&, const Eigen::MatrixXf&);
 template double displayed_model_error(const RingFactor&, const Eigen::MatrixXf&);
