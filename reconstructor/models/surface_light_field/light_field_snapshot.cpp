@@ -90,13 +90,6 @@ ViewAdvice LightFieldSnapshot::advise_next_view(const Eigen::Vector3d& eye) cons
   return sheen::advise_next_view(*this, eye);
 }
 
-int LightFieldSnapshot::max_rank() const {
-  int rank = 0;
-  for (std::size_t i = 0; i < patch_count(); ++i)
-    if (const auto here = patch(i)) rank = std::max(rank, here->rank());
-  return rank;
-}
-
 std::vector<SurfaceQuality> LightFieldSnapshot::quality_for(const Eigen::Vector3d& eye) const {
   std::vector<SurfaceQuality> rings(mesh_->vertices.size()), triangles;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rings.size(), 64), [&](const auto& range) {

@@ -90,7 +90,7 @@ class LightFieldSnapshot : public ModelSnapshot {
   virtual double ring_variation(std::size_t vertex) const = 0;
   virtual float common_sill() const = 0;  ///< mean of the rings' sills
 
-  int max_rank() const;
+  virtual int max_rank() const = 0;                                           ///< of all patches
   std::vector<SurfaceQuality> quality_for(const Eigen::Vector3d& eye) const;  ///< per triangle
 
  private:

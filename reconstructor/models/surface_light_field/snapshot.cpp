@@ -101,6 +101,13 @@ double SurfaceLightFieldSnapshot::ring_variation(std::size_t vertex) const {
   return sum / (static_cast<double>(ring.basis.rows()) * static_cast<double>(ring.directions.cols()));
 }
 
+int SurfaceLightFieldSnapshot::max_rank() const {
+  int rank = 0;
+  for (const auto& ring : ring_data_)
+    if (ring) rank = std::max(rank, ring->rank());
+  return rank;
+}
+
 SnapshotFigures SurfaceLightFieldSnapshot::figures() const {
   SnapshotFigures figures;
   std::vector<int> ranks;

@@ -61,6 +61,7 @@ class SurfaceLightFieldSnapshot : public LightFieldSnapshot {
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const override;
   const RingViews* seen_ring(std::size_t vertex) const override;
   double ring_variation(std::size_t vertex) const override;
+  int max_rank() const override;
   float common_sill() const override { return common_sill_; }
 
  private:

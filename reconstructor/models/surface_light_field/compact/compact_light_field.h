@@ -29,6 +29,7 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const override;
   const RingViews* seen_ring(std::size_t vertex) const override;
   double ring_variation(std::size_t vertex) const override { return seen_[vertex]->sill; }
+  int max_rank() const override { return patches_.empty() ? 0 : 1 + max_terms_; }
   float common_sill() const override { return common_sill_; }
   std::size_t bytes() const;  ///< of all patches and their interpolation
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/compact/compress.h"
 
-#include <tbb/parallel_for.h>
-
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -161,8 +158,7 @@ class Compression {
   CompressedModel run() { return target_.bytes ? within_bytes(*target_.bytes) : within_loss(target_.loss_db); }
 
  private:
-  // In larger patches the coefficients cost less and the maps more: from 4 to 12 triangles the sum is the same within
-  // 2 %.
+  // In larger patches the coefficients cost less and the maps more.
   static constexpr std::size_t kPatchTriangles = 8;
 
   /// Terms that are fainter, in grey levels, are lost at any step that anybody asks for: a part of the error that the

@@ -2,37 +2,15 @@
 #include "reconstructor/models/surface_light_field/compact/edge_blending.h"
 
 #include <algorithm>
-#include <tuple>
 #include <vector>
+
+#include "reconstructor/models/surface_light_field/compact/triangle_edges.h"
 
 namespace sheen {
 namespace {
 
-/// An edge of a triangle, from its vertex of lower number to the other.
-struct Edge {
-  std::uint32_t low, high, triangle;
-  int from, to;  ///< corners
-  bool operator<(const Edge& other) const {
-    return std::tie(low, high, triangle) < std::tie(other.low, other.high, other.triangle);
-  }
-};
-
-std::vector<Edge> edges_of(const Mesh& mesh) {
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int c = 0; c < 3; ++c) {
-      const int next = (c + 1) % 3;
-      const std::uint32_t a = mesh.triangles[t][static_cast<std::size_t>(c)],
-                          b = mesh.triangles[t][static_cast<std::size_t>(next)];
-      edges.push_back(a < b ? Edge{a, b, t, c, next} : Edge{b, a, t, next, c});
-    }
-  std::sort(edges.begin(), edges.end());
-  return edges;
-}
-
 /// The samples of a triangle along one of its edges, in the edge's direction, as they stand in its patch.
-std::vector<Eigen::Index> samples_along(const PatchModel& model, const Edge& edge) {
+std::vector<Eigen::Index> samples_along(const PatchModel& model, const TriangleEdge& edge) {
   const int n = model.rings_of_mesh->resolution(edge.triangle);
   std::vector<Eigen::Index> samples;
   for (int k = 0; k < n; ++k) {
@@ -77,12 +55,11 @@ void blend(Eigen::Ref<Eigen::VectorXf> map_a, const std::vector<Eigen::Index>& a
 }  // namespace
 
 void blend_edges(PatchModel& model) {
-  const std::vector<Edge> edges = edges_of(*model.mesh);
+  const std::vector<TriangleEdge> edges = triangle_edges(*model.mesh);
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-    const Edge &a = edges[i], &b = edges[i + 1];
-    const auto same = [](const Edge& x, const Edge& y) { return x.low == y.low && x.high == y.high; };
-    if (!same(a, b)) continue;
-    const bool odd = (i > 0 && same(edges[i - 1], a)) || (i + 2 < edges.size() && same(edges[i + 2], b));
+    const TriangleEdge &a = edges[i], &b = edges[i + 1];
+    if (!a.same_place(b)) continue;
+    const bool odd = (i > 0 && edges[i - 1].same_place(a)) || (i + 2 < edges.size() && edges[i + 2].same_place(b));
     if (odd) continue;  // more than two triangles: it is not known which belong together
     const std::uint32_t patch_a = model.shapes.patch_of[a.triangle], patch_b = model.shapes.patch_of[b.triangle];
     Patch &of_a = model.patches[patch_a], &of_b = model.patches[patch_b];

@@ -51,10 +51,8 @@ std::vector<std::uint16_t> images_of(const Eigen::Matrix3Xf& directions, const E
   return images;
 }
 
-/// A ring's views by image, and where each stands in the snapshot's ring.
-struct RingOrder {
-  std::vector<Eigen::Index> view;
-};
+/// A ring's views by image: where each stands in the snapshot's ring.
+using RingOrder = std::vector<Eigen::Index>;
 
 std::uint8_t kernel_index(std::vector<ViewKernel>& kernels, const ViewKernel& kernel) {
   const auto found = std::find(kernels.begin(), kernels.end(), kernel);
@@ -65,9 +63,9 @@ std::uint8_t kernel_index(std::vector<ViewKernel>& kernels, const ViewKernel& ke
 /// Coefficients of a ring's views, in grey levels: what kriging displays there and what the nugget kept from being
 /// displayed.
 Eigen::MatrixXf view_coefficients(const RingSnapshot& ring, const RingOrder& order) {
-  Eigen::MatrixXf coefficients(ring.rank(), static_cast<Eigen::Index>(order.view.size()));
-  for (std::size_t j = 0; j < order.view.size(); ++j) {
-    const Eigen::Index view = order.view[j];
+  Eigen::MatrixXf coefficients(ring.rank(), static_cast<Eigen::Index>(order.size()));
+  for (std::size_t j = 0; j < order.size(); ++j) {
+    const Eigen::Index view = order[j];
     coefficients.col(static_cast<Eigen::Index>(j)) =
         ring.coefficients(ring.directions.col(view)) +
         ring.weights.col(view) * (ring.kernel.nugget / ring.reliability[view]);
@@ -161,11 +159,11 @@ class PatchFit {
       cameras.col(static_cast<Eigen::Index>(i)) = camera_direction(model_, vertex, i);
     const std::vector<std::uint16_t> images = images_of(old->directions, cameras);
     RingOrder& order = orders_[vertex];
-    for (Eigen::Index j = 0; j < old->directions.cols(); ++j) order.view.push_back(j);
-    std::sort(order.view.begin(), order.view.end(), [&](Eigen::Index a, Eigen::Index b) {
+    for (Eigen::Index j = 0; j < old->directions.cols(); ++j) order.push_back(j);
+    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
       return images[static_cast<std::size_t>(a)] < images[static_cast<std::size_t>(b)];
     });
-    for (const Eigen::Index j : order.view) {
+    for (const Eigen::Index j : order) {
       CompactView view{.image = images[static_cast<std::size_t>(j)], .reliability = old->reliability[j]};
       view.direction = cameras.col(view.image);
       view.moved = angle_between(view.direction, old->directions.col(j)) > kMoved;

@@ -241,10 +241,9 @@ void code_layer(Coder& coder, const PatchLayout& layout, std::vector<QuantisedPa
 
 }  // namespace
 
-std::string encode_layer(const PatchLayout& layout, const std::vector<QuantisedPatch>& patches, int layer) {
+std::string encode_layer(const PatchLayout& layout, std::vector<QuantisedPatch>& patches, int layer) {
   ContextEncoder coder(kContexts);
-  std::vector<QuantisedPatch> copy = patches;
-  code_layer(coder, layout, copy, layer);
+  code_layer(coder, layout, patches, layer);
   return coder.finish();
 }
 

@@ -20,7 +20,8 @@ struct PatchLayout {
   std::vector<std::vector<std::uint16_t>> haar_parent;  ///< per patch: of each coefficient; unused for the mean
 };
 
-std::string encode_layer(const PatchLayout& layout, const std::vector<QuantisedPatch>& patches, int layer);
+/// Leaves `patches` as they are.
+std::string encode_layer(const PatchLayout& layout, std::vector<QuantisedPatch>& patches, int layer);
 /// Adds a layer to `patches`. Throws std::runtime_error.
 void decode_layer(const PatchLayout& layout, std::string_view bytes, std::vector<QuantisedPatch>& patches, int layer);
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "reconstructor/models/surface_light_field/compact/triangle_edges.h"
+
 namespace sheen {
 namespace {
 
@@ -12,21 +14,10 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// For each triangle those that share an edge with it: any number, where the mesh is odd.
 std::vector<std::vector<std::uint32_t>> neighbours_of(const Mesh& mesh) {
-  struct Edge {
-    std::uint32_t low, high, triangle;
-    auto operator<=>(const Edge&) const = default;
-  };
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::uint32_t a = mesh.triangles[t][c], b = mesh.triangles[t][(c + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), t});
-    }
-  std::sort(edges.begin(), edges.end());
+  const std::vector<TriangleEdge> edges = triangle_edges(mesh);
   std::vector<std::vector<std::uint32_t>> neighbours(mesh.triangles.size());
   for (std::size_t i = 1; i < edges.size(); ++i)
-    if (edges[i].low == edges[i - 1].low && edges[i].high == edges[i - 1].high) {
+    if (edges[i].same_place(edges[i - 1])) {
       neighbours[edges[i].triangle].push_back(edges[i - 1].triangle);
       neighbours[edges[i - 1].triangle].push_back(edges[i].triangle);
     }

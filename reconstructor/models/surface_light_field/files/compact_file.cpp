@@ -219,20 +219,16 @@ std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float s
   for (std::size_t t = 0; t < model.mesh->triangles.size(); ++t)
     resolutions.push_back(static_cast<std::uint8_t>(model.rings_of_mesh->resolution(t)));
   const int layers = layer_count(patches);
-  std::vector<std::string> encoded(static_cast<std::size_t>(layers));
-  tbb::parallel_for(0, layers, [&](int layer) {
-    encoded[static_cast<std::size_t>(layer)] = encode_layer(layout.patches, patches, layer);
-  });
 
   std::string out = start_of_file({});
   append_chunk(out, "DESC", packed(description_of(model, step, layers).dump()));
   append_chunk(out, "MESH", packed(mesh.bytes));
   append_chunk(out, "RESO", encode_resolutions(resolutions));
   append_chunk(out, "RING", rings);
-  append_chunk(out, layer_name(0), encoded[0]);
+  append_chunk(out, layer_name(0), encode_layer(layout.patches, patches, 0));
   append_chunk(out, "STAT", encode_states(model));
   for (int layer = 1; layer < layers; ++layer)
-    append_chunk(out, layer_name(layer), encoded[static_cast<std::size_t>(layer)]);
+    append_chunk(out, layer_name(layer), encode_layer(layout.patches, patches, layer));
   return out;
 }
 
