@@ -70,6 +70,8 @@ class Reconstruction {
 
   const Mesh& mesh() const { return *mesh_; }
   std::shared_ptr<const ModelSnapshot> snapshot() { return model_->snapshot(); }
+  /// No capture follows: AppearanceModel::finish.
+  void finish() { model_->finish(); }
   const AppearanceModel& model() const { return *model_; }
   const RayPainter& painter() const { return painter_; }
   const std::vector<HeldOutView>& held_out() const { return held_out_; }

@@ -67,6 +67,7 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
   if (counts.accepted == 0)
     throw FileError(arguments.dataset, "none of its " + std::to_string(captures.size) +
                                            " images shows the mesh; check that both are in the same frame and units");
+  reconstruction->finish();
   return reconstruction;
 }
 

@@ -76,6 +76,8 @@ class AppearanceModel {
   virtual void set_update_fraction(double fraction) = 0;
 
   virtual std::shared_ptr<const ModelSnapshot> snapshot() = 0;
+  /// No image follows: lets go of what only more images would need. Snapshot and figures stay what they are.
+  virtual void finish() {}
   /// The mean colour of each surface sample over all images: what a model without view dependence would be. Every
   /// figure stands beside it.
   virtual std::shared_ptr<const Appearance> constant_colour() const = 0;

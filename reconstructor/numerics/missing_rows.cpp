@@ -103,9 +103,9 @@ void MissingRows<Scalar>::visit_masked_views(const Basis& basis, const Views& vi
 
 template <typename Scalar>
 MatrixXd MissingRows<Scalar>::project(const Basis& basis, const Views& views, const Pending& pending,
-                                      const HiddenPatterns& hidden, double noise) const {
+                                      const Gathered& gathered, const HiddenPatterns& hidden, double noise) const {
   const int rank = basis.rank();
-  MatrixXd y = basis.project(columns(pending.buffer(), pending.count()));
+  MatrixXd y = basis.project(gathered);
   if (hidden.empty() || rank == 0) return y;
   const MatrixXd known = known_grams(basis.columns(), hidden, pending.count());
   const MatrixXd covariance = prior(basis, views), precision = prior_precision(covariance, noise);
@@ -203,10 +203,10 @@ MatrixXd MissingRows<Scalar>::mean_rows(const Basis& basis) const {
 /// be a term of its own, and what lies between it and the views would be dark. `level`: mean row of each channel.
 template <typename Scalar>
 MatrixXd MissingRows<Scalar>::foreseen(const Basis& basis, const Views& views, const Pending& pending,
-                                       const HiddenPatterns& hidden, const MatrixXd& level, double noise,
-                                       std::uint64_t& guessed) const {
+                                       const Gathered& gathered, const HiddenPatterns& hidden, const MatrixXd& level,
+                                       double noise, std::uint64_t& guessed) const {
   // Until now a column's unseen rows are hidden rows: those of the basis are 0.
-  MatrixXd y = project(basis, views, pending, hidden, noise);
+  MatrixXd y = project(basis, views, pending, gathered, hidden, noise);
   const VectorXd mean = views.weighted_sum();
   const double weight = views.total_weight();
   const double mean2 = mean.squaredNorm(),
@@ -221,8 +221,8 @@ MatrixXd MissingRows<Scalar>::foreseen(const Basis& basis, const Views& views, c
 }
 
 template <typename Scalar>
-std::uint64_t MissingRows<Scalar>::reveal(Basis& basis, Views& views, const Pending& pending, const VectorXd& weights,
-                                          const HiddenPatterns& hidden, double noise) {
+std::uint64_t MissingRows<Scalar>::reveal(Basis& basis, Views& views, const Pending& pending, const Gathered& gathered,
+                                          const VectorXd& weights, const HiddenPatterns& hidden, double noise) {
   std::uint64_t guessed = 0;
   if (seen_.unseen() == 0) return guessed;
   std::vector<int> revealed;
@@ -233,7 +233,7 @@ std::uint64_t MissingRows<Scalar>::reveal(Basis& basis, Views& views, const Pend
   if (basis.rank() > 0) {
     const double rows_seen = basis.rows() - seen_.unseen();
     const MatrixXd level = mean_rows(basis);
-    const MatrixXd y = foreseen(basis, views, pending, hidden, level, noise, guessed);
+    const MatrixXd y = foreseen(basis, views, pending, gathered, hidden, level, noise, guessed);
     const MatrixXd expected = level * y;  // channels x columns
     for (const int row : revealed) {
       const int channel = row % witnesses_.channels();
@@ -241,7 +241,7 @@ std::uint64_t MissingRows<Scalar>::reveal(Basis& basis, Views& views, const Pend
       VectorXd value_y = VectorXd::Zero(basis.rank());
       for (int j = 0; j < pending.count(); ++j) {
         if (!hidden.empty() && (hidden[row] >> j & 1)) continue;
-        const double value = pending.buffer()(row, j), e = expected(channel, j), w = weights[j];
+        const double value = gathered.column(j)[row], e = expected(channel, j), w = weights[j];
         value_expected += w * value * e;
         expected2 += w * e * e;
         typical2 += w * y.col(j).squaredNorm() / std::max(rows_seen, 1.0);

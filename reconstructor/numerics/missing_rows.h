@@ -52,13 +52,15 @@ class MissingRows {
   using Basis = RingBasis<Scalar>;
   using Views = FoldedViews<Scalar>;
   using Pending = PendingColumns<Scalar>;
+  using Gathered = row_panels::Columns<Scalar>;
   using Shown = ShownRows<Scalar>;
 
   MissingRows(int rows, const RingFactorOptions& options);
 
-  /// B^T c of each pending column, hidden rows imputed: rank x columns. `hidden`: their patterns.
-  Eigen::MatrixXd project(const Basis& basis, const Views& views, const Pending& pending, const HiddenPatterns& hidden,
-                          double noise) const;
+  /// B^T c of each pending column, hidden rows imputed: rank x columns. `gathered`: these columns; `hidden`: their
+  /// patterns.
+  Eigen::MatrixXd project(const Basis& basis, const Views& views, const Pending& pending, const Gathered& gathered,
+                          const HiddenPatterns& hidden, double noise) const;
   /// The same for one column that is not pending; the projection when all of its rows are known.
   Vector estimate(const Basis& basis, const Views& views, const ConstVectorRef& column,
                   std::span<const std::uint8_t> known, double noise) const;
@@ -72,10 +74,10 @@ class MissingRows {
 
   /// Gives rows that the basis has never seen, and that the pending columns show, the mean row of their channel, scaled
   /// to what these show: a surface point seen late is taken to have varied like its ring. Returns the columns that
-  /// showed no row seen before and were taken for the mean of the views, a bit each. `weights`: of the buffered
+  /// showed no row seen before and were taken for the mean of the views, a bit each. `weights`: of the gathered
   /// columns.
-  std::uint64_t reveal(Basis& basis, Views& views, const Pending& pending, const Eigen::VectorXd& weights,
-                       const HiddenPatterns& hidden, double noise);
+  std::uint64_t reveal(Basis& basis, Views& views, const Pending& pending, const Gathered& gathered,
+                       const Eigen::VectorXd& weights, const HiddenPatterns& hidden, double noise);
 
   /// What is remembered of what a pending column shows: null when it shows all rows, and where hidden rows are not
   /// imputed again.
@@ -94,8 +96,8 @@ class MissingRows {
   void visit_masked_views(const Basis& basis, const Views& views, Visit visit) const;
   void impute_again(Basis& basis, Views& views, double noise) const;
   Eigen::MatrixXd mean_rows(const Basis& basis) const;
-  Eigen::MatrixXd foreseen(const Basis& basis, const Views& views, const Pending& pending, const HiddenPatterns& hidden,
-                           const Eigen::MatrixXd& level, double noise, std::uint64_t& guessed) const;
+  Eigen::MatrixXd foreseen(const Basis& basis, const Views& views, const Pending& pending, const Gathered& gathered,
+                           const HiddenPatterns& hidden, const Eigen::MatrixXd& level, double noise, std::uint64_t& guessed) const;
 
   Imputation imputation_;
   WitnessRows witnesses_;

@@ -5,8 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <limits>
-#include <type_traits>
 #include <utility>
 
 #include "reconstructor/numerics/row_panels.h"
@@ -14,63 +12,89 @@
 namespace sheen {
 namespace {
 
-/// Copies numbers and returns the largest magnitude; not finite where one of them is not.
+/// The rows one after the other; those of runs without values are 0. Returns where they end.
 template <typename Scalar>
-Scalar copy_and_peak(const Scalar* from, Eigen::Index count, Scalar* to) {
-  // Magnitudes are in the order of their bits, infinity and NaN above all others.
-  using Bits = std::conditional_t<sizeof(Scalar) == sizeof(std::int32_t), std::int32_t, std::int64_t>;
-  Bits peak = 0;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    peak = std::max(peak, std::bit_cast<Bits>(from[i]) & std::numeric_limits<Bits>::max());
-    to[i] = from[i];
-  }
-  return std::bit_cast<Scalar>(peak);
+Scalar* copy_rows(const std::vector<SharedRows<Scalar>>& runs, Scalar* to) {
+  for (const SharedRows<Scalar>& run : runs)
+    to = run.values ? std::copy_n(run.values.get(), run.rows, to) : std::fill_n(to, run.rows, Scalar{0});
+  return to;
 }
 
 }  // namespace
 
 template <typename Scalar>
-void PendingColumns<Scalar>::make_room(int columns) {
-  if (buffer_.cols() != columns) buffer_.resize(row_panels::padded(rows_), columns);
+void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::span<const std::uint8_t> known,
+                                 double weight) {
+  std::shared_ptr<Scalar[]> values(new Scalar[static_cast<std::size_t>(rows_)]);
+  Scalar peak = copy_and_peak(column.data(), rows_, values.get());
+  if (std::isfinite(peak) && (known.empty() || !std::memchr(known.data(), 0, known.size())))
+    return add({{std::move(values), rows_, peak}}, {}, weight);
+  std::vector<std::uint8_t> finite_and_known(static_cast<std::size_t>(rows_));
+  peak = 0;
+  for (int row = 0; row < rows_; ++row) {
+    finite_and_known[row] = (known.empty() || known[row]) && std::isfinite(values[row]);
+    if (!finite_and_known[row]) values[row] = 0;
+    peak = std::max(peak, std::abs(values[row]));
+  }
+  add({{std::move(values), rows_, peak}}, finite_and_known, weight);
 }
 
 template <typename Scalar>
-void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::span<const std::uint8_t> known,
+void PendingColumns<Scalar>::add(std::vector<SharedRows<Scalar>> runs, std::span<const std::uint8_t> known,
                                  double weight) {
-  Column pending{.weight = weight, .exponent = 0, .hidden = {}};
-  auto kept = buffer_.col(count());
-  Scalar peak = copy_and_peak(column.data(), rows_, kept.data());
-  kept.tail(kept.size() - rows_).setZero();
-  if (!std::isfinite(peak) || (!known.empty() && std::memchr(known.data(), 0, known.size()))) {
-    pending.hidden.assign(words_of(rows_), 0);
-    for (int row = 0; row < rows_; ++row) {
-      if ((known.empty() || known[row]) && std::isfinite(kept[row])) continue;
-      kept[row] = 0;
-      set_row(pending.hidden, row);
+  Scalar peak = 0;
+  for (const SharedRows<Scalar>& run : runs) {
+    if (!std::isfinite(run.peak)) {
+      Vector column(rows_);
+      copy_rows(runs, column.data());
+      return add(column, known, weight);
     }
-    peak = kept.cwiseAbs().maxCoeff();
+    peak = std::max(peak, run.peak);
+  }
+  Column pending{.weight = weight, .exponent = 0, .hidden = {}, .runs = std::move(runs)};
+  if (!known.empty() && std::memchr(known.data(), 0, known.size())) {
+    pending.hidden.assign(words_of(rows_), 0);
+    for (int row = 0; row < rows_; ++row)
+      if (!known[row]) set_row(pending.hidden, row);
   }
   constexpr int kHarmless = 24;
-  if (peak > 0 && std::abs(std::ilogb(peak)) > kHarmless) {
-    pending.exponent = std::ilogb(peak);
-    kept = kept.unaryExpr([&](Scalar x) { return std::ldexp(x, -pending.exponent); }).eval();
-  }
+  if (peak > 0 && std::abs(std::ilogb(peak)) > kHarmless) pending.exponent = std::ilogb(peak);
   columns_.push_back(std::move(pending));
 }
 
 template <typename Scalar>
 void PendingColumns<Scalar>::erase(int column) {
-  for (int j = column; j + 1 < count(); ++j) buffer_.col(j) = buffer_.col(j + 1);
   columns_.erase(columns_.begin() + column);
 }
 
 template <typename Scalar>
-void PendingColumns<Scalar>::release() {
-  buffer_.resize(row_panels::padded(rows_), 0);
+Scalar PendingColumns<Scalar>::value(int column, int row) const {
+  for (const SharedRows<Scalar>& run : columns_[column].runs) {
+    if (row < run.rows) return run.values ? run.values[row] : 0;
+    row -= run.rows;
+  }
+  return 0;
 }
 
 template <typename Scalar>
-Eigen::VectorXd PendingColumns<Scalar>::buffered_weights() const {
+typename PendingColumns<Scalar>::Columns PendingColumns<Scalar>::gathered() const {
+  thread_local std::vector<Scalar> buffer;
+  const Eigen::Index length = row_panels::padded(rows_);
+  const auto needed = static_cast<std::size_t>(length) * columns_.size();
+  if (buffer.size() < needed) buffer.resize(needed);
+  Scalar* to = buffer.data();
+  for (const Column& column : columns_) {
+    Scalar* const end = to + length;
+    std::fill(copy_rows(column.runs, to), end, Scalar{0});
+    if (column.exponent != 0)
+      std::transform(end - length, end, end - length, [&](Scalar x) { return std::ldexp(x, -column.exponent); });
+    to = end;
+  }
+  return {buffer.data(), length, count()};
+}
+
+template <typename Scalar>
+Eigen::VectorXd PendingColumns<Scalar>::scaled_weights() const {
   Eigen::VectorXd weights(count());
   for (int j = 0; j < count(); ++j) weights[j] = std::ldexp(columns_[j].weight, 2 * columns_[j].exponent);
   return weights;
@@ -96,8 +120,12 @@ HiddenPatterns PendingColumns<Scalar>::hidden_patterns() const {
 
 template <typename Scalar>
 std::size_t PendingColumns<Scalar>::bytes() const {
-  std::size_t bytes = sizeof(Scalar) * buffer_.size() + sizeof(Column) * columns_.capacity();
-  for (const Column& column : columns_) bytes += sizeof(std::uint64_t) * column.hidden.capacity();
+  std::size_t bytes = sizeof(Column) * columns_.capacity();
+  for (const Column& column : columns_) {
+    bytes += sizeof(std::uint64_t) * column.hidden.capacity() + sizeof(SharedRows<Scalar>) * column.runs.capacity();
+    for (const SharedRows<Scalar>& run : column.runs)
+      if (run.values) bytes += sizeof(Scalar) * static_cast<std::size_t>(run.rows / run.values.use_count());
+  }
   return bytes;
 }
 

@@ -92,32 +92,32 @@ MatrixXd RingBasis<Scalar>::project(const row_panels::Columns<const Scalar>& col
 }
 
 template <typename Scalar>
-Fold RingBasis<Scalar>::fold(Matrix& columns, const VectorXd& weights, const MatrixXd& y,
+Fold RingBasis<Scalar>::fold(const Columns& columns, const VectorXd& weights, const MatrixXd& y,
                              std::span<const std::uint64_t> hidden, const RingFactorOptions& options) {
   Block block;
   block.count = static_cast<int>(weights.size());
   block.weight = weights;
-  block.norm2 = row_panels::squared_norms(row_panels::columns(columns, block.count), columns.rows());
+  block.norm2 = row_panels::squared_norms<Scalar>(columns, columns.stride);
   const Matrix projected = y.template cast<Scalar>();  // (1), as P can be made with it
   block.inside = projected.template cast<double>();
   if (rank_ > 0)
     row_panels::combine<Scalar>(this->columns(), {}, -projected, basis_.rows(),
-                                {columns.data(), columns.rows(), block.count}, true);
+                                columns, true);
   for (std::size_t row = 0; row < hidden.size(); ++row)
     for (std::uint64_t bits = hidden[row]; bits != 0; bits &= bits - 1)
-      columns(static_cast<Eigen::Index>(row), std::countr_zero(bits)) = 0;
+      columns.column(std::countr_zero(bits))[row] = 0;
   split_residuals(columns, block, options);
   return absorb(columns, block, options);
 }
 
 /// (2): separates what the basis does not hold of the block, and orthonormalises it where it may not be lost.
 template <typename Scalar>
-void RingBasis<Scalar>::split_residuals(Matrix& columns, Block& block, const RingFactorOptions& options) const {
+void RingBasis<Scalar>::split_residuals(const Columns& columns, Block& block, const RingFactorOptions& options) const {
   const int count = block.count;
-  const auto residuals = row_panels::columns(columns, count);
-  block.overlap = row_panels::inner_products(this->columns(), residuals, columns.rows());
+  const row_panels::Columns<const Scalar> residuals = columns;
+  block.overlap = row_panels::inner_products(this->columns(), residuals, columns.stride);
   block.inside += block.overlap;
-  const VectorXd norm2 = row_panels::squared_norms(residuals, columns.rows());
+  const VectorXd norm2 = row_panels::squared_norms(residuals, columns.stride);
   block.residual2 = norm2;
   double energy_after = energy();
   for (int j = 0; j < count; ++j) {
@@ -130,7 +130,7 @@ void RingBasis<Scalar>::split_residuals(Matrix& columns, Block& block, const Rin
   block.outside = MatrixXd::Zero(0, count);
   block.to_directions = MatrixXd::Zero(count, 0);
   if (lost_ + block.lost <= kShareOfBudgetOnTheWay * options.tolerance * options.tolerance * energy_after) return;
-  MatrixXd gram = row_panels::gram(residuals, columns.rows(), norm2);
+  MatrixXd gram = row_panels::gram(residuals, columns.stride, norm2);
   gram.noalias() -= block.overlap.transpose() * block.overlap;
   Orthonormalised orthonormal = orthonormalise(std::move(gram), block.residual2, kSmallestPivot<Scalar>);
   block.to_directions = std::move(orthonormal.to_directions);
@@ -167,16 +167,16 @@ void RingBasis<Scalar>::choose_rank(const VectorXd& descending, double lost, con
 
 /// Orthonormalises the directions of the block once more, now as columns of their own, whose squared norms it returns.
 template <typename Scalar>
-VectorXd RingBasis<Scalar>::orthonormalise_again(Matrix& columns, Block& block) const {
+VectorXd RingBasis<Scalar>::orthonormalise_again(const Columns& columns, Block& block) const {
   const auto columns_before = static_cast<int>(block.to_directions.rows());
   const auto directions = static_cast<int>(block.to_directions.cols());
   Matrix m(rank_ + columns_before, directions);
   m << (-block.overlap * block.to_directions).template cast<Scalar>(), block.to_directions.template cast<Scalar>();
-  row_panels::combine<Scalar>(this->columns(), row_panels::columns(columns, columns_before), m, columns.rows(),
-                              {columns.data(), columns.rows(), directions});
-  const auto residuals = row_panels::columns(columns, directions);
-  block.overlap = row_panels::inner_products(this->columns(), residuals, columns.rows());
-  MatrixXd gram = row_panels::gram(residuals, columns.rows());
+  row_panels::combine<Scalar>(this->columns(), columns.first(columns_before), m, columns.stride,
+                              columns.first(directions));
+  const row_panels::Columns<const Scalar> residuals = columns.first(directions);
+  block.overlap = row_panels::inner_products(this->columns(), residuals, columns.stride);
+  MatrixXd gram = row_panels::gram(residuals, columns.stride);
   VectorXd norm2 = gram.diagonal();
   gram.noalias() -= block.overlap.transpose() * block.overlap;
   const Orthonormalised once_more = orthonormalise(gram, gram.diagonal().cwiseMax(0), kSmallestPivot<Scalar>);
@@ -226,7 +226,7 @@ double RingBasis<Scalar>::growth(const Block& block, const VectorXd& norm2, cons
 
 /// Adds the block to G, and rotates the basis to the new singular directions where there are any.
 template <typename Scalar>
-Fold RingBasis<Scalar>::absorb(Matrix& columns, Block& block, const RingFactorOptions& options) {
+Fold RingBasis<Scalar>::absorb(const Columns& columns, Block& block, const RingFactorOptions& options) {
   const bool grows = block.outside.rows() > 0;
   const auto polish = [&] {
     block.loss = row_panels::gram(this->columns(), basis_.rows());
@@ -275,7 +275,7 @@ void RingBasis<Scalar>::forget_directions(const Rotation& rotation, const Block&
 
 /// (5). The residuals that (2) left in `columns` become part of the basis.
 template <typename Scalar>
-BasisRotation RingBasis<Scalar>::apply(const Matrix& columns, Rotation& rotation, const Block& block) {
+BasisRotation RingBasis<Scalar>::apply(const Columns& columns, Rotation& rotation, const Block& block) {
   if (rotation.rank == 0) {
     forget_directions(rotation, block);
     return {.kind = BasisRotation::Kind::kGone, .new_from_old = {}};
@@ -292,7 +292,7 @@ BasisRotation RingBasis<Scalar>::apply(const Matrix& columns, Rotation& rotation
   Matrix m(rank_ + from_residuals.rows(), rotation.rank);
   m.topRows(rank_) = (from_basis - half - block.overlap * from_residuals).template cast<Scalar>();
   m.bottomRows(from_residuals.rows()) = from_residuals.template cast<Scalar>();
-  const auto residuals = row_panels::columns(columns, static_cast<int>(from_residuals.rows()));
+  const row_panels::Columns<const Scalar> residuals = columns.first(static_cast<int>(from_residuals.rows()));
   const Eigen::Index padded = row_panels::padded(rows_);
   if (rotation.rank == basis_.cols()) {
     row_panels::combine<Scalar>(this->columns(), residuals, m, padded, {basis_.data(), padded, rotation.rank});
@@ -317,8 +317,7 @@ BasisRotation RingBasis<Scalar>::restore_order(const RingFactorOptions& options)
   Block nothing;
   nothing.inside = nothing.overlap = MatrixXd::Zero(rank_, 0);
   nothing.outside = nothing.to_directions = MatrixXd::Zero(0, 0);
-  Matrix no_columns;
-  return absorb(no_columns, nothing, options).rotation;
+  return absorb({nullptr, basis_.rows(), 0}, nothing, options).rotation;
 }
 
 template <typename Scalar>

@@ -60,6 +60,7 @@ template <typename Scalar>
 class RingBasis {
  public:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  using Columns = row_panels::Columns<Scalar>;
 
   explicit RingBasis(int rows) : rows_(rows) { basis_.resize(row_panels::padded(rows), 0); }
 
@@ -80,10 +81,10 @@ class RingBasis {
   /// B^T of columns that are as long as the padded rows: rank x columns.
   Eigen::MatrixXd project(const row_panels::Columns<const Scalar>& columns) const;
 
-  /// Folds a block in. `columns`: padded rows x at least weights.size(); the fold leaves nothing of use in it.
+  /// Folds a block in. `columns`: of padded length; the fold leaves nothing of use in them.
   /// `y`: B^T C, hidden rows at what they are imputed to be; these are then B y, and P is 0 there. `hidden`: which of
   /// the columns hide a row, or empty.
-  Fold fold(Matrix& columns, const Eigen::VectorXd& weights, const Eigen::MatrixXd& y,
+  Fold fold(const Columns& columns, const Eigen::VectorXd& weights, const Eigen::MatrixXd& y,
             std::span<const std::uint64_t> hidden, const RingFactorOptions& options);
 
   /// Restores the singular order, and gives back the rank that the options do not ask for.
@@ -104,14 +105,14 @@ class RingBasis {
   struct Block;
   struct Rotation;
 
-  void split_residuals(Matrix& columns, Block& block, const RingFactorOptions& options) const;
-  Eigen::VectorXd orthonormalise_again(Matrix& columns, Block& block) const;
+  void split_residuals(const Columns& columns, Block& block, const RingFactorOptions& options) const;
+  Eigen::VectorXd orthonormalise_again(const Columns& columns, Block& block) const;
   void choose_rank(const Eigen::VectorXd& descending, double lost, const RingFactorOptions& options,
                    Rotation& rotation) const;
   Rotation singular_rotation(const Block& block, const RingFactorOptions& options) const;
   double growth(const Block& block, const Eigen::VectorXd& norm2, const Rotation& rotation) const;
-  Fold absorb(Matrix& columns, Block& block, const RingFactorOptions& options);
-  BasisRotation apply(const Matrix& columns, Rotation& rotation, const Block& block);
+  Fold absorb(const Columns& columns, Block& block, const RingFactorOptions& options);
+  BasisRotation apply(const Columns& columns, Rotation& rotation, const Block& block);
   void forget_directions(const Rotation& rotation, const Block& block);
 
   int rows_;

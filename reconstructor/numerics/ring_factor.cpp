@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -41,17 +42,35 @@ int BasicRingFactor<Scalar>::block_size() const {
 }
 
 template <typename Scalar>
+template <typename Column>
+typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add_column(Column&& column,
+                                                                              std::span<const std::uint8_t> known,
+                                                                              double weight) {
+  require(known.empty() || known.size() == static_cast<std::size_t>(rows()),
+          "ring factor: known must have one flag a row");
+  require(weight > 0 && std::isfinite(weight), "ring factor: a weight must be positive and finite");
+  if (pending_.empty()) block_due_ = block_size();
+  pending_.add(std::forward<Column>(column), known, weight);
+  ++columns_added_;
+  return pending() >= block_due_ ? fold() : Reports{};
+}
+
+template <typename Scalar>
 typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(const ConstVectorRef& column,
                                                                        std::span<const std::uint8_t> known,
                                                                        double weight) {
   require(column.size() == rows(), "ring factor: a column must have as many values as the factor has rows");
-  require(known.empty() || known.size() == static_cast<std::size_t>(rows()),
-          "ring factor: known must have one flag a row");
-  require(weight > 0 && std::isfinite(weight), "ring factor: a weight must be positive and finite");
-  if (pending_.empty()) pending_.make_room(block_size());
-  pending_.add(column, known, weight);
-  ++columns_added_;
-  return pending_.full() ? fold() : Reports{};
+  return add_column(column, known, weight);
+}
+
+template <typename Scalar>
+typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(std::vector<SharedRows<Scalar>> column,
+                                                                       std::span<const std::uint8_t> known,
+                                                                       double weight) {
+  const auto add_rows = [](int sum, const SharedRows<Scalar>& run) { return sum + run.rows; };
+  require(std::accumulate(column.begin(), column.end(), 0, add_rows) == rows(),
+          "ring factor: a column must have as many values as the factor has rows");
+  return add_column(std::move(column), known, weight);
 }
 
 template <typename Scalar>
@@ -59,17 +78,18 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
   Reports reports;
   if (pending_.empty()) return reports;
   missing_.impute_again_when_due(basis_, views_, columns_folded_, row_noise());
-  const Eigen::VectorXd weights = pending_.buffered_weights();
+  const Eigen::VectorXd weights = pending_.scaled_weights();
   const HiddenPatterns hidden = pending_.hidden_patterns();
   std::vector<typename FoldedViews<Scalar>::Arrival> arrivals;
   arrivals.reserve(static_cast<std::size_t>(pending()));
   for (int j = 0; j < pending(); ++j)
     arrivals.push_back({pending_.weight(j), pending_.exponent(j), missing_.shown_by(pending_, j)});
 
-  const std::uint64_t guessed = missing_.reveal(basis_, views_, pending_, weights, hidden, row_noise());
-  const Eigen::MatrixXd y = missing_.project(basis_, views_, pending_, hidden, row_noise());
+  const auto columns = pending_.gathered();
+  const std::uint64_t guessed = missing_.reveal(basis_, views_, pending_, columns, weights, hidden, row_noise());
+  const Eigen::MatrixXd y = missing_.project(basis_, views_, pending_, columns, hidden, row_noise());
   const bool first = rank() == 0;
-  const Fold fold = basis_.fold(pending_.buffer(), weights, y, hidden, options_);
+  const Fold fold = basis_.fold(columns, weights, y, hidden, options_);
   views_.follow(fold.rotation);
   views_.append(fold, std::move(arrivals));
 
@@ -100,7 +120,6 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::limit(int max
   require(max_rank >= 1 && internal_rank >= max_rank && block >= 1,
           "ring factor: limits must be positive, and internal_rank at least max_rank");
   Reports reports = fold();
-  pending_.release();
   options_ = options_.limited_to(max_rank, internal_rank, block);
   turn_to_singular_order();
   return reports;
@@ -122,7 +141,7 @@ Scalar BasicRingFactor<Scalar>::pending_value(int column, int row) const {
 
 template <typename Scalar>
 typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::pending_coefficients() const {
-  Eigen::MatrixXd y = missing_.project(basis_, views_, pending_, pending_.hidden_patterns(), row_noise());
+  Eigen::MatrixXd y = missing_.project(basis_, views_, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
   for (int j = 0; j < pending(); ++j) y.col(j) *= std::ldexp(1.0, pending_.exponent(j));
   return stored<Scalar>(y);
 }

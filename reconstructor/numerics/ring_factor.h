@@ -34,7 +34,7 @@ struct ColumnReport {
 ///
 /// It is made of four parts, which change for reasons of their own:
 ///
-///   PendingColumns  the columns of a block until it is folded             copies of the rows, a bit for each hidden
+///   PendingColumns  the columns of a block until it is folded             the rows, a bit for each hidden
 ///   one RingBasis       B and G, and the algebra of a fold                    equations (1) to (5), costs FoldedViews
 ///   Y and the ledger of what each view weighs and lacks   merging, taking out MissingRows     what columns do not show
 ///   imputation, rows that are seen late
@@ -107,6 +107,9 @@ class BasicRingFactor {
   /// `known`: for each row; 0 where the column does not show it and its value means nothing. Empty: all are known.
   Reports add(const ConstVectorRef& column, std::span<const std::uint8_t> known, double weight = 1);
 
+  /// The same, of a column whose rows other factors may hold too: all runs have as many rows as the factor.
+  Reports add(std::vector<SharedRows<Scalar>> column, std::span<const std::uint8_t> known, double weight);
+
   /// Folds the pending columns now, and so moves later folds: for benchmarks and for a factor that is complete.
   Reports fold();
 
@@ -142,6 +145,8 @@ class BasicRingFactor {
   }
 
  private:
+  template <typename Column>
+  Reports add_column(Column&& column, std::span<const std::uint8_t> known, double weight);
   int block_size() const;
   ColumnReport report(const Fold& fold, int column, bool first);
   void turn_to_singular_order();
@@ -149,6 +154,7 @@ class BasicRingFactor {
 
   RingFactorOptions options_;
   unsigned phase_;
+  int block_due_ = 1;       ///< columns that the block will have
   bool predicted_ = false;  ///< any column, which `row_noise` follows
   std::int64_t columns_added_ = 0, columns_folded_ = 0;
   double row_noise_ = 0;

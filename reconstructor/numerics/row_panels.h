@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <type_traits>
 #include <utility>
 
 /// Products of tall, skinny matrices (thousands of rows, tens of columns), on columns whose length is padded to a
@@ -66,6 +67,12 @@ struct Columns {
   int count;
   T* column(int j) const { return data + j * stride; }
   Columns from(int j) const { return {column(j), stride, count - j}; }
+  Columns first(int columns) const { return {data, stride, columns}; }
+  operator Columns<const T>() const
+    requires(!std::is_const_v<T>)
+  {
+    return {data, stride, count};
+  }
 };
 
 template <typename Derived>

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
@@ -51,7 +52,7 @@ bool RingModel::shows_enough(std::size_t shown, std::size_t samples) const {
   return shown > 0 && static_cast<double>(shown) >= options_.min_visible * static_cast<double>(samples);
 }
 
-RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+RingModel::Absorbed RingModel::absorb(std::vector<SharedRows<float>> column, std::span<const std::uint8_t> visible,
                                       const Eigen::Vector3f& direction, float cosine, float reliability) {
   Absorbed result;
   const auto shown = static_cast<std::size_t>(std::count(visible.begin(), visible.end(), 1));
@@ -59,7 +60,7 @@ RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<c
   result.used = true;
   const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
   const RingFactor::Reports folded =
-      factor_.add(column, known_rows(visible, shown), image_weight(options_.factor, share));
+      factor_.add(std::move(column), known_rows(visible, shown), image_weight(options_.factor, share));
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
   views_.add(direction, reliability * share);
@@ -69,6 +70,11 @@ RingModel::Absorbed RingModel::absorb(const Eigen::VectorXf& column, std::span<c
   snapshot_.reset();
   result.wants_interpolation = can_choose_interpolation() && interpolation_.due(images_);
   return result;
+}
+
+void RingModel::fold_pending() {
+  Absorbed unused;
+  follow(factor_.fold(), unused);
 }
 
 void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
@@ -98,11 +104,14 @@ float RingModel::nearest_cosine(const Eigen::Vector3f& direction) const {
   return views_.nearest(direction).cosine;
 }
 
+bool RingModel::may_repeat(const Eigen::Vector3f& direction) const {
+  return options_.repeat_angle > 0 && nearest_cosine(direction) >= std::cos(static_cast<float>(options_.repeat_angle));
+}
+
 bool RingModel::repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
                         const Eigen::Vector3f& direction) const {
-  const auto [view, cosine] = views_.nearest(direction);
-  if (view < 0 || options_.repeat_angle <= 0 || cosine < std::cos(static_cast<float>(options_.repeat_angle)))
-    return false;
+  if (!may_repeat(direction)) return false;
+  const int view = views_.nearest(direction).view;
   const int waiting = view - factor_.folded_views();  // < 0: folded
   const Eigen::VectorXf coefficients = waiting < 0 ? factor_.coefficients().col(view) : Eigen::VectorXf();
   const auto kept = [&](Eigen::Index row) -> float {
@@ -245,8 +254,7 @@ std::shared_ptr<const RingSnapshot> RingModel::snapshot(const Eigen::Matrix3f& f
     snapshot_ = settled_snapshot(frame, resolution);
   } else {  // what is seen must not depend on when it is looked at: a copy is folded
     RingModel settled = *this;
-    Absorbed unused;
-    settled.follow(settled.factor_.fold(), unused);
+    settled.fold_pending();
     snapshot_ = settled.settled_snapshot(frame, resolution);
   }
   return snapshot_;

@@ -48,18 +48,24 @@ class RingModel {
     double residual_energy = 0;        ///< of the same: ||p||^2, what the ring's basis did not predict of them
   };
 
-  /// Takes in what one image shows. `column`: encoded values of all rows; those of samples that are not `visible` mean
-  /// nothing. `reliability` in (0, 1] weighs the image in the interpolation between views.
-  Absorbed absorb(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+  /// Takes in what one image shows. `column`: encoded values of all rows, which other rings may hold too.
+  /// `reliability` in (0, 1] weighs the image in the interpolation between views.
+  Absorbed absorb(std::vector<SharedRows<float>> column, std::span<const std::uint8_t> visible,
                   const Eigen::Vector3f& direction, float cosine, float reliability);
 
-  /// Takes out again what an image gave: the arguments are those with which it was absorbed. Exact for the view itself;
+  int pending() const { return factor_.pending(); }  ///< images that wait to be folded
+  void fold_pending();
+
+  /// Takes out again what an image gave: the arguments are those with which it was absorbed; values of samples that are
+  /// not `visible` mean nothing, here and below. Exact for the view itself;
   /// what the image left in the others (samples that were imputed with its help, the filtered residual) stays.
   void withdraw(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& direction);
 
   /// Cosine of the angle between a direction and the nearest kept view's; -1 when there is none.
   float nearest_cosine(const Eigen::Vector3f& direction) const;
-  /// Whether a column seen from within `repeat_angle` of a kept view is what that view showed, as closely as the basis
+  /// Whether an image from there is near enough to a kept view to be a repetition of it.
+  bool may_repeat(const Eigen::Vector3f& direction) const;
+  /// Whether a column from there is also what that view showed, as closely as the basis
   /// explains any image: absorbing it would add nothing. Looks at an eighth of the samples; every sample that it looks
   /// at must have been shown before.
   bool repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,

@@ -5,9 +5,48 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace sheen {
+namespace {
+
+// Images after which columns are folded although more could wait with them: what they hold in memory is bounded.
+constexpr std::size_t kLongestWait = 24;
+
+/// Place of a vertex on a Z-order curve through the mesh's bounds.
+std::uint64_t z_order(const Eigen::Vector3f& place, const Eigen::Vector3f& lowest, float size) {
+  constexpr int kBits = 20;  // per axis
+  std::uint64_t code = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float share = size > 0 ? (place[axis] - lowest[axis]) / size : 0;
+    const auto cell = static_cast<std::uint64_t>(share * ((1 << kBits) - 1));
+    for (int bit = 0; bit < kBits; ++bit) code |= (cell >> bit & 1) << (3 * bit + axis);
+  }
+  return code;
+}
+
+/// Rings that lie together fold together, for they hold the same rows until they do: as many as leave enough groups for
+/// the work to be spread evenly over images.
+std::vector<unsigned> phases_of(const Mesh& mesh) {
+  constexpr std::size_t kMostTogether = 64, kFewestGroups = 80;
+  std::vector<unsigned> phases(mesh.vertices.size());
+  std::iota(phases.begin(), phases.end(), 0u);
+  const std::size_t together = std::min(mesh.vertices.size() / kFewestGroups, kMostTogether);
+  if (together <= 1) return phases;
+  const Eigen::Map<const Eigen::Matrix3Xf> places(mesh.vertices.front().data(), 3,
+                                                  static_cast<Eigen::Index>(mesh.vertices.size()));
+  const Eigen::Vector3f lowest = places.rowwise().minCoeff();
+  const float size = (places.rowwise().maxCoeff() - lowest).maxCoeff();
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> along;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    along.emplace_back(z_order(mesh.vertices[v], lowest, size), v);
+  std::sort(along.begin(), along.end());
+  for (std::size_t i = 0; i < along.size(); ++i) phases[along[i].second] = static_cast<unsigned>(i / together);
+  return phases;
+}
+
+}  // namespace
 
 RingSet::RingSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings,
                  std::span<const Eigen::Matrix3f> frames, const RingModelOptions& options)
@@ -15,6 +54,8 @@ RingSet::RingSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexR
       rings_(std::move(rings)),
       frames_(frames),
       options_(options),
+      phases_(phases_of(*mesh_)),
+      waiting_since_(mesh_->vertices.size()),
       models_(mesh_->vertices.size()) {}
 
 bool RingSet::gather(std::size_t ring, const ShownImage& image, RingColumn& column) const {
@@ -71,21 +112,32 @@ RingModel::Prediction RingSet::predict(Indices asked, const ShownImage& image) c
   return all;
 }
 
-RingSet::Update RingSet::absorb(Indices chosen, const ShownImage& image) {
+RingSet::Update RingSet::absorb(Indices chosen, const ShownImage& image, std::size_t number) {
   Update update;
   update.repeated.assign(chosen.size(), 0);
   std::vector<RingModel::Absorbed> absorbed(chosen.size());
+  const TriangleRuns triangles = triangle_runs(*rings_, image.view, image.samples);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chosen.size(), 16), [&](const auto& range) {
     RingColumn column;
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const std::uint32_t v = chosen[i];
-      gather(v, image, column);
       std::unique_ptr<RingModel>& ring = models_[v];
-      if (!ring) ring = std::make_unique<RingModel>(rings_->ring_samples(v), options_, v);
-      update.repeated[i] = ring->repeats(column.values, column.visible, column.direction);
+      if (!ring) ring = std::make_unique<RingModel>(rings_->ring_samples(v), options_, phases_[v]);
+      look_at(*rings_, v, mesh_->vertices[v], image.view, column);
+      if (ring->may_repeat(column.direction)) {
+        gather(v, image, column);
+        update.repeated[i] = ring->repeats(column.values, column.visible, column.direction);
+      }
       if (!update.repeated[i])
-        absorbed[i] = ring->absorb(column.values, column.visible, column.direction, column.cosine, column.cosine);
+        absorbed[i] = ring->absorb(runs_of(*rings_, v, triangles), column.visible, column.direction, column.cosine,
+                                   column.cosine);
+      if (ring->pending() == 1) waiting_since_[v] = number;
     }
+  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, models_.size(), 64), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v)
+      if (models_[v] && models_[v]->pending() > 0 && number >= waiting_since_[v] + kLongestWait)
+        models_[v]->fold_pending();
   });
   for (std::size_t i = 0; i < absorbed.size(); ++i) {
     if (!absorbed[i].used) continue;
@@ -114,15 +166,27 @@ void RingSet::limit_terms(int max_rank, int internal_rank, int block) {
   });
 }
 
+std::shared_ptr<const RingSnapshot> RingSet::snapshot(std::size_t ring) {
+  if (!models_[ring]) return nullptr;
+  std::vector<int> resolution;
+  for (const RingTriangle& member : rings_->ring(ring)) resolution.push_back(rings_->resolution(member.triangle));
+  return models_[ring]->snapshot(frames_[ring], resolution);
+}
+
 std::vector<std::shared_ptr<const RingSnapshot>> RingSet::snapshots() {
   std::vector<std::shared_ptr<const RingSnapshot>> snapshots(models_.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, snapshots.size(), 32), [&](const auto& range) {
-    std::vector<int> resolution;
+    for (std::size_t v = range.begin(); v < range.end(); ++v) snapshots[v] = snapshot(v);
+  });
+  return snapshots;
+}
+
+std::vector<std::shared_ptr<const RingSnapshot>> RingSet::finish() {
+  std::vector<std::shared_ptr<const RingSnapshot>> snapshots(models_.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, snapshots.size(), 32), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      if (!models_[v]) continue;
-      resolution.clear();
-      for (const RingTriangle& member : rings_->ring(v)) resolution.push_back(rings_->resolution(member.triangle));
-      snapshots[v] = models_[v]->snapshot(frames_[v], resolution);
+      snapshots[v] = snapshot(v);
+      models_[v].reset();
     }
   });
   return snapshots;

@@ -49,14 +49,17 @@ class RingSet {
     std::size_t updated = 0;
     double energy = 0, residual_energy = 0;  ///< RingModel::Absorbed, of all
   };
-  /// The rings `chosen` take the image in.
-  Update absorb(Indices chosen, const ShownImage& image);
+  /// The rings `chosen` take the image in, the `number`th of all. What a ring has seldom been shown does not wait for
+  /// ever.
+  Update absorb(Indices chosen, const ShownImage& image, std::size_t number);
   /// The rings that took the image in, all that it shows when `taken` is empty, let go of it.
   void withdraw(const ShownImage& image, const std::vector<bool>& taken);
 
   /// In all rings at once.
   void limit_terms(int max_rank, int internal_rank, int block);
   std::vector<std::shared_ptr<const RingSnapshot>> snapshots();
+  /// The same for the last time: each ring is let go of when its snapshot is there.
+  std::vector<std::shared_ptr<const RingSnapshot>> finish();
 
   std::size_t bytes() const;
   std::size_t snapshot_bytes() const;
@@ -64,12 +67,15 @@ class RingSet {
   std::vector<std::size_t> rank_histogram() const;
 
  private:
+  std::shared_ptr<const RingSnapshot> snapshot(std::size_t ring);
   bool gather(std::size_t ring, const ShownImage& image, RingColumn& column) const;
 
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const VertexRings> rings_;
   std::span<const Eigen::Matrix3f> frames_;
   RingModelOptions options_;
+  std::vector<unsigned> phases_;            ///< per ring: when it folds
+  std::vector<std::size_t> waiting_since_;  ///< per ring with pending columns: number of the image of the first
   std::vector<std::unique_ptr<RingModel>> models_;
 };
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -79,6 +80,14 @@ struct SurfaceLightField::Pipeline {
   InterpolationUpkeep interpolation;
   FoldedImages folded;
   std::uint64_t version = 0;
+
+  /// What the rings leave behind.
+  struct Finished {
+    ModelFigures figures;
+    std::size_t snapshot_bytes;
+    std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot;
+  };
+  std::optional<Finished> finished;
 
   void start(const Beginning& first);
   IngestReport ingest(const Capture& capture);
@@ -223,7 +232,7 @@ std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const Su
 std::vector<bool> SurfaceLightField::Pipeline::factorise(const SurfaceView& view, IngestReport& report) {
   const std::vector<std::uint32_t> chosen = rings_to_update(view, report);
   report.predicted_psnr_db = predicted_psnr_db(view, chosen);
-  const RingSet::Update update = rings->absorb(chosen, {view, samples});
+  const RingSet::Update update = rings->absorb(chosen, {view, samples}, folded.count());
   report.patches_updated = update.updated;
   report.patches_skipped = static_cast<std::size_t>(std::count(update.repeated.begin(), update.repeated.end(), 1));
   report.relative_residual = update.energy > 0 ? std::sqrt(update.residual_energy / update.energy) : 0;
@@ -260,11 +269,12 @@ SurfaceLightField::SurfaceLightField(std::shared_ptr<const Mesh> mesh, const Sur
 SurfaceLightField::~SurfaceLightField() = default;
 
 IngestReport SurfaceLightField::ingest(const Capture& capture) {
+  if (pipeline_->finished) throw std::logic_error("surface light field: it is finished and takes no image");
   return pipeline_->ingest(capture);
 }
 
 bool SurfaceLightField::withdraw(const Capture& capture) {
-  return pipeline_->withdraw(capture);
+  return !pipeline_->finished && pipeline_->withdraw(capture);
 }
 
 bool SurfaceLightField::began_with(const Capture& capture) const {
@@ -318,6 +328,7 @@ void SurfaceLightField::limit_terms(int max_rank, int internal_rank, int block) 
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_snapshot() {
   Pipeline& p = *pipeline_;
+  if (p.finished) return p.finished->snapshot;
   if (!p.rings) {  // nothing seen yet: an empty light field on the coarsest maps
     const std::vector<std::uint8_t> coarse(p.mesh->triangles.size(), 2);
     return std::make_shared<SurfaceLightFieldSnapshot>(
@@ -328,6 +339,18 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_
                                                      p.exposure_field(), p.folded.cameras());
 }
 
+void SurfaceLightField::finish() {
+  Pipeline& p = *pipeline_;
+  if (!p.rings) return;
+  p.finished = {figures(), snapshot_bytes(), nullptr};
+  p.visibility.reset();
+  p.image = {};
+  p.samples.resize(3, 0);
+  p.finished->snapshot = std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.shape, p.rings->finish(), p.version++,
+                                                                     p.exposure_field(), p.folded.cameras());
+  p.rings.reset();
+}
+
 std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
   if (pipeline_->constant_colour) return pipeline_->constant_colour->snapshot(pipeline_->exposure_field());
   const std::vector<std::uint8_t> coarse(pipeline_->mesh->triangles.size(), 2);
@@ -335,6 +358,7 @@ std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
 }
 
 ModelFigures SurfaceLightField::figures() const {
+  if (pipeline_->finished) return pipeline_->finished->figures;
   ModelFigures figures{.images = pipeline_->folded.count(), .bytes = bytes()};
   if (pipeline_->rings) figures.rank_histogram = pipeline_->rings->rank_histogram();
   const auto reached = std::reduce(figures.rank_histogram.begin(), figures.rank_histogram.end());
@@ -352,10 +376,12 @@ MemoryAccount SurfaceLightField::memory(const CaptureSize& image) const {
 }
 
 std::size_t SurfaceLightField::bytes() const {
+  if (pipeline_->finished) return pipeline_->finished->figures.bytes;
   return pipeline_->rings ? pipeline_->rings->bytes() : 0;
 }
 
 std::size_t SurfaceLightField::snapshot_bytes() const {
+  if (pipeline_->finished) return pipeline_->finished->snapshot_bytes;
   return pipeline_->rings ? pipeline_->rings->snapshot_bytes() : 0;
 }
 

@@ -37,6 +37,8 @@ class SurfaceLightField : public AppearanceModel {
 
   std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
   std::shared_ptr<const SurfaceLightFieldSnapshot> light_field_snapshot();
+  /// `ingest` throws std::logic_error from now on.
+  void finish() override;
   std::shared_ptr<const Appearance> constant_colour() const override;
 
   const SurfaceLightFieldOptions& settings() const override;

@@ -109,7 +109,7 @@ TEST(InterpolationSchedule, EveryImageHasItsShareOfTheChoices) {
       const Eigen::VectorXf column = gaussian_matrix(3 * kSamples, 1, static_cast<std::uint32_t>(image));
       const Eigen::Vector3f direction =
           Eigen::Vector3f(std::sin(0.1f * image), std::cos(0.07f * image), 1).normalized();
-      if (!ring.absorb(column, visible, direction, 1, 1).wants_interpolation) continue;
+      if (!ring.absorb({shared_rows(column)}, visible, direction, 1, 1).wants_interpolation) continue;
       EXPECT_LE(image, std::max(7.0, std::ceil(1.4 * last + 1))) << "phase " << phase;
       ring.set_interpolation({kViewKernels[0], false});
       last = image;
