@@ -41,7 +41,7 @@ json settings_report(const Reconstruction& reconstruction, double psnr_db) {
         {"asked_ms", *limits.image_ms}, {"image_ms", image_ms}, {"holds", image_ms <= *limits.image_ms}};
   }
   if (limits.bytes) {
-    const double grown = resident_memory().bytes - reconstruction.resident_before();
+    const double grown = reconstruction.resident_growth();
     report["memory"] = {{"asked_bytes", *limits.bytes}, {"bytes", grown}, {"holds", grown <= *limits.bytes}};
   }
   if (limits.psnr_db)
@@ -56,7 +56,7 @@ json memory_report(const Reconstruction& reconstruction) {
   const ResidentMemory resident = resident_memory();
   return {{"parts", account.parts()},
           {"counted_bytes", account.total()},
-          {"resident_growth_bytes", resident.bytes - reconstruction.resident_before()},
+          {"resident_growth_bytes", reconstruction.resident_growth()},
           {"resident_bytes", resident.bytes},
           {"peak_resident_bytes", resident.peak_bytes}};
 }

@@ -275,6 +275,15 @@ void Reconstruction::forget_work() {
   memory_exceeded_ = false;
 }
 
+void Reconstruction::finish() {
+  resident_at_finish_ = resident_memory().bytes;
+  model_->finish();
+}
+
+double Reconstruction::resident_growth() const {
+  return std::max(resident_memory().bytes, resident_at_finish_) - resident_before_;
+}
+
 double Reconstruction::images_per_s() const {
   return updates_.sum_s() > 0 ? static_cast<double>(updates_.count()) / updates_.sum_s() : 0;
 }

@@ -71,7 +71,7 @@ class Reconstruction {
   const Mesh& mesh() const { return *mesh_; }
   std::shared_ptr<const ModelSnapshot> snapshot() { return model_->snapshot(); }
   /// No capture follows: AppearanceModel::finish.
-  void finish() { model_->finish(); }
+  void finish();
   const AppearanceModel& model() const { return *model_; }
   const RayPainter& painter() const { return painter_; }
   const std::vector<HeldOutView>& held_out() const { return held_out_; }
@@ -94,8 +94,8 @@ class Reconstruction {
   };
   Effort effort() const;
   MemoryAccount memory() const;
-  /// Of this process before there was a reconstruction, in bytes.
-  double resident_before() const { return resident_before_; }
+  /// By which this process has grown since there is a reconstruction, in bytes: now, or when it was finished.
+  double resident_growth() const;
   /// What was decided to keep the budget, for a later run to follow; empty when nothing was.
   std::string effort_record() const { return effort_.record(); }
 
@@ -126,7 +126,7 @@ class Reconstruction {
   double predicted_error() const;
   void forget_work();
 
-  double resident_before_;
+  double resident_before_, resident_at_finish_ = 0;
   std::shared_ptr<const Mesh> mesh_;
   std::unique_ptr<ModelSettings> asked_;
   std::unique_ptr<AppearanceModel> model_;

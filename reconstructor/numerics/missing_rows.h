@@ -97,7 +97,8 @@ class MissingRows {
   void impute_again(Basis& basis, Views& views, double noise) const;
   Eigen::MatrixXd mean_rows(const Basis& basis) const;
   Eigen::MatrixXd foreseen(const Basis& basis, const Views& views, const Pending& pending, const Gathered& gathered,
-                           const HiddenPatterns& hidden, const Eigen::MatrixXd& level, double noise, std::uint64_t& guessed) const;
+                           const HiddenPatterns& hidden, const Eigen::MatrixXd& level, double noise,
+                           std::uint64_t& guessed) const;
 
   Imputation imputation_;
   WitnessRows witnesses_;

@@ -25,7 +25,7 @@ Scalar* copy_rows(const std::vector<SharedRows<Scalar>>& runs, Scalar* to) {
 template <typename Scalar>
 void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::span<const std::uint8_t> known,
                                  double weight) {
-  std::shared_ptr<Scalar[]> values(new Scalar[static_cast<std::size_t>(rows_)]);
+  auto values = std::make_shared_for_overwrite<Scalar[]>(static_cast<std::size_t>(rows_));
   Scalar peak = copy_and_peak(column.data(), rows_, values.get());
   if (std::isfinite(peak) && (known.empty() || !std::memchr(known.data(), 0, known.size())))
     return add({{std::move(values), rows_, peak}}, {}, weight);
@@ -122,9 +122,8 @@ template <typename Scalar>
 std::size_t PendingColumns<Scalar>::bytes() const {
   std::size_t bytes = sizeof(Column) * columns_.capacity();
   for (const Column& column : columns_) {
-    bytes += sizeof(std::uint64_t) * column.hidden.capacity() + sizeof(SharedRows<Scalar>) * column.runs.capacity();
-    for (const SharedRows<Scalar>& run : column.runs)
-      if (run.values) bytes += sizeof(Scalar) * static_cast<std::size_t>(run.rows / run.values.use_count());
+    bytes += sizeof(std::uint64_t) * column.hidden.capacity();
+    for (const SharedRows<Scalar>& run : column.runs) bytes += run.bytes();
   }
   return bytes;
 }

@@ -100,12 +100,9 @@ Fold RingBasis<Scalar>::fold(const Columns& columns, const VectorXd& weights, co
   block.norm2 = row_panels::squared_norms<Scalar>(columns, columns.stride);
   const Matrix projected = y.template cast<Scalar>();  // (1), as P can be made with it
   block.inside = projected.template cast<double>();
-  if (rank_ > 0)
-    row_panels::combine<Scalar>(this->columns(), {}, -projected, basis_.rows(),
-                                columns, true);
+  if (rank_ > 0) row_panels::combine<Scalar>(this->columns(), {}, -projected, basis_.rows(), columns, true);
   for (std::size_t row = 0; row < hidden.size(); ++row)
-    for (std::uint64_t bits = hidden[row]; bits != 0; bits &= bits - 1)
-      columns.column(std::countr_zero(bits))[row] = 0;
+    for (std::uint64_t bits = hidden[row]; bits != 0; bits &= bits - 1) columns.column(std::countr_zero(bits))[row] = 0;
   split_residuals(columns, block, options);
   return absorb(columns, block, options);
 }

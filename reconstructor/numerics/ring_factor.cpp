@@ -141,7 +141,8 @@ Scalar BasicRingFactor<Scalar>::pending_value(int column, int row) const {
 
 template <typename Scalar>
 typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::pending_coefficients() const {
-  Eigen::MatrixXd y = missing_.project(basis_, views_, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
+  Eigen::MatrixXd y =
+      missing_.project(basis_, views_, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
   for (int j = 0; j < pending(); ++j) y.col(j) *= std::ldexp(1.0, pending_.exponent(j));
   return stored<Scalar>(y);
 }
@@ -202,11 +203,13 @@ std::size_t BasicRingFactor<Scalar>::bytes() const {
 
 template <typename Scalar>
 double BasicRingFactor<Scalar>::bytes_for(double rows, double terms, double columns, double views, double sketched) {
-  constexpr double kViewEntry = 124;                  // its line in the ledger, and the head of what it showed
+  constexpr double kViewEntry = 124;  // its line in the ledger, and the head of what it showed
+  constexpr double kRuns =
+      6 * (sizeof(SharedRows<Scalar>) + 32.0 / 3);    // of a column: six triangles, each in three rings
   const double padded = rows + row_panels::kPadding;  // to whole vectors
   const double view = kViewEntry + padded / 8 + sizeof(Scalar) * sketched;
-  return sizeof(Scalar) * (padded * (terms + columns) + terms * views) + 2 * sizeof(double) * terms * terms +
-         padded / 8 + views * view;
+  return sizeof(Scalar) * (padded * (terms + columns) + terms * views) + kRuns * columns +
+         2 * sizeof(double) * terms * terms + padded / 8 + views * view;
 }
 
 template class BasicRingFactor<float>;

@@ -68,11 +68,7 @@ struct Columns {
   T* column(int j) const { return data + j * stride; }
   Columns from(int j) const { return {column(j), stride, count - j}; }
   Columns first(int columns) const { return {data, stride, columns}; }
-  operator Columns<const T>() const
-    requires(!std::is_const_v<T>)
-  {
-    return {data, stride, count};
-  }
+  operator Columns<const T>() const requires(!std::is_const_v<T>) { return {data, stride, count}; }
 };
 
 template <typename Derived>

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -19,6 +20,13 @@ struct SharedRows {
   std::shared_ptr<const Scalar[]> values;
   int rows = 0;
   Scalar peak = 0;  ///< largest magnitude; not finite where a value is not
+
+  /// Of memory, divided among all who hold the values.
+  std::size_t bytes() const {
+    constexpr std::size_t kCounters = 32;  // beside the values, with what the allocator needs
+    const auto held = sizeof(Scalar) * static_cast<std::size_t>(rows) + kCounters;
+    return sizeof(*this) + (values ? held / static_cast<std::size_t>(values.use_count()) : 0);
+  }
 };
 
 /// Copies numbers; SharedRows::peak of them.
@@ -38,7 +46,7 @@ Scalar copy_and_peak(const Scalar* from, Eigen::Index count, Scalar* to) {
 template <typename Derived>
 SharedRows<typename Derived::Scalar> shared_rows(const Eigen::PlainObjectBase<Derived>& values) {
   using Scalar = typename Derived::Scalar;
-  const std::shared_ptr<Scalar[]> copy(new Scalar[static_cast<std::size_t>(values.size())]);
+  const auto copy = std::make_shared_for_overwrite<Scalar[]>(static_cast<std::size_t>(values.size()));
   const Scalar peak = copy_and_peak(values.data(), values.size(), copy.get());
   return {copy, static_cast<int>(values.size()), peak};
 }

@@ -125,8 +125,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     while (in.rest.size() >= 4) fuzz::damage_once(file, in);
   }
   try {
-    const PatchModel model = decode_compact(file, "fuzzed");
-    look_at_all(*std::make_shared<CompactLightField>(model, nullptr));
+    PatchModel model = decode_compact(file, "fuzzed");
+    look_at_all(*std::make_shared<CompactLightField>(std::move(model), nullptr));
   } catch (const FileError&) {
   }
   return 0;

@@ -3,6 +3,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/scalable_allocator.h>
 
 #include <algorithm>
 
@@ -46,7 +47,9 @@ TriangleRuns triangle_runs(const VertexRings& rings, const SurfaceView& view, co
       runs[t].rows = 3 * samples;
       if (view.visible_in_triangle[t] == 0) continue;
       const auto first = static_cast<Eigen::Index>(rings.first_sample(t));
-      const std::shared_ptr<float[]> values(new float[static_cast<std::size_t>(runs[t].rows)]);
+      // Other threads let go of it, of thousands at once: the allocator is for that.
+      const auto values = std::allocate_shared_for_overwrite<float[]>(tbb::scalable_allocator<float>(),
+                                                                      static_cast<std::size_t>(runs[t].rows));
       if (view.visible_in_triangle[t] == samples) {
         runs[t].peak = copy_and_peak(encoded.col(first).data(), runs[t].rows, values.get());
       } else {

@@ -53,8 +53,7 @@ class RingModel {
   Absorbed absorb(std::vector<SharedRows<float>> column, std::span<const std::uint8_t> visible,
                   const Eigen::Vector3f& direction, float cosine, float reliability);
 
-  int pending() const { return factor_.pending(); }  ///< images that wait to be folded
-  void fold_pending();
+  void fold_pending();  ///< the images that wait to be folded
 
   /// Takes out again what an image gave: the arguments are those with which it was absorbed; values of samples that are
   /// not `visible` mean nothing, here and below. Exact for the view itself;

@@ -11,9 +11,6 @@
 namespace sheen {
 namespace {
 
-// Images after which columns are folded although more could wait with them: what they hold in memory is bounded.
-constexpr std::size_t kLongestWait = 24;
-
 /// Place of a vertex on a Z-order curve through the mesh's bounds.
 std::uint64_t z_order(const Eigen::Vector3f& place, const Eigen::Vector3f& lowest, float size) {
   constexpr int kBits = 20;  // per axis
@@ -55,7 +52,6 @@ RingSet::RingSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexR
       frames_(frames),
       options_(options),
       phases_(phases_of(*mesh_)),
-      waiting_since_(mesh_->vertices.size()),
       models_(mesh_->vertices.size()) {}
 
 bool RingSet::gather(std::size_t ring, const ShownImage& image, RingColumn& column) const {
@@ -112,7 +108,7 @@ RingModel::Prediction RingSet::predict(Indices asked, const ShownImage& image) c
   return all;
 }
 
-RingSet::Update RingSet::absorb(Indices chosen, const ShownImage& image, std::size_t number) {
+RingSet::Update RingSet::absorb(Indices chosen, const ShownImage& image) {
   Update update;
   update.repeated.assign(chosen.size(), 0);
   std::vector<RingModel::Absorbed> absorbed(chosen.size());
@@ -131,14 +127,14 @@ RingSet::Update RingSet::absorb(Indices chosen, const ShownImage& image, std::si
       if (!update.repeated[i])
         absorbed[i] = ring->absorb(runs_of(*rings_, v, triangles), column.visible, column.direction, column.cosine,
                                    column.cosine);
-      if (ring->pending() == 1) waiting_since_[v] = number;
     }
   });
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, models_.size(), 64), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (models_[v] && models_[v]->pending() > 0 && number >= waiting_since_[v] + kLongestWait)
-        models_[v]->fold_pending();
-  });
+  const auto repeated = static_cast<std::size_t>(std::count(update.repeated.begin(), update.repeated.end(), 1));
+  if (2 * repeated > chosen.size())
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chosen.size(), 16), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i)
+        if (absorbed[i].used) models_[chosen[i]]->fold_pending();
+    });
   for (std::size_t i = 0; i < absorbed.size(); ++i) {
     if (!absorbed[i].used) continue;
     ++update.updated;

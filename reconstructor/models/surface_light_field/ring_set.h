@@ -49,9 +49,9 @@ class RingSet {
     std::size_t updated = 0;
     double energy = 0, residual_energy = 0;  ///< RingModel::Absorbed, of all
   };
-  /// The rings `chosen` take the image in, the `number`th of all. What a ring has seldom been shown does not wait for
-  /// ever.
-  Update absorb(Indices chosen, const ShownImage& image, std::size_t number);
+  /// The rings `chosen` take the image in. Where most have seen what it shows, the few that take it fold it at once:
+  /// no others would share what waits.
+  Update absorb(Indices chosen, const ShownImage& image);
   /// The rings that took the image in, all that it shows when `taken` is empty, let go of it.
   void withdraw(const ShownImage& image, const std::vector<bool>& taken);
 
@@ -74,8 +74,7 @@ class RingSet {
   std::shared_ptr<const VertexRings> rings_;
   std::span<const Eigen::Matrix3f> frames_;
   RingModelOptions options_;
-  std::vector<unsigned> phases_;            ///< per ring: when it folds
-  std::vector<std::size_t> waiting_since_;  ///< per ring with pending columns: number of the image of the first
+  std::vector<unsigned> phases_;  ///< per ring: when it folds
   std::vector<std::unique_ptr<RingModel>> models_;
 };
 

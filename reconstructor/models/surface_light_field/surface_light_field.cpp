@@ -232,7 +232,7 @@ std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const Su
 std::vector<bool> SurfaceLightField::Pipeline::factorise(const SurfaceView& view, IngestReport& report) {
   const std::vector<std::uint32_t> chosen = rings_to_update(view, report);
   report.predicted_psnr_db = predicted_psnr_db(view, chosen);
-  const RingSet::Update update = rings->absorb(chosen, {view, samples}, folded.count());
+  const RingSet::Update update = rings->absorb(chosen, {view, samples});
   report.patches_updated = update.updated;
   report.patches_skipped = static_cast<std::size_t>(std::count(update.repeated.begin(), update.repeated.end(), 1));
   report.relative_residual = update.energy > 0 ? std::sqrt(update.residual_energy / update.energy) : 0;

@@ -24,13 +24,16 @@ std::uint8_t share_of(SampleState state) {
   return kShares[static_cast<std::size_t>(state)];
 }
 
-std::shared_ptr<const SurfacePatch> surface_patch(const Patch& patch) {
+/// Of the patch, whose maps are let go of.
+std::shared_ptr<const SurfacePatch> take_surface(Patch& patch) {
   if (patch.mean.size() == 0) return nullptr;
   auto surface = std::make_shared<SurfacePatch>();
   surface->basis.resize(patch.mean.size(), 1 + patch.basis.cols());
   surface->basis.col(0) = patch.mean / kGreyLevels;
   surface->basis.rightCols(patch.basis.cols()) = patch.basis / kGreyLevels;
   for (const SampleState state : patch.state) surface->shown.push_back(share_of(state));
+  patch.mean.resize(0);
+  patch.basis.resize(0, 0);
   return surface;
 }
 
@@ -74,14 +77,14 @@ SnapshotFigures figures_of(const std::vector<std::shared_ptr<const SurfacePatch>
 
 }  // namespace
 
-CompactLightField::CompactLightField(const PatchModel& model, std::shared_ptr<const std::string> encoded)
+CompactLightField::CompactLightField(PatchModel model, std::shared_ptr<const std::string> encoded)
     : LightFieldSnapshot(model.mesh, model.rings_of_mesh, kOnlySnapshot, model.exposure, model.cameras),
       shapes_(model.shapes),
       encoded_(std::move(encoded)) {
   const std::size_t vertices = model.mesh->vertices.size();
   patches_.resize(model.patches.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches_.size(), 64), [&](const auto& range) {
-    for (std::size_t t = range.begin(); t < range.end(); ++t) patches_[t] = surface_patch(model.patches[t]);
+    for (std::size_t t = range.begin(); t < range.end(); ++t) patches_[t] = take_surface(model.patches[t]);
   });
   const std::vector<Eigen::Vector3f> normals = vertex_normals(*model.mesh);
   interpolants_.resize(vertices);
@@ -115,7 +118,8 @@ CompactLightField::CompactLightField(const PatchModel& model, std::shared_ptr<co
     views += static_cast<double>(model.rings[v].views.size());
   }
   common_sill_ = views > 0 ? static_cast<float>(sum / views) : 0;
-  for (const Patch& patch : model.patches) max_terms_ = std::max(max_terms_, static_cast<int>(patch.basis.cols()));
+  for (const Patch& patch : model.patches)
+    max_terms_ = std::max(max_terms_, static_cast<int>(patch.coefficients.rows()));
   figures_ = figures_of(patches_);
 }
 
@@ -124,15 +128,16 @@ void CompactLightField::interpolate_at(const PatchModel& model, std::size_t vert
   RingSystem system = ring_system(model, ring, normal);
   Eigen::Index terms = 0;
   Interpolant& here = interpolants_[vertex];
-  for (const std::uint32_t p : here.patches) terms += model.patches[p].basis.cols();
+  for (const std::uint32_t p : here.patches) terms += model.patches[p].coefficients.rows();
   Eigen::MatrixXf coefficients(terms, system.directions.cols());
   Eigen::Index first = 0;
   for (const std::uint32_t p : here.patches) {
     const Patch& patch = model.patches[p];
     const std::vector<Eigen::Index> at = places(ring, patch_images(model, shapes_.patches[p]));
     for (std::size_t j = 0; j < at.size(); ++j)
-      coefficients.col(static_cast<Eigen::Index>(j)).segment(first, patch.basis.cols()) = patch.coefficients.col(at[j]);
-    first += patch.basis.cols();
+      coefficients.col(static_cast<Eigen::Index>(j)).segment(first, patch.coefficients.rows()) =
+          patch.coefficients.col(at[j]);
+    first += patch.coefficients.rows();
   }
   ViewInterpolant interpolant = krige(system.directions, coefficients, system.reliability, system.kernel, system.drift);
   here.views = ring_views(model, ring, std::move(system), normal);

@@ -14,7 +14,7 @@ namespace sheen {
 class CompactLightField : public LightFieldSnapshot, public std::enable_shared_from_this<CompactLightField> {
  public:
   /// `encoded`: the file that the model stands for, which `save` writes.
-  CompactLightField(const PatchModel& model, std::shared_ptr<const std::string> encoded);
+  CompactLightField(PatchModel model, std::shared_ptr<const std::string> encoded);
 
   SnapshotFigures figures() const override { return figures_; }
   std::shared_ptr<const ModelSnapshot> filled() const override;

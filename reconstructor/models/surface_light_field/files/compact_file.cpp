@@ -305,8 +305,8 @@ void save_compact(const std::filesystem::path& file, std::string_view encoded, c
 
 std::shared_ptr<const CompactLightField> load_compact(const std::filesystem::path& file) {
   auto bytes = std::make_shared<const std::string>(read_file(file));
-  const PatchModel model = decode_compact(*bytes, file.string());
-  return std::make_shared<CompactLightField>(model, bytes);
+  PatchModel model = decode_compact(*bytes, file.string());
+  return std::make_shared<CompactLightField>(std::move(model), bytes);
 }
 
 ModelMetadata compact_metadata(std::string_view bytes, const std::string& file) {

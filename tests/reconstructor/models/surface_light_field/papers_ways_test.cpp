@@ -26,7 +26,10 @@ struct Stream {
     std::fill_n(visible.begin(), shown, 1);
     const float angle = 0.05f * static_cast<float>(next);
     const Eigen::Vector3f direction(std::sin(angle), 0, std::cos(angle));
-    return ring.absorb({shared_rows(Eigen::VectorXf(columns.col(next++)))}, visible, direction, std::cos(angle), std::cos(angle)).used;
+    return ring
+        .absorb({shared_rows(Eigen::VectorXf(columns.col(next++)))}, visible, direction, std::cos(angle),
+                std::cos(angle))
+        .used;
   }
 };
 

@@ -147,6 +147,27 @@ TEST(SurfaceLightField, SnapshotsDoNotChangeAndShareWhatStayedTheSame) {
   }
 }
 
+TEST(SurfaceLightField, FinishedItIsWhatItWasAndTakesNoImage) {
+  const Object object = sphere_object();
+  const Scene scene{object.surface, analytic::two_terms(0.1)};
+  const std::vector<Capture> images = captures(scene, eyes(21, 0.5, 0.2));
+  SurfaceLightField model(object.mesh, plain_options()), goes_on(object.mesh, plain_options());
+  model.finish();  // before any image there is nothing to finish
+  ingest_all(model, images);
+  ingest_all(goes_on, images);
+  const ModelFigures figures = model.figures();
+  const double counted = model.memory({}).total();
+  model.finish();
+  expect_same_rings(*model.snapshot(), *goes_on.snapshot());
+  EXPECT_EQ(model.snapshot(), model.snapshot());
+  EXPECT_EQ(model.figures().images, figures.images);
+  EXPECT_EQ(model.figures().bytes, figures.bytes);
+  EXPECT_EQ(model.figures().rank_histogram, figures.rank_histogram);
+  EXPECT_EQ(model.memory({}).total(), counted);
+  EXPECT_THROW(model.ingest(images[0]), std::logic_error);
+  EXPECT_FALSE(model.withdraw(images[3]));
+}
+
 TEST(SurfaceLightField, AnImageThatComesAgainAndAgainAddsNothing) {
   const Object object = square_object();
   const Scene scene{object.surface, analytic::two_terms(0.06)};
