@@ -261,7 +261,9 @@ TEST(Attack, OnASender) {
               << " refused\n";
   }
 
-  // What it really sent to the stranger, the stranger could acknowledge. All else an honest receiver gets.
+  // What it really sent to the stranger, the stranger could acknowledge. All else an honest receiver gets. That the
+  // stranger left is seen after all that it said.
+  EXPECT_TRUE(eventually([&] { return !sender.stats().peer_connected; }));
   const std::uint64_t taken = sender.stats().delivered;
   keep(sender, kKept + 1, kKept + 3);
   CaptureReceiver receiver(receiver_options(sender.endpoint()));
