@@ -45,7 +45,7 @@ bool CaptureEnd::stop(std::chrono::milliseconds patience) {
 std::optional<CaptureEnd::Result> CaptureEnd::run() {
   fold_in_the_journal();
   Result result;
-  if (reconstruction_.counts().accepted > 0) {
+  if (reconstruction_.account().counts().accepted > 0) {
     result.model = folder_ / "model";
     save_reconstruction(reconstruction_, *result.model, folder_.string(), steps_of(EndStage::kSaving));
   }

@@ -197,7 +197,7 @@ CaptureLoop::Followed CaptureLoop::follow_withdrawals(const Session& journal, st
   if (followed == Followed::kNothing) return followed;
   const std::lock_guard lock(mutex_);
   status_.exact = !inexact_ && ingested >= rebuild_until_;
-  status_.counts = reconstruction_.counts();
+  status_.counts = reconstruction_.account().counts();
   return followed;
 }
 
@@ -242,9 +242,9 @@ void CaptureLoop::ingest_next(const Session& journal, std::uint64_t index) {
   status_.ingested = index + 1;
   status_.rebuild_until = status_.ingested < rebuild_until_ ? rebuild_until_ : 0;
   status_.exact = !inexact_ && status_.rebuild_until == 0;
-  status_.counts = reconstruction_.counts();
+  status_.counts = reconstruction_.account().counts();
   if (report.status == IngestStatus::kAccepted) status_.last = report;
-  status_.images_per_s = reconstruction_.images_per_s();
+  status_.images_per_s = reconstruction_.account().images_per_s();
   status_.effort = reconstruction_.effort();
 }
 
@@ -252,15 +252,16 @@ void CaptureLoop::judge_live() {
   const std::vector<HeldOutView>& views = reconstruction_.held_out();
   const Eigen::Vector3d centre = bounding_sphere(reconstruction_.mesh()).centre.cast<double>();
   if (const std::vector<std::size_t> panel = judging_panel(views, centre); !panel.empty())
-    held_out_curve_.judge(views, panel, reconstruction_.counts().accepted, *reconstruction_.snapshot()->filled(),
-                          *reconstruction_.model().constant_colour(), reconstruction_.painter());
+    held_out_curve_.judge(views, panel, reconstruction_.account().counts().accepted,
+                          *reconstruction_.snapshot()->filled(), *reconstruction_.model().constant_colour(),
+                          reconstruction_.painter());
   const std::lock_guard lock(mutex_);
   status_.held_out_curve = held_out_curve_.points();
   const ModelFigures figures = reconstruction_.model().figures();
   status_.rank_histogram = figures.rank_histogram;
   status_.model_bytes = figures.bytes;
-  for (const auto& [stage, seconds] : reconstruction_.stages()) status_.stage_s[stage] = seconds.median_s();
-  status_.update = reconstruction_.updates();
+  for (const auto& [stage, seconds] : reconstruction_.account().stages()) status_.stage_s[stage] = seconds.median_s();
+  status_.update = reconstruction_.account().updates();
 }
 
 void CaptureLoop::fail(const std::string& what) {

@@ -36,7 +36,7 @@ json settings_report(const Reconstruction& reconstruction, double psnr_db) {
               {"update_fraction", reconstruction.effort().update_fraction}};
   for (const SettingKey& key : settings->keys()) report[key.name] = to_json(key.get());
   if (limits.image_ms) {
-    const double image_ms = 1e3 * reconstruction.updates().median_s();
+    const double image_ms = 1e3 * reconstruction.account().updates().median_s();
     report["budget"] = {
         {"asked_ms", *limits.image_ms}, {"image_ms", image_ms}, {"holds", image_ms <= *limits.image_ms}};
   }
@@ -64,11 +64,11 @@ json memory_report(const Reconstruction& reconstruction) {
 }  // namespace
 
 json reconstruction_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged) {
-  const FrameCounts& counts = reconstruction.counts();
+  const FrameCounts& counts = reconstruction.account().counts();
   json refused = json::object();
   for (const auto& [reason, n] : counts.refused) refused[reason] = n;
   json stages = json::object();
-  for (const auto& [stage, seconds] : reconstruction.stages()) stages[stage] = 1e3 * seconds.median_s();
+  for (const auto& [stage, seconds] : reconstruction.account().stages()) stages[stage] = 1e3 * seconds.median_s();
 
   json report;
   report["frames"] = {{"sent", counts.received},
@@ -79,12 +79,12 @@ json reconstruction_report(const Reconstruction& reconstruction, const Reconstru
                       {"withdrawn", counts.withdrawn},
                       {"waiting", 0},
                       {"lost", 0}};
-  report["ingest_images_per_s"] = reconstruction.images_per_s();
+  report["ingest_images_per_s"] = reconstruction.account().images_per_s();
   report["ingest_ms"] = stages;
   const ModelFigures figures = reconstruction.model().figures();
   report["rank_histogram"] = figures.rank_histogram;
   report["bytes_per_patch"] = figures.bytes_per_patch;
-  const Reconstruction::PatchCounts& patches = reconstruction.patches();
+  const CaptureAccount::PatchCounts& patches = reconstruction.account().patches();
   report["patches"] = {{"updated", patches.updated}, {"skipped", patches.skipped}, {"left_out", patches.left_out}};
   report["memory"] = memory_report(reconstruction);
   report["settings"] = settings_report(reconstruction, judged.model.psnr_db);

@@ -6,7 +6,6 @@
 
 #include "common/base/log.h"
 #include "reconstructor/effort/resident_memory.h"
-#include "reconstructor/radiance/capture_rules.h"
 
 namespace sheen {
 namespace {
@@ -39,15 +38,14 @@ void Reconstruction::begin_at(int level) {
 IngestReport Reconstruction::ingest(const Capture& capture) {
   EffortControl* control = effort_.control();
   if (!control) return take(capture);
-  const std::uint64_t number = counts_.received;
+  const std::uint64_t number = account_.counts().received;
   model_->set_update_fraction(control->update_fraction(number));
   const double held_out_bytes = held_out_bytes_;
   const IngestReport report = take(capture);
   if (report.status != IngestStatus::kAccepted) return report;
   if (!control->effort_level()) {
-    probe_.push_back({capture, held_out_bytes, exposure_product(capture) > 0 ? report.exposure_gain : 1,
-                      std::pow(10, -report.predicted_psnr_db / 10)});
-    if (probe_.size() == EffortControl::kProbeImages) choose_level();
+    probe_.add(capture, report, held_out_bytes);
+    if (probe_.full()) choose_level();
     return report;
   }
   double update_ms = 0;
@@ -92,67 +90,32 @@ void Reconstruction::stay_within_memory() {
 MemoryAccount Reconstruction::memory() const {
   MemoryAccount account = model_->memory(image_size_.value_or(CaptureSize{}));
   account.held_out = held_out_bytes_;
-  for (const ProbeImage& image : probe_) account.probe += size_of(image.capture).bytes;
+  account.probe = probe_.bytes();
   return account;
 }
 
-/// By what the first images took, and by what is lost on them where nothing was measured before.
 void Reconstruction::choose_level() {
   const int begun_at = effort_.level();
-  const double budget_ms = effort_.control()->budget_ms(), image_ms = 1e3 * updates_.median_s();
-  int chosen = begun_at;
-  if (!effort_.measured().empty()) {
-    chosen = level_within(effort_.measured(), image_ms, begun_at, budget_ms);
-    if (chosen != begun_at) fold_probe_at(chosen);
-  } else if (image_ms > kBudgetMargin * budget_ms) {
-    std::vector<HeldOutView> views;
-    for (std::size_t i = 0; i < probe_.size(); i += 2)
-      views.push_back(make_held_out_view(probe_[i].capture, probe_[i].known_gain, painter_));
-    const double finest = error_on(views), unseen = std::max(predicted_error(), finest);
-    while (chosen + 1 < effort_.levels() && 1e3 * updates_.median_s() > kBudgetMargin * budget_ms) {
-      fold_probe_at(chosen + 1);
-      // What coarser maps and fewer terms cannot hold of the images is added to the error on images that are not seen.
-      const double lost_db = 10 * std::log10(1 + std::max(0.0, error_on(views) - finest) / unseen);
-      log_info("budget", "a coarser model was tried on the first images",
-               {{"effort_level", chosen + 1}, {"image_ms", 1e3 * updates_.median_s()}, {"lost_db", lost_db}});
-      if (lost_db > kMostLoss_dB) {
-        fold_probe_at(chosen);
-        break;
-      }
-      ++chosen;
-    }
-  }
-  effort_.control()->set_level(
-      chosen == begun_at ? 0 : chosen);  // what only memory or target asked for is theirs to say again
+  const int chosen =
+      probe_.choose(effort_.measured(), begun_at, effort_.levels(), effort_.control()->budget_ms(), painter_,
+                    {.fold_at = [this](int level) { fold_probe_at(level); },
+                     .image_ms = [this] { return 1e3 * account_.updates().median_s(); },
+                     .error_on = [this](const auto& views) { return error_on(views); }});
+  // What only memory or target asked for is theirs to say again.
+  effort_.control()->set_level(chosen == begun_at ? 0 : chosen);
   probe_ = {};
-  if (chosen != begun_at)
-    log_info("budget", "the first images take too long: a coarser model is begun",
-             {{"image_ms", image_ms}, {"budget_ms", budget_ms}, {"effort_level", chosen}});
 }
 
 void Reconstruction::fold_probe_at(int level) {
   model_->rebuild(level);
-  counts_.accepted = 0;
-  std::erase_if(captures_, [](const KnownCapture& known) { return known.status == IngestStatus::kAccepted; });
-  forget_work();
+  account_.forget_accepted();
+  memory_exceeded_ = false;
   const double held_out_bytes = held_out_bytes_;
-  for (const ProbeImage& image : probe_) {
+  for (const EffortProbe::Image& image : probe_.images()) {
     held_out_bytes_ = image.held_out_bytes;
     note_accepted(image.capture, model_->ingest(image.capture));
   }
   held_out_bytes_ = held_out_bytes;
-}
-
-/// Mean over the later half of the first images, each predicted from those before; 0 where none could be.
-double Reconstruction::predicted_error() const {
-  double sum = 0;
-  int predicted = 0;
-  for (std::size_t i = probe_.size() / 2; i < probe_.size(); ++i) {
-    if (!std::isfinite(probe_[i].predicted_error)) continue;
-    sum += probe_[i].predicted_error;
-    ++predicted;
-  }
-  return predicted > 0 ? sum / predicted : 0;
 }
 
 /// Mean square, encoded, over the object's pixels of views.
@@ -164,115 +127,67 @@ double Reconstruction::error_on(const std::vector<HeldOutView>& views) {
 }
 
 Reconstruction::Effort Reconstruction::effort() const {
-  return {effort_.level(), effort_.update_fraction(counts_.received)};
+  return {effort_.level(), effort_.update_fraction(account_.counts().received)};
 }
 
 IngestReport Reconstruction::take(const Capture& capture) {
-  ++counts_.received;
+  account_.receive();
   IngestReport report = model_->ingest(capture);
   if (!image_size_ && model_->began_with(capture)) {
     image_size_ = size_of(capture);
     if (effort_.limits().bytes && fit_memory(capture)) report = model_->ingest(capture);
   }
-  switch (report.status) {
-    case IngestStatus::kAccepted:
-      note_accepted(capture, report);
-      break;
-    case IngestStatus::kHeldOut:
-      note(capture, report);
-      ++counts_.held_out;
-      held_out_.push_back(make_held_out_view(capture, report.exposure_gain, painter_));
-      held_out_bytes_ += bytes_of(held_out_.back());
-      break;
-    case IngestStatus::kRefused:
-      note(capture, report);
-      ++counts_.refused[report.reason];
-      break;
+  if (report.status == IngestStatus::kAccepted) {
+    note_accepted(capture, report);
+  } else {
+    account_.note(capture, report);
+    if (report.status == IngestStatus::kHeldOut) hold_out(capture, report);
   }
   return report;
 }
 
-void Reconstruction::note(const Capture& capture, const IngestReport& report) {
-  captures_.push_back({capture.source_session, capture.sequence, report.status, report.reason, report.repeated,
-                       report.patches_skipped, report.exposure_gain});
-}
-
 void Reconstruction::note_accepted(const Capture& capture, const IngestReport& report) {
-  note(capture, report);
-  ++counts_.accepted;
-  double total_s = 0;
-  for (const auto& [stage, ms] : report.stage_ms) {
-    stages_[stage].add(1e-3 * ms);
-    total_s += 1e-3 * ms;
-  }
-  updates_.add(total_s);
-  patches_.updated += report.patches_updated;
-  patches_.skipped += report.patches_skipped;
-  patches_.left_out += report.patches_left_out;
+  account_.note(capture, report);
   if (effort_.limits().bytes) stay_within_memory();
 }
 
-Reconstruction::Withdrawn Reconstruction::withdraw(const Capture& capture) {
-  const auto is_it = [&](const auto& other) {
-    return other.source_session == capture.source_session && other.sequence == capture.sequence;
-  };
-  const auto known = std::find_if(captures_.begin(), captures_.end(), is_it);
-  if (known == captures_.end() || model_->began_with(capture)) return Withdrawn::kNot;
-  Withdrawn how = Withdrawn::kExactly;
-  switch (known->status) {
-    case IngestStatus::kRefused:
-      if (--counts_.refused[known->reason] == 0) counts_.refused.erase(known->reason);
-      break;
-    case IngestStatus::kHeldOut:
-      if (effort_.limits().bytes) how = Withdrawn::kNearly;  // it has taken memory, which is limited
-      held_out_bytes_ = 0;
-      std::erase_if(held_out_, is_it);
-      for (const HeldOutView& view : held_out_) held_out_bytes_ += bytes_of(view);
-      --counts_.held_out;
-      break;
-    case IngestStatus::kAccepted:
-      if (!known->repeated) {
-        if (!model_->withdraw(capture)) return Withdrawn::kNot;
-        how = Withdrawn::kNearly;
-      } else {
-        patches_.skipped -= known->patches_skipped;
-      }
-      std::erase_if(probe_, [&](const ProbeImage& image) { return is_it(image.capture); });
-      --counts_.accepted;
-      break;
-  }
-  captures_.erase(known);
-  ++counts_.withdrawn;
-  return how;
-}
-void Reconstruction::leave_out(std::uint64_t captures) {
-  counts_.received += captures;
-  counts_.withdrawn += captures;
+void Reconstruction::hold_out(const Capture& capture, const IngestReport& report) {
+  held_out_.push_back(make_held_out_view(capture, report.exposure_gain, painter_));
+  held_out_bytes_ += bytes_of(held_out_.back());
 }
 
-void Reconstruction::refuse_damaged(std::uint64_t captures) {
-  if (captures == 0) return;
-  counts_.received += captures;
-  counts_.refused["damaged file"] += captures;
+Reconstruction::Withdrawn Reconstruction::withdraw(const Capture& capture) {
+  const KnownCapture* known = account_.find(capture);
+  if (!known || model_->began_with(capture)) return Withdrawn::kNot;
+  Withdrawn how = Withdrawn::kExactly;
+  if (known->status == IngestStatus::kHeldOut) {
+    if (effort_.limits().bytes) how = Withdrawn::kNearly;  // it has taken memory, which is limited
+    std::erase_if(held_out_, [&](const HeldOutView& view) {
+      return view.source_session == capture.source_session && view.sequence == capture.sequence;
+    });
+    held_out_bytes_ = 0;
+    for (const HeldOutView& view : held_out_) held_out_bytes_ += bytes_of(view);
+  }
+  if (known->status == IngestStatus::kAccepted) {
+    if (!known->repeated) {
+      if (!model_->withdraw(capture)) return Withdrawn::kNot;
+      how = Withdrawn::kNearly;
+    }
+    probe_.leave_out(capture);
+  }
+  account_.withdraw(*known);
+  return how;
 }
 
 void Reconstruction::restart() {
-  effort_.begin_again(counts_.received);
+  effort_.begin_again(account_.counts().received);
+  account_ = {};
   held_out_.clear();
   held_out_bytes_ = 0;
-  captures_.clear();
-  counts_ = {};
   probe_ = {};
   image_size_.reset();
-  forget_work();
-  model_->restart(effort_.level());
-}
-
-void Reconstruction::forget_work() {
-  stages_.clear();
-  updates_ = {};
-  patches_ = {};
   memory_exceeded_ = false;
+  model_->restart(effort_.level());
 }
 
 void Reconstruction::finish() {
@@ -282,10 +197,6 @@ void Reconstruction::finish() {
 
 double Reconstruction::resident_growth() const {
   return std::max(resident_memory().bytes, resident_at_finish_) - resident_before_;
-}
-
-double Reconstruction::images_per_s() const {
-  return updates_.sum_s() > 0 ? static_cast<double>(updates_.count()) / updates_.sum_s() : 0;
 }
 
 Reconstruction::Judgement Reconstruction::judge(const StepsDone& progress) {

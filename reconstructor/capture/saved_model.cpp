@@ -60,7 +60,7 @@ ModelMetadata metadata_in(const json& description, const std::filesystem::path& 
 /// What is noted of how a model came to be.
 ModelMetadata metadata_of(const Reconstruction& reconstruction, const std::string& source) {
   json captures = json::array();
-  for (const KnownCapture& c : reconstruction.captures()) {
+  for (const KnownCapture& c : reconstruction.account().captures()) {
     if (c.status == IngestStatus::kRefused) continue;
     captures.push_back({{"source_session", c.source_session},
                         {"sequence", c.sequence},
@@ -68,7 +68,7 @@ ModelMetadata metadata_of(const Reconstruction& reconstruction, const std::strin
                         {"exposure_gain", c.exposure_gain}});
   }
   return {{"source", source},
-          {"images", std::to_string(reconstruction.counts().accepted)},
+          {"images", std::to_string(reconstruction.account().counts().accepted)},
           {kSceneKey, to_toml(reconstruction.model().settings())},
           {kCapturesKey, captures.dump(-1, ' ', false, json::error_handler_t::replace)}};
 }

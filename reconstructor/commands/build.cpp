@@ -59,7 +59,7 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
   reconstruction->refuse_damaged(captures.damaged);
   if (captures.size == 0 && captures.withdrawn > 0)
     throw FileError(arguments.dataset, "all of its images are withdrawn; `undo --restore` puts them back");
-  const FrameCounts& counts = reconstruction->counts();
+  const FrameCounts& counts = reconstruction->account().counts();
   if (counts.accepted == 0 && counts.held_out > 0)
     throw FileError(arguments.dataset, "all of its images that show the mesh are held out (" +
                                            std::to_string(counts.held_out) +
@@ -85,8 +85,8 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
     const double db = built->judge().model.psnr_db;
     // By time or memory: what comes next would be too.
     const bool bound = built->effort() != Reconstruction::Effort{.level = level};
-    std::printf("effort level %d: %.2f dB, %.1f ms per image, %.0f MB\n", level, db, 1e3 * built->updates().median_s(),
-                static_cast<double>(built->model().figures().bytes) / 1e6);
+    std::printf("effort level %d: %.2f dB, %.1f ms per image, %.0f MB\n", level, db,
+                1e3 * built->account().updates().median_s(), static_cast<double>(built->model().figures().bytes) / 1e6);
     if (!best || db > best_db) {
       best = std::move(built);
       best_db = db;

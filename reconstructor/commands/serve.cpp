@@ -302,7 +302,7 @@ void serve(const ServeArguments& arguments) {
   if (!status.link.source_failure.empty()) log_warning("link", "the source failed: " + status.link.source_failure);
   json.write(to_text(*result.report));
   if (status.ingested > status.counts.withdrawn &&
-      reconstruction.counts().accepted + reconstruction.counts().held_out == 0)
+      reconstruction.account().counts().accepted + reconstruction.account().counts().held_out == 0)
     throw FileError(arguments.mesh, "none of the session's " + std::to_string(status.ingested) +
                                         " captures shows this mesh; they are kept; check that mesh and stage are in "
                                         "the same frame and units");
@@ -317,7 +317,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--mesh", a->mesh, "PLY, OBJ or OFF of the object, in the stage's frame")->required();
   command->add_option("--session", a->session, "folder of the session; continued if it exists")->required();
   command->add_option("--config", a->config, "scene file (TOML)");
-  a->limits.add_to(*command, "PSNR that held-out views are to reach: 35dB; no ring is kept more exactly than that");
+  a->limits.add_to(*command, "PSNR that held-out views are to reach: 35dB; no patch is kept more exactly than that");
   command->add_option("--endpoint", a->endpoint, "of the tracker")->check(endpoint_error)->capture_default_str();
   command->add_option("--keys", a->keys, "own secret key (NAME.key); encrypts the link");
   command->add_option("--tracker-key", a->tracker_key, "the tracker's public key (NAME.pub)");

@@ -9,7 +9,7 @@ namespace sheen {
 /// What a user asks of a light field; what is absent does not matter.
 struct Limits {
   std::optional<double> image_ms;  ///< at most: wall time of folding one image in
-  std::optional<double> bytes;     ///< at most: of the rings' state
+  std::optional<double> bytes;     ///< at most: of the model's memory
   std::optional<double> psnr_db;   ///< at least: of held-out views
 
   bool empty() const { return !image_ms && !bytes && !psnr_db; }

@@ -102,7 +102,7 @@ void quality(const MonitorState& state, Exposition& out) {
     out.single("heldout_constant_psnr_db", "gauge", "The same PSNR for the mean colour of each surface sample.",
                last.constant_psnr_db);
   }
-  out.family("rings", "gauge", "Vertex rings by the rank of their factorization.");
+  out.family("patches", "gauge", "Patches of the model by the rank of their factorization.");
   for (std::size_t rank = 0; rank < state.rank_histogram.size(); ++rank)
     out.sample(static_cast<double>(state.rank_histogram[rank]), {{"rank", std::to_string(rank)}});
   out.single("model_bytes", "gauge", "Memory of the model.", static_cast<double>(state.model_bytes));

@@ -75,7 +75,7 @@ struct MonitorState {
   std::map<std::string, Queue> queues;
   std::map<std::string, double> stage_s;    ///< median a stage of an update
   DurationSummary update, latency;          ///< of the model by an image; from exposure to durable
-  std::vector<std::size_t> rank_histogram;  ///< rings of rank 0, 1, ...
+  std::vector<std::size_t> rank_histogram;  ///< patches of rank 0, 1, ...
   std::uint64_t model_bytes = 0;
 
   std::vector<HeldOutPoint> held_out_curve;

@@ -78,7 +78,7 @@ struct Run {
   double eye_ms = 0;  ///< what a picture from a new place costs before it is drawn
   std::map<std::string, double> stage_ms;
   Reconstruction::Effort effort;
-  Reconstruction::PatchCounts patches;
+  CaptureAccount::PatchCounts patches;
 
   double median_ms() const { return percentile(ms, 0.5); }
   double rate() const { return 1e3 / median_ms(); }
@@ -117,9 +117,9 @@ Run ingest(const Mesh& mesh, const SurfaceLightFieldOptions& options, const std:
   run.eye_ms = eye_ms(*reconstruction.snapshot());
   run.bytes = reconstruction.model().figures().bytes;
   run.bytes_per_ring = reconstruction.model().figures().bytes_per_patch;
-  for (const auto& [stage, seconds] : reconstruction.stages()) run.stage_ms[stage] = 1e3 * seconds.median_s();
+  for (const auto& [stage, seconds] : reconstruction.account().stages()) run.stage_ms[stage] = 1e3 * seconds.median_s();
   run.effort = reconstruction.effort();
-  run.patches = reconstruction.patches();
+  run.patches = reconstruction.account().patches();
   return run;
 }
 

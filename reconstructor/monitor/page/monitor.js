@@ -176,7 +176,7 @@ function show(s) {
     {name: name.replaceAll("_", " "), value: t || 0, shown: t === null ? "–" : fixed(1000 * t, 1)})),
     "No image yet");
   bars("ranks", s.rank_histogram.map((n, rank) => (
-    {name: "rank " + rank, value: n, shown: n, tone: rank === 0 ? "idle" : ""})), "No rings yet");
+    {name: "rank " + rank, value: n, shown: n, tone: rank === 0 ? "idle" : ""})), "No patches yet");
   text("bytes", s.model_bytes ? bytes(s.model_bytes) : "");
 
   $("links").replaceChildren(...s.links.map((l) => {

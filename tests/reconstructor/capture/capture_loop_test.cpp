@@ -70,11 +70,11 @@ class CaptureLoopTest : public ::testing::Test {
     ASSERT_EQ(reconstruction_->held_out().size(), never.held_out().size());
     EXPECT_EQ(reconstruction_->judge().model.psnr_db, never.judge().model.psnr_db);
     EXPECT_EQ(reconstruction_->judge().constant.psnr_db, never.judge().constant.psnr_db);
-    const FrameCounts& counts = reconstruction_->counts();
+    const FrameCounts& counts = reconstruction_->account().counts();
     EXPECT_EQ(counts.received, kImages);
     EXPECT_EQ(counts.withdrawn, missing.size());
-    EXPECT_EQ(counts.accepted, never.counts().accepted);
-    EXPECT_EQ(counts.held_out, never.counts().held_out);
+    EXPECT_EQ(counts.accepted, never.account().counts().accepted);
+    EXPECT_EQ(counts.held_out, never.account().counts().held_out);
   }
 
   const TempFolder temp_;

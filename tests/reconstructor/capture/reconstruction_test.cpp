@@ -40,7 +40,7 @@ TEST(Reconstruction, AccountsForEveryCapture) {
   options.hold_out_every = 3;
   Reconstruction reconstruction(*object.mesh, options);
   for (const Capture& image : images) reconstruction.ingest(image);
-  const FrameCounts& counts = reconstruction.counts();
+  const FrameCounts& counts = reconstruction.account().counts();
   EXPECT_EQ(counts.received, 10u);
   EXPECT_EQ(counts.accepted, 5u);
   EXPECT_EQ(counts.held_out, 2u);
@@ -48,10 +48,10 @@ TEST(Reconstruction, AccountsForEveryCapture) {
   ASSERT_EQ(reconstruction.held_out().size(), 2u);
   EXPECT_EQ(reconstruction.held_out()[0].name, "image 2");
   EXPECT_EQ(reconstruction.held_out()[1].name, "image 8");
-  EXPECT_EQ(reconstruction.updates().count(), 5u);
-  EXPECT_GT(reconstruction.images_per_s(), 0);
+  EXPECT_EQ(reconstruction.account().updates().count(), 5u);
+  EXPECT_GT(reconstruction.account().images_per_s(), 0);
   for (const char* stage : {"decode", "visibility", "resample", "exposure", "factorize"})
-    EXPECT_EQ(reconstruction.stages().at(stage).count(), 5u) << stage;
+    EXPECT_EQ(reconstruction.account().stages().at(stage).count(), 5u) << stage;
 }
 
 TEST(Reconstruction, TheHeldOutViewsOfADiffuseSceneAreReproducedByBothModels) {
@@ -83,7 +83,7 @@ TEST(Reconstruction, NothingHeldOutGivesEmptyScores) {
   Reconstruction reconstruction(*square_object().mesh, SurfaceLightFieldOptions{});
   const auto [light_field, constant] = reconstruction.judge();
   EXPECT_TRUE(light_field.views.empty() && constant.views.empty());
-  EXPECT_EQ(reconstruction.images_per_s(), 0);
+  EXPECT_EQ(reconstruction.account().images_per_s(), 0);
 }
 
 /// Root of the mean squared error over the object's pixels of all held-out views.
@@ -116,8 +116,8 @@ TEST(Reconstruction, AnImageTakenOutOfARealCaptureLeavesTheErrorOfOneThatNeverSa
   std::printf("error with the image %.4f, taken out %.5f of that without\n", with / without, ratio);
   EXPECT_GT(with, 1.01 * without) << "it was worth taking out";
   EXPECT_LE(ratio, 1.005);
-  EXPECT_EQ(model.counts().accepted, never.counts().accepted);
-  EXPECT_EQ(model.counts().withdrawn, 1u);
+  EXPECT_EQ(model.account().counts().accepted, never.account().counts().accepted);
+  EXPECT_EQ(model.account().counts().withdrawn, 1u);
 
   const std::string name = model.held_out().front().name;
   for (std::size_t i = 0; i < 40; i += 3)
@@ -125,7 +125,7 @@ TEST(Reconstruction, AnImageTakenOutOfARealCaptureLeavesTheErrorOfOneThatNeverSa
       EXPECT_EQ(model.withdraw(image), Reconstruction::Withdrawn::kExactly);
     }
   EXPECT_EQ(model.held_out().size() + 1, never.held_out().size());
-  EXPECT_EQ(model.counts().withdrawn, 2u);
+  EXPECT_EQ(model.account().counts().withdrawn, 2u);
 }
 
 TEST(SurfaceLightField, LooksAtTheRaySceneThatItWasGivenAlsoAfterImagesThatShowNothing) {

@@ -60,15 +60,15 @@ class UndoToTheBit : public ::testing::Test {
     EXPECT_EQ(model.effort(), fresh.effort());
     EXPECT_EQ(model.judge().model.psnr_db, fresh.judge().model.psnr_db);
     EXPECT_EQ(model.judge().constant.psnr_db, fresh.judge().constant.psnr_db);
-    const FrameCounts &a = model.counts(), &b = fresh.counts();
+    const FrameCounts &a = model.account().counts(), &b = fresh.account().counts();
     EXPECT_EQ(a.received, b.received);
     EXPECT_EQ(a.accepted, b.accepted);
     EXPECT_EQ(a.held_out, b.held_out);
     EXPECT_EQ(a.refused, b.refused);
     EXPECT_EQ(a.withdrawn, b.withdrawn);
-    EXPECT_EQ(model.captures().size(), fresh.captures().size());
-    EXPECT_EQ(model.patches().updated, fresh.patches().updated);
-    EXPECT_EQ(model.patches().skipped, fresh.patches().skipped);
+    EXPECT_EQ(model.account().captures().size(), fresh.account().captures().size());
+    EXPECT_EQ(model.account().patches().updated, fresh.account().patches().updated);
+    EXPECT_EQ(model.account().patches().skipped, fresh.account().patches().skipped);
     EXPECT_EQ(model.memory().total(), fresh.memory().total());
   }
   void expect_exact_after_a_restart(Reconstruction& model, const std::set<std::size_t>& missing) const {
@@ -91,16 +91,16 @@ TEST_F(UndoToTheBit, AtOnceWhereTheModelTookNothingOfTheImage) {
     missing.insert(image);
     expect_never_given(*model, missing);
   }
-  EXPECT_TRUE(model->counts().refused.empty());
+  EXPECT_TRUE(model->account().counts().refused.empty());
   expect_exact_after_a_restart(*model, missing);
 }
 
 TEST_F(UndoToTheBit, AnImageThatSomeRingsSkippedIsTakenOutOfTheOthersFirst) {
   const auto model = made_of();
-  const Reconstruction::PatchCounts before = model->patches();
+  const CaptureAccount::PatchCounts before = model->account().patches();
   ASSERT_GT(before.skipped, light_field(*model->snapshot()).rings().size())
       << "the repetition and half of the other image";
-  ASSERT_FALSE(model->captures()[kPartlySkipped].repeated);
+  ASSERT_FALSE(model->account().captures()[kPartlySkipped].repeated);
   ASSERT_EQ(model->withdraw(images_[kPartlySkipped]), Withdrawn::kNearly);
   Reconstruction fresh(*object_.mesh, options_);
   replay(fresh, {kPartlySkipped});
@@ -113,7 +113,7 @@ TEST_F(UndoToTheBit, ImagesOfABudgetThatLeavesRingsOut) {
   for (const std::size_t image : {std::size_t{20}, std::size_t{4}, kRefused, kRepeated}) {
     const auto model = made_of(kNeverKept);
     ASSERT_LT(model->effort().update_fraction, 0.5);
-    ASSERT_GT(model->patches().left_out, 0u);
+    ASSERT_GT(model->account().patches().left_out, 0u);
     EXPECT_NE(model->withdraw(images_[image]), Withdrawn::kNot) << image;
     expect_exact_after_a_restart(*model, {image});
   }

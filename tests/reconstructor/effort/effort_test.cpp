@@ -109,9 +109,9 @@ TEST(Budget, OneThatCannotHoldLeavesRingsOutAndTheRecordReproducesTheModel) {
   for (const Capture& image : images) hurried.ingest(image);
   EXPECT_GT(hurried.effort().level, 0) << "coarser maps lose nothing of a scene as smooth as this";
   EXPECT_LT(hurried.effort().update_fraction, 0.2);
-  EXPECT_GT(hurried.patches().left_out, hurried.patches().updated / 4);
-  EXPECT_EQ(hurried.counts().accepted, images.size());
-  EXPECT_EQ(hurried.counts().received, images.size());
+  EXPECT_GT(hurried.account().patches().left_out, hurried.account().patches().updated / 4);
+  EXPECT_EQ(hurried.account().counts().accepted, images.size());
+  EXPECT_EQ(hurried.account().counts().received, images.size());
 
   Reconstruction again(*square_object().mesh, options);
   again.keep_within({.image_ms = 1e9}, hurried.effort_record(), images.size());
@@ -129,7 +129,7 @@ TEST(Budget, OneThatHoldsChangesNothing) {
   }
   expect_same_rings(*free.snapshot(), *within.snapshot());
   EXPECT_EQ(within.effort(), Reconstruction::Effort{});
-  EXPECT_EQ(within.patches().left_out, 0u);
+  EXPECT_EQ(within.account().patches().left_out, 0u);
 }
 
 TEST(Budget, ALevelIsTakenForWhatItLosesOnTheScene) {
@@ -187,7 +187,7 @@ TEST(Memory, TheRingsAreCutDownAfterAnyImageThatWouldExceedIt) {
   bounded.keep_within({.bytes = asked});
   for (const Capture& image : images) {
     bounded.ingest(image);
-    ASSERT_LE(bounded.memory().total(), asked) << bounded.counts().received;
+    ASSERT_LE(bounded.memory().total(), asked) << bounded.account().counts().received;
   }
   EXPECT_LT(light_field_options(bounded.model().settings(), "the test").ring.factor.terms_kept(),
             options.ring.factor.terms_kept());

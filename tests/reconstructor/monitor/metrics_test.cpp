@@ -38,7 +38,7 @@ TEST(Metrics, SayWhatTheStateSays) {
   EXPECT_EQ(metrics.value("sheen_heldout_psnr_db"), 34.31);
   EXPECT_EQ(metrics.value("sheen_heldout_constant_psnr_db"), 28.87);
   EXPECT_EQ(metrics.value("sheen_heldout_ssim"), 0.9612);
-  EXPECT_EQ(metrics.value("sheen_rings", {{"rank", "3"}}), 2210);
+  EXPECT_EQ(metrics.value("sheen_patches", {{"rank", "3"}}), 2210);
   EXPECT_EQ(metrics.value("sheen_model_bytes"), 48'200'000);
   EXPECT_EQ(metrics.value("sheen_link_connected", {{"link", "tracker"}, {"endpoint", "tcp://127.0.0.1:7410"}}), 1);
   EXPECT_EQ(metrics.value("sheen_capture_state", {{"state", "live"}}), 1);

@@ -210,7 +210,8 @@ std::string outcome(const std::vector<Capture>& images, const Mesh& mesh, const 
   for (const Capture& image : images) built.ingest(image);
   const ImageF picture =
       built.painter().paint(*built.snapshot(), images[0].camera, images[0].pose.camera_from_object).beauty;
-  std::string text = std::to_string(built.counts().accepted) + " " + std::to_string(built.counts().held_out) + " " +
+  std::string text = std::to_string(built.account().counts().accepted) + " " +
+                     std::to_string(built.account().counts().held_out) + " " +
                      std::to_string(built.model().figures().bytes);
   return text + content_hash({reinterpret_cast<const char*>(picture.data()), picture.size() * sizeof(float)});
 }

@@ -146,8 +146,7 @@ class StepSearch {
 class Compression {
  public:
   Compression(const SurfaceLightFieldSnapshot& exact, const CompressionTarget& target)
-      : exact_(exact),
-        target_(target),
+      : target_(target),
         mesh_(canonical_mesh(exact.mesh())),
         psnr_db_(target.judge ? target.judge(exact) : std::numeric_limits<double>::quiet_NaN()),
         model_(fit_patches(exact, mesh_, least_rms(std::isfinite(psnr_db_) ? psnr_db_ : target.psnr_db),
@@ -245,7 +244,6 @@ class Compression {
     return 10 * std::log10(1 + meter_->loss(compact) / std::max(error, 1e-12));
   }
 
-  const SurfaceLightFieldSnapshot& exact_;
   const CompressionTarget& target_;
   CanonicalMesh mesh_;
   double psnr_db_;  ///< as judged; NaN where nobody does
