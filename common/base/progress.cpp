@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <utility>
 
 namespace sheen {
 namespace {
@@ -95,6 +97,13 @@ std::string progress_line(const std::string& label, std::uint64_t done, std::uin
   }
   line += figures;
   return line.substr(0, static_cast<std::size_t>(std::max(width, 0)));
+}
+
+StepsDone progress_bar(std::string label) {
+  return [label = std::move(label), bar = std::shared_ptr<Progress>()](std::size_t done, std::size_t steps) mutable {
+    if (!bar) bar = std::make_shared<Progress>(label, steps);
+    bar->update(done);
+  };
 }
 
 }  // namespace sheen

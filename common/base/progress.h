@@ -35,6 +35,9 @@ class Progress {
   std::chrono::steady_clock::time_point started_, shown_;
 };
 
+/// A bar for a `StepsDone`, from its first call until its last copy is gone.
+StepsDone progress_bar(std::string label);
+
 /// While one lives no bar stands on the terminal, so that a line can be printed there; the next `update` shows the bar
 /// again. From any thread.
 class ProgressPause {

@@ -10,14 +10,15 @@
 namespace sheen {
 namespace {
 
+/// `zero`: whether it may be 0.
 double quantity(const std::string& option, const std::string& word, const std::string& takes,
-                const std::map<std::string, double>& units) {
+                const std::map<std::string, double>& units, bool zero = false) {
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   std::string unit(end, word.data() + word.size());
   unit.erase(0, unit.find_first_not_of(' '));
   const auto known = units.find(unit);
-  if (error != std::errc{} || known == units.end() || !(value > 0) || !std::isfinite(value))
+  if (error != std::errc{} || known == units.end() || !(value > 0 || (zero && value == 0)) || !std::isfinite(value))
     throw ConfigError(option + " " + word + ": takes " + takes);
   return value * known->second;
 }
@@ -29,7 +30,7 @@ double parse_time_ms(const std::string& option, const std::string& word, const s
 }
 
 double parse_decibels(const std::string& option, const std::string& word, const std::string& takes) {
-  return quantity(option, word, takes, {{"dB", 1}});
+  return quantity(option, word, takes, {{"dB", 1}}, true);
 }
 
 double parse_bytes(const std::string& option, const std::string& word, const std::string& takes) {

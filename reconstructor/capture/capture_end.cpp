@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "common/base/errors.h"
 #include "reconstructor/capture/capture_report.h"
@@ -45,13 +46,16 @@ bool CaptureEnd::stop(std::chrono::milliseconds patience) {
 std::optional<CaptureEnd::Result> CaptureEnd::run() {
   fold_in_the_journal();
   Result result;
+  std::optional<SmallFile> small;
   if (reconstruction_.account().counts().accepted > 0) {
-    result.model = folder_ / "model";
-    save_reconstruction(reconstruction_, *result.model, folder_.string(), steps_of(EndStage::kSaving));
+    result.model = folder_ / kSessionModel;
+    small = save_reconstruction(reconstruction_, *result.model, folder_.string(), size_, steps_of(EndStage::kSaving));
   }
   const Reconstruction::Judgement judged = reconstruction_.judge(steps_of(EndStage::kJudging));
-  if (result.model) note_judgement(judged.model, *result.model);
-  result.report = std::make_shared<nlohmann::json>(live_report(reconstruction_, judged, loop_.status()));
+  if (result.model && !small) note_judgement(judged.model, *result.model);
+  nlohmann::json report = live_report(reconstruction_, judged, loop_.status());
+  if (small) report["file"] = file_report(*result.model, *small);
+  result.report = std::make_shared<nlohmann::json>(std::move(report));
   return result;
 }
 

@@ -24,7 +24,7 @@ enum class EndStage : std::uint8_t {
 
 struct EndProgress {
   EndStage stage = EndStage::kCapturing;
-  std::uint64_t done = 0, total = 0;  ///< images, parts of the model's files, pictures
+  std::uint64_t done = 0, total = 0;  ///< images; parts of the model's files or tries to make it small; pictures
 };
 
 /// What becomes of a capture after its last image, on a thread of its own so that whoever watches is told meanwhile: no
@@ -32,8 +32,10 @@ struct EndProgress {
 /// are judged. As bounded as the journal is; `stop` ends it earlier.
 class CaptureEnd {
  public:
-  CaptureEnd(CaptureLoop& loop, Reconstruction& reconstruction, std::filesystem::path session_folder)
-      : loop_(loop), reconstruction_(reconstruction), folder_(std::move(session_folder)) {}
+  /// `size`: that of the saved model, as `save_reconstruction` takes it.
+  CaptureEnd(CaptureLoop& loop, Reconstruction& reconstruction, std::filesystem::path session_folder,
+             std::optional<CompressionTarget> size)
+      : loop_(loop), reconstruction_(reconstruction), folder_(std::move(session_folder)), size_(std::move(size)) {}
   ~CaptureEnd() { stop_.request_stop(); }  // the future waits
 
   void begin();
@@ -59,6 +61,7 @@ class CaptureEnd {
   CaptureLoop& loop_;
   Reconstruction& reconstruction_;
   std::filesystem::path folder_;
+  std::optional<CompressionTarget> size_;
   std::stop_source stop_;
   mutable std::mutex mutex_;
   EndProgress progress_;

@@ -119,6 +119,10 @@ json live_report(const Reconstruction& reconstruction, const Reconstruction::Jud
   return report;
 }
 
+json file_report(const std::filesystem::path& path, const SmallFile& file) {
+  return {{"path", path.string()}, {"bytes", file.bytes}, {"loss_db", file.loss_db}, {"as_asked", file.as_asked}};
+}
+
 void print_summary(const json& report) {
   const auto withdrawn = report["frames"]["withdrawn"].get<unsigned long long>();
   std::printf("%llu images folded in at %.1f images/s, %llu held out",
@@ -130,6 +134,10 @@ void print_summary(const json& report) {
   if (held_out["psnr_db"].is_number() && held_out["constant_psnr_db"].is_number())
     print_scores(held_out["psnr_db"].get<double>(), held_out["ssim"].get<double>(),
                  held_out["constant_psnr_db"].get<double>());
+  if (const auto file = report.find("file"); file != report.end())
+    std::printf("%s: %.3f MB, %.2f dB lost%s\n", file->at("path").get<std::string>().c_str(),
+                1e-6 * file->at("bytes").get<double>(), file->at("loss_db").get<double>(),
+                file->at("as_asked").get<bool>() ? "" : "; no file loses less");
 }
 
 }  // namespace sheen

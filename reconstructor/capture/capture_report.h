@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
 #include "reconstructor/capture/capture_loop.h"
 #include "reconstructor/capture/reconstruction.h"
+#include "reconstructor/capture/saved_model.h"
 
 namespace sheen {
 
@@ -16,7 +18,10 @@ nlohmann::json reconstruction_report(const Reconstruction& reconstruction, const
 nlohmann::json live_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged,
                            const LoopStatus& status);
 
-/// Some lines for a person: held-out figures beside the constant colour's.
+/// Of a model that was saved as one small file.
+nlohmann::json file_report(const std::filesystem::path& path, const SmallFile& file);
+
+/// Some lines for a person: held-out figures beside the constant colour's, and what a small file lost.
 void print_summary(const nlohmann::json& report);
 
 }  // namespace sheen

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -14,16 +15,18 @@
 namespace sheen {
 namespace {
 
+namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* kSceneKey = "scene";        // the settings as a scene file
 constexpr const char* kCapturesKey = "captures";  // a JSON list: source_session, sequence, part, exposure_gain
 constexpr const char* kCalibrationKey = "error_calibration";  // JSON: views, offset_db, half_width_db
 constexpr const char* kHeldOutPsnrKey = "held_out_psnr_db";
+const std::set<std::string> kModelFiles{kModelJsonFile, "mesh.ply", "maps.exr"};
 constexpr const char *kHeldOut = "held_out", *kFolded = "folded", *kRepeated = "repeated";
 
-json read_description(const std::filesystem::path& model_folder) {
-  const std::filesystem::path file = model_folder / kModelJsonFile;
+json read_description(const fs::path& model_folder) {
+  const fs::path file = model_folder / kModelJsonFile;
   try {
     return json::parse(read_file(file));
   } catch (const json::exception& error) {
@@ -32,12 +35,12 @@ json read_description(const std::filesystem::path& model_folder) {
 }
 
 /// The file of a model that says what was noted of it: itself, or the one in its folder.
-std::filesystem::path notes_file(const std::filesystem::path& model) {
-  return std::filesystem::is_directory(model) ? model / kModelJsonFile : model;
+fs::path notes_file(const fs::path& model) {
+  return fs::is_directory(model) ? model / kModelJsonFile : model;
 }
 
 /// Of a model that is one file. Throws FileError.
-const ModelKind& kind_of_file(const std::filesystem::path& file) {
+const ModelKind& kind_of_file(const fs::path& file) {
   constexpr std::size_t kStart = 64;
   const std::string start = read_file_start(file, kStart);
   for (const ModelKind* kind : model_kinds())
@@ -45,7 +48,7 @@ const ModelKind& kind_of_file(const std::filesystem::path& file) {
   throw FileError(file.string(), "is no model that this program knows");
 }
 
-ModelMetadata metadata_in(const json& description, const std::filesystem::path& file) {
+ModelMetadata metadata_in(const json& description, const fs::path& file) {
   ModelMetadata notes;
   const auto metadata = description.find("metadata");
   if (metadata == description.end()) return notes;
@@ -73,30 +76,64 @@ ModelMetadata metadata_of(const Reconstruction& reconstruction, const std::strin
           {kCapturesKey, captures.dump(-1, ' ', false, json::error_handler_t::replace)}};
 }
 
-}  // namespace
-
-void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& folder, const std::string& source,
-                         const StepsDone& progress) {
-  reconstruction.snapshot()->filled()->save(folder, metadata_of(reconstruction, source), progress);
+/// Whether a file is where a folder is to be, or the other way round.
+bool is_in_the_way(const fs::path& path, bool one_file) {
+  return fs::exists(path) && fs::is_directory(path) == one_file;
 }
 
-CompressedModel save_compressed(Reconstruction& reconstruction, const std::filesystem::path& file,
-                                const std::string& source, CompressionTarget target) {
+/// Saves where an older model of the other form may be, which stays until the new one is whole.
+void save_at(const fs::path& path, bool one_file, const ModelSnapshot& model, const ModelMetadata& metadata,
+             const StepsDone& progress) {
+  if (!is_in_the_way(path, one_file)) return model.save(path, metadata, progress);
+  const fs::path fresh = path.string() + ".new", older = path.string() + ".older";
+  fs::remove_all(fresh);  // of a save that was killed
+  fs::remove_all(older);
+  model.save(fresh, metadata, progress);
+  fs::rename(path, older);
+  fs::rename(fresh, path);
+  fs::remove_all(older);
+}
+
+}  // namespace
+
+void check_model_path(const fs::path& path, bool one_file) {
+  if (!is_in_the_way(path, one_file)) return one_file ? check_writable(path) : check_writable_folder(path);
+  check_writable(path.string() + ".new");
+  if (!one_file) {
+    kind_of_file(path);
+    return;
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(path))
+    if (const std::string name = entry.path().filename(); !kModelFiles.contains(name))
+      throw FileError(path.string(),
+                      "is a folder with other things than a model (" + name + "); name a file to write the model to");
+}
+
+std::optional<SmallFile> save_reconstruction(Reconstruction& reconstruction, const fs::path& path,
+                                             const std::string& source, std::optional<CompressionTarget> size,
+                                             const StepsDone& progress) {
+  const std::shared_ptr<const ModelSnapshot> model = reconstruction.snapshot()->filled();
+  const ModelMetadata metadata = metadata_of(reconstruction, source);
+  if (!size) {
+    save_at(path, false, *model, metadata, progress);
+    return std::nullopt;
+  }
   const std::vector<HeldOutView>& views = reconstruction.held_out();
+  size->progress = progress;
   if (!views.empty())
-    target.judge = [&views](const ModelSnapshot& model) {
+    size->judge = [&views](const ModelSnapshot& model) {
       const RayPainter painter(model.mesh());
       double sum = 0;
       for (const HeldOutView& view : views) sum += score_object(view, model, painter).psnr_db;
       return sum / static_cast<double>(views.size());
     };
-  CompressedModel small = reconstruction.snapshot()->filled()->compressed(target);
-  small.snapshot->save(file, metadata_of(reconstruction, source), {});
-  note_judgement(score(views, *small.snapshot, RayPainter(small.snapshot->mesh())), file);
-  return small;
+  const CompressedModel small = model->compressed(*size);
+  save_at(path, true, *small.snapshot, metadata, {});
+  note_judgement(score(views, *small.snapshot, RayPainter(small.snapshot->mesh())), path);
+  return SmallFile{fs::file_size(path), small.loss_db, size->bytes || small.loss_db <= size->loss_db};
 }
 
-void note_judgement(const Scores& scores, const std::filesystem::path& model) {
+void note_judgement(const Scores& scores, const fs::path& model) {
   ModelMetadata notes;
   if (std::isfinite(scores.psnr_db)) notes[kHeldOutPsnrKey] = std::to_string(scores.psnr_db);
   if (const ErrorCalibration calibration = calibrate(scores); calibration.known())
@@ -105,7 +142,7 @@ void note_judgement(const Scores& scores, const std::filesystem::path& model) {
                                   {"half_width_db", calibration.half_width_db}}
                                  .dump();
   if (notes.empty()) return;
-  if (std::filesystem::is_directory(model)) {
+  if (fs::is_directory(model)) {
     json description = read_description(model);
     for (const auto& [key, note] : notes) description["metadata"][key] = note;
     write_file(notes_file(model), description.dump() + "\n");
@@ -122,7 +159,7 @@ double held_out_psnr_db(const SavedModel& model) {
   return std::strtod(noted->second.c_str(), nullptr);
 }
 
-ErrorCalibration calibration_of(const SavedModel& model, const std::filesystem::path& path) {
+ErrorCalibration calibration_of(const SavedModel& model, const fs::path& path) {
   const auto noted = model.metadata.find(kCalibrationKey);
   if (noted == model.metadata.end()) return {};
   try {
@@ -140,9 +177,9 @@ const KnownCapture* ModelOrigin::find(const Capture& capture) const {
   return found == captures.end() ? nullptr : &found->second;
 }
 
-SavedModel open_model(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) throw FileError(path.string(), "no such model");
-  if (!std::filesystem::is_directory(path)) {
+SavedModel open_model(const fs::path& path) {
+  if (!fs::exists(path)) throw FileError(path.string(), "no such model");
+  if (!fs::is_directory(path)) {
     const ModelKind& kind = kind_of_file(path);
     return {.kind = &kind, .snapshot = kind.load(path), .metadata = kind.file_metadata(path)};
   }
@@ -154,12 +191,12 @@ SavedModel open_model(const std::filesystem::path& path) {
   throw FileError(notes_file(path).string(), "describes no model that this program knows");
 }
 
-ModelOrigin origin_of(const SavedModel& model, const std::filesystem::path& path) {
+ModelOrigin origin_of(const SavedModel& model, const fs::path& path) {
   const ModelMetadata& metadata = model.metadata;
   if (!metadata.contains(kSceneKey) || !metadata.contains(kCapturesKey))
     throw FileError(path.string(),
                     "does not say which images it was built from, as models of an older Sheen do not; build it again");
-  const std::filesystem::path file = notes_file(path);
+  const fs::path file = notes_file(path);
   ModelOrigin origin;
   try {
     origin.settings = parse_scene_config(metadata.at(kSceneKey), file).settings;

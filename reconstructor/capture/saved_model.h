@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -16,16 +17,25 @@ namespace sheen {
 
 /// Every saved model that is a folder has it: {"format": ..., "metadata": {...}, ...}.
 inline constexpr const char* kModelJsonFile = "model.json";
+/// In a session's folder: the model that `serve` saves.
+inline constexpr const char* kSessionModel = "model";
 
-/// Saves the model as it stands, unseen parts filled with a guess, and notes its settings and what became of
-/// every capture. `source` says where the images came from. Until the new model is whole, an older one in the folder
-/// stays.
-void save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& folder, const std::string& source,
-                         const StepsDone& progress = {});
+/// Whether a model can be saved at `path`, as one file or as a folder, asked before the work: also where one of the
+/// other form is, but not where there is anything else of it. Throws FileError that says why not.
+void check_model_path(const std::filesystem::path& path, bool one_file);
 
-/// Saves it as one small file, judged on the held-out views.
-CompressedModel save_compressed(Reconstruction& reconstruction, const std::filesystem::path& file,
-                                const std::string& source, CompressionTarget target);
+/// What came of a model that was saved as one small file.
+struct SmallFile {
+  std::uintmax_t bytes = 0;
+  double loss_db = 0;    ///< of the PSNR of its pictures
+  bool as_asked = true;  ///< it loses no more than it may
+};
+/// Saves the model as it stands, unseen parts filled with a guess, and notes its settings and what became of every
+/// capture: as one small file, judged on the held-out views, or without `size` as it is, in a folder. `source` says
+/// where the images came from. Until the new model is whole, an older one stays.
+std::optional<SmallFile> save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& path,
+                                             const std::string& source, std::optional<CompressionTarget> size,
+                                             const StepsDone& progress = {});
 
 /// How the model was judged on its held-out views, and what its predicted errors were off by there, goes into the saved
 /// model.

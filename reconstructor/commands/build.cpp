@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -9,7 +8,6 @@
 #include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
-#include "common/base/files.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
@@ -98,13 +96,6 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
   return best;
 }
 
-nlohmann::json tell_size(const std::string& file, const CompressedModel& model, const CompressionTarget& asked) {
-  const auto bytes = std::filesystem::file_size(file);
-  std::printf("%s: %.3f MB, %.2f dB lost%s\n", file.c_str(), static_cast<double>(bytes) / 1e6, model.loss_db,
-              !asked.bytes && model.loss_db > asked.loss_db ? "; no file loses less" : "");
-  return {{"bytes", bytes}, {"loss_db", model.loss_db}};
-}
-
 void build(const BuildArguments& arguments) {
   install_stop_signals();
   const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
@@ -113,29 +104,25 @@ void build(const BuildArguments& arguments) {
   ModelSettings& settings = *scene.settings;
   if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
   const Limits limits = arguments.limits.apply(settings);
-  const std::optional<CompressionTarget> size = arguments.size.target();
+  const std::optional<CompressionTarget> size = arguments.size.target(*scene.kind);
   if (arguments.out.empty())
     std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
-  else if (size)
-    check_writable(arguments.out);
   else
-    check_writable_folder(arguments.out);
+    check_model_path(arguments.out, size.has_value());
   const CaptureSet captures = open_capture_set(arguments.dataset);
   const Mesh mesh = load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
   const std::unique_ptr<Reconstruction> built =
       limits.psnr_db ? build_to_target(arguments, mesh, captures, settings, limits)
                      : build_once(arguments, mesh, captures, settings, limits, scene.measured, 0, true);
   Reconstruction& reconstruction = *built;
-  std::optional<CompressedModel> small;
-  if (!arguments.out.empty() && size)
-    small = save_compressed(reconstruction, arguments.out, arguments.dataset, *size);
-  else if (!arguments.out.empty())
-    save_reconstruction(reconstruction, arguments.out, arguments.dataset);
+  std::optional<SmallFile> small;
+  if (!arguments.out.empty())
+    small = save_reconstruction(reconstruction, arguments.out, arguments.dataset, size, progress_bar("saving"));
   const Reconstruction::Judgement judged = reconstruction.judge();
   if (!arguments.out.empty() && !small) note_judgement(judged.model, arguments.out);
   nlohmann::json report = reconstruction_report(reconstruction, judged);
+  if (small) report["file"] = file_report(arguments.out, *small);
   print_summary(report);
-  if (small) report["file"] = tell_size(arguments.out, *small, *size);
   json.write(to_text(report));
 }
 
@@ -147,7 +134,7 @@ void add_build_command(CLI::App& app) {
   command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
       ->required();
   command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
-  command->add_option("--out", arguments->out, "model to write: a folder, or one small file with --bytes or --loss");
+  command->add_option("--out", arguments->out, "model to write: one small file, or a folder with --loss 0dB");
   command
       ->add_option("--hold-out", arguments->hold_out,
                    "hold out every Nth image where the dataset names no test views; 0 = none")

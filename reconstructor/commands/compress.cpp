@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/progress.h"
 #include "common/base/report_file.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
@@ -22,11 +24,17 @@ struct CompressArguments {
 
 void compress(const CompressArguments& arguments) {
   ReportFile json(arguments.json);
-  CompressionTarget target = arguments.size.target().value_or(CompressionTarget{});
   check_writable(arguments.out);
   const SavedModel saved = open_model(arguments.model);
-  target.psnr_db = held_out_psnr_db(saved);
-  const CompressedModel small = saved.snapshot->compressed(target);
+  std::optional<CompressionTarget> target = arguments.size.target(*saved.kind);
+  if (!target)
+    throw ConfigError(arguments.model +
+                      ": the model stays as it is, with --loss 0dB or of a kind that has "
+                      "no smaller form");
+  target->psnr_db = held_out_psnr_db(saved);
+  target->progress = progress_bar("compressing");
+  const CompressedModel small = saved.snapshot->compressed(*target);
+  target.reset();  // takes the bar away
   small.snapshot->save(arguments.out, saved.metadata, {});
   const auto bytes = std::filesystem::file_size(arguments.out);
   std::printf("%s: %.3f MB, about %.2f dB lost\n", arguments.out.c_str(), static_cast<double>(bytes) / 1e6,

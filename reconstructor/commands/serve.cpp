@@ -27,6 +27,7 @@
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/limit_options.h"
+#include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/monitor/monitor_server.h"
@@ -50,6 +51,7 @@ struct ServeArguments {
   std::string monitor_host = MonitorOptions{}.host, monitor_token, monitor_token_file;
   int monitor_port = MonitorOptions{}.port;
   LimitArguments limits;
+  SizeArguments size;
   bool headless = false, once = false, no_monitor = false;
 };
 
@@ -201,7 +203,7 @@ void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const 
 /// Nothing is lost by an end without the model.
 std::string words_of_an_early_end(const ServeArguments& arguments, const LoopStatus& status, EndStage stage) {
   if (stage == EndStage::kJudging)
-    return "ended before the report was made; the model is saved in " + arguments.session + "/model";
+    return "ended before the report was made; the model is saved in " + arguments.session + "/" + kSessionModel;
   return "ended before the model was finished; nothing is lost: " + std::to_string(status.journaled) +
          " captures are kept in " + arguments.session +
          ". The same command goes on with them; `sheen-reconstructor build " + arguments.session + " --mesh " +
@@ -251,6 +253,9 @@ void serve(const ServeArguments& arguments) {
       throw ConfigError("--target and --tolerance exclude each other: the target sets the tolerance");
     set(*scene.settings, "tolerance", tolerance_of(*limits.psnr_db));
   }
+  const std::optional<CompressionTarget> size = arguments.size.target(*scene.kind);
+  const std::filesystem::path model = std::filesystem::path(arguments.session) / kSessionModel;
+  if (std::filesystem::exists(model)) check_model_path(model, size.has_value());
   const ReceiverOptions link = link_options(arguments);
   std::optional<EndOnStop> starting("sheen-reconstructor: stopped before the capture began");
   Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh, *scene.settings, {}), *scene.settings);
@@ -282,7 +287,7 @@ void serve(const ServeArguments& arguments) {
   };
   CaptureLoop loop(arguments.session, std::move(session), link, reconstruction,
                    {.stop_when_source_ends = arguments.once}, std::move(observer));
-  CaptureEnd end(loop, reconstruction, arguments.session);
+  CaptureEnd end(loop, reconstruction, arguments.session, size);
   if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
   install_stop_signals(2);  // the first begins the end, the second cuts it short
   loop.start();
@@ -294,7 +299,7 @@ void serve(const ServeArguments& arguments) {
 
   const LoopStatus status = loop.status();
   if (result.model)
-    log_info("session", "the model is saved", {{"folder", result.model->string()}, {"captures", status.journaled}});
+    log_info("session", "the model is saved", {{"model", result.model->string()}, {"captures", status.journaled}});
   else
     log_info("session", "no model: no image was accepted",
              {{"folder", arguments.session}, {"captures", status.journaled}});
@@ -318,6 +323,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--session", a->session, "folder of the session; continued if it exists")->required();
   command->add_option("--config", a->config, "scene file (TOML)");
   a->limits.add_to(*command, "PSNR that held-out views are to reach: 35dB; no patch is kept more exactly than that");
+  a->size.add_to(*command);
   command->add_option("--endpoint", a->endpoint, "of the tracker")->check(endpoint_error)->capture_default_str();
   command->add_option("--keys", a->keys, "own secret key (NAME.key); encrypts the link");
   command->add_option("--tracker-key", a->tracker_key, "the tracker's public key (NAME.pub)");

@@ -3,22 +3,25 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/base/errors.h"
 #include "common/base/quantity.h"
 
 namespace sheen {
 
 void SizeArguments::add_to(CLI::App& command) {
   CLI::Option* by_bytes = command.add_option("--bytes", bytes, "size of the file: 2MB (kB, MB, GB, KiB, MiB, GiB)");
-  command.add_option("--loss", loss, "what the pictures may lose of their PSNR: 0.1dB")->excludes(by_bytes);
+  command.add_option("--loss", loss, "what the pictures may lose of their PSNR (0.1dB); 0dB saves a folder of floats")
+      ->excludes(by_bytes);
 }
 
-std::optional<CompressionTarget> SizeArguments::target() const {
-  if (bytes.empty() && loss.empty()) return std::nullopt;
+std::optional<CompressionTarget> SizeArguments::target(const ModelKind& kind) const {
   CompressionTarget target;
   if (!bytes.empty()) target.bytes = parse_bytes("--bytes", bytes, "the size that the file may have, such as 2MB");
   if (!loss.empty())
     target.loss_db = parse_decibels("--loss", loss, "what the pictures may lose of their PSNR, such as 0.1dB");
-  return target;
+  if (kind.compresses()) return target.loss_db > 0 ? std::optional(target) : std::nullopt;
+  if (!bytes.empty()) throw ConfigError(std::string("--bytes: a ") + kind.title() + " has no smaller form");
+  return std::nullopt;
 }
 
 }  // namespace sheen

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/models/model_kind.h"
 
 namespace CLI {
 class App;
@@ -12,13 +12,14 @@ class App;
 
 namespace sheen {
 
-/// How small `build` and `compress` are to make a model.
+/// How small a model is to be saved: by default, so that its pictures lose 0.1 dB.
 struct SizeArguments {
   std::string bytes, loss;
 
   void add_to(CLI::App& command);
-  /// Empty where neither is asked for. Throws ConfigError naming the option.
-  std::optional<CompressionTarget> target() const;
+  /// Nothing where nothing may be lost (--loss 0dB) or the kind has no smaller form: the model is saved as it is.
+  /// Throws ConfigError naming the option.
+  std::optional<CompressionTarget> target(const ModelKind& kind) const;
 };
 
 }  // namespace sheen

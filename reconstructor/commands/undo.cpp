@@ -15,6 +15,7 @@
 #include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "common/session/session.h"
+#include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 
 namespace sheen {
@@ -98,12 +99,12 @@ void undo(const UndoArguments& arguments) {
   }
   std::printf("capture %llu %s %s\n", static_cast<unsigned long long>(capture), changed ? "is" : "was already",
               arguments.restore ? "put back" : "withdrawn");
-  const std::filesystem::path model = std::filesystem::path(arguments.session) / "model";
-  if (changed && std::filesystem::exists(model / "model.json"))
+  const std::filesystem::path model = std::filesystem::path(arguments.session) / kSessionModel;
+  if (changed && std::filesystem::exists(model))
     std::printf(
-        "a running `serve` follows; else %s is as before: `sheen-reconstructor build %s --mesh %s --out %s` makes it "
+        "a running `serve` follows; else %s is as before: `sheen-reconstructor build %s --mesh MESH --out %s` makes it "
         "again\n",
-        model.c_str(), arguments.session.c_str(), (model / "mesh.ply").c_str(), model.c_str());
+        model.c_str(), arguments.session.c_str(), model.c_str());
 }
 
 }  // namespace

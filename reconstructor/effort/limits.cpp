@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "common/base/errors.h"
 #include "common/base/quantity.h"
 
 namespace sheen {
@@ -24,6 +25,7 @@ Limits parse_limits(const std::string& budget, const std::string& target, const 
     limits.bytes = parse_bytes("--memory", memory, "the memory the light field may take, such as 1GB or 500MB");
   if (!target.empty())
     limits.psnr_db = parse_decibels("--target", target, "the PSNR of held-out views to reach, such as 35dB");
+  if (limits.psnr_db && !(*limits.psnr_db > 0)) throw ConfigError("--target " + target + ": must be more than 0dB");
   return limits;
 }
 

@@ -25,6 +25,8 @@ class ModelKind {
   /// Opens what `ModelSnapshot::save` wrote: it renders as the one that was saved, bit for bit. Throws FileError that
   /// names file and part where one is missing or broken.
   virtual std::shared_ptr<const ModelSnapshot> load(const std::filesystem::path& path) const = 0;
+  /// Whether `ModelSnapshot::compressed` has a smaller form: one file.
+  virtual bool compresses() const = 0;
   /// Saved models that are one file: whether a file that begins so is one of them.
   virtual bool reads_file(std::string_view start) const = 0;
   /// What is noted in such a file, and notes something else. Throws FileError.

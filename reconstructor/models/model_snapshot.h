@@ -78,6 +78,7 @@ struct CompressionTarget {
   std::function<double(const ModelSnapshot&)> judge;
   /// That of the model's own, where they cannot be judged again; NaN: what the model predicts of them.
   double psnr_db = std::numeric_limits<double>::quiet_NaN();
+  StepsDone progress = {};  ///< tries of the search, of as many as there can be
 };
 struct CompressedModel {
   std::shared_ptr<const ModelSnapshot> snapshot;  ///< its `save` writes one file
@@ -99,7 +100,8 @@ class ModelSnapshot : public Appearance {
   /// Where an image would be worth most, for a camera that is at `eye` now (object frame). Quick enough to be asked
   /// several times a second.
   virtual ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const = 0;
-  /// The model in fewer bytes. Throws ConfigError where it cannot be made so small.
+  /// The model in fewer bytes. Throws ConfigError where it cannot be made so small. Not asked where
+  /// `ModelKind::compresses` says no.
   virtual CompressedModel compressed(const CompressionTarget& target) const = 0;
   /// Writes the model into a folder, which is created where needed, whole or not at all: an older model stays until
   /// then. What is written is for `ModelKind::load`. Throws FileError.

@@ -224,8 +224,9 @@ TEST_F(CameraOnTheWire, KilledAgainAndAgainNothingAcknowledgedIsLostAndTheModelI
   EXPECT_EQ(last.size(), static_cast<std::size_t>(1 + kills / 2)) << "a source for each run of the tracker";
   expect_true_captures(0, captures.size());
   const auto built = temp_.path() / "built";
-  expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", recording_->mesh_file(), "--out", built})), 0,
-                 {});
+  expect_outcome(run_to_end(reconstructor(
+                     {"build", session_, "--mesh", recording_->mesh_file(), "--out", built, "--loss", "0dB"})),
+                 0, {});
   expect_same_model(built, session_ / "model");
 }
 

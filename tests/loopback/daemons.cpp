@@ -48,7 +48,8 @@ Words SecureLink::reconstructor_options() const {
 }
 
 Words serve(const fs::path& mesh, const fs::path& session, const Words& more) {
-  return reconstructor({"serve", "--mesh", mesh, "--session", session, "--headless", "--no-monitor"}) + more;
+  return reconstructor({"serve", "--mesh", mesh, "--session", session, "--headless", "--no-monitor", "--loss", "0dB"}) +
+         more;
 }
 
 Outcome wait_to_end(Process& process) {

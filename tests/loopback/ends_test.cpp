@@ -40,8 +40,9 @@ class Ends : public ::testing::Test {
     EXPECT_EQ(frames["waiting"], 0);
     EXPECT_EQ(frames["lost"], 0);
     EXPECT_EQ(frames["accepted"].get<int>() + frames["held_out"].get<int>(), data_.views);
-    expect_outcome(
-        run_to_end(reconstructor({"build", session_, "--mesh", data_.mesh(), "--out", temp_.path() / "built"})), 0, {});
+    expect_outcome(run_to_end(reconstructor(
+                       {"build", session_, "--mesh", data_.mesh(), "--out", temp_.path() / "built", "--loss", "0dB"})),
+                   0, {});
     expect_same_model(model_, temp_.path() / "built");
   }
 
@@ -128,7 +129,8 @@ TEST_F(EndsOfMany, TheStatusPageSaysWhatIsStillDone) {
   }
   EXPECT_TRUE(states.contains("finishing")) << desk.output();
   EXPECT_FALSE(states.contains("stalled"));
-  expect_outcome(wait_to_end(desk), 0, {"the model is saved"});
+  expect_outcome(wait_to_end(desk), 0, {"the model is saved", "dB lost"});
+  EXPECT_TRUE(std::filesystem::is_regular_file(model_));
 }
 
 }  // namespace

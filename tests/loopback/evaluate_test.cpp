@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "common/base/files.h"
 #include "common/geometry/mesh.h"
@@ -54,11 +55,12 @@ class Evaluate : public ::testing::Test {
     return capture;
   }
 
-  Json build(const std::string& scene, const fs::path& out) const {
+  Json build(const std::string& scene, const fs::path& out, const Words& more = {"--loss", "0dB"}) const {
     const fs::path report = temp_.path() / "built.json";
     expect_outcome(
         run_to_end(reconstructor({"build", session_, "--mesh", mesh_, "--config",
-                                  temp_.write("scene.toml", "[images]\n" + scene), "--out", out, "--json", report})),
+                                  temp_.write("scene.toml", "[images]\n" + scene), "--out", out, "--json", report}) +
+                   more),
         0, {});
     return Json::parse(read_file(report));
   }
@@ -103,11 +105,7 @@ TEST_F(Evaluate, ASmallModelLosesWhatItsReportSays) {
     expect_outcome(run_to_end(reconstructor({"evaluate", small, session_, "--json", report})), 0, {"held-out views"});
     return Json::parse(read_file(report));
   };
-  expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", mesh_, "--config",
-                                           temp_.write("scene.toml", "[images]\nhold_out_every = 4\n"), "--out", small,
-                                           "--loss", "0.5dB", "--json", report})),
-                 0, {"small.slf", "dB lost"});
-  const Json built = Json::parse(read_file(report));
+  const Json built = build("hold_out_every = 4", small, {"--loss", "0.5dB"});
   EXPECT_EQ(built["file"]["bytes"], fs::file_size(small));
   EXPECT_LE(built["file"]["loss_db"], 0.5);
   const Json judged = evaluated();
@@ -122,6 +120,28 @@ TEST_F(Evaluate, ASmallModelLosesWhatItsReportSays) {
   EXPECT_EQ(evaluated()["views"].size(), judged["views"].size());
 }
 
+TEST_F(Evaluate, AModelIsSmallUnlessNothingMayBeLost) {
+  const auto names_beside_it = [&] {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(temp_.path()))
+      if (entry.path().filename().string().starts_with("model")) names.insert(entry.path().filename());
+    return names;
+  };
+  for (int again = 0; again < 2; ++again) {  // each takes the place of the other
+    const Json small = build("hold_out_every = 4", model_, {});
+    EXPECT_LE(small["file"]["loss_db"], 0.1);
+    EXPECT_EQ(small["file"]["bytes"], fs::file_size(model_));
+    EXPECT_EQ(names_beside_it(), std::set<std::string>{"model"});
+    EXPECT_FALSE(build("hold_out_every = 4", model_).contains("file"));
+    EXPECT_TRUE(fs::exists(model_ / "model.json"));
+    EXPECT_EQ(names_beside_it(), std::set<std::string>{"model"});
+  }
+  write_file(model_ / "notes.txt", "of a person");
+  expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", mesh_, "--out", model_})), 1,
+                 {model_.string(), "notes.txt"});
+  EXPECT_TRUE(fs::exists(model_ / "notes.txt") && fs::exists(model_ / "model.json"));
+}
+
 TEST_F(Evaluate, WhatCannotBeMadeSmallSaysWhy) {
   build("hold_out_every = 4", model_);
   const fs::path small = temp_.path() / "small.slf";
@@ -134,6 +154,7 @@ TEST_F(Evaluate, WhatCannotBeMadeSmallSaysWhy) {
                  2, {"--loss"});
   expect_outcome(run_to_end(reconstructor({"compress", temp_.path() / "none", "--out", small})), 1,
                  {"none", "no such"});
+  expect_outcome(run_to_end(reconstructor({"compress", model_, "--out", small, "--loss", "0dB"})), 2, {"0dB"});
   EXPECT_FALSE(fs::exists(small));
   expect_outcome(run_to_end(reconstructor({"compress", model_, "--out", small})), 0, {"dB lost"});
   expect_outcome(run_to_end(reconstructor({"compress", small, "--out", temp_.path() / "again"})), 2,

@@ -17,7 +17,8 @@ TEST(SameModel, StreamedAsBuiltFromTheFiles) {
   const BallDataset data{.folder = temp.path() / "data"};
   data.write();
   const auto built = temp.path() / "built", session = temp.path() / "session";
-  expect_outcome(run_to_end(reconstructor({"build", data.folder, "--mesh", data.mesh(), "--out", built})), 0, {});
+  expect_outcome(
+      run_to_end(reconstructor({"build", data.folder, "--mesh", data.mesh(), "--out", built, "--loss", "0dB"})), 0, {});
 
   const SecureLink link(temp.path());
   Process desk(

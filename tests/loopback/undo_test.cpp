@@ -41,7 +41,7 @@ class Undo : public ::testing::Test {
   Json build(const std::filesystem::path& out) const {
     const auto report = temp_.path() / "build.json";
     expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", data_.mesh(), "--config", data_.scene(),
-                                             "--out", out, "--json", report})),
+                                             "--out", out, "--loss", "0dB", "--json", report})),
                    0, {});
     return Json::parse(read_file(report));
   }
@@ -54,9 +54,9 @@ class Undo : public ::testing::Test {
       for (std::uint64_t i = 0; i < all.size(); ++i)
         if (!missing.contains(i)) session.append(all.read(i));
     }
-    expect_outcome(
-        run_to_end(reconstructor({"build", never, "--mesh", data_.mesh(), "--config", data_.scene(), "--out", out})), 0,
-        {});
+    expect_outcome(run_to_end(reconstructor({"build", never, "--mesh", data_.mesh(), "--config", data_.scene(), "--out",
+                                             out, "--loss", "0dB"})),
+                   0, {});
   }
   static void expect_sum(const Json& frames) {
     std::uint64_t refused = 0;

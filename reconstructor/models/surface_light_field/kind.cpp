@@ -23,6 +23,7 @@ class SurfaceLightFieldKind : public ModelKind {
     if (std::filesystem::is_directory(path)) return load_model(path);
     return load_compact(path);
   }
+  bool compresses() const override { return true; }
   bool reads_file(std::string_view start) const override { return is_compact(start); }
   ModelMetadata file_metadata(const std::filesystem::path& file) const override {
     return compact_metadata(read_file(file), file.string());

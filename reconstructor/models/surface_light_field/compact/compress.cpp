@@ -115,6 +115,7 @@ class LossMeter {
 /// from below.
 class StepSearch {
  public:
+  static constexpr int kMostTries = 9;
   StepSearch(double wanted, double slope, double first)
       : wanted_(std::log(wanted)), slope_(slope), at_(std::log(first)) {}
 
@@ -138,7 +139,6 @@ class StepSearch {
 
  private:
   static constexpr double kNearEnough = 0.015, kFarthest = 1.5, kFinest = 0.1, kCoarsest = 100;
-  static constexpr int kMostTries = 9;
   double wanted_, slope_, at_, before_ = 0, before_at_ = 0;
   int tried_ = 0;
 };
@@ -174,6 +174,7 @@ class Compression {
   static constexpr double kFirstStep = 8;
 
   std::shared_ptr<const std::string> encoded(double step, const Rounding& rounding) {
+    if (target_.progress) target_.progress(tries_++, std::size(kRoundings) * StepSearch::kMostTries);
     return std::make_shared<const std::string>(encode_compact(model_, mesh_, static_cast<float>(step), rounding));
   }
 
@@ -248,6 +249,7 @@ class Compression {
   CanonicalMesh mesh_;
   double psnr_db_;  ///< as judged; NaN where nobody does
   PatchModel model_;
+  std::size_t tries_ = 0;
   std::optional<LossMeter> meter_;  ///< where there is no judge
 };
 
