@@ -121,10 +121,10 @@ std::optional<SmallFile> save_reconstruction(Reconstruction& reconstruction, con
   const std::vector<HeldOutView>& views = reconstruction.held_out();
   size->progress = progress;
   if (!views.empty())
-    size->judge = [&views](const ModelSnapshot& model) {
-      const RayPainter painter(model.mesh());
+    size->judge = [&views](const ModelSnapshot& small) {
+      const RayPainter painter(small.mesh());
       double sum = 0;
-      for (const HeldOutView& view : views) sum += score_object(view, model, painter).psnr_db;
+      for (const HeldOutView& view : views) sum += score_object(view, small, painter).psnr_db;
       return sum / static_cast<double>(views.size());
     };
   const CompressedModel small = model->compressed(*size);
@@ -151,6 +151,14 @@ void note_judgement(const Scores& scores, const fs::path& model) {
     notes.merge(kind.file_metadata(model));
     kind.set_file_metadata(model, notes);
   }
+}
+
+std::uintmax_t saved_bytes(const fs::path& path) {
+  if (!fs::is_directory(path)) return fs::file_size(path);
+  std::uintmax_t bytes = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path))
+    if (kModelFiles.contains(entry.path().filename())) bytes += entry.file_size();
+  return bytes;
 }
 
 double held_out_psnr_db(const SavedModel& model) {

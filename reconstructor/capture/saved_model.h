@@ -59,6 +59,8 @@ struct SavedModel {
 /// Opens a saved model, a folder or a file, of whichever kind wrote it. Throws FileError, also where no kind known to
 /// this program did.
 SavedModel open_model(const std::filesystem::path& path);
+/// Of a saved model's file, or of the files in its folder.
+std::uintmax_t saved_bytes(const std::filesystem::path& path);
 /// Of the held-out views, as they were judged when it was saved; NaN where none was.
 double held_out_psnr_db(const SavedModel& model);
 /// Not known where nothing was noted: no view was held out, or too few. Throws FileError.

@@ -70,9 +70,15 @@ void evaluate(const EvaluateArguments& arguments) {
   print_predictions(model, ranking, other.title);
   if (arguments.baselines) {
     std::vector<PeerScores> baselines{{{"constant_colour", "constant colour", constant}, constant_scores}};
-    for (const Peer& peer : peers->others()) baselines.push_back({peer, score(views, *peer.appearance, painter)});
+    const std::uintmax_t bytes = saved_bytes(arguments.model);
+    for (const Peer& peer : peers->others(bytes)) baselines.push_back({peer, score(views, *peer.appearance, painter)});
     report["baselines"] = baselines_report(baselines);
-    print_baselines(saved.kind->title(), model, baselines);
+    const PeerScores itself{{.title = std::string(saved.kind->title()) + " (no photograph kept)",
+                             .disk_bytes = static_cast<double>(bytes),
+                             .memory_bytes = static_cast<double>(saved.snapshot->memory_bytes())},
+                            model};
+    report["bytes"] = bytes_report(itself.peer);
+    print_baselines(baselines, itself);
   }
   json.write(to_text(report));
 }
@@ -82,10 +88,11 @@ void evaluate(const EvaluateArguments& arguments) {
 void add_evaluate_command(CLI::App& app) {
   auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App* command = app.add_subcommand("evaluate", "PSNR and SSIM of a saved model on views that it never saw.");
-  command->add_option("model", arguments->model, "folder of a saved model")->required();
+  command->add_option("model", arguments->model, "saved model")->required();
   command->add_option("dataset", arguments->dataset, "the images it was built from, and the held-out ones")->required();
   command->add_flag("--baselines", arguments->baselines,
-                    "score constant colour, nearest photograph and unstructured lumigraph on the same pixels");
+                    "score constant colour, nearest photograph and unstructured lumigraph on the same pixels, the "
+                    "lumigraph also of photographs that take no more bytes than the model");
   command->add_option("--truth", arguments->truth,
                       "score against NAME.exr of this folder (linear radiance without noise), not against the images");
   command->add_option("--json", arguments->json, "report to write; - for standard output");

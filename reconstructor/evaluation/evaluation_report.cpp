@@ -47,24 +47,32 @@ json baselines_report(std::span<const PeerScores> peers) {
   for (const auto& [peer, scores] : peers) {
     report[peer.key] = means_to_json(scores);
     report[peer.key]["views"] = views_to_json(scores);
+    report[peer.key]["bytes"] = bytes_report(peer);
   }
   return report;
 }
 
-void print_baselines(const std::string& model_title, const Scores& model, std::span<const PeerScores> peers) {
-  std::printf("%-46s %8s %6s %9s %14s\n", "held-out views, object pixels", "PSNR", "SSIM", "inside", "gain-aligned");
-  const auto line = [](const std::string& name, const Scores& s) {
-    std::printf("%-46s %5.2f dB %6.3f %6.2f dB %11.2f dB\n", name.c_str(), s.psnr_db, s.ssim, s.psnr_inside_db,
-                s.psnr_gain_aligned_db);
+json bytes_report(const Peer& peer) {
+  return {{"disk", peer.disk_bytes}, {"memory", peer.memory_bytes}};
+}
+
+void print_baselines(std::span<const PeerScores> peers, const PeerScores& model) {
+  std::printf("%-46s %8s %6s %9s %14s %9s %9s\n", "held-out views, object pixels", "PSNR", "SSIM", "inside",
+              "gain-aligned", "file MB", "memory MB");
+  const auto line = [](const PeerScores& of) {
+    const Scores& s = of.scores;
+    std::printf("%-46s %5.2f dB %6.3f %6.2f dB %11.2f dB %9.2f %9.2f\n", of.peer.title.c_str(), s.psnr_db, s.ssim,
+                s.psnr_inside_db, s.psnr_gain_aligned_db, 1e-6 * of.peer.disk_bytes, 1e-6 * of.peer.memory_bytes);
   };
-  for (const auto& [peer, scores] : peers) line(peer.title, scores);
-  line(model_title + " (no photograph kept)", model);
-  const Scores& strongest = peers.back().scores;
-  const std::string name = peers.back().peer.title;
-  std::printf("%-46s %+5.2f dB %+6.3f %+6.2f dB %+11.2f dB\n",
-              ("  above the " + name.substr(0, name.find(" ("))).c_str(), model.psnr_db - strongest.psnr_db,
-              model.ssim - strongest.ssim, model.psnr_inside_db - strongest.psnr_inside_db,
-              model.psnr_gain_aligned_db - strongest.psnr_gain_aligned_db);
+  for (const PeerScores& peer : peers) line(peer);
+  line(model);
+  for (const auto& [peer, scores] : peers) {
+    if (peer.disk_bytes == 0) continue;  // keeps no photographs
+    std::printf("  above the %-34s %+5.2f dB %+6.3f %+6.2f dB %+11.2f dB\n",
+                peer.title.substr(0, peer.title.find(" (")).c_str(), model.scores.psnr_db - scores.psnr_db,
+                model.scores.ssim - scores.ssim, model.scores.psnr_inside_db - scores.psnr_inside_db,
+                model.scores.psnr_gain_aligned_db - scores.psnr_gain_aligned_db);
+  }
 }
 
 json ranking_report(const ErrorRanking& ranking) {

@@ -26,10 +26,13 @@ struct PeerScores {
   Peer peer;
   Scores scores;
 };
-/// An object per peer, as `evaluation_report` has them, with its views.
+/// An object per peer, as `evaluation_report` has them, with its bytes and views.
 nlohmann::json baselines_report(std::span<const PeerScores> peers);
-/// A table for a person: a line per peer, one for the model, and what that is above the last, the strongest peer.
-void print_baselines(const std::string& model_title, const Scores& model, std::span<const PeerScores> peers);
+/// {disk, memory}.
+nlohmann::json bytes_report(const Peer& peer);
+/// A table for a person: a line per peer, the last for the model, and what that is above each of those that keep
+/// photographs.
+void print_baselines(std::span<const PeerScores> peers, const PeerScores& model);
 
 nlohmann::json ranking_report(const ErrorRanking& ranking);
 nlohmann::json calibration_report(const ErrorCalibration& calibration);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -17,6 +18,8 @@ struct Peer {
   std::string key;    ///< in reports
   std::string title;  ///< for a person
   std::shared_ptr<const Appearance> appearance;
+  double disk_bytes = 0;    ///< of what it is made from, as files; the mesh not counted
+  double memory_bytes = 0;  ///< that it keeps in memory; the mesh not counted
 };
 
 /// Another way to say how well a surface is known, per triangle seen from an eye; 0 = well known .. 1.
@@ -33,8 +36,9 @@ class Peers {
   /// of it.
   virtual void add(const Capture& capture, float exposure_gain, bool repeated) = 0;
   virtual std::shared_ptr<const Appearance> constant_colour() const = 0;
-  /// The others, from the weakest to the strongest; none where photographs were not asked for.
-  virtual std::vector<Peer> others() const = 0;
+  /// The others, from the weakest to the strongest; none where photographs were not asked for. `model_bytes`: of the
+  /// model's files, which a peer may be brought to.
+  virtual std::vector<Peer> others(std::size_t model_bytes) const = 0;
   virtual PeerHeuristic heuristic() const = 0;
 };
 

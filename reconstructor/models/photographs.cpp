@@ -134,6 +134,19 @@ void PhotographSet::add(const Capture& capture, const ImageF& linear, const Surf
   photographs_.push_back(std::move(photograph));
 }
 
+std::size_t PhotographSet::pixel_bytes() const {
+  std::size_t bytes = 0;
+  for (const Photograph& photograph : photographs_) bytes += photograph.pixels.size();
+  return bytes;
+}
+
+std::size_t PhotographSet::memory_bytes() const {
+  std::size_t bytes = pixel_bytes();
+  for (const Photograph& photograph : photographs_)
+    bytes += photograph.depth.size() * sizeof(float) + photograph.from_edge.size();
+  return bytes;
+}
+
 bool PhotographSet::blend(std::uint32_t triangle, const Eigen::Vector3d& point, const Eigen::Vector3d& eye, int count,
                           Eigen::Vector3f& encoded) const {
   const Eigen::Vector3d normal = mesh_->area_normal(triangle).cast<double>().normalized();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/capture/capture.h"
@@ -29,9 +31,16 @@ class PhotographSet {
   PhotographSet(std::shared_ptr<const Mesh> mesh, const VisibilityOptions& options)
       : mesh_(std::move(mesh)), options_(options) {}
 
+  /// The same photographs with other pixels.
+  PhotographSet(const PhotographSet& other, std::vector<Photograph> photographs)
+      : mesh_(other.mesh_), options_(other.options_), photographs_(std::move(photographs)) {}
+
   /// `linear`: RGB. `view`: of this capture. Edges are filled as the light field's are.
   void add(const Capture& capture, const ImageF& linear, const SurfaceView& view);
   std::size_t size() const { return photographs_.size(); }
+  const std::vector<Photograph>& photographs() const { return photographs_; }
+  std::size_t pixel_bytes() const;   ///< of the cut-outs, uncompressed
+  std::size_t memory_bytes() const;  ///< with what blending needs beside
 
   /// Each point takes its colour from the photograph that shows it from the direction nearest to the eye's.
   /// `where_unseen` shades the points that no photograph shows.

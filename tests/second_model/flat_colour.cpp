@@ -36,7 +36,7 @@ class FlatPeers : public Peers {
   explicit FlatPeers(std::shared_ptr<const ModelSnapshot> model) : model_(std::move(model)) {}
   void add(const Capture&, float, bool) override {}
   std::shared_ptr<const Appearance> constant_colour() const override { return model_; }
-  std::vector<Peer> others() const override { return {}; }
+  std::vector<Peer> others(std::size_t) const override { return {}; }
   PeerHeuristic heuristic() const override {
     return {"none", [n = model_->mesh().triangles.size()](const auto&) { return std::vector<float>(n, 0.5f); }};
   }

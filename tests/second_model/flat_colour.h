@@ -38,6 +38,7 @@ class FlatColourSnapshot : public ModelSnapshot {
   bool empty() const override;
   const std::vector<PosedCamera>& cameras() const override { return cameras_; }
   SnapshotFigures figures() const override;
+  std::size_t memory_bytes() const override { return colours_.size() * sizeof(colours_[0]); }
   std::shared_ptr<const ModelSnapshot> filled() const override;
   ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
   CompressedModel compressed(const CompressionTarget&) const override { throw ConfigError("a flat colour is small"); }

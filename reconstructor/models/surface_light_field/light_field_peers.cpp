@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/light_field_peers.h"
 
+#include "reconstructor/models/photograph_coding.h"
 #include "reconstructor/radiance/ring_resampler.h"
 
 namespace sheen {
@@ -24,13 +25,19 @@ void LightFieldPeers::add(const Capture& capture, float exposure_gain, bool repe
   if (photographs_) photographs_->add(capture, level_radiance(capture, exposure_gain), view);
 }
 
-std::vector<Peer> LightFieldPeers::others() const {
+std::vector<Peer> LightFieldPeers::others(std::size_t model_bytes) const {
   if (!photographs_) return {};
   const std::shared_ptr<const Appearance> constant = constant_colour();
-  return {{"nearest_photograph", "nearest photograph (all kept)",
-           PhotographSet::nearest_photograph(photographs_, constant)},
-          {"unstructured_lumigraph", "unstructured lumigraph (4 nearest, all kept)",
-           PhotographSet::unstructured_lumigraph(photographs_, constant)}};
+  const auto disk = static_cast<double>(photographs_->pixel_bytes()),
+             memory = static_cast<double>(photographs_->memory_bytes());
+  const CodedPhotographs coded = code_photographs(*photographs_, model_bytes);
+  return {
+      {"nearest_photograph", "nearest photograph (all kept)", PhotographSet::nearest_photograph(photographs_, constant),
+       disk, memory},
+      {"lumigraph_of_model_bytes", "lumigraph of as many bytes (photographs as WebP)",
+       PhotographSet::unstructured_lumigraph(coded.photographs, constant), static_cast<double>(coded.bytes), memory},
+      {"unstructured_lumigraph", "unstructured lumigraph (4 nearest, all kept)",
+       PhotographSet::unstructured_lumigraph(photographs_, constant), disk, memory}};
 }
 
 PeerHeuristic LightFieldPeers::heuristic() const {

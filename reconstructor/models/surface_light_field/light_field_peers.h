@@ -15,7 +15,8 @@
 namespace sheen {
 
 /// What a surface light field is compared with: the mean of each of its samples over the images that it was built from,
-/// and, with `photographs`, the nearest photograph and the unstructured lumigraph, which keep them all.
+/// and, with `photographs`, the nearest photograph and the unstructured lumigraph, which keep them all: the lumigraph
+/// also with photographs that take no more bytes than the model.
 class LightFieldPeers : public Peers {
  public:
   LightFieldPeers(std::shared_ptr<const LightFieldSnapshot> model, const SurfaceLightFieldOptions& options,
@@ -23,7 +24,7 @@ class LightFieldPeers : public Peers {
 
   void add(const Capture& capture, float exposure_gain, bool repeated) override;
   std::shared_ptr<const Appearance> constant_colour() const override { return mean_.snapshot(model_->exposure()); }
-  std::vector<Peer> others() const override;
+  std::vector<Peer> others(std::size_t model_bytes) const override;
   PeerHeuristic heuristic() const override;
 
  private:

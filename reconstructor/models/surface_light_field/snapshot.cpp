@@ -154,6 +154,19 @@ std::shared_ptr<const ModelSnapshot> SurfaceLightFieldSnapshot::filled() const {
   return fill_unseen(*this);
 }
 
+std::size_t RingSnapshot::bytes() const {
+  const Eigen::Index values =
+      basis.size() + weights.size() + mean.size() + drift.size() + directions.size() + reliability.size();
+  return static_cast<std::size_t>(values) * sizeof(float) + shown.size();
+}
+
+std::size_t SurfaceLightFieldSnapshot::memory_bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& ring : ring_data_)
+    if (ring) bytes += ring->bytes();
+  return bytes;
+}
+
 CompressedModel SurfaceLightFieldSnapshot::compressed(const CompressionTarget& target) const {
   return compress(*this, target);
 }

@@ -33,6 +33,7 @@ struct RingSnapshot : SurfacePatch, RingViews {
   void set_triangulation(const Eigen::MatrixXf& coefficients);
 
   bool seen() const;  ///< some image showed something of it
+  std::size_t bytes() const;
   /// h(d) for a unit direction from the vertex to the eye.
   Eigen::VectorXf coefficients(const Eigen::Vector3f& direction) const;
 };
@@ -46,6 +47,7 @@ class SurfaceLightFieldSnapshot : public LightFieldSnapshot {
                             ExposureField exposure = {}, std::vector<PosedCamera> cameras = {});
 
   SnapshotFigures figures() const override;
+  std::size_t memory_bytes() const override;
   std::shared_ptr<const ModelSnapshot> filled() const override;
   CompressedModel compressed(const CompressionTarget& target) const override;
   void save(const std::filesystem::path& folder, const ModelMetadata& metadata,

@@ -191,7 +191,7 @@ const RingViews* CompactLightField::seen_ring(std::size_t vertex) const {
   return seen_[vertex].get();
 }
 
-std::size_t CompactLightField::bytes() const {
+std::size_t CompactLightField::memory_bytes() const {
   std::size_t bytes = 0;
   for (const auto& patch : patches_)
     if (patch) bytes += static_cast<std::size_t>(patch->basis.size()) * sizeof(float) + patch->shown.size();

@@ -17,6 +17,7 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
   CompactLightField(PatchModel model, std::shared_ptr<const std::string> encoded);
 
   SnapshotFigures figures() const override { return figures_; }
+  std::size_t memory_bytes() const override;
   std::shared_ptr<const ModelSnapshot> filled() const override;
   CompressedModel compressed(const CompressionTarget& target) const override;
   void save(const std::filesystem::path& path, const ModelMetadata& metadata, const StepsDone& progress) const override;
@@ -31,7 +32,6 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
   double ring_variation(std::size_t vertex) const override { return seen_[vertex]->sill; }
   int max_rank() const override { return patches_.empty() ? 0 : 1 + max_terms_; }
   float common_sill() const override { return common_sill_; }
-  std::size_t bytes() const;  ///< of all patches and their interpolation
 
  private:
   /// Kriging of the terms of all patches round a vertex, one below the other: h = mean + drift * reflection + weights

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/image/image.h"
+
+namespace sheen {
+
+/// An RGB picture as lossy WebP; quality 0..100. Throws Error.
+std::string encode_webp(const ImageU8& rgb, float quality);
+
+/// Throws Error when it is none.
+ImageU8 decode_webp(std::string_view bytes);
+
+}  // namespace sheen
