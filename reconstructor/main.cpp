@@ -6,7 +6,8 @@
 #include "reconstructor/commands/commands.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Turns posed images into a surface light field, live or from files.", "sheen-reconstructor");
+  CLI::App app("Makes a model of how an object looks from images with poses, live or from files.",
+               "sheen-reconstructor");
   app.require_subcommand(1);
   app.set_version_flag("--version", SHEEN_VERSION);
   sheen::add_serve_command(app);

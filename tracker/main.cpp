@@ -6,7 +6,8 @@
 #include "tracker/commands/commands.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Grabs a camera, solves its pose against a stage of tags and streams posed images.", "sheen-tracker");
+  CLI::App app("Grabs images of a camera, finds its pose from a stage with tags, and streams images with poses.",
+               "sheen-tracker");
   app.require_subcommand(1);
   app.set_version_flag("--version", SHEEN_VERSION);
   sheen::add_run_command(app);

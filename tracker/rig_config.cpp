@@ -7,7 +7,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <set>
 
 #include "common/base/errors.h"
 #include "common/link/endpoint.h"
@@ -73,7 +72,7 @@ std::string place(const std::filesystem::path& file, const toml::source_region& 
 }
 
 toml::table parse(const std::filesystem::path& file) {
-  if (!std::filesystem::is_regular_file(file)) throw FileError(file.string(), "does not exist or is no file");
+  if (!std::filesystem::is_regular_file(file)) throw FileError(file.string(), "does not exist or is not a file");
   try {
     return toml::parse_file(file.string());
   } catch (const toml::parse_error& error) {

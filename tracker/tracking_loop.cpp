@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
-#include <functional>
 #include <thread>
 
 #include "common/base/bounded_queue.h"

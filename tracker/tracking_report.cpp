@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracker/tracking_report.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "common/base/median.h"

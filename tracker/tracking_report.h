@@ -25,7 +25,7 @@ struct TrackingReport {
   std::uint64_t live = 0;    ///< frames sent to look at only
   SourceStats source;
   std::exception_ptr failure;  ///< what ended the run before its time; empty when the source ended or was told to
-  std::map<std::string, std::vector<float>> stage_ms;  ///< the latest times a stage of the pipeline took
+  std::map<std::string, std::vector<float>> stage_ms;  ///< the latest times of each stage of the pipeline
 
   double median_ms(const std::string& stage) const;
   std::string failure_text() const;  ///< empty when nothing failed

@@ -10,7 +10,7 @@
 
 namespace sheen {
 
-/// A queue between threads that has a bound and can be closed. Closing wakes everyone: pushes fail from then on, pops
+/// A queue between threads that has a limit and can be closed. Closing wakes everyone: pushes fail from then on, pops
 /// drain what is left and then return nothing.
 template <typename T>
 class BoundedQueue {

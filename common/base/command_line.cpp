@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <numeric>
 #include <optional>
@@ -79,7 +78,7 @@ CLI::Validator number_in(double least, double most) {
   std::snprintf(range, sizeof range, "%g..%g", least, most);
   return {[least, most, range = std::string(range)](std::string& text) -> std::string {
             const auto value = whole<double>(text);
-            return value && *value >= least && *value <= most ? "" : "\"" + text + "\" is no number in " + range;
+            return value && *value >= least && *value <= most ? "" : "\"" + text + "\" is not a number in " + range;
           },
           range};
 }
@@ -88,7 +87,8 @@ CLI::Validator whole_number_in(std::int64_t least, std::int64_t most) {
   const std::string range = std::to_string(least) + ".." + std::to_string(most);
   return {[least, most, range](std::string& text) -> std::string {
             const auto value = whole<std::int64_t>(text);
-            return value && *value >= least && *value <= most ? "" : "\"" + text + "\" is no whole number in " + range;
+            return value && *value >= least && *value <= most ? ""
+                                                              : "\"" + text + "\" is not a whole number in " + range;
           },
           range};
 }

@@ -13,7 +13,7 @@ class Validator;
 namespace sheen {
 
 /// Parses and runs a program whose work happens in the callbacks of its subcommands. The exit status: 0 done, 1 failed,
-/// 2 wrong usage (ConfigError too); what failed is told on standard error, beside the nearest name of a subcommand that
+/// 2 wrong usage (ConfigError too); what failed is printed on standard error, with the nearest name where a subcommand
 /// was misspelt. Standard output that could not be written is a failure.
 int run_program(CLI::App& app, int argc, char** argv);
 

@@ -126,7 +126,7 @@ void check_writable_folder(const fs::path& folder) {
   std::error_code error;
   fs::path existing = fs::absolute(folder);
   while (!fs::exists(existing, error) && existing != existing.root_path()) existing = existing.parent_path();
-  if (!fs::is_directory(existing, error)) throw FileError(folder.string(), existing.string() + " is no folder");
+  if (!fs::is_directory(existing, error)) throw FileError(folder.string(), existing.string() + " is not a folder");
   try {
     check_writable(existing / "probe");
   } catch (const FileError&) {

@@ -9,7 +9,7 @@
 
 namespace sheen {
 
-/// The whole of a regular file. Throws FileError when it is missing, no regular file, unreadable or longer than
+/// The whole of a regular file. Throws FileError when it is missing, not a regular file, unreadable or longer than
 /// `max_bytes`.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t max_bytes = std::uintmax_t(1) << 34);
 
@@ -17,20 +17,20 @@ std::string read_file(const std::filesystem::path& path, std::uintmax_t max_byte
 std::string read_file_start(const std::filesystem::path& path, std::size_t bytes);
 
 /// Writes beside the target and renames, so that a crash or a full disk leaves the old file or the new one, never half
-/// of one. What a process that was killed left of the same file (`NAME.PID.part`) is removed. A target that is no
+/// of one. What a process that was killed left of the same file (`NAME.PID.part`) is removed. A target that is not a
 /// regular file (a pipe, a device) is written as it is. Throws FileError.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 /// The same for what must write a file by its name: `write` is given the unfinished file's.
 void write_file(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
 
-/// Whether `write_file` can be expected to work, asked before work whose result would have nowhere to go. Throws
-/// FileError that says why not.
+/// Tests whether `write_file` will work, to be called before long work whose result would be lost. Throws FileError
+/// that says why not.
 void check_writable(const std::filesystem::path& path);
-/// The same for files in a folder that need not be there yet; it is not made.
+/// The same for files in a folder, which may not exist yet; it is not created.
 void check_writable_folder(const std::filesystem::path& folder);
 
-/// Makes a folder and those it stands in, where they are not there yet. Throws FileError.
+/// Creates a folder and its parents where they do not exist yet. Throws FileError.
 void make_folder(const std::filesystem::path& path);
 
 }  // namespace sheen

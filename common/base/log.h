@@ -13,7 +13,7 @@ namespace sheen {
 
 enum class LogLevel : std::uint8_t { kDebug, kInfo, kWarning, kError };
 
-/// A name and a value beside a message, for machines: {"sequence", 12}.
+/// A name and a value beside a message, for programs: {"sequence", 12}.
 struct LogField {
   template <std::integral T>
   LogField(std::string_view k, T v) : key(k), value(static_cast<std::int64_t>(v)) {}
@@ -29,7 +29,7 @@ struct LogField {
 using LogFields = std::vector<LogField>;
 
 struct LogOptions {
-  bool json = false;           ///< a JSON object a line instead of text
+  bool json = false;           ///< one JSON object per line instead of text
   std::filesystem::path file;  ///< appended to; empty: standard error
   LogLevel level = LogLevel::kInfo;
   std::size_t queue =

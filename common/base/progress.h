@@ -10,12 +10,12 @@
 
 namespace sheen {
 
-/// Told now and then by a long piece of work how many of its steps are done. What it throws ends the work and goes to
-/// whoever began it. Empty: nobody is told.
+/// Called from time to time by long work with the number of steps that are done. What it throws ends the work and
+/// reaches the caller of the work. Empty: not called.
 using StepsDone = std::function<void(std::size_t done, std::size_t steps)>;
 
-/// A progress bar on a terminal: share done, rate, time left. Where `stream` is no terminal (a pipe, a file) it writes
-/// nothing. The line is cleared at the end. Whoever prints meanwhile does so within a `ProgressPause`.
+/// A progress bar on a terminal: fraction done, rate, time left. Where `stream` is no terminal (a pipe, a file) it
+/// writes nothing. The line is cleared at the end. Whoever prints meanwhile does so within a `ProgressPause`.
 class Progress {
  public:
   /// `total` 0: unknown; counts and rate only.
@@ -24,7 +24,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Cheap enough for every image: the terminal is written to at most ten times a second.
+  /// Cheap enough for every image: the terminal is written to at most ten times per second.
   void update(std::uint64_t done);
 
  private:

@@ -25,8 +25,8 @@ class ReportFile {
   int output_ = -1;  ///< standard output as it was, with "-"
 };
 
-/// Writes out what standard output still holds, as the last thing that a program does: a full disk is told, not passed
-/// over. A reader who has gone had enough: no error. Throws FileError.
+/// Writes out what standard output still holds, as the last thing that a program does: a full disk is an
+/// error. A reader that has closed the pipe is not. Throws FileError.
 void finish_standard_output();
 
 }  // namespace sheen

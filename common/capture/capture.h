@@ -41,7 +41,7 @@ enum class FrameVerdict : std::uint8_t {
 };
 const char* to_string(FrameVerdict verdict);
 
-/// Whether an image is folded into the model or kept aside to judge it.
+/// Whether an image is added to the model or held out to judge it.
 enum class Purpose : std::uint8_t {
   kUnspecified = 0,  ///< the reconstructor decides (every Nth image is held out)
   kTraining = 1,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/capture/capture_validation.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>

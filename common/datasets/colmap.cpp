@@ -95,7 +95,7 @@ Camera colmap_camera(int model_id, double width, double height, const std::vecto
 Rigid3 colmap_pose(const ColmapImage& image) {
   const double norm = image.rotation_wxyz.norm();
   if (!(std::abs(norm - 1) <= 1e-3))
-    throw Error("its rotation is no unit quaternion (length " + std::to_string(norm) + ")");
+    throw Error("its rotation is not a unit quaternion (length " + std::to_string(norm) + ")");
   if (!image.translation.allFinite()) throw Error("its translation is not finite");
   const Eigen::Vector4d q = image.rotation_wxyz / norm;
   return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]), image.translation};

@@ -56,7 +56,7 @@ ColmapCameras parse_colmap_cameras_binary(const std::string& file, std::string_v
     for (int p = 0; p < colmap_parameter_count(model); ++p) parameters.push_back(in.take<double>("params"));
     try {
       if (!cameras.emplace(id, colmap_camera(model, double(width), double(height), parameters)).second)
-        in.fail("camera " + std::to_string(id) + " stands there twice");
+        in.fail("camera " + std::to_string(id) + " is listed twice");
     } catch (const FileError&) {
       throw;
     } catch (const Error& error) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <charconv>
-#include <optional>
 
 #include "common/base/errors.h"
 #include "common/datasets/colmap.h"
@@ -47,7 +46,7 @@ class Lines {
     T value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (text.empty() || error != std::errc() || end != text.data() + text.size())
-      fail(std::string(field) + " is no number");
+      fail(std::string(field) + " is not a number");
     return value;
   }
   [[noreturn]] void fail(const std::string& what) const {
@@ -73,7 +72,7 @@ ColmapCameras parse_colmap_cameras_text(const std::string& file, std::string_vie
     while (!lines.rest_of_line().empty()) parameters.push_back(lines.number<double>("PARAMS"));
     try {
       if (!cameras.emplace(id, colmap_camera(colmap_model_id(model), width, height, parameters)).second)
-        lines.fail("camera " + std::to_string(id) + " stands there twice");
+        lines.fail("camera " + std::to_string(id) + " is listed twice");
     } catch (const FileError&) {
       throw;
     } catch (const Error& error) {

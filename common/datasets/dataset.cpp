@@ -89,7 +89,7 @@ Dataset load_colmap(const fs::path& root, const fs::path& model) {
   std::set<std::string> names;
   for (const ColmapImage& image : images) {
     if (!names.insert(image.name).second)
-      throw FileError(images_file.string(), "image " + image.name + " stands there twice");
+      throw FileError(images_file.string(), "image " + image.name + " is listed twice");
     dataset.views.push_back(colmap_view(root, images_file.string(), image, cameras));
   }
   dataset.hash = identity(content_hash(cameras_bytes) + content_hash(images_bytes), dataset.views);
@@ -125,9 +125,9 @@ std::string orientation_warning(const std::vector<DatasetView>& views) {
   if (first == views.end()) return {};
   const auto others = std::count_if(first + 1, views.end(), turned);
   return first->image_path.string() + (others > 0 ? " and " + std::to_string(others) + " others" : "") +
-         ": EXIF says that the picture is to be turned; the pixels are taken as they are stored. If the poses belong "
+         ": EXIF says that the picture must be rotated; the pixels are used as they are stored. If the poses belong "
          "to "
-         "the turned picture, turn the files themselves (exiftran -a)";
+         "the rotated picture, rotate the files themselves (exiftran -a)";
 }
 
 std::string description(const Camera& camera) {
@@ -183,7 +183,7 @@ Capture read_capture(const Dataset& dataset, std::size_t index) {
     throw FileError(path.string(), "is " + std::to_string(width) + " x " + std::to_string(height) +
                                        " pixels, but its camera is " + std::to_string(view.camera.width) + " x " +
                                        std::to_string(view.camera.height) +
-                                       (turned ? "; its EXIF data say that it is to be turned: turn the file itself "
+                                       (turned ? "; its EXIF data say that it must be rotated: rotate the file itself "
                                                  "(exiftran -a)"
                                                : ""));
   };

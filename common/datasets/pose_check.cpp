@@ -10,8 +10,8 @@ std::string make_rotation(Eigen::Matrix3d& matrix) {
   if (!matrix.allFinite()) return "is not finite";
   const double error = (matrix.transpose() * matrix - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kTolerance))
-    return "is no rotation: it is not orthonormal (off by " + std::to_string(error) + "); does it hold a scale?";
-  if (matrix.determinant() < 0) return "is no rotation: it is a reflection (its determinant is negative)";
+    return "is not a rotation: it is not orthonormal (off by " + std::to_string(error) + "); does it contain a scale?";
+  if (matrix.determinant() < 0) return "is not a rotation: it is a reflection (its determinant is negative)";
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   matrix = svd.matrixU() * svd.matrixV().transpose();
   return {};

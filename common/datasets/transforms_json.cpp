@@ -225,7 +225,7 @@ DatasetView parse_frame(const Fields& fields, const ImageFiles& images) {
   DatasetView view;
   const auto name = fields.text("file_path");
   if (!name || name->empty()) fields.fail("file_path", "is missing");
-  if (name->find('\0') != std::string::npos) fields.fail("file_path", "is no file name");
+  if (name->find('\0') != std::string::npos) fields.fail("file_path", "is not a file name");
   view.name = *name;
   view.image_path = images.find(view.name);
   if (view.image_path.empty()) fields.fail("file_path", "there is no such image");
@@ -243,7 +243,7 @@ Json parse_json(const std::string& file, const std::string& text) {
   try {
     return Json::parse(text);
   } catch (const Json::exception& error) {
-    throw FileError(file, std::string("is no valid JSON: ") + error.what());
+    throw FileError(file, std::string("is not valid JSON: ") + error.what());
   }
 }
 

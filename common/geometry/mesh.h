@@ -30,7 +30,7 @@ struct BoundingSphere {
 };
 BoundingSphere bounding_sphere(const Mesh& mesh);  ///< of the bounding box
 
-/// Area-weighted unit normal a vertex; +z where a vertex has no triangle.
+/// Area-weighted unit normal per vertex; +z where a vertex has no triangle.
 std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh);
 
 /// What is wrong with a mesh. Meshes from the field have all of these; none stops a capture.
@@ -41,7 +41,7 @@ struct MeshDiagnosis {
   std::size_t inconsistent_edges = 0;  ///< two triangles that run along the edge in the same direction
   std::size_t isolated_vertices = 0;
   std::size_t removed_degenerate = 0;  ///< triangles without area, dropped on loading
-  std::size_t removed_duplicate = 0;   ///< triangles that stand there twice, dropped on loading
+  std::size_t removed_duplicate = 0;   ///< triangles that are listed twice, dropped on loading
   std::size_t components = 0;
   double signed_volume = 0;                   ///< negative: probably inside out
   std::vector<std::string> warnings() const;  ///< a sentence each, with what to do; empty for a clean mesh

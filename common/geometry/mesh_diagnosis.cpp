@@ -90,9 +90,9 @@ std::vector<std::string> MeshDiagnosis::warnings() const {
        "consistent");
   warn(isolated_vertices, "vertices belong to no triangle: they are ignored");
   warn(removed_degenerate, "faces had no area and were left out");
-  warn(removed_duplicate, "triangles stood there twice; one of each was left out");
+  warn(removed_duplicate, "triangles were listed twice; one of each was left out");
   if (components > 1)
-    out.push_back("the mesh falls into " + std::to_string(components) +
+    out.push_back("the mesh consists of " + std::to_string(components) +
                   " pieces: remove those that do not belong to the object, they would hide it");
   if (signed_volume < 0)
     out.push_back(

@@ -19,14 +19,14 @@ void MeshBuilder::fail(FilePlace place, const std::string& what) const {
 
 void MeshBuilder::add_vertex(double x, double y, double z, FilePlace place) {
   const Eigen::Vector3f vertex(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-  if (!vertex.allFinite()) fail(place, "a coordinate is no finite number");
+  if (!vertex.allFinite()) fail(place, "a coordinate is not a finite number");
   raw_.mesh.vertices.push_back(vertex);
 }
 
 void MeshBuilder::add_face(std::span<const double> corners, FilePlace place) {
   for (const double corner : corners) {
     if (!(corner >= 0 && corner <= kMaxIndex && corner == std::floor(corner)))
-      fail(place, "a corner is no vertex index");
+      fail(place, "a corner is not a vertex index");
     if (corner >= largest_index_) {
       largest_index_ = static_cast<std::uint32_t>(corner);
       largest_place_ = place;

@@ -23,7 +23,7 @@ RawMesh read_obj(const std::string& path, std::string_view bytes) {
         // v, v/vt, v//vn or v/vt/vn; only the position counts here.
         const auto index = parse_number(words[i].substr(0, words[i].find('/')));
         if (!index || *index == 0)
-          builder.fail(reader.place(), "\"" + std::string(words[i].substr(0, 40)) + "\" is no corner of a face");
+          builder.fail(reader.place(), "\"" + std::string(words[i].substr(0, 40)) + "\" is not a corner of a face");
         // From 1 on, or backwards from the last vertex so far.
         const double corner = *index > 0 ? *index - 1 : static_cast<double>(builder.vertex_count()) + *index;
         if (corner < 0) builder.fail(reader.place(), "refers to a vertex before the first one");

@@ -17,7 +17,7 @@ struct ExifExposure {
 /// it.
 std::optional<ExifExposure> read_exif_exposure(std::string_view file);
 
-/// By how much a picture is to be turned (and mirrored) for looking at it: 1..8 as the standard numbers them, 1 as it
+/// By how much a picture must be rotated (and mirrored) to be looked at: 1..8 as the standard numbers them, 1 as it
 /// is stored, which is also the answer where nothing is said.
 int read_exif_orientation(std::string_view file);
 

@@ -298,7 +298,7 @@ ExrAttributes read_exr(const std::filesystem::path& path, const std::function<bo
   } catch (const FileError&) {
     throw;  // from `visit`, which knows more
   } catch (const std::exception& error) {
-    throw FileError(path.string(), std::string("is no readable EXR: ") + error.what());
+    throw FileError(path.string(), std::string("cannot be read as OpenEXR: ") + error.what());
   }
 }
 

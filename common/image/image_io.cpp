@@ -35,10 +35,10 @@ struct PngImage {
 void begin_png(PngImage& png, std::string_view bytes) {
   if (!png_image_begin_read_from_memory(&png.info, bytes.data(), bytes.size())) png.fail();
   if (png.info.format & PNG_FORMAT_FLAG_LINEAR)
-    throw Error("a PNG of 16 bits a channel cannot be read; write 8 bits, or EXR for more");
+    throw Error("a PNG of 16 bits per channel cannot be read; write 8 bits, or EXR for more");
   // Deflate packs at most 1032 : 1; a header that claims more must not be given the memory.
   const double claimed = double(png.info.width) * png.info.height * PNG_IMAGE_SAMPLE_CHANNELS(png.info.format);
-  if (claimed / 8 > 1100.0 * double(bytes.size()))  // 1 bit a sample is the least
+  if (claimed / 8 > 1100.0 * double(bytes.size()))  // 1 bit per sample is the least
     throw Error("claims " + std::to_string(png.info.width) + " x " + std::to_string(png.info.height) +
                 " pixels, more than the file can hold");
 }

@@ -9,9 +9,9 @@
 
 namespace sheen {
 
-/// Reads a raw image as linear radiance, part by part: `to_linear_rgb` says what the values are. The image must be
-/// valid
-/// (`validation_error`) and outlive the reader. Const members are thread-safe.
+/// Reads a raw image as linear radiance, part by part: `to_linear_rgb` says what the values are.
+/// The image must be valid (`validation_error`) and outlive the reader.
+/// Const members are thread-safe.
 class LinearReader {
  public:
   explicit LinearReader(const RawImage& image, float black_level = 0, const float white_balance[3] = nullptr);

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/image/raw_image.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstring>
 
 namespace sheen {
 namespace {

@@ -33,7 +33,7 @@ struct RawImage {
   Transfer transfer = Transfer::kLinear;
   int width = 0;
   int height = 0;
-  std::size_t stride = 0;  ///< bytes a row
+  std::size_t stride = 0;  ///< bytes per row
   std::vector<std::uint8_t> bytes;
 
   bool operator==(const RawImage&) const = default;

@@ -215,8 +215,7 @@ void CaptureReceiver::Impl::handle(const std::vector<zmq::message_t>& parts) {
 /// by the next.
 void CaptureReceiver::Impl::require_credit(std::uint64_t bytes) {
   if (may_come == 0)
-    throw ProtocolError("credits: a capture of " + std::to_string(bytes) +
-                        " bytes came that none was left for; dropped");
+    throw ProtocolError("credits: a capture of " + std::to_string(bytes) + " bytes came without a credit; dropped");
   --may_come;
 }
 
@@ -269,7 +268,7 @@ void CaptureReceiver::Impl::take_welcome(const Welcome& welcome) {
 void CaptureReceiver::Impl::take_end(const End& end) {
   if (end.source_session != session)
     throw ProtocolError("end.source_session: is " + end.source_session + ", the sender's is " + session);
-  if (end.last_sequence > held[session].received) return ask_again("gap: the last captures have not come");
+  if (end.last_sequence > held[session].received) return ask_again("gap: the last captures are missing");
   stats.ended = true;
   stats.source_failure = end.failure;
   end_unsaid = true;

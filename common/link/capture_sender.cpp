@@ -211,7 +211,7 @@ void CaptureSender::Impl::welcome(const std::string& id, const std::string& key,
     if (const std::string why = zap->refusal(key); !why.empty()) return refuse(id, why, key);
   if (peer && peer->routing_id != id) {
     check_peer_is_there();
-    if (peer) return refuse(id, "busy: another receiver has this data link; stop it, or wait until it is gone");
+    if (peer) return refuse(id, "busy: another receiver uses this data link; stop it, or wait until it has ended");
   }
   const auto held = hello.held.find(options.source_session);
   if (held != hello.held.end()) {

@@ -29,7 +29,7 @@ struct PublisherStats {
   std::string last_refusal;
 };
 
-/// Tells whoever watches how a daemon is doing: latest wins, at most a few messages a subscriber are buffered, and a
+/// Tells whoever watches how a daemon is doing: latest wins, at most a few messages per subscriber are buffered, and a
 /// slow or stopped one is never waited for. Thread-safe; its own I/O thread.
 class MonitorPublisher {
  public:

@@ -63,10 +63,10 @@ class Wakeup {
   int fd_;
 };
 
-/// Tells the log who was refused and why: at once, and what goes on no more than once a minute.
+/// Tells the log who was refused and why: at once, and again at most once per minute.
 class RefusalLog {
  public:
-  /// `subject`: the key or the kind of fault, of which one line a minute is enough.
+  /// `subject`: the key or the kind of fault, of which one line per minute is enough.
   void tell(const std::string& subject, const std::string& message);
 
  private:

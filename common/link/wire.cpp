@@ -2,7 +2,6 @@
 #include "common/link/wire.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "common/base/crc32c.h"
 #include "common/base/errors.h"

@@ -2,7 +2,6 @@
 #include "common/link/wire_messages.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "common/base/errors.h"
@@ -35,10 +34,11 @@ std::uint32_t checked_credits(std::uint32_t value, const char* field) {
   return value;
 }
 
-/// Sequences are counted up from 1, one a capture: what would wrap has never been reached.
+/// Sequences are counted up from 1, one per capture: what would wrap has never been reached.
 std::uint64_t checked_sequence(std::uint64_t value, const char* field) {
   if (value > kMaxSequence)
-    throw ProtocolError(std::string(field) + ": " + std::to_string(value) + " is no sequence that can be reached");
+    throw ProtocolError(std::string(field) + ": " + std::to_string(value) +
+                        " is larger than any sequence that can be reached");
   return value;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/session/capture_file.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <span>
@@ -79,7 +78,7 @@ Capture decode(const fs::path& path, ByteSpan bytes) {
 }
 
 std::string read_indexed(const fs::path& path, const IndexedFile& file) {
-  if (!capture_file_number(file.name)) throw FileError(path.string(), "is no name of a capture's file");
+  if (!capture_file_number(file.name)) throw FileError(path.string(), "is not the name of a capture's file");
   std::string text = read_file(path, kMaxFileBytes);
   if (text.size() != file.bytes)
     throw FileError(path.string(),

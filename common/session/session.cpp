@@ -111,7 +111,7 @@ SessionRepair Session::Impl::look(SessionIndex::Access access) {
     if (!has_capture_files(captures)) throw;
     index.reset();
     index_is_usable = false;
-    diagnosis.push_back(std::string(error.what()) + "; what it should say is read from the captures");
+    diagnosis.push_back(std::string(error.what()) + "; its contents are read from the captures");
     return plan_repair(SessionIndex::salvage(index_file), captures);
   }
 }
@@ -121,7 +121,7 @@ void Session::Impl::open_for_writing() {
   if (!index_is_usable) {
     const fs::path kept = put_by(index_file);
     SessionIndex::create(index_file, repair.contents);
-    if (fs::exists(kept)) diagnosis.push_back("the index that cannot be used is kept: " + kept.string());
+    if (fs::exists(kept)) diagnosis.push_back("the unusable index is kept: " + kept.string());
     index = std::make_unique<SessionIndex>(index_file, SessionIndex::Access::kWrite);
   } else if (repair.changed) {
     index->replace(repair.contents);
@@ -140,7 +140,8 @@ void Session::Impl::open_for_reading() {
   diagnosis.insert(diagnosis.end(), repair.findings.begin(), repair.findings.end());
   if (index_is_usable && !repair.changed) return;
   index = SessionIndex::in_memory(repair.contents);
-  diagnosis.push_back(folder.string() + ": only read, so left as it is; `serve --session` and `undo` mend the index");
+  diagnosis.push_back(folder.string() +
+                      ": opened for reading only, so it is not changed; `serve --session` and `undo` repair the index");
 }
 
 void Session::Impl::tell() const {
@@ -161,7 +162,7 @@ auto Session::Impl::read_or_name_the_remedy(std::uint64_t number, const Read& re
   } catch (const FileError& error) {
     throw DamagedCapture(folder.string(),
                          "capture " + std::to_string(number) + " cannot be read: " + error.what() +
-                             "; put a copy of the file back, or leave it out for good: undo --capture " +
+                             "; put a copy of the file back, or withdraw the capture: undo --capture " +
                              std::to_string(number));
   }
 }
@@ -189,7 +190,7 @@ Session Session::create(const fs::path& folder) {
     sync_folder(fs::absolute(folder).parent_path());
     return Session(std::move(impl));
   } catch (const fs::filesystem_error& error) {
-    throw FileError(folder.string(), "cannot become a session: " + error.code().message());
+    throw FileError(folder.string(), "cannot be used for a session: " + error.code().message());
   }
 }
 

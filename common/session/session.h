@@ -46,7 +46,7 @@ class Session {
   void check(std::uint64_t index) const;
   /// Reads no pixels. Throws DamagedCapture when not even the label can be read.
   CaptureLabel label(std::uint64_t index) const;
-  /// Highest sequence that is durable, without a gap before it, a source session.
+  /// Per source session: the highest sequence that is durable without a gap before it.
   std::map<std::string, std::uint64_t> held() const;
 
   /// Takes a capture back, or puts it back; durable when it returns. False when it was so already. Throws FileError
@@ -62,7 +62,7 @@ class Session {
   void set_metadata(const std::string& key, const std::string& value);
   std::optional<std::string> metadata(const std::string& key) const;
 
-  /// What opening found amiss and what it did about it, a line each; empty for a session in order.
+  /// What opening found wrong and what it did about it, one line each; empty for a sound session.
   const std::vector<std::string>& diagnosis() const;
 
  private:

@@ -309,7 +309,7 @@ SessionIndex::SessionIndex(const std::filesystem::path& file, Access access, std
     if (notes && !error && log_bytes > 0)
       notes->push_back(file.string() +
                        "-wal cannot be read on a disk that cannot be written to: what was taken back "
-                       "or put back last may be missing; copy the session to another disk to have all of it");
+                       "or put back last may be missing; copy the session to another disk to read all of it");
     impl_->db =
         open_database(file, "file:" + escaped(file.string()) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     impl_->check_version();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/session/session_repair.h"
 
-#include <algorithm>
 #include <optional>
 #include <set>
 #include <utility>
@@ -87,7 +86,7 @@ class Planner {
     for (auto& [number, entry] : entries_)
       if (entry.row && !entry.bytes) keep_without_file(number, *entry.row);
     renumber();
-    for (const Finding& finding : {taken_in_, mended_, damaged_, missing_, aside_, dropped_})
+    for (const Finding& finding : {added_, mended_, damaged_, missing_, aside_, dropped_})
       finding.tell(repair_.findings);
     return std::move(repair_);
   }
@@ -107,7 +106,7 @@ class Planner {
     try {
       const FoundCapture found = identify_capture_file(folder_, name);
       if (take(number, {0, found.source_session, found.sequence, found.file}))
-        return (entry.row ? mended_ : taken_in_).add(path);
+        return (entry.row ? mended_ : added_).add(path);
       set_aside(name, ".duplicate", "is a copy of " + found.source_session + " " + std::to_string(found.sequence));
     } catch (const FileError& error) {
       if (entry.row && take(number, *entry.row)) return damaged_.add(error.what());
@@ -157,11 +156,11 @@ class Planner {
   std::map<std::uint64_t, IndexRow> taken_;
   std::set<Identity> known_;
   SessionRepair repair_;
-  Finding taken_in_{"that the index did not know, ingested from the files"},
-      mended_{"of which the index was wrong, read from the file again"},
-      damaged_{"damaged; put back a copy of the file, or take it back with undo"},
-      missing_{"without a file; put the file back, or take it back with undo"}, aside_{"set aside"},
-      dropped_{"that were never there, dropped from the index"};
+  Finding added_{"that were missing in the index, added from the files"},
+      mended_{"with a wrong index entry, read from the file again"},
+      damaged_{"damaged; put back a copy of the file, or withdraw it with undo"},
+      missing_{"without a file; put the file back, or withdraw it with undo"}, aside_{"set aside"},
+      dropped_{"that do not exist, dropped from the index"};
 };
 
 }  // namespace

@@ -43,7 +43,7 @@ Grid sample(const ImplicitFunction& distance, const Eigen::Vector3d& box_min, co
   return grid;
 }
 
-/// One vertex a crossed cell, at the mean of the crossings of its edges; `vertex_of_cell` holds its index or -1.
+/// One vertex per crossed cell, at the mean of the crossings of its edges; `vertex_of_cell` holds its index or -1.
 std::vector<Eigen::Vector3d> place_vertices(const Grid& grid, std::vector<std::int32_t>& vertex_of_cell) {
   std::vector<Eigen::Vector3d> vertices;
   vertex_of_cell.assign(grid.value.size(), -1);

@@ -18,7 +18,7 @@ struct BakeOptions {
   int sky_directions = 2048;    ///< over the sphere; the same everywhere, so that what error there is, is smooth
   int bounce_directions = 512;  ///< over the sphere
   int bounces = 3;
-  int area_light_samples = 16;  ///< a side of the emitter
+  int area_light_samples = 16;  ///< per side of the emitter
   float stage_cell_m = 0.004f;  ///< grid on the stage
 };
 

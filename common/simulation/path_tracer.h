@@ -25,9 +25,9 @@ class LensRays {
 };
 
 struct RenderOptions {
-  int object_samples = 4;  ///< primary rays a pixel on the object
-  int edge_samples = 16;   ///< primary rays a pixel that an edge crosses
-  int lobe_samples = 64;   ///< rays a pixel into the glossy lobe, shared among its primary rays
+  int object_samples = 4;  ///< primary rays per pixel on the object
+  int edge_samples = 16;   ///< primary rays per pixel that an edge crosses
+  int lobe_samples = 64;   ///< rays per pixel into the glossy lobe, shared among its primary rays
 };
 
 /// Linear radiance (3 channels) as a box filter over each pixel sees it, and the object's silhouette: 255 where the ray
@@ -37,8 +37,8 @@ struct RenderedView {
   ImageU8 mask;
 };
 
-/// Renders a scene from anywhere. The diffuse light is baked when the tracer is made; the glossy lobe is sampled a
-/// pixel with the same points in every frame. Deterministic: the same call gives the same bits. Const calls are
+/// Renders a scene from anywhere. The diffuse light is baked when the tracer is made; the glossy lobe is sampled for
+/// each pixel with the same points in every frame. Deterministic: the same call gives the same bits. Const calls are
 /// thread-safe.
 class PathTracer {
  public:

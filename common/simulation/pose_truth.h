@@ -19,8 +19,8 @@ using SentFrames = std::multimap<std::uint64_t, std::size_t>;
 SentFrames read_sent_frames(const std::filesystem::path& log);
 
 struct PoseErrors {
-  std::vector<double> centre_mm;     ///< a capture: distance of the camera's centre from the truth
-  std::vector<double> rotation_deg;  ///< a capture
+  std::vector<double> centre_mm;     ///< per capture: distance of the camera's centre from the truth
+  std::vector<double> rotation_deg;  ///< per capture
   std::size_t unmatched = 0;         ///< captures whose frame id was never sent
 };
 

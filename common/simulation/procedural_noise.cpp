@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/simulation/procedural_noise.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace sheen {

@@ -20,7 +20,7 @@ float gradient_noise(const Eigen::Vector3f& p);
 /// Sum of `octaves` of gradient noise, each of half the wavelength and half the height, within about [-1, 1].
 float fractal_noise(Eigen::Vector3f p, int octaves);
 
-/// Points scattered at one a unit cell: the distance to the nearest and a number in [0, 1) that names it.
+/// Points scattered at one per unit cell: the distance to the nearest and a number in [0, 1) that names it.
 struct ScatteredPoint {
   float distance;
   float name;

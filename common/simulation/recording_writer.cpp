@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <oneapi/tbb/parallel_for.h>
 
-#include <atomic>
 #include <cstdio>
 #include <mutex>
 #include <nlohmann/json.hpp>

@@ -20,7 +20,7 @@ struct SensorNoise {
 inline constexpr double kLensSpotPx = 0.7;
 
 /// What the lens lays on the sensor: the image under a Gaussian spot. Without it a colour filter array would see detail
-/// that no real camera passes, and demosaicking alone would cost more than everything else.
+/// that no real camera passes, and demosaicing alone would cost more than everything else.
 ImageF through_lens(const ImageF& radiance, double sigma_px);
 
 /// Samples an image through the colour filter RGGB (BayerRG8): 1 channel, in units of the white level, unclipped.

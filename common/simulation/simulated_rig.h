@@ -52,7 +52,6 @@ class SimulatedRig {
   const PathTracer& tracer() const { return tracer_; }
   const Camera& camera() const { return lens_.camera(); }
   const std::vector<CameraStation>& path() const { return path_; }
-  double white_level() const { return white_level_; }  ///< radiance that just saturates the sensor
 
  private:
   double meter() const;

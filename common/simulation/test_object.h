@@ -15,7 +15,7 @@ namespace sheen {
 struct TestObject {
   std::string name;
   Mesh mesh;                             ///< metres; stands on z = 0, round the z axis
-  std::vector<Eigen::Vector3f> normals;  ///< unit, a vertex, of the smooth surface behind the mesh
+  std::vector<Eigen::Vector3f> normals;  ///< unit, per vertex, of the smooth surface behind the mesh
   std::function<Material(const Eigen::Vector3f&)> material;
 };
 

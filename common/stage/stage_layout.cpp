@@ -104,7 +104,7 @@ StageLayout make_stage(const StageOptions& options) {
   if (columns < 3 || rows < 3)
     throw ConfigError("stage: a board of " + millimetres(options.width_m) + " x " + millimetres(options.height_m) +
                       " holds too few tags of " + millimetres(options.tag_m) +
-                      "; take smaller tags or a larger board (at least three tags a side)");
+                      "; take smaller tags or a larger board (at least three tags per side)");
   const int count = 2 * columns + 2 * (rows - 2);
   if (options.first_id < 0 || options.first_id + count > kTagIdCount)
     throw ConfigError("stage: first id " + std::to_string(options.first_id) + " leaves no room for " +
@@ -138,7 +138,7 @@ StageLayout load_stage(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < tags.size(); ++i) {
     const std::string where = "tags[" + std::to_string(i) + "].";
     stage.tags.push_back(read_tag(fields, tags[i], where));
-    if (!ids.insert(stage.tags.back().id).second) fields.fail(where + "id", "stands there twice");
+    if (!ids.insert(stage.tags.back().id).second) fields.fail(where + "id", "is listed twice");
   }
   return stage;
 }

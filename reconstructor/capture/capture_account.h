@@ -16,7 +16,7 @@ namespace sheen {
 struct FrameCounts {
   std::uint64_t received = 0, accepted = 0, held_out = 0;
   std::map<std::string, std::uint64_t> refused;  ///< by reason
-  std::uint64_t withdrawn = 0;                   ///< taken back by a person
+  std::uint64_t withdrawn = 0;                   ///< taken back by the user
 };
 
 /// A capture that the reconstruction was given, and what became of it.
@@ -25,7 +25,7 @@ struct KnownCapture {
   std::uint64_t sequence = 0;
   IngestStatus status = IngestStatus::kRefused;
   std::string reason;     ///< of a refusal
-  bool repeated = false;  ///< the model took nothing of it: it shows what an earlier one does
+  bool repeated = false;  ///< nothing of it was used: it shows what an earlier one does
   std::size_t patches_skipped = 0;
   float exposure_gain = 1;  ///< that its values, or those of a held-out view, were divided by
 };
@@ -39,7 +39,7 @@ class CaptureAccount {
   };
 
   void receive() { ++counts_.received; }
-  /// A capture that was received, or one that is folded again.
+  /// A capture that was received, or one that is ingested again.
   void note(const Capture& capture, const IngestReport& report);
   /// Nothing where it is not known.
   const KnownCapture* find(const Capture& capture) const;
@@ -49,7 +49,7 @@ class CaptureAccount {
   void leave_out(std::uint64_t captures);
   /// Counts captures whose files cannot be read among the refused.
   void refuse_damaged(std::uint64_t captures);
-  /// The accepted images are folded again from the first.
+  /// The accepted images are ingested again from the first.
   void forget_accepted();
 
   const FrameCounts& counts() const { return counts_; }

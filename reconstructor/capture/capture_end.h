@@ -17,7 +17,7 @@ namespace sheen {
 
 enum class EndStage : std::uint8_t {
   kCapturing,  ///< the end has not begun
-  kFinishing,  ///< what is journaled is folded in
+  kFinishing,  ///< waiting captures are added to the model
   kSaving,
   kJudging,  ///< the model is compared with the held-out views
 };
@@ -28,7 +28,7 @@ struct EndProgress {
 };
 
 /// What becomes of a capture after its last image, on a thread of its own so that whoever watches is told meanwhile: no
-/// more is received, what is journaled is folded in, the model is saved into `session_folder`/model, its held-out views
+/// more is received, waiting captures are added, the model is saved into `session_folder`/model, its held-out views
 /// are judged. As bounded as the journal is; `stop` ends it earlier.
 class CaptureEnd {
  public:

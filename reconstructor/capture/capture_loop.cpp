@@ -78,86 +78,117 @@ void CaptureLoop::receive(std::stop_token stop) {
   std::uint64_t journaled = status().journaled;
   while (!stop.stop_requested()) {
     std::optional<Received> received = receiver_.next(kPoll);
-    if (received) {
-      received->capture.times.received_ns = steady_now_ns();
-      if (observer_.on_capture) observer_.on_capture(received->capture);
-      if (!received->live) {
-        try {
-          const std::uint64_t index = patiently(stop, [&] { return session_.append(received->capture); });
-          journaled = std::max(journaled, index + 1);
-        } catch (const SessionBusy&) {
-          return;  // asked to stop before it could be kept: the tracker keeps it
-        } catch (const std::exception& error) {
-          return fail(error.what());  // not acknowledged: the tracker keeps it for the next start
-        }
-        receiver_.acknowledge(received->capture.source_session, received->capture.sequence);
-      }
-    }
-    const ReceiverStats link = receiver_.stats();
-    if (observer_.on_link) observer_.on_link(link);
-    const std::lock_guard lock(mutex_);
-    status_.link = link;
-    status_.journaled = journaled;
-    if (received && !received->live && status_.link.clock) {
-      const std::int64_t trackers_now_ns = steady_now_ns() + status_.link.clock->offset_ns;
-      status_.latency.add(1e-9 * static_cast<double>(trackers_now_ns - received->capture.times.grabbed_ns));
-    }
-    journaled_changed_.notify_all();
+    if (received && !store(*received, journaled, stop)) return;
+    report_link(received, journaled);
   }
 }
+
+/// False where a capture could not be stored: it is not acknowledged, so the tracker keeps it for the next start.
+bool CaptureLoop::store(Received& received, std::uint64_t& journaled, const std::stop_token& stop) {
+  Capture& capture = received.capture;
+  capture.times.received_ns = steady_now_ns();
+  if (observer_.on_capture) observer_.on_capture(capture);
+  if (received.live) return true;
+  try {
+    const std::uint64_t index = patiently(stop, [&] { return session_.append(capture); });
+    journaled = std::max(journaled, index + 1);
+  } catch (const SessionBusy&) {
+    return false;  // asked to stop while it waited
+  } catch (const std::exception& error) {
+    fail(error.what());
+    return false;
+  }
+  receiver_.acknowledge(capture.source_session, capture.sequence);
+  return true;
+}
+
+void CaptureLoop::report_link(const std::optional<Received>& received, std::uint64_t journaled) {
+  const ReceiverStats link = receiver_.stats();
+  if (observer_.on_link) observer_.on_link(link);
+  const std::lock_guard lock(mutex_);
+  status_.link = link;
+  status_.journaled = journaled;
+  if (received && !received->live && status_.link.clock) {
+    const std::int64_t trackers_now_ns = steady_now_ns() + status_.link.clock->offset_ns;
+    status_.latency.add(1e-9 * static_cast<double>(trackers_now_ns - received->capture.times.grabbed_ns));
+  }
+  journaled_changed_.notify_all();
+}
+
+/// What the ingest thread has not shown and not judged yet, and since when.
+struct CaptureLoop::Pending {
+  Clock::duration judge_interval;
+  bool unshown = false, unjudged = false;  // changes of the model
+  Clock::time_point last_change = Clock::now(), last_shown = last_change, last_judged = last_change;
+
+  void model_changed() {
+    unshown = unjudged = true;
+    last_change = Clock::now();
+  }
+};
 
 void CaptureLoop::ingest(std::stop_token stop) {
   try {
     const Session journal = patiently(stop, [&] { return Session::open_read_only(folder_); });
-    auto last_snapshot = Clock::now(), last_judged = Clock::now(), last_change = Clock::now();
-    Clock::duration rest = options_.judge_interval;
-    bool changed = false;   // since the last snapshot
-    bool unjudged = false;  // since the last live judgement
-    const auto show = [&] {
-      if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
-      last_snapshot = Clock::now();
-      changed = false;
-    };
+    Pending pending{.judge_interval = options_.judge_interval};
     for (std::uint64_t next = 0; !stop.stop_requested();) {
-      Followed followed = Followed::kMustRebuild;
-      try {
-        followed = follow_withdrawals(journal, next);
-      } catch (const DamagedCapture&) {  // what it did to the model cannot be told from its file any more
-      }
-      if (followed == Followed::kMustRebuild) begin_rebuild(next);
-      if (followed == Followed::kTakenOut) {
-        show();
-        unjudged = true;
-        last_change = Clock::now();
-      }
+      apply_withdrawals(journal, next, pending);
       const Waited waited = wait_for_capture(next, stop);
       const bool over = waited == Waited::kOver, ended = over || waited == Waited::kSourceEnded;
       if (waited == Waited::kArrived) {
         ingest_next(journal, next++);
-        changed = unjudged = true;
-        last_change = Clock::now();
-      } else if (inexact_ && (ended || Clock::now() - last_change >= options_.pause)) {
+        pending.model_changed();
+      } else if (inexact_ && (ended || Clock::now() - pending.last_change >= options_.pause)) {
         begin_rebuild(next);
       }
-      if (next < rebuild_until_) continue;  // who watches keeps the last whole model
-      // Images come first: while some wait, pictures of the model are rarer and nothing is judged.
+      if (next < rebuild_until_) continue;  // the last whole model stays on the screen
       const bool late = behind(next);
-      const auto interval = (late ? kLateSnapshotFactor : 1) * options_.snapshot_interval;
-      if (changed && (ended || Clock::now() - last_snapshot >= interval)) show();
+      show_when_due(late, ended, pending);
       if (over && patiently(stop, [&] { return journal.withdrawals_after(last_withdrawal_); }).empty()) break;
-      if (unjudged && !late && Clock::now() - last_judged >= rest) {
-        const auto begun = Clock::now();
-        judge_live();
-        last_judged = Clock::now();
-        rest = std::max<Clock::duration>(options_.judge_interval, kJudgementsRest * (last_judged - begun));
-        unjudged = false;
-      }
+      judge_when_due(late, pending);
     }
   } catch (const std::exception& error) {
     const bool stopped_waiting = stop.stop_requested() && dynamic_cast<const SessionBusy*>(&error);
     if (!stopped_waiting) return fail(error.what());
   }
   finished_ = true;
+}
+
+/// Takes images out of the model that were withdrawn since the last call, or begins to rebuild it.
+void CaptureLoop::apply_withdrawals(const Session& journal, std::uint64_t& next, Pending& pending) {
+  Followed followed = Followed::kMustRebuild;
+  try {
+    followed = follow_withdrawals(journal, next);
+  } catch (const DamagedCapture&) {  // what it did to the model cannot be told from its file any more
+  }
+  if (followed == Followed::kMustRebuild) begin_rebuild(next);
+  if (followed == Followed::kTakenOut) {
+    pending.model_changed();
+    show(pending);
+  }
+}
+
+/// Images come first: while some wait (`late`), pictures of the model are rarer.
+void CaptureLoop::show_when_due(bool late, bool ended, Pending& pending) {
+  const auto interval = (late ? kLateSnapshotFactor : 1) * options_.snapshot_interval;
+  if (pending.unshown && (ended || Clock::now() - pending.last_shown >= interval)) show(pending);
+}
+
+void CaptureLoop::show(Pending& pending) {
+  if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
+  pending.last_shown = Clock::now();
+  pending.unshown = false;
+}
+
+/// Images come first: while some wait (`late`), nothing is judged.
+void CaptureLoop::judge_when_due(bool late, Pending& pending) {
+  if (!pending.unjudged || late || Clock::now() - pending.last_judged < pending.judge_interval) return;
+  const auto begun = Clock::now();
+  judge_live();
+  pending.last_judged = Clock::now();
+  pending.judge_interval =
+      std::max<Clock::duration>(options_.judge_interval, kJudgementsRest * (pending.last_judged - begun));
+  pending.unjudged = false;
 }
 
 CaptureLoop::Waited CaptureLoop::wait_for_capture(std::uint64_t index, std::stop_token stop) {

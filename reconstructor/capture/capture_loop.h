@@ -26,7 +26,7 @@ namespace sheen {
 /// Metadata of a session: `Reconstruction::effort_record` of the daemon that captured it.
 inline constexpr const char* kEffortKey = "effort";
 
-/// What the loop tells whoever watches; plain values, copied.
+/// What the loop tells its observers; plain values, copied.
 struct LoopStatus {
   FrameCounts counts;
   std::uint64_t journaled = 0;      ///< captures that are durable
@@ -42,7 +42,7 @@ struct LoopStatus {
   Reconstruction::Effort effort;
   std::vector<std::size_t> rank_histogram;
   std::uint64_t model_bytes = 0;
-  std::map<std::string, double> stage_s;  ///< median a stage
+  std::map<std::string, double> stage_s;  ///< median per stage
   RunningStatistics update;               ///< of the model by an image
   /// From the grab to durable here, by the measured offset of the two machines' clocks; captures that came while there
   /// was none are not in it.
@@ -56,7 +56,7 @@ struct LoopStatus {
 struct LoopObserver {
   std::function<void(std::shared_ptr<const ModelSnapshot>)> on_snapshot;
   std::function<void(const Capture&)> on_capture;     ///< every capture that arrives, live or to be kept
-  std::function<void(const ReceiverStats&)> on_link;  ///< many times a second, from the start
+  std::function<void(const ReceiverStats&)> on_link;  ///< many times per second, from the start
 };
 
 struct CaptureLoopOptions {
@@ -95,8 +95,15 @@ class CaptureLoop {
   std::optional<std::uint64_t> withdraw_last();
 
  private:
+  struct Pending;
   void receive(std::stop_token stop);
+  bool store(Received& received, std::uint64_t& journaled, const std::stop_token& stop);
+  void report_link(const std::optional<Received>& received, std::uint64_t journaled);
   void ingest(std::stop_token stop);
+  void apply_withdrawals(const Session& journal, std::uint64_t& next, Pending& pending);
+  void show_when_due(bool late, bool ended, Pending& pending);
+  void show(Pending& pending);
+  void judge_when_due(bool late, Pending& pending);
   enum class Waited { kArrived, kNothing, kSourceEnded, kOver };
   Waited wait_for_capture(std::uint64_t index, std::stop_token stop);
   bool behind(std::uint64_t next) const;

@@ -37,7 +37,7 @@ int EffortProbe::choose(const MeasuredLevels& measured, int begun_at, int levels
     chosen = coarsest_that_loses_little(begun_at, levels, budget_ms, painter, trial);
   }
   if (chosen != begun_at)
-    log_info("budget", "the first images take too long: a coarser model is begun",
+    log_info("budget", "the first images take too long: a coarser model is started",
              {{"image_ms", image_ms}, {"budget_ms", budget_ms}, {"effort_level", chosen}});
   return chosen;
 }

@@ -22,9 +22,9 @@ class EffortProbe {
     float known_gain = 1;        ///< by which the camera says that it is brighter than the model's level
     double predicted_error = 0;  ///< mean square, encoded, of predicting it from those before; NaN where none did
   };
-  /// The model in which the images are folded.
+  /// The model that ingests the images.
   struct Trial {
-    std::function<void(int)> fold_at;  ///< folds all images anew at an effort level
+    std::function<void(int)> fold_at;  ///< ingests all images again at an effort level
     std::function<double()> image_ms;  ///< the median time of an image
     /// Mean square, encoded, over the object's pixels of views.
     std::function<double(const std::vector<HeldOutView>&)> error_on;
@@ -36,7 +36,7 @@ class EffortProbe {
   const std::vector<Image>& images() const { return images_; }
   double bytes() const;
 
-  /// The level, of `levels`, at which an image keeps to the budget; the images are then folded at it.
+  /// The level, of `levels`, at which an image keeps to the budget; the images are then ingested at it.
   int choose(const MeasuredLevels& measured, int begun_at, int levels, double budget_ms, const RayPainter& painter,
              const Trial& trial) const;
 

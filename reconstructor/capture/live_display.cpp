@@ -56,7 +56,7 @@ std::string message_of(const LoopStatus& status, TrackerLink link, const std::st
   return status.link.last_error;
 }
 
-/// The mesh lit from the eye, where there is no light field yet; as the window has it.
+/// The mesh lit from the eye, where there is no model yet; as the window has it.
 ImageU8 plain_picture(const RayPainter& painter, const Mesh& mesh, const Camera& camera,
                       const Rigid3& camera_from_object) {
   const std::vector<Hit> hits = painter.cast(camera, camera_from_object);
@@ -233,7 +233,7 @@ void LiveDisplay::update_next_view(const Latest& now) {
   next_view_ = NextView{advice.eye, advice.reason, advice.well_known()};
   if (!next_view_->well_known) return;
   std::array<char, 80> text{};
-  std::snprintf(text.data(), text.size(), "even from the least known place %.0f dB are expected", advice.worst_psnr_db);
+  std::snprintf(text.data(), text.size(), "%.0f dB are expected even from the least known place", advice.worst_psnr_db);
   next_view_->reason = text.data();
 }
 

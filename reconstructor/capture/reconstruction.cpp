@@ -14,6 +14,20 @@ double bytes_of(const HeldOutView& view) {
   return static_cast<double>(view.truth.size() + view.object.size() + view.inside.size());
 }
 
+/// Tells the control what the image with this number took, and the log when the images after it get another fraction.
+void adapt_update_fraction(EffortControl& control, std::uint64_t number, const IngestReport& report) {
+  double update_ms = 0;
+  for (const auto& [stage, ms] : report.stage_ms) update_ms += ms;
+  const double before = control.update_fraction(number);
+  control.observe(number, update_ms);
+  const double after = control.update_fraction(number + 1);
+  if (after == before) return;
+  log_info("budget",
+           after < before ? "images take too long: less of each image is updated"
+                          : "there is room: more of each image is updated",
+           {{"update_fraction", after}, {"budget_ms", control.budget_ms()}});
+}
+
 }  // namespace
 
 Reconstruction::Reconstruction(Mesh mesh, const ModelSettings& settings)
@@ -48,25 +62,17 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
     if (probe_.full()) choose_level();
     return report;
   }
-  double update_ms = 0;
-  for (const auto& [stage, ms] : report.stage_ms) update_ms += ms;
-  const double before = control->update_fraction(number),
-               after = (control->observe(number, update_ms), control->update_fraction(number + 1));
-  if (after != before)
-    log_info("budget",
-             after < before ? "images take too long: less of each image is updated"
-                            : "there is room: more of each image is updated",
-             {{"update_fraction", after}, {"budget_ms", control->budget_ms()}});
+  adapt_update_fraction(*control, number, report);
   return report;
 }
 
-/// True when the model has begun again, with coarser maps.
+/// True when the model has started again, with coarser maps.
 bool Reconstruction::fit_memory(const Capture& first) {
   const int before = effort_.level();
   const int level = model_->effort_level_within(first, before, *effort_.limits().bytes);
   effort_.set_memory_level(level);
   if (level == before) return false;
-  log_info("memory", "a model with the maps asked for would not fit: coarser ones", {{"effort_level", level}});
+  log_info("memory", "a model with these maps would not fit: coarser ones are used", {{"effort_level", level}});
   model_->rebuild(level);
   return true;
 }
@@ -78,11 +84,11 @@ void Reconstruction::stay_within_memory() {
     return account.total() - account.probe;
   };
   while (held() > *effort_.limits().bytes && model_->reduce_memory())
-    log_info("memory", "the model outgrew it: less detail is kept",
+    log_info("memory", "the model grew beyond the limit: less detail is kept",
              {{"bytes", held()}, {"asked", *effort_.limits().bytes}});
   if (!memory_exceeded_ && held() > *effort_.limits().bytes) {
     memory_exceeded_ = true;
-    log_warning("memory", "not even the smallest setting stays within it; a coarser mesh would",
+    log_warning("memory", "even the smallest setting exceeds the limit; use a coarser mesh",
                 {{"bytes", held()}, {"asked", *effort_.limits().bytes}});
   }
 }

@@ -30,7 +30,7 @@ json read_description(const fs::path& model_folder) {
   try {
     return json::parse(read_file(file));
   } catch (const json::exception& error) {
-    throw FileError(file.string(), std::string("is no valid JSON: ") + error.what());
+    throw FileError(file.string(), std::string("is not valid JSON: ") + error.what());
   }
 }
 
@@ -45,7 +45,7 @@ const ModelKind& kind_of_file(const fs::path& file) {
   const std::string start = read_file_start(file, kStart);
   for (const ModelKind* kind : model_kinds())
     if (kind->reads_file(start)) return *kind;
-  throw FileError(file.string(), "is no model that this program knows");
+  throw FileError(file.string(), "is not a model that this program knows");
 }
 
 ModelMetadata metadata_in(const json& description, const fs::path& file) {
@@ -203,7 +203,7 @@ ModelOrigin origin_of(const SavedModel& model, const fs::path& path) {
   const ModelMetadata& metadata = model.metadata;
   if (!metadata.contains(kSceneKey) || !metadata.contains(kCapturesKey))
     throw FileError(path.string(),
-                    "does not say which images it was built from, as models of an older Sheen do not; build it again");
+                    "was saved by an older Sheen and does not say which images it was built from; build it again");
   const fs::path file = notes_file(path);
   ModelOrigin origin;
   try {

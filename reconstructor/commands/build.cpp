@@ -140,8 +140,8 @@ void add_build_command(CLI::App& app) {
                    "hold out every Nth image where the dataset names no test views; 0 = none")
       ->check(whole_number_in(0, 1'000'000));
   command->add_option("--config", arguments->config, "scene file (TOML)");
-  arguments->limits.add_to(*command,
-                           "PSNR that held-out views are to reach: 35dB; the cheapest setting that does is searched");
+  arguments->limits.add_to(
+      *command, "PSNR that held-out views must reach, such as 35dB; the cheapest setting that reaches it is searched");
   arguments->size.add_to(*command);
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { build(*arguments); });

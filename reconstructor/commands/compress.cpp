@@ -29,8 +29,7 @@ void compress(const CompressArguments& arguments) {
   std::optional<CompressionTarget> target = arguments.size.target(*saved.kind);
   if (!target)
     throw ConfigError(arguments.model +
-                      ": the model stays as it is, with --loss 0dB or of a kind that has "
-                      "no smaller form");
+                      ": nothing to compress: --loss is 0dB, or models of this kind have no smaller form");
   target->psnr_db = held_out_psnr_db(saved);
   target->progress = progress_bar("compressing");
   const CompressedModel small = saved.snapshot->compressed(*target);
@@ -46,10 +45,8 @@ void compress(const CompressArguments& arguments) {
 
 void add_compress_command(CLI::App& app) {
   auto arguments = std::make_shared<CompressArguments>();
-  CLI::App* command = app.add_subcommand(
-      "compress",
-      "Makes a saved model small: one file, as exact as it is\nasked to be (without --bytes: 0.1 dB lost).");
-  command->add_option("model", arguments->model, "saved model")->required();
+  CLI::App* command = app.add_subcommand("compress", "Writes a saved model as one small file (default: --loss 0.1dB).");
+  command->add_option("model", arguments->model, "folder of a saved model")->required();
   command->add_option("--out", arguments->out, "file to write")->required();
   arguments->size.add_to(*command);
   command->add_option("--json", arguments->json, "report to write; - for standard output");

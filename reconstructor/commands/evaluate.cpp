@@ -87,8 +87,9 @@ void evaluate(const EvaluateArguments& arguments) {
 
 void add_evaluate_command(CLI::App& app) {
   auto arguments = std::make_shared<EvaluateArguments>();
-  CLI::App* command = app.add_subcommand("evaluate", "PSNR and SSIM of a saved model on views that it never saw.");
-  command->add_option("model", arguments->model, "saved model")->required();
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Measures PSNR and SSIM of a saved model on views that it never saw.");
+  command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
   command->add_option("dataset", arguments->dataset, "the images it was built from, and the held-out ones")->required();
   command->add_flag("--baselines", arguments->baselines,
                     "score constant colour, nearest photograph and unstructured lumigraph on the same pixels, the "

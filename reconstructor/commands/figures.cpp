@@ -143,7 +143,7 @@ void figures(const FiguresArguments& arguments) {
 void add_figures_command(CLI::App& app) {
   auto arguments = std::make_shared<FiguresArguments>();
   CLI::App* command =
-      app.add_subcommand("figures", "Runs the paper's experiments again: plots, tables and what they say.");
+      app.add_subcommand("figures", "Runs the paper's experiments again and writes plots, tables and findings.");
   command->add_option("dataset", arguments->dataset,
                       "folder with transforms.json, a COLMAP model or a Sheen session; default: the simulated rig");
   command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame");

@@ -9,10 +9,10 @@
 namespace sheen {
 
 void LimitArguments::add_to(CLI::App& command, const std::string& about_target) {
-  command.add_option("--budget", budget, "time that an image may take: 33ms; the model is made coarser until it holds");
+  command.add_option("--budget", budget, "time per image, such as 33ms; the model is made coarser until it is kept");
   command.add_option("--target", target, about_target);
-  command.add_option("--memory", memory, "memory that the model may take: 1GB");
-  command.add_option("--tolerance", tolerance, "relative error that a part of the surface may keep: 0.01, or 40dB");
+  command.add_option("--memory", memory, "memory that the model may use, such as 1GB");
+  command.add_option("--tolerance", tolerance, "relative error that a patch may keep, such as 0.01 or 40dB");
 }
 
 Limits LimitArguments::apply(ModelSettings& settings) const {

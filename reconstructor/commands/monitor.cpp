@@ -43,13 +43,13 @@ void watch(const MonitorArguments& arguments) {
 void add_monitor_command(CLI::App& app) {
   auto arguments = std::make_shared<MonitorArguments>();
   CLI::App* command = app.add_subcommand("monitor", "Watches a running reconstructor from a terminal.");
-  command->add_option("--url", arguments->url, "its monitor page")->capture_default_str();
+  command->add_option("--url", arguments->url, "address of its monitor page")->capture_default_str();
   command->add_option("--token", arguments->token,
-                      "of the page, if it asks for one; every user of this machine sees it");
+                      "token of the page, if it asks for one; every user of this machine sees it");
   command->add_option("--token-file", arguments->token_file,
                       "file that holds the token (mode 600); or set SHEEN_MONITOR_TOKEN");
-  command->add_flag("--once", arguments->once, "one look; exit status 1 when nobody answers");
-  command->add_flag("--json", arguments->json, "the whole status as JSON, one a line");
+  command->add_flag("--once", arguments->once, "print one line and end; exit status 1 when nobody answers");
+  command->add_flag("--json", arguments->json, "the whole status as JSON, one per line");
   command->callback([arguments] { watch(*arguments); });
 }
 

@@ -86,8 +86,8 @@ void render(const RenderArguments& arguments) {
 void add_render_command(CLI::App& app) {
   auto arguments = std::make_shared<RenderArguments>();
   CLI::App* command =
-      app.add_subcommand("render", "Renders a saved model from given cameras: linear EXR and PNG a view.");
-  command->add_option("model", arguments->model, "folder of a saved model")->required();
+      app.add_subcommand("render", "Renders a saved model from given cameras: linear EXR and PNG per view.");
+  command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
   command->add_option("--cameras", arguments->cameras, "transforms.json with the cameras to render")->required();
   command->add_option("--out", arguments->out, "folder for the pictures")->required();
   command->callback([arguments] { render(*arguments); });

@@ -65,7 +65,7 @@ Session open_session(const std::filesystem::path& folder, const std::filesystem:
   }
   Session session = Session::open(folder);
   if (const auto known = session.metadata(kMeshHashKey); known && *known != hash)
-    throw ConfigError(folder.string() + " was begun with another mesh than " + mesh.string() +
+    throw ConfigError(folder.string() + " was started with another mesh than " + mesh.string() +
                       "; give that mesh, or a new --session folder");
   session.set_metadata(kMeshHashKey, hash);
   return session;
@@ -75,7 +75,7 @@ ReceiverOptions link_options(const ServeArguments& arguments) {
   ReceiverOptions link;
   link.endpoint = arguments.endpoint;
   if (arguments.keys.empty() != arguments.tracker_key.empty())
-    throw ConfigError("--keys and --tracker-key go together: one's own secret key and the tracker's public one");
+    throw ConfigError("--keys and --tracker-key go together: your own secret key and the public key of the tracker");
   if (!arguments.keys.empty()) {
     link.keys = load_keys(arguments.keys);
     link.server_public_key = load_public_key(arguments.tracker_key);
@@ -89,7 +89,7 @@ void open_window(std::optional<ViewerWindow>& window, const ModelKind& kind,
   try {
     window.emplace(kind, ViewerOptions{.screenshot_folder = screenshot_folder});
   } catch (const DeviceError& error) {
-    throw DeviceError(std::string(error.what()) + "; with --headless the capture goes without a window");
+    throw DeviceError(std::string(error.what()) + "; --headless captures without a window");
   }
 }
 
@@ -100,7 +100,7 @@ class LinkLog {
     if (link.connected && !link_.connected) log_info("link", "connected to the tracker");
     if (link.ended && !link_.ended) log_info("link", "the tracker's source has ended");
     if (!link.connected && link_.connected)
-      log_info("link", link.ended ? "tracker gone, as announced" : "tracker gone");
+      log_info("link", link.ended ? "the tracker has ended and is disconnected" : "the tracker is disconnected");
     if (!link.last_error.empty() && link.last_error != link_.last_error) log_warning("link", link.last_error);
     link_ = link;
   }
@@ -150,7 +150,7 @@ class Publisher {
   std::jthread thread_;
 };
 
-/// A bar a stage on the terminal.
+/// A bar per stage on the terminal.
 class EndBar {
  public:
   void show(const EndProgress& end) {
@@ -193,7 +193,7 @@ void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const 
     try {
       return window->run(feed, done.get_token(), take_back);
     } catch (const Error& error) {
-      log_warning("window", "the capture goes on without it: " + std::string(error.what()));
+      log_warning("window", "the capture continues without it: " + std::string(error.what()));
       window = nullptr;
     }
   }
@@ -206,8 +206,8 @@ std::string words_of_an_early_end(const ServeArguments& arguments, const LoopSta
     return "ended before the report was made; the model is saved in " + arguments.session + "/" + kSessionModel;
   return "ended before the model was finished; nothing is lost: " + std::to_string(status.journaled) +
          " captures are kept in " + arguments.session +
-         ". The same command goes on with them; `sheen-reconstructor build " + arguments.session + " --mesh " +
-         arguments.mesh + " --out " + arguments.session + "/model` makes their model";
+         ". The same command continues with them; `sheen-reconstructor build " + arguments.session + " --mesh " +
+         arguments.mesh + " --out " + arguments.session + "/model` builds their model";
 }
 
 /// The model and the report of what was captured. A signal, or the window's closing, ends it within a second: then
@@ -216,10 +216,11 @@ CaptureEnd::Result finish(CaptureLoop& loop, CaptureEnd& end, ViewerWindow*& win
                           const ServeArguments& arguments) {
   const int signals = std::min(stop_signals(), 1);  // the one that brought us here
   if (const LoopStatus status = loop.status(); status.error.empty() && status.journaled > 0)
-    log_info("session",
-             "finishing: the images that wait are folded in, then the model is saved; Ctrl-C once more, or Q, ends it "
-             "now without the model",
-             {{"captures", status.journaled}, {"waiting", status.waiting()}});
+    log_info(
+        "session",
+        "finishing: waiting images are added to the model, then the model is saved; Ctrl-C once more, or Q, ends it "
+        "now without the model",
+        {{"captures", status.journaled}, {"waiting", status.waiting()}});
   end.begin();
   {
     EndBar bar;
@@ -242,7 +243,7 @@ CaptureEnd::Result finish(CaptureLoop& loop, CaptureEnd& end, ViewerWindow*& win
 
 void serve(const ServeArguments& arguments) {
   install_stop_signals();
-  std::signal(SIGPIPE, SIG_IGN);  // whoever read our messages may be gone before the model is saved
+  std::signal(SIGPIPE, SIG_IGN);  // the reader of our messages may be gone before the model is saved
   ReportFile json(arguments.json);
   const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
   const Limits limits = arguments.limits.apply(*scene.settings);
@@ -279,7 +280,7 @@ void serve(const ServeArguments& arguments) {
   LinkLog link_log;
   LoopObserver observer = display.observer();
   observer.on_link = [&link_log](const ReceiverStats& stats) { link_log.look(stats); };
-  observer.on_snapshot(reconstruction.snapshot());  // the mesh, for who watches before the first image
+  observer.on_snapshot(reconstruction.snapshot());  // the mesh, to be shown before the first image
   observer.on_capture = [show = observer.on_capture,
                          scale = ScaleWatch(reconstruction.mesh())](const Capture& capture) mutable {
     if (const std::string finding = scale.look(capture); !finding.empty()) log_warning("mesh", finding);
@@ -318,13 +319,16 @@ void serve(const ServeArguments& arguments) {
 void add_serve_command(CLI::App& app) {
   auto a = std::make_shared<ServeArguments>();
   CLI::App* command =
-      app.add_subcommand("serve", "Receives captures from a tracker, keeps them, and grows the model as they come.");
+      app.add_subcommand("serve", "Receives images from a tracker, stores them, and adds them to the model.");
   command->add_option("--mesh", a->mesh, "PLY, OBJ or OFF of the object, in the stage's frame")->required();
   command->add_option("--session", a->session, "folder of the session; continued if it exists")->required();
   command->add_option("--config", a->config, "scene file (TOML)");
-  a->limits.add_to(*command, "PSNR that held-out views are to reach: 35dB; no patch is kept more exactly than that");
+  a->limits.add_to(*command,
+                   "PSNR that held-out views must reach, such as 35dB; no patch is kept more exactly than that");
   a->size.add_to(*command);
-  command->add_option("--endpoint", a->endpoint, "of the tracker")->check(endpoint_error)->capture_default_str();
+  command->add_option("--endpoint", a->endpoint, "endpoint of the tracker")
+      ->check(endpoint_error)
+      ->capture_default_str();
   command->add_option("--keys", a->keys, "own secret key (NAME.key); encrypts the link");
   command->add_option("--tracker-key", a->tracker_key, "the tracker's public key (NAME.pub)");
   command->add_flag("--headless", a->headless, "no window");
@@ -336,7 +340,7 @@ void add_serve_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option(
       "--monitor-token-file", a->monitor_token_file,
-      "file (mode 600) with the token that is asked of everyone who watches; needed beyond loopback; or "
+      "file (mode 600) with the token that the page asks for; needed when other machines can reach the page; or "
       "set SHEEN_MONITOR_TOKEN");
   command->add_option("--monitor-token", a->monitor_token, "the token itself; every user of this machine sees it");
   command->add_option("--json", a->json, "report to write at the end; - for standard output");

@@ -82,18 +82,6 @@ SetupCheck check_room(const fs::path& folder) {
 
 }  // namespace
 
-const char* to_string(Finding finding) {
-  switch (finding) {
-    case Finding::kOk:
-      return "OK";
-    case Finding::kWarn:
-      return "WARN";
-    case Finding::kFail:
-      break;
-  }
-  return "FAIL";
-}
-
 std::vector<SetupCheck> check_mesh(const fs::path& mesh) {
   try {
     const LoadedMesh loaded = load_mesh(mesh);
@@ -109,25 +97,14 @@ std::vector<SetupCheck> check_mesh(const fs::path& mesh) {
 }
 
 SetupCheck check_secret_key(const fs::path& key_file) {
-  try {
-    load_keys(key_file);
-  } catch (const Error& error) {
-    return {"keys", Finding::kFail, std::string(error.what()) + "; `sheen-tracker keygen` makes keys"};
-  }
-  std::error_code error;
-  const fs::perms others = fs::perms::group_all | fs::perms::others_all;
-  if ((fs::status(key_file, error).permissions() & others) != fs::perms::none)
-    return {"keys", Finding::kFail, key_file.string() + " is open to other users: chmod 600 " + key_file.string()};
-  return {"keys", Finding::kOk, key_file.string()};
+  return check_loading(
+      "keys", [&] { return load_keys(key_file), key_file.string(); }, "`sheen-tracker keygen` makes keys");
 }
 
 SetupCheck check_public_key(const fs::path& pub_file) {
-  try {
-    load_public_key(pub_file);
-    return {"tracker's key", Finding::kOk, pub_file.string()};
-  } catch (const Error& error) {
-    return {"tracker's key", Finding::kFail, std::string(error.what()) + "; copy the tracker's .pub file here"};
-  }
+  return check_loading(
+      "tracker's key", [&] { return load_public_key(pub_file), pub_file.string(); },
+      "copy the tracker's .pub file here");
 }
 
 SetupCheck check_endpoint(const std::string& endpoint, bool has_keys, std::chrono::milliseconds timeout) {
@@ -135,7 +112,7 @@ SetupCheck check_endpoint(const std::string& endpoint, bool has_keys, std::chron
   Address address;
   if (const std::string error = endpoint_error(endpoint); !error.empty()) return {name, Finding::kFail, error};
   if (!parse_tcp(endpoint, address))
-    return {name, Finding::kFail, "\"" + endpoint + "\" is no endpoint; write it as tcp://HOST:PORT"};
+    return {name, Finding::kFail, "\"" + endpoint + "\" is not an endpoint; write it as tcp://HOST:PORT"};
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
@@ -189,10 +166,11 @@ SetupCheck check_display() {
   const char* x11 = std::getenv("DISPLAY");
   const char* wayland = std::getenv("WAYLAND_DISPLAY");
   if ((x11 == nullptr || *x11 == '\0') && (wayland == nullptr || *wayland == '\0'))
-    return {"display", Finding::kOk, "none: no window here; the monitor page and `render` need none"};
+    return {"display", Finding::kOk, "no display, so no window; the monitor page and `render` need none"};
   const std::string display = wayland != nullptr && *wayland != '\0' ? wayland : x11;
   if (display.starts_with(":") && !fs::exists("/tmp/.X11-unix/X" + display.substr(1, display.find('.') - 1)))
-    return {"display", Finding::kWarn, "DISPLAY is " + display + ", but no X server has it; unset it, or start one"};
+    return {"display", Finding::kWarn,
+            "DISPLAY is " + display + ", but no X server runs there; unset it, or start one"};
   return {"display", Finding::kOk, display};
 }
 

@@ -2,22 +2,13 @@
 #pragma once
 
 #include <chrono>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "common/base/setup_check.h"
+
 namespace sheen {
-
-enum class Finding : std::uint8_t { kOk, kWarn, kFail };
-const char* to_string(Finding finding);  ///< "OK", "WARN", "FAIL"
-
-/// One thing that was looked at.
-struct SetupCheck {
-  std::string name;
-  Finding finding = Finding::kOk;
-  std::string text;  ///< what was found, and what to do about it
-};
 
 // Each looks at one part of a reconstructor's setup and never throws for what it finds.
 std::vector<SetupCheck> check_mesh(const std::filesystem::path& mesh);

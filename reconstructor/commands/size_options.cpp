@@ -9,8 +9,9 @@
 namespace sheen {
 
 void SizeArguments::add_to(CLI::App& command) {
-  CLI::Option* by_bytes = command.add_option("--bytes", bytes, "size of the file: 2MB (kB, MB, GB, KiB, MiB, GiB)");
-  command.add_option("--loss", loss, "what the pictures may lose of their PSNR (0.1dB); 0dB saves a folder of floats")
+  CLI::Option* by_bytes =
+      command.add_option("--bytes", bytes, "size that the file may have, such as 2MB (kB, MB, GB, KiB, MiB, GiB)");
+  command.add_option("--loss", loss, "PSNR that the pictures may lose (default: 0.1dB); 0dB saves a folder of floats")
       ->excludes(by_bytes);
 }
 
@@ -18,7 +19,7 @@ std::optional<CompressionTarget> SizeArguments::target(const ModelKind& kind) co
   CompressionTarget target;
   if (!bytes.empty()) target.bytes = parse_bytes("--bytes", bytes, "the size that the file may have, such as 2MB");
   if (!loss.empty())
-    target.loss_db = parse_decibels("--loss", loss, "what the pictures may lose of their PSNR, such as 0.1dB");
+    target.loss_db = parse_decibels("--loss", loss, "the PSNR that the pictures may lose, such as 0.1dB");
   if (kind.compresses()) return target.loss_db > 0 ? std::optional(target) : std::nullopt;
   if (!bytes.empty()) throw ConfigError(std::string("--bytes: a ") + kind.title() + " has no smaller form");
   return std::nullopt;

@@ -11,12 +11,14 @@ void StudyOptions::apply(SurfaceLightFieldOptions& options) const {
 }
 
 void add_study_options(CLI::App& command, StudyOptions& options) {
-  command.add_option("--interpolation", options.interpolation, "between views: kriging, or delaunay as in the paper")
+  command
+      .add_option("--interpolation", options.interpolation,
+                  "interpolation between views: kriging, or delaunay as in the paper")
       ->check(CLI::IsMember({"kriging", "delaunay"}))
       ->group("Studies");
   command
       .add_option("--imputation", options.imputation,
-                  "of what images do not show: most-probable, or least-squares with gates as in the paper")
+                  "imputation of what images do not show: most-probable, or least-squares with gates as in the paper")
       ->check(CLI::IsMember({"most-probable", "least-squares"}))
       ->group("Studies");
 }

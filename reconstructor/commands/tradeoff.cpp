@@ -109,13 +109,13 @@ Plot plot_against(const std::string& title, const std::string& cost_label, const
 void write_plots(const std::vector<TradeoffPoint>& points, const Frontiers& frontiers, const std::string& dataset,
                  const std::filesystem::path& out) {
   const std::string of = std::filesystem::path(dataset).filename().string();
-  const PlotFiles time = write_plot(plot_against("Time against worth: " + of, "wall time per image (ms)", points,
+  const PlotFiles time = write_plot(plot_against("Time against accuracy: " + of, "wall time per image (ms)", points,
                                                  frontiers.time, frontiers.by_time, 1),
                                     out / "tradeoff_time");
-  write_plot(plot_against("Processor time against worth: " + of, "processor time per image (ms)", points, frontiers.cpu,
-                          frontiers.by_cpu, 1),
+  write_plot(plot_against("Processor time against accuracy: " + of, "processor time per image (ms)", points,
+                          frontiers.cpu, frontiers.by_cpu, 1),
              out / "tradeoff_cpu");
-  write_plot(plot_against("Memory against worth: " + of, "state of all rings (MB)", points, frontiers.bytes,
+  write_plot(plot_against("Memory against accuracy: " + of, "memory of the model (MB)", points, frontiers.bytes,
                           frontiers.by_bytes, 1e-6),
              out / "tradeoff_bytes");
   if (time == PlotFiles::kTableOnly) std::fprintf(stderr, "%s\n", kInstallGnuplot);
@@ -151,7 +151,7 @@ nlohmann::json precision_to_json(const PrecisionStudy& study) {
 }
 
 void print_patches(const PatchStudy& study) {
-  std::printf("\n%-34s %9s %12s %9s %9s %7s %6s\n", "a patch a", "patches", "factorize ms", "MB", "PSNR dB", "SSIM",
+  std::printf("\n%-34s %9s %12s %9s %9s %7s %6s\n", "one patch per", "patches", "factorize ms", "MB", "PSNR dB", "SSIM",
               "seam");
   for (const PatchRow* row : {&study.ring, &study.triangle})
     std::printf("%-34s %9zu %12.1f %9.1f %9.2f %7.4f %6.3f\n", row->name, row->patches, row->factorize_ms,
@@ -242,7 +242,7 @@ void tradeoff(const TradeoffArguments& arguments) {
     const std::filesystem::path file = std::filesystem::path(arguments.out) / "scene.toml";
     write_file(file, to_toml(base) + "\n# What --budget and --target can choose from, as measured.\n" +
                          levels_to_toml(measured_levels(points, first_level)));
-    std::printf("\n%s: for --config of build and serve, whose --budget and --target then go by these figures\n",
+    std::printf("\n%s: give it to build or serve with --config; --budget and --target then use these figures\n",
                 file.c_str());
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -258,7 +258,7 @@ void tradeoff(const TradeoffArguments& arguments) {
     const TradeoffPoint& chosen = points[choice.index];
     std::printf("\n%s: %s\n%.1f ms per image, %.1f MB, %.2f dB%s\n\n%s", describe(limits).c_str(),
                 chosen.setting.name.c_str(), chosen.image_ms, chosen.bytes / 1e6, chosen.psnr_db,
-                choice.holds ? "" : ": no setting measured does it all, this one comes nearest",
+                choice.holds ? "" : ": no measured setting keeps all limits; this one comes nearest",
                 to_toml(chosen.setting.options).c_str());
     report["choice"] = point_to_json(chosen);
     report["choice"]["holds"] = choice.holds;
@@ -271,7 +271,9 @@ void tradeoff(const TradeoffArguments& arguments) {
 void add_tradeoff_command(CLI::App& app) {
   auto arguments = std::make_shared<TradeoffArguments>();
   CLI::App* command = app.add_subcommand(
-      "tradeoff", "Measures time and memory against held-out PSNR over the model's settings, on your own scene.");
+      "tradeoff",
+      "Measures what each setting of the light field costs in time and memory and gains in held-out PSNR, on your own "
+      "scene.");
   command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
       ->required();
   command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
@@ -279,15 +281,17 @@ void add_tradeoff_command(CLI::App& app) {
       "--out", arguments->out,
       "folder for the plots (SVG), their tables (CSV) and the scene file (TOML) with the effort levels of "
       "--budget as measured");
-  command->add_option("--config", arguments->config, "scene file (TOML): what the sweep starts from");
+  command->add_option("--config", arguments->config, "scene file (TOML) from which the sweep starts");
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->add_flag("--quick", arguments->quick, "about half of the settings");
   CLI::Option* parts = command->add_flag(
       "--parts", arguments->parts,
-      "measure what each part of the model is worth instead: without it, or with the paper's way in its place");
-  command->add_option("--budget", arguments->budget, "name the best setting within a time per image: 33ms");
-  command->add_option("--target", arguments->target, "name the quickest setting that reaches a held-out PSNR: 35dB");
-  command->add_option("--memory", arguments->memory, "name the best setting within the light field's memory: 1GB");
+      "measure what each part of the model gains instead: without it, or with the paper's way in its place");
+  command->add_option("--budget", arguments->budget, "name the best setting within a time per image, such as 33ms");
+  command->add_option("--target", arguments->target,
+                      "name the quickest setting that reaches a held-out PSNR, such as 35dB");
+  command->add_option("--memory", arguments->memory,
+                      "name the best setting within a memory of the light field, such as 1GB");
   for (const char* limits : {"--budget", "--target", "--memory"}) parts->excludes(limits);
   command->callback([arguments] { tradeoff(*arguments); });
 }

@@ -102,8 +102,8 @@ void undo(const UndoArguments& arguments) {
   const std::filesystem::path model = std::filesystem::path(arguments.session) / kSessionModel;
   if (changed && std::filesystem::exists(model))
     std::printf(
-        "a running `serve` follows; else %s is as before: `sheen-reconstructor build %s --mesh MESH --out %s` makes it "
-        "again\n",
+        "a running `serve` follows. Without one, %s stays as it was: rebuild it with `sheen-reconstructor build %s "
+        "--mesh MESH --out %s`\n",
         model.c_str(), arguments.session.c_str(), model.c_str());
 }
 
@@ -113,7 +113,7 @@ void add_undo_command(CLI::App& app) {
   auto arguments = std::make_shared<UndoArguments>();
   CLI::App* command = app.add_subcommand(
       "undo",
-      "Takes an image of a session back, also of one that `serve` is recording: it stays there, marked, and "
+      "Takes back an image of a session, also while `serve` records it: the image stays there with a mark, and "
       "models leave it out.");
   command->add_option("session", arguments->session, "folder of the session")->required();
   command->add_flag("--last", arguments->last, "the last image that is not withdrawn");
@@ -122,7 +122,7 @@ void add_undo_command(CLI::App& app) {
   command->add_option("--name", arguments->name, "an image by its name, with or without folders");
   command->add_flag("--list", arguments->list, "list numbers, states and names");
   command->add_flag("--restore", arguments->restore, "put the image back instead");
-  command->add_flag("--json", arguments->json, "for machines");
+  command->add_flag("--json", arguments->json, "print JSON");
   command->callback([arguments] { undo(*arguments); });
 }
 

@@ -34,7 +34,7 @@ std::array<int, 2> parse_size(const std::string& text) {
 void view(const ViewArguments& arguments) {
   const auto [width, height] = parse_size(arguments.size);
   const std::optional<ViewMode> mode = view_mode_from(arguments.mode);
-  if (!mode) throw ConfigError("--mode: '" + arguments.mode + "' is none of light-field, heuristic, split, camera");
+  if (!mode) throw ConfigError("--mode: '" + arguments.mode + "' is not one of light-field, heuristic, split, camera");
   const bool picture_only = !arguments.screenshot.empty();
 
   ViewerState state;
@@ -67,12 +67,12 @@ void view(const ViewArguments& arguments) {
 void add_view_command(CLI::App& app) {
   auto arguments = std::make_shared<ViewArguments>();
   CLI::App* command = app.add_subcommand("view", "Shows a saved model in a window; H lists the keys.");
-  command->add_option("model", arguments->model, "folder of a saved model")->required();
+  command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
   command->add_option("--screenshot", arguments->screenshot, "PNG to write instead of opening a window");
   command->add_option("--mode", arguments->mode, "light-field, heuristic, split or camera")->capture_default_str();
-  command->add_flag("--reasons", arguments->reasons, "colour the heuristic by why images are needed");
+  command->add_flag("--reasons", arguments->reasons, "colour where images are needed by the reason");
   command->add_flag("--states", arguments->states, "tint what is imputed or unseen");
-  command->add_option("--size", arguments->size, "of the window or the screenshot, pixels")->capture_default_str();
+  command->add_option("--size", arguments->size, "size of the window or the screenshot, pixels")->capture_default_str();
   command->add_option("--eye", arguments->eye, "where to look from: x,y,z in the model's frame, metres")
       ->check(number_in(-1e6, 1e6))
       ->delimiter(',')

@@ -19,10 +19,9 @@ std::string text(double value, const char* unit) {
 
 Limits parse_limits(const std::string& budget, const std::string& target, const std::string& memory) {
   Limits limits;
-  if (!budget.empty())
-    limits.image_ms = parse_time_ms("--budget", budget, "the time that an image may take, such as 33ms or 0.2s");
+  if (!budget.empty()) limits.image_ms = parse_time_ms("--budget", budget, "the time per image, such as 33ms or 0.2s");
   if (!memory.empty())
-    limits.bytes = parse_bytes("--memory", memory, "the memory the light field may take, such as 1GB or 500MB");
+    limits.bytes = parse_bytes("--memory", memory, "the memory that the model may use, such as 1GB or 500MB");
   if (!target.empty())
     limits.psnr_db = parse_decibels("--target", target, "the PSNR of held-out views to reach, such as 35dB");
   if (limits.psnr_db && !(*limits.psnr_db > 0)) throw ConfigError("--target " + target + ": must be more than 0dB");

@@ -6,7 +6,7 @@
 
 namespace sheen {
 
-/// What a user asks of a light field; what is absent does not matter.
+/// What a user asks of a model; what is absent does not matter.
 struct Limits {
   std::optional<double> image_ms;  ///< at most: wall time of folding one image in
   std::optional<double> bytes;     ///< at most: of the model's memory

@@ -51,7 +51,7 @@ struct PredictedView {
 struct CalibrationCheck {
   std::vector<PredictedView> views;
   double predicted_db = 0, calibrated_db = 0, measured_db = 0;
-  double coverage = 0;  ///< share of the views inside their intervals
+  double coverage = 0;  ///< fraction of the views inside their intervals
   bool known() const { return views.size() > ErrorCalibration::kFewestViews; }
 };
 CalibrationCheck check_calibration(std::span<const double> predicted_db, std::span<const double> measured_db);

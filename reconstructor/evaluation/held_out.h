@@ -47,7 +47,7 @@ struct ViewScore {
   double full_psnr_db = 0;          ///< the whole picture; where there is no surface it is black
   double full_ssim = 0;
   SquaredError error;    ///< of the object's pixels, to be pooled
-  double uncovered = 0;  ///< share of the object's pixels that no training image showed
+  double uncovered = 0;  ///< fraction of the object's pixels that no training image showed
 };
 ViewScore score(const HeldOutView& view, const Appearance& model, const RayPainter& painter);
 

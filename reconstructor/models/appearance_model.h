@@ -15,8 +15,8 @@
 namespace sheen {
 
 enum class IngestStatus {
-  kAccepted,  ///< folded into the model
-  kHeldOut,   ///< accepted, and kept aside to judge the model
+  kAccepted,  ///< added to the model
+  kHeldOut,   ///< accepted, and held out to judge the model
   kRefused,   ///< see `reason`
 };
 
@@ -25,7 +25,7 @@ struct IngestReport {
   IngestStatus status = IngestStatus::kRefused;
   std::string reason;                      ///< of a refusal: a short, stable word ("object_not_in_view", ...)
   std::map<std::string, double> stage_ms;  ///< time per stage of the pipeline
-  bool repeated = false;                   ///< accepted, but nothing was taken of it: it shows what an earlier one does
+  bool repeated = false;                   ///< accepted, but nothing of it was used: it shows what an earlier one does
   std::size_t patches_updated = 0;
   std::size_t patches_skipped = 0;   ///< the image shows of them what an earlier one showed from the same direction
   std::size_t patches_left_out = 0;  ///< for want of time (`AppearanceModel::set_update_fraction`)
@@ -39,7 +39,7 @@ struct IngestReport {
 
 /// What a model holds.
 struct ModelFigures {
-  std::size_t images = 0;                   ///< folded in
+  std::size_t images = 0;                   ///< ingested
   std::vector<std::size_t> rank_histogram;  ///< [patches of rank 0, 1, ...], those that no image reached left out
   std::size_t bytes = 0;                    ///< of what it has learned
   double bytes_per_patch = 0;               ///< mean over the patches that an image reached
@@ -47,16 +47,16 @@ struct ModelFigures {
 
 struct ModelSettings;
 
-/// The one interface of a model to the capture loop, the commands and all who watch. It is a function of the captures,
+/// The one interface of a model to the capture loop, the commands and the displays. It is a function of the captures,
 /// their order, the effort level and the update fraction at each.
 class AppearanceModel {
  public:
   virtual ~AppearanceModel() = default;
 
-  /// Folds one image in. Never throws for what a frame can hold; the report says why it was refused.
+  /// Ingests one image. Never throws for what a frame can hold; the report says why it was refused.
   virtual IngestReport ingest(const Capture& capture) = 0;
-  /// Takes out again an image that was folded in, at the cost of folding one in. Nearly as if it had never been there:
-  /// for the last bit the model is rebuilt. False when that is the only way.
+  /// Takes out an image that was ingested, in about the time of ingesting one. The result is nearly, not to the bit,
+  /// that of never having seen it. False when only a rebuilt model would do.
   virtual bool withdraw(const Capture& capture) = 0;
   /// Whether this is the first image that showed something: it may have decided what lasts.
   virtual bool began_with(const Capture& capture) const = 0;

@@ -28,7 +28,7 @@ struct CaptureSize {
 };
 CaptureSize size_of(const Capture& capture);
 
-/// Bytes that a model of a mesh takes, from counts alone: told before hours are spent.
+/// Bytes that a model of a mesh takes, from counts alone: to be said before hours are spent.
 struct MemoryNeed {
   double least = 0;  ///< with the least detail that is any use
   double most = 0;   ///< with all that the settings allow

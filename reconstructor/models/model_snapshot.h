@@ -61,8 +61,8 @@ struct ViewAdvice {
 struct SnapshotFigures {
   double median_rank = 0;  ///< terms per patch, of the patches that an image has reached
   int most_rank = 0;
-  double seen = 0;      ///< share of all samples that some image showed, 0..1
-  double measured = 0;  ///< share of all samples that are more than imputed, 0..1
+  double seen = 0;      ///< fraction of all samples that some image showed, 0..1
+  double measured = 0;  ///< fraction of all samples that are more than imputed, 0..1
 };
 
 /// What a person or a script wants to know of a saved model later: source, date, settings. Keys and texts in UTF-8.
@@ -99,7 +99,7 @@ class ModelSnapshot : public Appearance {
   /// With a guess for what no image showed, for pictures that must have no holes; it stays marked as unseen.
   virtual std::shared_ptr<const ModelSnapshot> filled() const = 0;
   /// Where an image would be worth most, for a camera that is at `eye` now (object frame). Quick enough to be asked
-  /// several times a second.
+  /// several times per second.
   virtual ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const = 0;
   /// The model in fewer bytes. Throws ConfigError where it cannot be made so small. Not asked where
   /// `ModelKind::compresses` says no.

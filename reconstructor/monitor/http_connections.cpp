@@ -88,7 +88,7 @@ Descriptor listen_on(const std::string& host, int port) {
     reason = errno;
   }
   throw DeviceError(where + std::strerror(reason) +
-                    (reason == EADDRNOTAVAIL ? "; it is no address of this machine"
+                    (reason == EADDRNOTAVAIL ? "; it is not an address of this machine"
                                              : "; stop the program that has it, or choose another port or address"));
 }
 

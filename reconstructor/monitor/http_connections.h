@@ -9,7 +9,7 @@
 
 namespace sheen {
 
-/// What clients may cost, however many and however slow they are.
+/// Limits for clients, however many and however slow they are.
 struct HttpLimits {
   std::chrono::milliseconds request{2000};   ///< for a whole request header, from the connection on
   std::chrono::milliseconds answer{10000};   ///< for taking a whole answer
@@ -20,8 +20,8 @@ struct HttpLimits {
 };
 
 /// The connections of a small HTTP server: one request and one answer each, all on one thread that waits for no single
-/// client. A client that says its request byte by byte is in nobody's way: when there is no room for another
-/// connection, the oldest one goes. Bodies of requests are not read.
+/// client. A client that sends its request byte by byte delays nobody: when there is no room for another
+/// connection, the oldest one is closed. Bodies of requests are not read.
 class HttpConnections {
  public:
   /// From a whole request header (with its empty line) to the whole answer; empty: the connection is closed. Called on

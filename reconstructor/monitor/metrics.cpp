@@ -68,28 +68,27 @@ void frames(const MonitorState& state, Exposition& out) {
              static_cast<double>(state.received));
   out.single("frames_journaled_total", "counter", "Captures that are durable in the session.",
              static_cast<double>(state.journaled));
-  out.single("frames_accepted_total", "counter", "Captures folded into the model.",
-             static_cast<double>(state.accepted));
-  out.single("frames_held_out_total", "counter", "Captures kept aside to judge the model.",
+  out.single("frames_accepted_total", "counter", "Captures added to the model.", static_cast<double>(state.accepted));
+  out.single("frames_held_out_total", "counter", "Captures held out to judge the model.",
              static_cast<double>(state.held_out));
-  out.single("frames_withdrawn", "gauge", "Captures that were taken back.", static_cast<double>(state.withdrawn));
+  out.single("frames_withdrawn", "gauge", "Captures that were withdrawn.", static_cast<double>(state.withdrawn));
   out.single("frames_waiting", "gauge", "Captures that are durable and not in the model yet.",
              static_cast<double>(state.waiting));
   out.family("frames_rejected_total", "counter", "Captures that were not used, by reason.");
   for (const auto& [reason, n] : state.refused) out.sample(static_cast<double>(n), {{"reason", reason}});
-  out.single("sequence_gaps_total", "counter", "Captures that the tracker numbered and nobody received.",
+  out.single("sequence_gaps_total", "counter", "Captures that the tracker sent and nobody received.",
              static_cast<double>(state.sequence_gaps));
 }
 
 void speed(const MonitorState& state, Exposition& out) {
   out.single("ingest_images_per_second", "gauge", "Images that the model ingests per second.", state.images_per_s);
-  out.summary("update_duration_seconds", "Time to fold one image into the model.", state.update);
+  out.summary("update_duration_seconds", "Time to add one image to the model.", state.update);
   out.summary("capture_latency_seconds", "Time from a frame's grabbing until it is durable.", state.latency);
-  out.family("stage_duration_median_seconds", "gauge", "Median time of a stage of an update.");
+  out.family("stage_duration_median_seconds", "gauge", "Median time per stage of an update.");
   for (const auto& [stage, seconds] : state.stage_s) out.sample(seconds, {{"stage", stage}});
   out.family("queue_depth", "gauge", "Captures that wait.");
   for (const auto& [name, queue] : state.queues) out.sample(static_cast<double>(queue.depth), {{"queue", name}});
-  out.family("queue_capacity", "gauge", "Captures that may wait, where a queue has a bound.");
+  out.family("queue_capacity", "gauge", "Captures that may wait, where a queue has a limit.");
   for (const auto& [name, queue] : state.queues)
     if (queue.capacity > 0) out.sample(static_cast<double>(queue.capacity), {{"queue", name}});
 }
@@ -118,10 +117,9 @@ void health(const MonitorState& state, CaptureState capture, MonitorState::Clock
         CaptureState::kFailed, CaptureState::kStalled})
     out.sample(each == capture ? 1 : 0, {{"state", to_string(each)}});
   if (state.ending && state.ending->total > 0)
-    out.single("ending_progress_ratio", "gauge",
-               "How much is done of what the state finishing, saving or judging does.",
+    out.single("ending_progress_ratio", "gauge", "How much of finishing, saving or judging is done.",
                static_cast<double>(state.ending->done) / static_cast<double>(state.ending->total));
-  out.family("link_connected", "gauge", "1 where the peer is there.");
+  out.family("link_connected", "gauge", "1 where the peer is connected.");
   for (const MonitorState::Link& link : state.links)
     out.sample(link.connected ? 1 : 0, {{"link", link.name}, {"endpoint", link.endpoint}});
   if (state.last_frame)

@@ -33,7 +33,7 @@ void require_port(const std::string& url) {
   const std::string port = authority.substr(colon + 1);
   if (port.empty() || port.size() > 5 || port.find_first_not_of("0123456789") != std::string::npos ||
       std::stoi(port) < 1 || std::stoi(port) > 65535)
-    throw ConfigError("\"" + url + "\": " + port + " is no port; give one from 1 to 65535");
+    throw ConfigError("\"" + url + "\": " + port + " is not a port; give one from 1 to 65535");
 }
 
 std::string described(const Json& status) {
@@ -64,10 +64,10 @@ std::string described(const Json& status) {
 }  // namespace
 
 std::string fetch_status(const std::string& url, const std::string& token) {
-  if (!url.starts_with("http://")) throw ConfigError("\"" + url + "\" is no address; write it as http://HOST:PORT");
+  if (!url.starts_with("http://")) throw ConfigError("\"" + url + "\" is not an address; write it as http://HOST:PORT");
   require_port(url);
   httplib::Client client(url.ends_with("/") ? url.substr(0, url.size() - 1) : url);
-  if (!client.is_valid()) throw ConfigError("\"" + url + "\" is no address; write it as http://HOST:PORT");
+  if (!client.is_valid()) throw ConfigError("\"" + url + "\" is not an address; write it as http://HOST:PORT");
   client.set_connection_timeout(kTimeout);
   client.set_read_timeout(kTimeout);
   httplib::Headers headers;

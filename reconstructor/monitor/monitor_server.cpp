@@ -97,7 +97,8 @@ bool same_secret(const std::string& a, const std::string& b) {
 
 void require_valid(const MonitorOptions& options) {
   if (options.port < 0 || options.port > 65535)
-    throw ConfigError("monitor port " + std::to_string(options.port) + " is none; give one from 1 to 65535, or 0");
+    throw ConfigError("monitor port " + std::to_string(options.port) +
+                      " is not a port; give one from 1 to 65535, or 0");
   if (!is_loopback(options.host) && options.token.empty())
     throw ConfigError("the monitor page on " + options.host +
                       " could be seen by others: give it a token, or keep it on 127.0.0.1");

@@ -21,8 +21,8 @@ struct MonitorOptions {
 /// pointing its own name here. No client, however slow, keeps another one waiting (HttpConnections).
 class MonitorServer {
  public:
-  /// Throws ConfigError (a port that is none, another address than loopback without a token) and DeviceError (the port
-  /// is taken, the address is not this machine's).
+  /// Throws ConfigError (a port that is not valid, another address than loopback without a token) and DeviceError (the
+  /// port is taken, the address is not this machine's).
   explicit MonitorServer(const MonitorOptions& options);
   ~MonitorServer();  ///< at once, whatever clients do
 

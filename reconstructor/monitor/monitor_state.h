@@ -27,19 +27,19 @@ enum class CaptureState : std::uint8_t {
   kStale,         ///< connected, but frames have stopped coming
   kDisconnected,  ///< a peer is gone
   kEnded,         ///< the source has ended
-  kFinishing,     ///< what is journaled is folded in
+  kFinishing,     ///< waiting captures are added to the model
   kSaving,
   kJudging,  ///< the finished model is compared with the held-out views
   kFailed,   ///< see `error`
   kStalled,  ///< the reconstructor itself has not said anything for a while
 };
 
-/// What people who watch a capture are told: plain values, whoever made them.
+/// What a person who watches a capture is shown: plain values, independent of any model.
 struct MonitorState {
   using Clock = std::chrono::steady_clock;
 
   std::string version;
-  std::string model;  ///< "surface-light-field", ...
+  std::string model;  ///< its kind, for a person
   std::string session_folder;
   std::string source_session;  ///< the tracker's name for what it sends
 
@@ -64,16 +64,16 @@ struct MonitorState {
   std::optional<Clock::time_point> last_frame;  ///< when a capture last arrived
   /// received = accepted + held out + refused + withdrawn + waiting
   std::uint64_t received = 0, accepted = 0, held_out = 0, withdrawn = 0, waiting = 0, journaled = 0;
-  std::uint64_t sequence_gaps = 0;               ///< captures that the tracker numbered and nobody received
+  std::uint64_t sequence_gaps = 0;               ///< captures that the tracker sent and nobody received
   std::map<std::string, std::uint64_t> refused;  ///< by reason
   double images_per_s = 0;                       ///< that the model ingests
 
   struct Queue {
     std::uint64_t depth = 0;
-    std::uint64_t capacity = 0;  ///< 0: on disk, without a bound
+    std::uint64_t capacity = 0;  ///< 0: on disk, without a limit
   };
   std::map<std::string, Queue> queues;
-  std::map<std::string, double> stage_s;    ///< median a stage of an update
+  std::map<std::string, double> stage_s;    ///< median per stage of an update
   DurationSummary update, latency;          ///< of the model by an image; from exposure to durable
   std::vector<std::size_t> rank_histogram;  ///< patches of rank 0, 1, ...
   std::uint64_t model_bytes = 0;

@@ -6,7 +6,7 @@
 namespace sheen {
 
 /// The page that a browser shows: one HTML document, style and script within, nothing from elsewhere. It asks for
-/// status.json once a second.
+/// status.json once per second.
 std::string_view status_page();
 
 }  // namespace sheen

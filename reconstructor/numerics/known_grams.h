@@ -9,9 +9,9 @@
 
 namespace sheen {
 
-inline constexpr int kPatternColumns = 64;  ///< that one word a row speaks of
+inline constexpr int kPatternColumns = 64;  ///< columns whose known flags fit into one word per row
 
-/// B_known^T B_known of columns that show only some rows: rank^2 x columns, a matrix a column.
+/// B_known^T B_known of columns that show only some rows: rank^2 x columns, one matrix per column.
 ///
 /// basis: orthonormal columns. hidden: a row; bit j is set when column j does not show it.
 ///

@@ -14,7 +14,7 @@ using KnownValues = Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>;
 
 struct MissingPcaOptions {
   int max_iterations = 300;
-  double convergence = 1e-5;  ///< change of the surprise (nats for each known value) at which the iteration ends
+  double convergence = 1e-5;  ///< change of the surprise (nats per known value) at which the iteration ends
   double noise = 0;           ///< variance of a known value; 0 = the most probable one
 };
 

@@ -41,7 +41,7 @@ class SeenRows {
 ///   y = argmin ||c_known - B_known y||^2 / noise + y^T (G / n)^-1 y        n: sum of the weights of all views
 ///
 /// with B and G of the ring's basis and `noise` the variance of a known row. That takes B_known^T B_known of all
-/// columns at once (known_grams.h) and B_known^T c_known; with r terms a column costs r^3 for the solution and r^2
+/// columns at once (known_grams.h) and B_known^T c_known; with r terms each column costs r^3 for the solution and r^2
 /// for each group of rows that are hidden together.
 template <typename Scalar>
 class MissingRows {

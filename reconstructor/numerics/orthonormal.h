@@ -11,7 +11,7 @@ struct Orthonormalised {
   Eigen::MatrixXd coefficients;   ///< directions x columns
 };
 
-/// By Cholesky factorisation with pivoting. `gram`: P^T P, columns x columns. `norm2`: squared norms of the columns;
+/// By Cholesky factorization with pivoting. `gram`: P^T P, columns x columns. `norm2`: squared norms of the columns;
 /// those of norm 0 are left out. A column that the others explain but for `smallest_pivot` of its energy gives no
 /// direction.
 Orthonormalised orthonormalise(Eigen::MatrixXd gram, const Eigen::VectorXd& norm2, double smallest_pivot);

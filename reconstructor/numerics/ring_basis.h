@@ -75,7 +75,7 @@ class RingBasis {
   const Eigen::VectorXd& spectrum() const { return spectrum_; }  ///< squared singular values, descending
   double lost() const { return lost_; }
   double energy() const { return gram_.trace() + lost_; }
-  double displayed_error() const;  ///< root of the share of the energy that the displayed terms do not hold
+  double displayed_error() const;  ///< root of the fraction of the energy that the displayed terms do not hold
   std::size_t bytes() const;
 
   /// B^T of columns that are as long as the padded rows: rank x columns.

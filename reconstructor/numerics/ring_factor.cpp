@@ -47,7 +47,7 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add_column(Co
                                                                               std::span<const std::uint8_t> known,
                                                                               double weight) {
   require(known.empty() || known.size() == static_cast<std::size_t>(rows()),
-          "ring factor: known must have one flag a row");
+          "ring factor: known must have one flag per row");
   require(weight > 0 && std::isfinite(weight), "ring factor: a weight must be positive and finite");
   if (pending_.empty()) block_due_ = block_size();
   pending_.add(std::forward<Column>(column), known, weight);

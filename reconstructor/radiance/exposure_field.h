@@ -9,7 +9,7 @@
 namespace sheen {
 
 /// How bright an image from a place is expected to be: images of unknown exposure are brought to one level before they
-/// are factorised, and what a camera with automatic exposure would have chosen is interpolated from what it chose
+/// are factorized, and what a camera with automatic exposure would have chosen is interpolated from what it chose
 /// nearby.
 struct ExposureField {
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< of the object: directions run from here to the cameras

@@ -21,7 +21,7 @@ struct PaintedView {
   ImageU8 reason;          ///< QualityReason + 1; 0 where there is no surface
 };
 
-/// Ray-casts a model's snapshot through a real camera, lens distortion included: one ray a pixel through its centre.
+/// Ray-casts a model's snapshot through a real camera, lens distortion included: one ray per pixel through its centre.
 /// Needs no GPU and no display. Thread-safe.
 class RayPainter {
  public:

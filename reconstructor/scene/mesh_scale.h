@@ -18,7 +18,7 @@ std::string size_text(const Mesh& mesh);
 /// Whether mesh and cameras can be of one frame and one unit: a camera fits that stands outside the mesh, has some of
 /// it in its image, and larger than a few pixels.
 struct MeshScale {
-  double fitting = 1;            ///< share of the cameras that fit the mesh as it is
+  double fitting = 1;            ///< fraction of the cameras that fit the mesh as it is
   std::optional<double> remedy;  ///< nearly all would fit a mesh scaled by this, and hardly any does as it is
   std::string finding;           ///< a sentence with the sizes and what to do; empty when most cameras fit
 };

@@ -26,7 +26,7 @@ struct RingMatrix {
   std::vector<std::uint32_t> images;  ///< which image each column comes from, counted from 0
 
   int views() const { return static_cast<int>(columns.cols()); }
-  /// Share of the ring's values that an image shows.
+  /// Fraction of the ring's values that an image shows.
   double share(int view) const { return known.col(view).cast<double>().mean(); }
   /// Of each view, as the online factorization weighs it.
   std::vector<double> weights() const;
@@ -35,7 +35,7 @@ struct RingMatrix {
 /// The online factorization of a ring that sees its columns in this order.
 RingFactor online_factor(const RingMatrix& ring, const RingFactorOptions& options, std::span<const int> order);
 
-/// How each ring is factorised when all its columns are there.
+/// How each ring is factorized when all its columns are there.
 struct BatchFactorization {
   int rank = 6;           ///< terms kept
   int imputing_rank = 0;  ///< terms that impute what is missing; fewer than `rank` count as `rank`
@@ -59,7 +59,7 @@ struct BatchFactorization {
 };
 
 /// The surface light field as batch systems build it (Chen et al. 2002, which the paper calls OpenLF): every column of
-/// every ring is kept until the last image, then each ring is factorised at once, with missing values by expectation
+/// every ring is kept until the last image, then each ring is factorized at once, with missing values by expectation
 /// maximisation. Seeing, resampling, the weight of an image in a ring, interpolation between views and rendering are
 /// those of the online light field, so that what differs is the factorization.
 class BatchLightField {

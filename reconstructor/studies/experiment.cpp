@@ -50,12 +50,6 @@ double process_cpu_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::size_t Experiment::image_bytes() const {
-  std::size_t bytes = 0;
-  for (const Capture& capture : training) bytes += capture.image.bytes.size();
-  return bytes;
-}
-
 std::vector<const Capture*> Experiment::in_order() const {
   std::vector<const Capture*> captures;
   for (const Capture& capture : training) captures.push_back(&capture);
@@ -91,7 +85,7 @@ Experiment load_experiment(std::shared_ptr<const Mesh> mesh, std::size_t count,
     throw Error("none of the " + std::to_string(count) +
                 " images shows the mesh; check that both are in the same frame and units");
   if (held_out.empty())
-    throw Error("there is no held-out view to judge by: no test view is named and none was taken out");
+    throw Error("there is no held-out view to judge by: no test view is named and none was held out");
   const std::size_t kept = std::min(held_out.size(), std::max<std::size_t>(options.max_held_out, 1));
   for (std::size_t i = 0; i < kept; ++i) experiment.held_out.push_back(std::move(held_out[i * held_out.size() / kept]));
   return experiment;

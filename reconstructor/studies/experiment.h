@@ -23,7 +23,6 @@ struct Experiment {
   std::vector<Capture> training;  ///< in the order they were taken; their grey levels mean the same in all
   std::vector<HeldOutView> held_out;
 
-  std::size_t image_bytes() const;  ///< of all training images as they lie in memory
   /// The training captures in their order.
   std::vector<const Capture*> in_order() const;
 };
@@ -43,8 +42,8 @@ Experiment load_experiment(std::shared_ptr<const Mesh> mesh, std::size_t count,
 /// A light field built online, and what it took.
 struct OnlineRun {
   std::shared_ptr<const SurfaceLightFieldSnapshot> model;  ///< without a guess for rings that no image reached
-  std::vector<double> image_ms;                            ///< wall time of folding each image in, snapshots apart
-  double factorize_ms = 0;  ///< mean wall time an image of folding columns into the rings and choosing kernels
+  std::vector<double> image_ms;                            ///< wall time of ingesting each image, snapshots apart
+  double factorize_ms = 0;  ///< mean wall time per image of folding columns into the rings and choosing kernels
   double cpu_s = 0;         ///< processor time of all images and of the model at the end, all threads
   double shown_s = 0;       ///< wall time of the model before the last image: a capture is watched while it grows
   double finish_s = 0;      ///< wall time from the last image to the model
@@ -54,7 +53,7 @@ struct OnlineRun {
   double total_s() const;  ///< wall time of all images and of the model at the end
 };
 
-/// Folds the captures in, one after the other. What the options say of held-out images has no meaning here.
+/// Ingests the captures, one after the other. What the options say of held-out images has no meaning here.
 OnlineRun build_online(std::shared_ptr<const Mesh> mesh, std::span<const Capture* const> captures,
                        const SurfaceLightFieldOptions& options);
 

@@ -20,7 +20,7 @@ ImageU8 with_holes_red(const PaintedView& view) {
   return picture;
 }
 
-/// Share of the views' object pixels that the model has no value for.
+/// Fraction of the views' object pixels that the model has no value for.
 double share_missing(const Experiment& experiment, const Appearance& model) {
   double missing = 0, all = 0;
   for (const HeldOutView& view : experiment.held_out) {

@@ -70,7 +70,7 @@ Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const 
   error.series.push_back({.name = "online, twice the rank inside", .style = PlotStyle::kMarkers});
   Plot unlikely{.title = format("Rings with missing values in %zu orders (figure 11)", orders.size()),
                 .x = {.label = "order of the images"},
-                .y = {.label = "-log likelihood of what is known (nats for each value)"}};
+                .y = {.label = "-log likelihood of known values (nats per value)"}};
   unlikely.levels.push_back({"batch, missing values by expectation maximisation", best_surprise});
   unlikely.series.push_back({.name = "online, same rank inside", .style = PlotStyle::kMarkers});
   unlikely.series.push_back({.name = "online, twice the rank inside", .style = PlotStyle::kMarkers});
@@ -128,7 +128,7 @@ Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const 
       holed.empty() ? ""
                     : format(
                           " Rings with missing values, -log likelihood of what is known beyond batch's: %.4f to %.4f "
-                          "nats for each value.",
+                          "nats per value.",
                           least_surprise - best_surprise, worst_surprise - best_surprise);
   const double behind = batch.psnr_db - worst_psnr;
   figure.ours = format(

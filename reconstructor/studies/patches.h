@@ -32,11 +32,11 @@ struct SeamError {
 SeamError seam_error(const Mesh& mesh, std::span<const Hit> hits, const ImageU8& picture, const ImageU8& truth,
                      const ImageU8& object);
 
-/// What factorising patches of one kind costs and is worth.
+/// What factorizing patches of one kind costs and gains.
 struct PatchRow {
   const char* name;
   std::size_t patches = 0;  ///< that images reached
-  double factorize_ms = 0;  ///< mean wall time an image of folding columns in
+  double factorize_ms = 0;  ///< mean wall time per image of folding columns
   double bytes = 0;         ///< of the patches' state
   double psnr_db = 0, ssim = 0;
   double seam = 0;  ///< `SeamError::ratio` over all held-out views
@@ -48,14 +48,14 @@ struct PatchStudy {
 
 /// A patch per vertex ring, as the light field has them, beside a patch per triangle.
 ///
-/// A patch a triangle is the same light field on `split_triangles` of the mesh: each of the three rings of a triangle
-/// is that triangle, so it is factorised three times alike; bytes and time of the triangles are a third of what this
-/// takes. (Of the time, fitting the reflection that all patches share is divided too, although it does not grow with
-/// them.) Rings blend three predictions that rest on different triangles; here all three rest on one and differ only by
-/// the direction to the eye, which is taken from each corner. The surface bends at edges, so errors change
-/// there whatever the patch: the seam figure of triangles says something only beside that of rings. What is not had on
-/// the split mesh: a corner's normal is its triangle's own, not the mean of those round it, and a patch chooses its
-/// kernel without its neighbours.
+/// One patch per triangle is the same light field on `split_triangles` of the mesh: each of the three rings of a
+/// triangle is that triangle, so it is factorized three times alike; bytes and time of the triangles are a third of
+/// what this takes. (Of the time, fitting the reflection that all patches share is divided too, although it does not
+/// grow with them.) Rings blend three predictions that rest on different triangles; here all three rest on one and
+/// differ only by the direction to the eye, which is taken from each corner. The surface bends at edges, so errors
+/// change there whatever the patch: the seam figure of triangles says something only beside that of rings. What is not
+/// had on the split mesh: a corner's normal is its triangle's own, not the mean of those round it, and a patch chooses
+/// its kernel without its neighbours.
 ///
 /// `ring`: the light field of these images and options.
 PatchStudy study_patches(const Experiment& experiment, const SurfaceLightFieldOptions& options, const OnlineRun& ring);

@@ -51,7 +51,7 @@ enum class PlotFiles { kDrawn, kTableOnly };
 /// by hand) and, by running gnuplot on it, STEM.svg. Throws FileError.
 PlotFiles write_plot(const Plot& plot, const std::filesystem::path& stem);
 
-/// The table: one line a point, quoted as RFC 4180 says.
+/// The table: one line per point, quoted as RFC 4180 says.
 std::string plot_csv(const Plot& plot);
 
 /// A field of such a table.

@@ -21,8 +21,8 @@ double thread_cpu_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// A ring's columns factorised in a number format.
-struct Factorised {
+/// A ring's columns factorized in a number format.
+struct Factorized {
   Eigen::MatrixXd basis, coefficients;  ///< of the displayed terms
   double cpu_s = 0;
   std::size_t bytes = 0;
@@ -31,7 +31,7 @@ struct Factorised {
 };
 
 template <typename Scalar>
-Factorised factorise(const RingMatrix& ring, const RingFactorOptions& options, unsigned phase) {
+Factorized factorize(const RingMatrix& ring, const RingFactorOptions& options, unsigned phase) {
   using Factor = BasicRingFactor<Scalar>;
   const typename Factor::Matrix columns = ring.columns.cast<Scalar>();
   Factor factor(static_cast<int>(columns.rows()), options, phase);
@@ -106,7 +106,7 @@ PrecisionStudy study_precision(const Experiment& experiment, const SurfaceLightF
     study.columns += static_cast<std::size_t>(ring.views());
     energy += ring.columns.cast<double>().squaredNorm();
     const auto phase = static_cast<unsigned>(v);
-    const Factorised f = factorise<float>(ring, factor, phase), d = factorise<double>(ring, factor, phase);
+    const Factorized f = factorize<float>(ring, factor, phase), d = factorize<double>(ring, factor, phase);
     const Eigen::MatrixXd exact = d.product();
     for (auto [sums, of] : {std::pair{&single, &f}, {&twice, &d}}) {
       sums->cpu_s += of->cpu_s;

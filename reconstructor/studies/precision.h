@@ -8,7 +8,7 @@
 
 namespace sheen {
 
-/// What a number format of the factorization costs and what it is worth, on a scene's own columns.
+/// What a number format of the factorization costs and gains, on a scene's own columns.
 struct PrecisionRow {
   const char* name;
   double column_us = 0;       ///< processor time of folding a column in, one thread

@@ -17,7 +17,7 @@ struct Setting {
   SurfaceLightFieldOptions options;
 };
 
-/// What a setting costs and what it is worth on held-out views.
+/// What a setting costs and what it gains on held-out views.
 struct TradeoffPoint {
   Setting setting;
   double image_ms = 0;   ///< median wall time per image
@@ -45,7 +45,7 @@ std::vector<std::size_t> pareto_frontier(std::span<const double> cost, std::span
 
 struct TradeoffChoice {
   std::size_t index = 0;
-  bool holds = true;  ///< false: no setting measured does it all; this one comes nearest
+  bool holds = true;  ///< false: no measured setting keeps all limits; this one comes nearest
 };
 
 /// With a PSNR asked for, the quickest setting (then the smallest) that reaches it within the limits; without, the best

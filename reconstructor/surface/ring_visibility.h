@@ -23,7 +23,7 @@ struct VisibilityOptions {
   double depth_tolerance = 6;  ///< how far behind the first hit a sample may lie, in pixel footprints
 };
 
-/// What one image shows of the sampled surface. Arrays a sample run as VertexRings::first_sample says.
+/// What one image shows of the sampled surface. Arrays per sample run as VertexRings::first_sample says.
 struct SurfaceView {
   Eigen::Vector3d eye;                   ///< object frame
   PixelBox box;                          ///< pixels that can show the mesh
@@ -33,11 +33,11 @@ struct SurfaceView {
   std::vector<float> cosine;             ///< per triangle: towards the camera; <= 0 when it faces away
   std::vector<float> step_px;            ///< per triangle: mean distance of neighbouring samples in the image
   std::size_t visible_samples = 0;
-  /// A pixel of the image: z of the first hit in the camera's frame where it lies on a front face and safely inside a
+  /// Per pixel of the image: z of the first hit in the camera's frame where it lies on a front face and safely inside a
   /// surface, away from every edge; else 0. Only there may anything be sampled.
   ImageF safe_depth;
-  /// A pixel of the image: whether it touches an edge, 0, or shows nothing but one surface: 1 beside pixels that touch
-  /// one, else 2. Within two pixels of a 2 (one, of a 1) lies nothing but the same surface and its edge.
+  /// Per pixel of the image: whether it touches an edge, 0, or shows nothing but one surface: 1 beside pixels that
+  /// touch one, else 2. Within two pixels of a 2 (one, of a 1) lies nothing but the same surface and its edge.
   ImageU8 from_edge;
 };
 
@@ -58,7 +58,7 @@ class RingVisibility {
   void erode_depth(const Camera& camera);
   void test_samples(const Camera& camera, const Rigid3& camera_from_object);
 
-  /// Barycentric weights of corners 1 and 2, a lattice point.
+  /// Barycentric weights of corners 1 and 2, per lattice point.
   struct Lattice {
     std::vector<float> u, v;
   };

@@ -45,7 +45,7 @@ class VertexRings {
   /// `resolution[t]` >= 2 is the lattice resolution of triangle t.
   VertexRings(const Mesh& mesh, std::vector<std::uint8_t> resolution);
 
-  std::size_t size() const { return first_.size() - 1; }  ///< one ring a vertex; may be empty
+  std::size_t size() const { return first_.size() - 1; }  ///< one ring per vertex; may be empty
   std::span<const RingTriangle> ring(std::size_t vertex) const {
     return std::span(members_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
   }

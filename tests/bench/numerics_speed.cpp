@@ -74,7 +74,7 @@ double peak_multiply_adds_per_us() {
 
 /// Microseconds a column of the products with the rows at that rate: projecting a block of n columns on a basis of r
 /// (3 r n, residuals and what they have left over included), Gram matrices of residuals and, every fourth time, basis,
-/// and the turn of both (r (r + n)).
+/// and the rotation of both (r (r + n)).
 double row_products_us(Eigen::Index rows, int r, double multiply_adds_per_us) {
   const int n = RingFactorOptions{}.block;
   const double a_row = 3.0 * r * n + 0.5 * n * n + 0.125 * r * r + 1.0 * r * (r + n);

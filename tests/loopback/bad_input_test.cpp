@@ -73,7 +73,7 @@ TEST_F(BadInput, ABrokenDescription) {
   const auto file = data_.folder / "transforms.json";
   const std::string good = read_file(file);
   fs::resize_file(file, 200);
-  for (const Outcome& outcome : {build(), track()}) expect_outcome(outcome, 1, {"transforms.json", "no valid JSON"});
+  for (const Outcome& outcome : {build(), track()}) expect_outcome(outcome, 1, {"transforms.json", "not valid JSON"});
   std::ofstream(file, std::ios::trunc) << good;
   change(file, "\"transform_matrix\"", "\"transform\"");
   for (const Outcome& outcome : {build(), track()})
@@ -96,7 +96,7 @@ TEST_F(BadInput, AnImageThatIsCutOffTakesNoneOfTheOthersWithIt) {
   const fs::path report = temp_.path() / "rig.json";
   Process desk(serve(data_.mesh(), session_, {"--once", "--endpoint", address}));
   expect_outcome(track({"--json", report}, address, "30"), 1, {"1002.png", "damaged PNG", "2 keyframes sent"});
-  expect_outcome(wait_to_end(desk), 0, {"1002.png", "damaged PNG", "2 images folded in"});
+  expect_outcome(wait_to_end(desk), 0, {"1002.png", "damaged PNG", "2 images added to the model"});
   EXPECT_EQ(captures_of(session_).size(), 2u);
   const auto told = nlohmann::json::parse(read_file(report));
   EXPECT_EQ(told["link"]["acknowledged"], 2);

@@ -128,7 +128,7 @@ TEST_F(CameraOnTheWire, EveryFrameIsAccountedForAndNoKeyframeIsLost) {
   ASSERT_TRUE(camera.prints("serves", kPatience)) << camera.output();
   Process keeping(desk({"--once"}));
   expect_outcome(run_to_end(track({"--frames", std::to_string(kFrames)})), 0, {"36 frames"});
-  expect_outcome(wait_to_end(keeping), 0, {"images folded in"});
+  expect_outcome(wait_to_end(keeping), 0, {"images added to the model"});
   camera.signal(SIGINT);
   expect_outcome(wait_to_end(camera), 0, {});
 
@@ -214,7 +214,7 @@ TEST_F(CameraOnTheWire, KilledAgainAndAgainNothingAcknowledgedIsLostAndTheModelI
     EXPECT_GE(captures_so_far(session_), before) << "what was kept is gone";
   }
   expect_outcome(wait_to_end(*rig), 0, {"10 frames"});
-  expect_outcome(wait_to_end(*keeping), 0, {"images folded in"});
+  expect_outcome(wait_to_end(*keeping), 0, {"images added to the model"});
   camera.signal(SIGINT);
   expect_outcome(wait_to_end(camera), 0, {});
 

@@ -69,7 +69,7 @@ TEST_F(CommandLineUse, WhereResultsGoIsTriedBeforeTheWork) {
        {run_to_end(build({"--json", nowhere})), run_to_end(track({"--json", nowhere})),
         run_to_end(build({"--json", temp_.path()})), run_to_end(build({"--out", file / "model"}))}) {
     EXPECT_EQ(outcome.end.status, 1) << outcome.output;
-    EXPECT_THAT(outcome.output, Not(HasSubstr("images folded in")));
+    EXPECT_THAT(outcome.output, Not(HasSubstr("images added to the model")));
     EXPECT_THAT(outcome.output, Not(HasSubstr("keyframes sent")));
   }
 }

@@ -132,10 +132,10 @@ TEST_F(DaemonsMeet, ACaptureOutlivesItsDisplay) {
                   {.environment = {{"DISPLAY", ":" + number}, {"LIBGL_ALWAYS_SOFTWARE", "1"}}});
   ASSERT_TRUE(watched.prints("waiting for a tracker", kPatience)) << watched.output();
   display.kill();
-  EXPECT_TRUE(watched.prints("the capture goes on without it: the display has gone away", kPatience))
+  EXPECT_TRUE(watched.prints("the capture continues without it: the display has gone away", kPatience))
       << watched.output();
   expect_outcome(run_to_end(track({"--endpoint", address})), 0, {"6 keyframes sent"});
-  expect_outcome(wait_to_end(watched), 0, {"images folded in"});
+  expect_outcome(wait_to_end(watched), 0, {"images added to the model"});
   expect_all_captures();
 }
 
@@ -152,7 +152,7 @@ TEST_F(LargeImages, AFullDiskEndsTheCaptureClearlyAndItGoesOnWithRoom) {
   EXPECT_LT(captures_of(session_).size(), 6u);
   EXPECT_TRUE(rig.running()) << "it has nobody to give its captures to, but they are not lost";
   Process again(desk({"--endpoint", address, "--once"}));
-  expect_outcome(wait_to_end(again), 0, {"images folded in"});
+  expect_outcome(wait_to_end(again), 0, {"images added to the model"});
   expect_outcome(wait_to_end(rig), 0, {"6 keyframes sent"});
   expect_all_captures();
 }
@@ -170,7 +170,7 @@ TEST_F(ManyViews, CtrlCInTheMiddleLeavesASessionThatGoesOn) {
   expect_stops(first, {}, kPatience);
   EXPECT_TRUE(rig.running()) << "too early for a test of the middle:\n" << rig.output();
   Process second(desk({"--endpoint", address, "--once"}));
-  expect_outcome(wait_to_end(second), 0, {"images folded in"});
+  expect_outcome(wait_to_end(second), 0, {"images added to the model"});
   expect_outcome(wait_to_end(rig), 0, {"150 keyframes sent"});
   expect_all_captures();
 }

@@ -34,7 +34,8 @@ class Ends : public ::testing::Test {
     return desk;
   }
   void expect_finished(Process& desk) {
-    expect_outcome(wait_to_end(desk), 0, {"finishing", "the model is saved", model_.string(), "images folded in"});
+    expect_outcome(wait_to_end(desk), 0,
+                   {"finishing", "the model is saved", model_.string(), "images added to the model"});
     const Json frames = Json::parse(read_file(report_))["frames"];
     EXPECT_EQ(frames["received"], data_.views);
     EXPECT_EQ(frames["waiting"], 0);

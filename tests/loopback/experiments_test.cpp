@@ -52,7 +52,7 @@ TEST(Tradeoff, MeasuresPlotsAndChooses) {
                                                           "--json", temp.path() / "desk.json"}));
   expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data.folder.string()}) + link.tracker_options()),
                  0, {});
-  expect_outcome(wait_to_end(desk), 0, {"14 images folded in"});
+  expect_outcome(wait_to_end(desk), 0, {"14 images added to the model"});
   const auto served = nlohmann::json::parse(read_file(temp.path() / "desk.json"));
   EXPECT_EQ(served["settings"]["effort_level"], 5);
   EXPECT_EQ(served["held_out"]["psnr_db"], level(5)["psnr_db"]) << "the very model that was measured";
@@ -61,7 +61,7 @@ TEST(Tradeoff, MeasuresPlotsAndChooses) {
   // What it prints is a scene file.
   const fs::path scene = temp.write("chosen.toml", json["choice"]["scene"].get<std::string>());
   expect_outcome(run_to_end(reconstructor({"build", data.folder, "--mesh", data.mesh(), "--config", scene})), 0,
-                 {"14 images folded in"});
+                 {"14 images added to the model"});
 }
 
 TEST(Tradeoff, RefusesWordsItDoesNotKnow) {
@@ -80,7 +80,7 @@ TEST(Target, BuildTakesTheCheapestSettingThatReachesIt) {
                    0, words);
     return nlohmann::json::parse(read_file(report));
   };
-  const auto easy = build("15dB", {"effort level 5", "14 images folded in"});
+  const auto easy = build("15dB", {"effort level 5", "14 images added to the model"});
   EXPECT_TRUE(easy["settings"]["target"]["reached"]);
   EXPECT_EQ(easy["settings"]["map_scale"], 0.4);
   const auto impossible = build("99dB", {"effort level 0", "no setting within the limits reaches 99.00 dB"});

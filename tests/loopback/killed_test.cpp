@@ -65,7 +65,7 @@ class Capturing {
       keep_running();
       std::this_thread::sleep_for(milliseconds(10));
     }
-    expect_outcome(wait_to_end(*desk_), 0, {"images folded in"});
+    expect_outcome(wait_to_end(*desk_), 0, {"images added to the model"});
     if (!rig_->wait(seconds(3))) rig_->signal(SIGINT);  // even a slow start has come to its signal handler by then
     const Outcome rig = wait_to_end(*rig_);
     const bool taken = rig.output.find("were not acknowledged") == std::string::npos;

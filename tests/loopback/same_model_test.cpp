@@ -26,7 +26,7 @@ TEST(SameModel, StreamedAsBuiltFromTheFiles) {
   Process rig(tracker({"run", "--source", "dataset:" + data.folder.string(), "--json", temp.path() / "rig.json"}) +
               link.tracker_options());
   expect_outcome(wait_to_end(rig), 0, {"16 keyframes sent"});
-  expect_outcome(wait_to_end(desk), 0, {"14 images folded in", "2 held out"});
+  expect_outcome(wait_to_end(desk), 0, {"14 images added to the model", "2 held out"});
 
   expect_same_model(built, session / "model");
   const auto sent = nlohmann::json::parse(read_file(temp.path() / "rig.json"));

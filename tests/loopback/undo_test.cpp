@@ -108,7 +108,7 @@ TEST_F(Undo, WhileASessionIsRecordedAndThroughAKill) {
   undo({"--capture", "12"}, {"capture 12 is withdrawn"});  // of a session that is being resumed
   expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data_.folder.string(), "--endpoint", address})), 0,
                  {"16 keyframes sent"});
-  expect_outcome(wait_to_end(*desk_), 0, {"12 images folded in", "1 held out, 3 withdrawn"});
+  expect_outcome(wait_to_end(*desk_), 0, {"12 images added to the model", "1 held out, 3 withdrawn"});
   const Json report = Json::parse(read_file(live_));
   EXPECT_EQ(report["frames"]["withdrawn"], 3);
   EXPECT_EQ(report["frames"]["journaled"], 16);
@@ -133,7 +133,8 @@ TEST_F(Undo, ADamagedFileIsListedAndLeftOutAndALostLogCostsNothing) {
   const Json again = build(temp_.path() / "again");
   EXPECT_EQ(again["frames"]["accepted"], 13);
   expect_same_model(temp_.path() / "again", temp_.path() / "never_saw");
-  undo({"--last"}, {"capture 14 is withdrawn", "15 captures that the index did not know", "00000005.capture.damaged"});
+  undo({"--last"},
+       {"capture 14 is withdrawn", "15 captures that were missing in the index", "00000005.capture.damaged"});
 }
 
 TEST_F(Undo, WhatIsNotThereIsNamed) {

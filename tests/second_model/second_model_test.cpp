@@ -35,13 +35,13 @@ class SecondModel : public ::testing::Test {
                  more);
     expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data_.folder.string(), "--endpoint", address})),
                    0, {"16 keyframes sent"});
-    expect_outcome(wait_to_end(desk), 0, {"images folded in"});
+    expect_outcome(wait_to_end(desk), 0, {"images added to the model"});
     return Json::parse(read_file(report));
   }
   void build(const fs::path& out, const Words& more = {}) const {
     expect_outcome(
         run_to_end(program({"build", session_, "--mesh", data_.mesh(), "--config", scene(), "--out", out}) + more), 0,
-        {"images folded in"});
+        {"images added to the model"});
   }
 
   const TempFolder temp_;

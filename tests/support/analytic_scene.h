@@ -49,7 +49,7 @@ inline Surface nearest_of(Surface a, Surface b) {
   };
 }
 
-/// A radiance given by its sRGB-encoded values, in which the light field is factorised.
+/// A radiance given by its sRGB-encoded values, in which the light field is factorized.
 inline Radiance encoded(std::function<Eigen::Vector3d(const Eigen::Vector3d&, const Eigen::Vector3d&)> value) {
   return [value = std::move(value)](const Eigen::Vector3d& point, const Eigen::Vector3d& to_eye) {
     const Eigen::Vector3d e = value(point, to_eye);

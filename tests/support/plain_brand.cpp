@@ -13,7 +13,7 @@ void PlainBrand::add(const Eigen::VectorXd& column) {
   const double rest = p.norm();
   const bool grows = rest > options_.tolerance && !(options_.freezes && k == options_.cap);
 
-  // K = [S j; 0 ||p||], the SVD of which turns U and V.
+  // K = [S j; 0 ||p||], the SVD of which rotates U and V.
   const Eigen::Index size = grows ? k + 1 : k;
   Eigen::MatrixXd core = Eigen::MatrixXd::Zero(size, k + 1);
   core.topLeftCorner(k, k) = s_.asDiagonal();

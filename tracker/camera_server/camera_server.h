@@ -12,9 +12,9 @@ namespace sheen {
 
 struct CameraServerOptions {
   std::string address =
-      "127.0.0.1";  ///< of the loopback interface, which must have it; one camera an address: the port is fixed
+      "127.0.0.1";  ///< of the loopback interface, which must have it; one camera per address: the port is fixed
   double frame_rate_hz = 0;  ///< 0: the recording's
-  bool loop = false;         ///< begin again after the last frame; else it is repeated
+  bool loop = false;         ///< start again after the last frame; else it is repeated
 };
 
 struct SentFrame {
@@ -24,7 +24,7 @@ struct SentFrame {
 
 /// Puts a recording behind a GigE Vision endpoint, indistinguishable from a camera for who connects. All frames are
 /// held in memory. The first is sent when acquisition first starts; a client that comes back goes on where the last one
-/// stopped. Destruction is what pulling the plug is.
+/// stopped. Destruction is like unplugging the camera.
 class CameraServer {
  public:
   /// Throws FileError for a frame that is missing or of the wrong size, ConfigError for an address off the loopback

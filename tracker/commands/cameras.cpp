@@ -35,9 +35,9 @@ void list_cameras(bool json) {
 }  // namespace
 
 void add_cameras_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("cameras", "List the GigE Vision and USB3 Vision cameras that answer");
+  CLI::App* command = app.add_subcommand("cameras", "Lists the GigE Vision and USB3 Vision cameras that answer.");
   const auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "Print JSON");
+  command->add_flag("--json", *json, "print JSON");
   command->callback([json] { list_cameras(*json); });
 }
 

@@ -5,13 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <set>
 
-#include "common/base/errors.h"
+#include "common/base/setup_check.h"
 #include "common/link/transport.h"
 #include "tracker/commands/commands.h"
 #include "tracker/rig_config.h"
@@ -23,15 +20,6 @@ namespace {
 constexpr long kReceiveBuffer = 8 << 20;  ///< bytes; 10 frames of 786 KB, so that a busy moment costs no packet
 constexpr long kJumboMtu = 9000;
 
-enum class Finding { kOk, kWarn, kFail };
-constexpr const char* kFindingNames[] = {"OK", "WARN", "FAIL"};
-
-struct Check {
-  std::string name;
-  Finding finding = Finding::kOk;
-  std::string text;  ///< what was found, and what to do
-};
-
 long read_number(const std::filesystem::path& file) {
   std::ifstream in(file);
   long value = -1;
@@ -39,7 +27,7 @@ long read_number(const std::filesystem::path& file) {
   return in ? value : -1;
 }
 
-Check check_cameras() {
+SetupCheck check_cameras() {
   const auto devices = discover_cameras();
   if (devices.empty())
     return {"cameras", Finding::kWarn,
@@ -50,7 +38,7 @@ Check check_cameras() {
   return {"cameras", Finding::kOk, list};
 }
 
-Check check_receive_buffer() {
+SetupCheck check_receive_buffer() {
   const long bytes = read_number("/proc/sys/net/core/rmem_max");
   if (bytes < 0) return {"receive buffer", Finding::kWarn, "net.core.rmem_max cannot be read"};
   if (bytes < kReceiveBuffer)
@@ -61,14 +49,14 @@ Check check_receive_buffer() {
 }
 
 /// Interfaces that are up and could carry a camera; virtual ones have no device behind them.
-std::vector<Check> check_interfaces() {
+std::vector<SetupCheck> check_interfaces() {
   std::set<std::string> names;
   ifaddrs* list = nullptr;
   if (getifaddrs(&list) != 0) return {{"interfaces", Finding::kWarn, "cannot be listed"}};
   for (const ifaddrs* i = list; i; i = i->ifa_next)
     if ((i->ifa_flags & IFF_UP) && !(i->ifa_flags & IFF_LOOPBACK)) names.insert(i->ifa_name);
   freeifaddrs(list);
-  std::vector<Check> checks;
+  std::vector<SetupCheck> checks;
   for (const std::string& name : names) {
     if (!std::filesystem::exists("/sys/class/net/" + name + "/device")) continue;
     const long mtu = read_number("/sys/class/net/" + name + "/mtu");
@@ -83,26 +71,12 @@ std::vector<Check> check_interfaces() {
   return checks;
 }
 
-/// Whether something loads; what it throws is the finding.
-Check check_loading(const std::string& name, const std::function<std::string()>& load) {
-  try {
-    return {name, Finding::kOk, load()};
-  } catch (const Error& error) {
-    return {name, Finding::kFail, error.what()};
-  }
+SetupCheck check_key(const std::filesystem::path& file) {
+  return check_loading(
+      "keys", [&] { return load_keys(file), file.string(); }, "`sheen-tracker keygen` makes keys");
 }
 
-Check check_key(const std::filesystem::path& file) {
-  Check check = check_loading("keys", [&] { return load_keys(file), file.string(); });
-  std::error_code error;
-  const auto others = std::filesystem::perms::group_all | std::filesystem::perms::others_all;
-  if (check.finding == Finding::kOk &&
-      (std::filesystem::status(file, error).permissions() & others) != std::filesystem::perms::none)
-    return {"keys", Finding::kFail, file.string() + " is open to other users; chmod 600 " + file.string()};
-  return check;
-}
-
-void check_config(const std::filesystem::path& file, std::vector<Check>& checks) {
+void check_config(const std::filesystem::path& file, std::vector<SetupCheck>& checks) {
   RigConfig config;
   checks.push_back(check_loading("configuration", [&] {
     config = load_rig_config(file);
@@ -122,42 +96,28 @@ void check_config(const std::filesystem::path& file, std::vector<Check>& checks)
   if (!config.keys.empty()) checks.push_back(check_key(config.keys));
 }
 
-void print(const std::vector<Check>& checks, bool json) {
-  if (!json) {
-    for (const Check& check : checks)
-      std::cout << kFindingNames[int(check.finding)] << '\t' << check.name << ": " << check.text << '\n';
-    return;
-  }
-  nlohmann::json list = nlohmann::json::array();
-  for (const Check& check : checks)
-    list.push_back({{"check", check.name}, {"finding", kFindingNames[int(check.finding)]}, {"text", check.text}});
-  std::cout << list.dump(2) << '\n';
-}
-
 struct DoctorArguments {
   std::filesystem::path config, keys;
   bool json = false;
 };
 
 void examine(const DoctorArguments& arguments) {
-  std::vector<Check> checks{check_cameras(), check_receive_buffer()};
+  std::vector<SetupCheck> checks{check_cameras(), check_receive_buffer()};
   const auto interfaces = check_interfaces();
   checks.insert(checks.end(), interfaces.begin(), interfaces.end());
   if (!arguments.config.empty()) check_config(arguments.config, checks);
   if (!arguments.keys.empty()) checks.push_back(check_key(arguments.keys));
-  print(checks, arguments.json);
-  for (const Check& check : checks)
-    if (check.finding == Finding::kFail) throw Error(check.name + ": " + check.text);
+  report_checks(checks, arguments.json);
 }
 
 }  // namespace
 
 void add_doctor_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("doctor", "Say what is wrong with this setup and what to do");
+  CLI::App* command = app.add_subcommand("doctor", "Says what is wrong with the setup of a tracker and what to do.");
   const auto arguments = std::make_shared<DoctorArguments>();
-  command->add_option("--config", arguments->config, "Also check this rig description and the files it names");
-  command->add_option("--keys", arguments->keys, "Also check this .key file");
-  command->add_flag("--json", arguments->json, "Print JSON");
+  command->add_option("--config", arguments->config, "also check this rig description and the files it names");
+  command->add_option("--keys", arguments->keys, "also check this .key file");
+  command->add_flag("--json", arguments->json, "print JSON");
   command->callback([arguments] { examine(*arguments); });
 }
 

@@ -14,10 +14,10 @@ void add_keygen_command(CLI::App& app) {
     std::filesystem::path out = ".";
     std::string name;
   };
-  CLI::App* command = app.add_subcommand("keygen", "Make a CURVE key pair: NAME.key (secret) and NAME.pub");
+  CLI::App* command = app.add_subcommand("keygen", "Makes a CURVE key pair: NAME.key (secret) and NAME.pub.");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("--out", arguments->out, "Folder of the key files")->capture_default_str();
-  command->add_option("--name", arguments->name, "Name of the role or machine")->required();
+  command->add_option("--out", arguments->out, "folder of the key files")->capture_default_str();
+  command->add_option("--name", arguments->name, "name of the role or machine")->required();
   command->callback([arguments] {
     const CurveKeys keys = generate_keys(arguments->out, arguments->name);
     std::cout << (arguments->out / arguments->name).string() << ".key written; give " << arguments->name

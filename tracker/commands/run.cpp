@@ -100,8 +100,8 @@ std::string undelivered_text(std::uint64_t keyframes, const std::string& endpoin
   const std::string refusal = sent.last_refusal.empty() ? "" : " (last refusal: " + sent.last_refusal + ")";
   return std::to_string(keyframes) + " keyframes were not acknowledged" + refusal +
          "; start `sheen-reconstructor serve --endpoint " + endpoint + "` and run this command again" +
-         (can_be_repeated ? ": what it has on its disk already is not sent twice"
-                          : ": these are gone, the views are to be taken again (--linger waits longer at the end)");
+         (can_be_repeated ? ": what is already on the disk of the reconstructor is not sent again"
+                          : ": these are lost, take the images again (--linger waits longer at the end)");
 }
 
 std::map<std::string, std::uint64_t> link_counters(const SenderStats& s) {
@@ -172,20 +172,20 @@ void run(const RunArguments& arguments) {
 }  // namespace
 
 void add_run_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("run", "Track a camera, video or data set and stream posed images");
+  CLI::App* command = app.add_subcommand("run", "Tracks a camera, video or data set and streams posed images.");
   const auto a = std::make_shared<RunArguments>();
-  command->add_option("--config", a->config, "Rig description (TOML): camera, stage, source, link, gate");
-  command->add_option("--source", a->source, "aravis:ID, video:PATH or dataset:DIR; overrides the configuration");
-  command->add_option("--endpoint", a->endpoint, "Address to bind, default tcp://127.0.0.1:7410")
+  command->add_option("--config", a->config, "rig description (TOML): camera, stage, source, link, gate");
+  command->add_option("--source", a->source, "aravis:ID, video:PATH or dataset:DIR; overrides --config");
+  command->add_option("--endpoint", a->endpoint, "address to listen on, default tcp://127.0.0.1:7410")
       ->check(endpoint_error);
-  command->add_option("--keys", a->keys, "Own .key file; without keys only loopback addresses are allowed");
-  command->add_option("--allow", a->allow, "File of the public keys that may connect");
-  command->add_option("--frames", a->frames, "End after so many frames; 0 = when the source ends")
+  command->add_option("--keys", a->keys, "own .key file; without keys only loopback addresses are allowed");
+  command->add_option("--allow", a->allow, "file with the public keys that may connect");
+  command->add_option("--frames", a->frames, "end after this number of frames; 0 = when the source ends")
       ->check(whole_number_in(0, std::int64_t{1} << 53));
-  command->add_option("--json", a->json, "Write the report there; - for standard output");
-  command->add_option("--publish", a->publish, "Address to publish status on, e.g. tcp://127.0.0.1:7411")
+  command->add_option("--json", a->json, "report to write at the end; - for standard output");
+  command->add_option("--publish", a->publish, "address to publish status on, e.g. tcp://127.0.0.1:7411")
       ->check(endpoint_error);
-  command->add_option("--linger", a->linger_s, "Seconds to wait at the end for acknowledgements")
+  command->add_option("--linger", a->linger_s, "seconds to wait at the end for acknowledgements")
       ->check(number_in(0, 86400))
       ->capture_default_str();
   command->callback([a] { run(*a); });

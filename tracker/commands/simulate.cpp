@@ -35,7 +35,7 @@ struct SimulateArguments {
 void parse_size(const std::string& text, SimulationOptions& rig) {
   int used = 0;
   if (std::sscanf(text.c_str(), "%dx%d%n", &rig.width, &rig.height, &used) != 2 || used != int(text.size()))
-    throw ConfigError("--size \"" + text + "\" is no size; write it as 1024x768");
+    throw ConfigError("--size \"" + text + "\" is not a size; write it as 1024x768");
 }
 
 void render(SimulateArguments arguments) {
@@ -111,27 +111,30 @@ void simulate(const SimulateArguments& arguments) {
 }  // namespace
 
 void add_simulate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("simulate", "Render a rig that needs no camera: an object on a tagged stage");
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Renders a simulated rig, an object on a stage with tags, and serves it as a camera.");
   const auto arguments = std::make_shared<SimulateArguments>();
-  command->add_option("--out", arguments->out, "Folder of the recording; kept when it holds the same one already");
-  command->add_option("--frames", arguments->rig.frames, "Number of frames")
+  command->add_option("--out", arguments->out,
+                      "folder of the recording; nothing is rendered when it holds the same one already");
+  command->add_option("--frames", arguments->rig.frames, "number of frames")
       ->check(whole_number_in(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--size", arguments->size, "Size of a frame, WIDTHxHEIGHT in pixels")->capture_default_str();
-  command->add_option("--seed", arguments->rig.seed, "Seed of the camera's path and of the noise")
+  command->add_option("--size", arguments->size, "size of a frame, WIDTHxHEIGHT in pixels")->capture_default_str();
+  command->add_option("--seed", arguments->rig.seed, "seed of the camera's path and of the noise")
       ->check(whole_number_in(0, std::numeric_limits<std::uint32_t>::max()))
       ->capture_default_str();
   command->add_option("--object", arguments->rig.object, "demo, bronze or sphere")->capture_default_str();
-  command->add_flag("--truth", arguments->rig.truth, "Also write each frame's linear radiance as OpenEXR");
-  command->add_option("--serve", arguments->serve, "Recording to serve as a GigE Vision camera, until Ctrl-C");
-  command->add_option("--interface", arguments->server.address, "Loopback address to serve on")->capture_default_str();
-  command->add_option("--rate", arguments->server.frame_rate_hz, "Frames/s to serve; default: the recording's")
+  command->add_flag("--truth", arguments->rig.truth, "also write each frame's linear radiance as OpenEXR");
+  command->add_option("--serve", arguments->serve, "recording to serve as a GigE Vision camera, until Ctrl-C");
+  command->add_option("--interface", arguments->server.address, "loopback address to serve on")->capture_default_str();
+  command->add_option("--rate", arguments->server.frame_rate_hz, "frames/s to serve; default: those of the recording")
       ->check(number_in(0.001, 10000));
-  command->add_flag("--loop", arguments->server.loop, "Begin again after the last frame; else it is repeated");
-  command->add_option("--log", arguments->log, "Write frame_id,rig_index for each frame sent; read by --judge");
-  command->add_option("--judge", arguments->judge, "Session whose poses are compared with the truth (JSON)");
-  command->add_option("--recording", arguments->recording, "With --judge: the recording that was served");
-  command->add_flag("--json", arguments->json, "Print JSON");
+  command->add_flag("--loop", arguments->server.loop,
+                    "start again after the last frame; without it the last frame is repeated");
+  command->add_option("--log", arguments->log, "write frame_id,rig_index for each frame sent; read by --judge");
+  command->add_option("--judge", arguments->judge, "session whose poses are compared with the truth (JSON)");
+  command->add_option("--recording", arguments->recording, "with --judge: the recording that was served");
+  command->add_flag("--json", arguments->json, "print JSON");
   command->callback([arguments] { simulate(*arguments); });
 }
 

@@ -27,7 +27,7 @@ void make(const StageArguments& arguments) {
   int used = 0;
   if (std::sscanf(arguments.size_mm.c_str(), "%lfx%lf%n", &width, &height, &used) != 2 ||
       used != int(arguments.size_mm.size()))
-    throw ConfigError("--size \"" + arguments.size_mm + "\" is no size; write it in millimetres as 400x300");
+    throw ConfigError("--size \"" + arguments.size_mm + "\" is not a size; write it in millimetres as 400x300");
   options.width_m = width / 1e3;
   options.height_m = height / 1e3;
   options.tag_m = arguments.tag_mm / 1e3;
@@ -45,24 +45,25 @@ void make(const StageArguments& arguments) {
               << '\n';
     return;
   }
-  std::printf("%s: %zu tags of %g mm. Print at 100 %% and check the 100 mm bar with a ruler.\n%s: where they stand.\n",
-              arguments.out.c_str(), stage.tags.size(), arguments.tag_mm, layout.c_str());
+  std::printf(
+      "%s: %zu tags of %g mm. Print at 100 %% and check the 100 mm bar with a ruler.\n%s: where the tags are.\n",
+      arguments.out.c_str(), stage.tags.size(), arguments.tag_mm, layout.c_str());
 }
 
 }  // namespace
 
 void add_stage_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("stage", "Make a stage of tags to print, and its layout file");
+  CLI::App* command = app.add_subcommand("stage", "Makes a stage of tags to print, and its layout file.");
   const auto arguments = std::make_shared<StageArguments>();
   command->add_option("--out", arguments->out, "stage.pdf or stage.svg; stage.json is written beside it")->required();
-  command->add_option("--size", arguments->size_mm, "Size of the board, WIDTHxHEIGHT in mm")->capture_default_str();
-  command->add_option("--tag", arguments->tag_mm, "Side of a tag's black square in mm")
+  command->add_option("--size", arguments->size_mm, "size of the board, WIDTHxHEIGHT in mm")->capture_default_str();
+  command->add_option("--tag", arguments->tag_mm, "side of a tag's black square in mm")
       ->check(number_in(1, 10000))
       ->capture_default_str();
-  command->add_option("--first-id", arguments->first_id, "Id of the first tag")
+  command->add_option("--first-id", arguments->first_id, "id of the first tag")
       ->check(whole_number_in(0, 586))
       ->capture_default_str();
-  command->add_flag("--json", arguments->json, "Print JSON");
+  command->add_flag("--json", arguments->json, "print JSON");
   command->callback([arguments] { make(*arguments); });
 }
 

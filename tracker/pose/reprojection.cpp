@@ -2,7 +2,6 @@
 #include "tracker/pose/reprojection.h"
 
 #include <Eigen/Cholesky>
-#include <cmath>
 
 #include "tracker/pose/pose_solver.h"
 

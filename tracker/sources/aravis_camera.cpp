@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstring>
-#include <vector>
 
 #include "common/base/clock.h"
 #include "common/base/errors.h"

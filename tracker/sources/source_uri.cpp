@@ -19,7 +19,7 @@ SourceUri parse_source_uri(const std::string& text) {
   if (colon != std::string::npos && scheme == "aravis") return with(SourceKind::kAravis);
   if (colon != std::string::npos && scheme == "video") return with(SourceKind::kVideo);
   if (colon != std::string::npos && scheme == "dataset") return with(SourceKind::kDataset);
-  throw ConfigError("source \"" + text + "\" is none of aravis:ID, video:PATH, dataset:DIR");
+  throw ConfigError("source \"" + text + "\" is not one of aravis:ID, video:PATH, dataset:DIR");
 }
 
 std::unique_ptr<FrameSource> open_source(const SourceUri& uri, const SourceSettings& settings) {

@@ -39,7 +39,7 @@ void VideoSource::Impl::end() {
   state = SourceState::kEnded;
   if (device) fail("the device has stopped delivering; check its cable");
   if (static_cast<double>(frames) < kLeastShare * announced)
-    fail("the video breaks off here; its header announces " + std::to_string(std::llround(announced)) +
+    fail("the video ends too early; its header states " + std::to_string(std::llround(announced)) +
          " frames. Is the file whole?");
 }
 
@@ -52,7 +52,7 @@ VideoSource::VideoSource(const std::string& path) : impl_(std::make_unique<Impl>
   }
   const bool opened = impl_->device ? impl_->capture.open(path, cv::CAP_V4L2) : impl_->capture.open(path);
   if (!opened && impl_->device) throw DeviceError("video device " + path + " cannot be opened; is it in use?");
-  if (!opened) throw FileError(path, "is no video that can be read");
+  if (!opened) throw FileError(path, "cannot be read as a video");
   if (!impl_->device) impl_->announced = impl_->capture.get(cv::CAP_PROP_FRAME_COUNT);
 }
 
@@ -65,7 +65,7 @@ std::optional<Frame> VideoSource::next(std::chrono::milliseconds) {
     impl_->end();
     return std::nullopt;
   }
-  if (bgr.type() != CV_8UC3) impl_->fail("is no 8-bit colour image");
+  if (bgr.type() != CV_8UC3) impl_->fail("is not an 8-bit colour image");
   cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
   Frame frame;
   frame.camera_frame_id = impl_->frames++;

@@ -12,7 +12,7 @@ namespace sheen {
 Eigen::MatrixXf mean_seen_rows(const RingSnapshot& ring);
 
 /// Gives basis rows to the samples of a ring that no image showed, so that nothing that is interpolated between seen
-/// and unseen samples goes dark: beside seen samples the mean of these, farther off the ring's mean, a channel.
+/// and unseen samples goes dark: beside seen samples the mean of these, farther off the ring's mean, per channel.
 /// `resolution`: of the ring's triangles, in its order. `shown` stays.
 void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution);
 

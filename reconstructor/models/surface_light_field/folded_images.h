@@ -17,22 +17,22 @@ namespace sheen {
 using ImageName = std::pair<std::string, std::uint64_t>;
 ImageName name_of(const Capture& capture);
 
-/// What a model has to remember of an image that was folded in, so that it can be taken out again.
+/// What a model stores of an image that it ingested, so that it can be taken out again.
 struct FoldedImage {
   ImageName name;
   float gain;      ///< that its values were divided by
   float log_gain;  ///< estimated; 0 where the gain is known
   Eigen::Vector3d eye;
   PosedCamera camera;
-  std::vector<bool> taken;  ///< for each ring, whether it took what it was shown; empty when all did
+  std::vector<bool> taken;  ///< for each ring, whether it used what the image shows; empty when all did
 };
 
-/// The images that were folded in, in their order.
+/// The images that were ingested, in their order.
 class FoldedImages {
  public:
   std::size_t count() const { return images_.size(); }
   void add(FoldedImage image) { images_.push_back(std::move(image)); }
-  const FoldedImage* find(const ImageName& name) const;  ///< null when it was not folded in
+  const FoldedImage* find(const ImageName& name) const;  ///< null when it was not ingested
   void erase(const ImageName& name);
   std::vector<PosedCamera> cameras() const;
   bool any_nearer(const Eigen::Vector3d& eye, double distance) const;

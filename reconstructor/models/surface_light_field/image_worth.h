@@ -15,7 +15,7 @@ namespace sheen {
 /// covariance for all rings), times how much the ring varies with the view; what no image shows is wrong by its colour,
 /// too. Summed over the surface in sight. Unlike
 /// the paper's heuristic (000 sec. 3.3) it knows that two images near each other say little more than one, and how much
-/// of the surface a place shows. Looks at a part of the rings, so that it can be asked for several times a second.
+/// of the surface a place shows. Looks at a part of the rings, so that it can be asked for several times per second.
 std::vector<double> image_worth(const LightFieldSnapshot& snapshot, std::span<const Eigen::Vector3d> eyes);
 
 }  // namespace sheen

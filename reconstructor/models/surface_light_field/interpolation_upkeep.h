@@ -44,7 +44,7 @@ class InterpolationUpkeep {
   // The next fit, while it is under way: the levels that are gathered, and then the rounds.
   std::vector<RingLevels> levels_;
   std::optional<ReflectionFit> fit_;
-  std::size_t fitted_at_ = 0;  ///< images folded in
+  std::size_t fitted_at_ = 0;  ///< images ingested
 };
 
 }  // namespace sheen

@@ -14,16 +14,16 @@
 
 namespace sheen {
 
-/// Share of a ring's images that showed a sample, in 255ths; 0 only where none did, and no more than 255.
+/// Fraction of a ring's images that showed a sample, in 255ths; 0 only where none did, and no more than 255.
 std::uint8_t shown_share(int showed_it, int images);
-/// What such a share says of the sample. The one place where the states are told apart.
+/// What such a fraction says of the sample. The one place where the states are told apart.
 SampleState sample_state(std::uint8_t shown);
 
 /// Surface maps of a part of the surface: encoded value of row i = sum_r basis(i, r) * h_r, with coefficients h of the
 /// eye. Values are sRGB-encoded (`srgb_encode`); the sum over a triangle's corners is decoded once, at the end.
 struct SurfacePatch {
   Eigen::MatrixXf basis;            ///< rows (3 * samples) x rank
-  std::vector<std::uint8_t> shown;  ///< per sample: share of the images that showed it (`shown_share`)
+  std::vector<std::uint8_t> shown;  ///< per sample: fraction of the images that showed it (`shown_share`)
 
   int rank() const { return static_cast<int>(basis.cols()); }
   SampleState state(int sample) const { return sample_state(shown[sample]); }
@@ -39,7 +39,7 @@ struct RingViews {
   float sill = 0;         ///< mean square per value: how much it varies with the view (`ViewInterpolant::sill`)
   float residual = 0;     ///< psi_p: smoothed relative projection error of new images, 0..1
   float best_cosine = 0;  ///< of the most frontal view: cos of the angle to the vertex normal
-  int views_folded = 0;   ///< images folded in, thinned ones included
+  int views_folded = 0;   ///< images ingested, thinned ones included
 };
 
 /// What a corner of a triangle is drawn with.

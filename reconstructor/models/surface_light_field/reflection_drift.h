@@ -23,13 +23,13 @@ struct ReflectionDrift {
 /// The level of a ring, its mean encoded colour, in each view.
 struct RingLevels {
   Eigen::Vector3f normal;
-  Eigen::Matrix3Xf directions;  ///< to the eyes, a column a view
+  Eigen::Matrix3Xf directions;  ///< to the eyes, one column per view
   Eigen::Matrix3Xf levels;      ///< RGB, encoded
   Eigen::VectorXf reliability;  ///< per view, > 0
 };
 
 /// Level of ring v in view j = mean of v + s_v (L(mirrored direction) - its mean over the views of v), by alternating
-/// least squares for L and the sensitivities s_v (a ring and channel), which are drawn halfway to the ring's mean
+/// least squares for L and the sensitivities s_v (one per ring and channel), which are drawn halfway to the ring's mean
 /// level: a dark ring varies less. A round at a time, so that no image waits for all of it.
 class ReflectionFit {
  public:

@@ -13,7 +13,7 @@ namespace sheen {
 
 /// Where from and how far one image shows one ring.
 struct RingSight {
-  std::vector<std::uint8_t> visible;  ///< a ring sample
+  std::vector<std::uint8_t> visible;  ///< per ring sample
   Eigen::Vector3f direction;          ///< unit, from the ring's vertex to the camera, object frame
   float cosine = 0;                   ///< the largest of the visible triangles: how squarely the ring was seen
 };

@@ -19,7 +19,7 @@ namespace sheen {
 struct RingModelOptions {
   RingFactorOptions factor;
   int max_views = 96;            ///< directions kept per ring; beyond it the two nearest ones become one
-  double min_visible = 0.1;      ///< share of a ring's samples that an image must show
+  double min_visible = 0.1;      ///< fraction of a ring's samples that an image must show
   double repeat_angle = 0.0175;  ///< rad from a kept view within which an image may be a repetition of it; 0 = none is
   ViewInterpolationOptions interpolation;
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
@@ -29,7 +29,7 @@ struct RingModelOptions {
 RingFactorOptions ring_factor_options(RingFactorOptions options);
 
 /// Weight of an image in a ring's factor: what it does not show is a guess that only repeats the basis, so it counts
-/// for less than its share (docs/decisions/missing_samples.md). The paper's imputation has no weights.
+/// for less than its fraction (docs/decisions/missing_samples.md). The paper's imputation has no weights.
 double image_weight(const RingFactorOptions& options, double share_shown);
 
 /// The surface light field round one vertex as it grows: the online SVD of what was seen (RingFactor), from where
@@ -48,7 +48,7 @@ class RingModel {
     double residual_energy = 0;        ///< of the same: ||p||^2, what the ring's basis did not predict of them
   };
 
-  /// Takes in what one image shows. `column`: encoded values of all rows, which other rings may hold too.
+  /// Ingests what one image shows. `column`: encoded values of all rows, which other rings may hold too.
   /// `reliability` in (0, 1] weighs the image in the interpolation between views.
   Absorbed absorb(std::vector<SharedRows<float>> column, std::span<const std::uint8_t> visible,
                   const Eigen::Vector3f& direction, float cosine, float reliability);
@@ -56,17 +56,17 @@ class RingModel {
   void fold_pending();  ///< the images that wait to be folded
 
   /// Takes out again what an image gave: the arguments are those with which it was absorbed; values of samples that are
-  /// not `visible` mean nothing, here and below. Exact for the view itself;
-  /// what the image left in the others (samples that were imputed with its help, the filtered residual) stays.
+  /// not `visible` mean nothing, here and below. Exact for the view itself; what the image left in the others (samples
+  /// that were imputed with its help, the filtered residual) stays.
   void withdraw(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& direction);
 
   /// Cosine of the angle between a direction and the nearest kept view's; -1 when there is none.
   float nearest_cosine(const Eigen::Vector3f& direction) const;
   /// Whether an image from there is near enough to a kept view to be a repetition of it.
   bool may_repeat(const Eigen::Vector3f& direction) const;
-  /// Whether a column from there is also what that view showed, as closely as the basis
-  /// explains any image: absorbing it would add nothing. Looks at an eighth of the samples; every sample that it looks
-  /// at must have been shown before.
+  /// Whether a column from there is also what that view showed, as closely as the basis explains any image: absorbing
+  /// it would add nothing. Looks at an eighth of the samples; every sample that it looks at must have been shown
+  /// before.
   bool repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
                const Eigen::Vector3f& direction) const;
 

@@ -49,10 +49,10 @@ class RingSet {
     std::size_t updated = 0;
     double energy = 0, residual_energy = 0;  ///< RingModel::Absorbed, of all
   };
-  /// The rings `chosen` take the image in. Where most have seen what it shows, the few that take it fold it at once:
-  /// no others would share what waits.
+  /// The rings `chosen` ingest the image. Where most have seen what it shows, the few that use it fold it at once: no
+  /// others would share the columns that wait.
   Update absorb(Indices chosen, const ShownImage& image);
-  /// The rings that took the image in, all that it shows when `taken` is empty, let go of it.
+  /// The rings that ingested the image, all that it shows when `taken` is empty, remove it.
   void withdraw(const ShownImage& image, const std::vector<bool>& taken);
 
   /// In all rings at once.

@@ -12,7 +12,7 @@
 
 namespace sheen {
 
-/// The light field of one vertex ring, factorised (000 sec. 4.1): surface maps of all its triangles, and view functions
+/// The light field of one vertex ring, factorized (000 sec. 4.1): surface maps of all its triangles, and view functions
 /// h_r interpolated by kriging:
 /// h(d) = mean + drift * reflection(d mirrored about the normal) + sum_j weights.col(j) * k(angle(d,
 /// directions.col(j))).

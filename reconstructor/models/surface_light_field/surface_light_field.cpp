@@ -101,7 +101,7 @@ struct SurfaceLightField::Pipeline {
   float estimated_gain(const Capture& capture, const SurfaceView& view) const;
   bool repeats_earlier_image(const SurfaceView& view, IngestReport& report);
   std::vector<std::uint32_t> rings_to_update(const SurfaceView& view, IngestReport& report) const;
-  std::vector<bool> factorise(const SurfaceView& view, IngestReport& report);
+  std::vector<bool> factorize(const SurfaceView& view, IngestReport& report);
   double predicted_psnr_db(const SurfaceView& view, const std::vector<std::uint32_t>& chosen) const;
 
   ExposureField exposure_field() const { return folded.exposure_field(bounding_sphere(*mesh).centre.cast<float>()); }
@@ -155,7 +155,7 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   if (gain != 1) resample_at(report.exposure_gain = gain, view);
   clock.done("exposure");
   constant_colour->add(view, samples);
-  std::vector<bool> taken = factorise(view, report);
+  std::vector<bool> taken = factorize(view, report);
   clock.done("factorize");
   folded.add({name_of(capture),
               report.exposure_gain,
@@ -218,7 +218,7 @@ bool SurfaceLightField::Pipeline::repeats_earlier_image(const SurfaceView& view,
   return true;
 }
 
-/// Of the rings that the image shows, the share for which its direction is newest.
+/// Of the rings that the image shows, the fraction for which its direction is newest.
 std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const SurfaceView& view,
                                                                         IngestReport& report) const {
   std::vector<std::uint32_t> shown = rings->shown_by(view);
@@ -229,7 +229,7 @@ std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const Su
 }
 
 /// Which rings took what they were shown; empty when all did.
-std::vector<bool> SurfaceLightField::Pipeline::factorise(const SurfaceView& view, IngestReport& report) {
+std::vector<bool> SurfaceLightField::Pipeline::factorize(const SurfaceView& view, IngestReport& report) {
   const std::vector<std::uint32_t> chosen = rings_to_update(view, report);
   report.predicted_psnr_db = predicted_psnr_db(view, chosen);
   const RingSet::Update update = rings->absorb(chosen, {view, samples});

@@ -12,7 +12,7 @@
 
 namespace sheen {
 
-/// The online surface light field (000): one online SVD a vertex ring, fed image by image.
+/// The online surface light field (000): one online SVD per vertex ring, fed image by image.
 class SurfaceLightField : public AppearanceModel {
  public:
   /// Throws ConfigError when an option is out of range, naming it.

@@ -10,12 +10,12 @@ const details = {
   live: () => "",
   stale: (s) => "no frame for " + ago(s.frame_age_s),
   disconnected: (s) => s.links.filter((l) => l.came && !l.connected).map((l) => l.name).join(", ") + " is gone",
-  ended: () => "nothing more comes",
+  ended: () => "the source has ended",
   finishing: (s) => "image " + s.ending.done + " of " + s.ending.total,
   saving: (s) => "the model: part " + s.ending.done + " of " + s.ending.total,
-  judging: (s) => "on unseen views: picture " + s.ending.done + " of " + s.ending.total,
+  judging: (s) => "on held-out views: picture " + s.ending.done + " of " + s.ending.total,
   failed: () => "see below",
-  stalled: (s) => "reconstructor silent for " + ago(s.published_age_s),
+  stalled: (s) => "no news from the reconstructor for " + ago(s.published_age_s),
 };
 
 function ago(seconds) {

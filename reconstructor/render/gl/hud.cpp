@@ -220,7 +220,7 @@ void Hud::draw_legend(OverlayPainter& overlay) const {
       break;
     case ViewMode::kCamera:
       if (state.capture)
-        swatches = {{{60, 230, 90, 255}, "tag the pose rests on"},
+        swatches = {{{60, 230, 90, 255}, "tag used for the pose"},
                     {{255, 150, 40, 255}, "tag left out"},
                     {{64, 217, 255, 255}, "mesh at this pose"}};
       break;
@@ -269,7 +269,7 @@ void Hud::draw_help(OverlayPainter& overlay) const {
                           {"S", "save a screenshot (PNG)"},
                           {"H", "hide these keys"},
                           {"Q, Esc", "quit"},
-                          {"drag", "turn"},
+                          {"drag", "rotate"},
                           {"right drag", "move"},
                           {"wheel", "nearer, farther"}};
   if (state.figures) lines.insert(lines.end() - 5, {"U", "take back the last image"});

@@ -21,7 +21,7 @@ class ViewerScene {
   /// Of models of one kind. With a context current.
   ViewerScene(const ModelKind& kind, const DrawerOptions& options) : surface_(kind.make_drawer(options)) {}
 
-  /// Brings what is new to the GPU, a bounded part of it a call; true when all of it is there.
+  /// Brings what is new to the GPU, a bounded part of it per call; true when all of it is there.
   bool update(const ViewerState& state) { return surface_->update(state.snapshot); }
   /// `news`: lines to show beside the state's own message.
   void draw(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,

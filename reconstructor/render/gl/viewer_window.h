@@ -24,7 +24,7 @@ struct ViewerOptions {
   DrawerOptions drawer;
 };
 
-/// The window (GLFW, OpenGL 3.3). One a process; made, used and destroyed on the main thread. Keys: 1..4 modes, W
+/// The window (GLFW, OpenGL 3.3). One per process; made, used and destroyed on the main thread. Keys: 1..4 modes, W
 /// reasons, M measured or imputed, U take back, F follow, R reset, S screenshot, H help, Q or Esc quit.
 class ViewerWindow {
  public:

@@ -54,7 +54,7 @@ TEST(Files, WhatCannotBeWrittenIsToldBefore) {
   EXPECT_FALSE(fs::exists(folder.path() / "a")) << "asked, not made";
   expect_error([&] { check_writable(folder.path() / "absent" / "new"); }, {"absent/new", "cannot be written"});
   expect_error([&] { check_writable(folder.path()); }, {"is a folder"});
-  expect_error([&] { check_writable_folder(file / "below"); }, {"file/below", "file is no folder"});
+  expect_error([&] { check_writable_folder(file / "below"); }, {"file/below", "file is not a folder"});
 }
 
 }  // namespace

@@ -143,10 +143,10 @@ TEST(Ply, SaysWhatIsWrong) {
     expect_error([&] { load_mesh(folder.write("a.ply", text)); }, words);
   };
   refused(kAsciiPly, "3 0 1 4", "3 0 1 5", {"a.ply", "face 1", "vertex 5", "there are 5"});
-  refused(kAsciiPly, "3 0 1 4", "3 0 -1 4", {"face 1", "no vertex index"});
-  refused(kAsciiPly, "3 0 1 4", "3 0 1.5 4", {"face 1", "no vertex index"});
-  refused(kAsciiPly, "1 1 0", "1 nan 0", {"vertex 2", "no finite number"});
-  refused(kAsciiPly, "1 1 0", "1 1e300 0", {"vertex 2", "no finite number"});
+  refused(kAsciiPly, "3 0 1 4", "3 0 -1 4", {"face 1", "not a vertex index"});
+  refused(kAsciiPly, "3 0 1 4", "3 0 1.5 4", {"face 1", "not a vertex index"});
+  refused(kAsciiPly, "1 1 0", "1 nan 0", {"vertex 2", "not a finite number"});
+  refused(kAsciiPly, "1 1 0", "1 1e300 0", {"vertex 2", "not a finite number"});
   refused(kAsciiPly, "1 1 0", "1 one 0", {"vertex 2", "property y"});
   refused(kAsciiPly, "property float z", "property float w", {"x, y, z"});
   refused(kAsciiPly, "property float z", "property real z", {"line 6", "real"});

@@ -153,7 +153,8 @@ TEST(Exr, DamagedFilesAreErrors) {
       continue;  // either it is refused or the damage changes nothing but a value
     }
   }
-  expect_error([&] { read_exr(folder.write("text.exr", "no picture at all")); }, {"text.exr", "no readable EXR"});
+  expect_error([&] { read_exr(folder.write("text.exr", "no picture at all")); },
+               {"text.exr", "cannot be read as OpenEXR"});
   expect_error([&] { read_exr(folder.path() / "none.exr"); }, {"none.exr"});
 }
 

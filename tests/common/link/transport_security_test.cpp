@@ -102,7 +102,7 @@ TEST_F(Curve, ARefusedKeyIsLoggedOnceByTheSideThatRefusesNamingKeyAndRole) {
   const std::string text = read_file(log);
   for (const CurveKeys& key : {stranger_, desk_}) {
     const std::size_t first = text.find(key.public_key);
-    EXPECT_EQ(text.find(key.public_key, first + 1), std::string::npos) << "one line a minute is enough";
+    EXPECT_EQ(text.find(key.public_key, first + 1), std::string::npos) << "one line per minute is enough";
   }
 }
 

@@ -192,7 +192,7 @@ TEST(StageSheetFile, AnIndependentPdfRendererAgrees) {
   int width = 0, height = 0, white = 0;
   in >> magic >> width >> height >> white;
   in.get();
-  Page page(width / kPixelsPerMm, height / kPixelsPerMm);  // 101.6 dpi are 4 pixels a millimetre
+  Page page(width / kPixelsPerMm, height / kPixelsPerMm);  // 101.6 dpi are 4 pixels per millimetre
   in.read(reinterpret_cast<char*>(page.pixels.data()), std::streamsize(page.pixels.size()));
   fs::remove(stem + ".pgm");
   fs::remove(file);

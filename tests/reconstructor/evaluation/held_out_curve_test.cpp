@@ -12,7 +12,7 @@ namespace {
 
 using testing::PlainModel;
 
-/// A grey view of the square from an angle, degrees, of so many pixels a side.
+/// A grey view of the square from an angle, degrees, of so many pixels per side.
 HeldOutView view_from(double angle_deg, std::uint64_t sequence, int side = 40) {
   const double a = angle_deg * M_PI / 180;
   HeldOutView view{.source_session = "run", .sequence = sequence};

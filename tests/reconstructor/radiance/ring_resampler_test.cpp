@@ -218,7 +218,7 @@ TEST(RingResampler, BesideASilhouetteASampleHasTheObjectsColour) {
 }
 
 /// Two squares of one colour each over each other, on a glaring ground, seen through a pinhole from the side: the mean
-/// of 7 x 7 rays a pixel, met in closed form.
+/// of 7 x 7 rays per pixel, met in closed form.
 struct TwoSquares {
   static constexpr float kFloor = 0.4f, kUpper = 0.12f;  // half their sides, at z = 0 and 0.5
   Camera camera{.width = 240, .height = 180, .fx = 300, .fy = 300, .cx = 119.5, .cy = 89.5};

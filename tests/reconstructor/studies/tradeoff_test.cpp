@@ -72,7 +72,7 @@ TEST(Choice, WhatCannotBeHadIsSaid) {
   EXPECT_FALSE(both.holds);
 }
 
-TEST(Wish, WordsAreRead) {
+TEST(Limits, WordsAreRead) {
   const Limits limits = parse_limits("33ms", "35dB", "1.5 GB");
   EXPECT_EQ(limits.image_ms, 33);
   EXPECT_EQ(limits.psnr_db, 35);
@@ -83,7 +83,7 @@ TEST(Wish, WordsAreRead) {
   EXPECT_EQ(describe(limits), "at most 33 ms per image, at most 1500 MB, at least 35 dB");
 }
 
-TEST(Wish, NonsenseIsRefusedByName) {
+TEST(Limits, NonsenseIsRefusedByName) {
   expect_error<ConfigError>([] { parse_limits("33", "", ""); }, {"--budget 33", "33ms"});
   expect_error<ConfigError>([] { parse_limits("-5ms", "", ""); }, {"--budget -5ms"});
   expect_error<ConfigError>([] { parse_limits("", "high", ""); }, {"--target high", "35dB"});

@@ -107,7 +107,7 @@ Mesh decode_mesh(std::string_view bytes) {
       header.vertices > 3 * std::uint64_t{header.triangles})
     throw std::runtime_error("the mesh's sizes contradict each other");
   if (!Eigen::Map<const Eigen::Array3f>(header.origin).allFinite() || !(header.step > 0 && header.step < 1e30f))
-    throw std::runtime_error("the mesh's grid is none");
+    throw std::runtime_error("the mesh's grid is not valid");
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   Mesh mesh;
   mesh.triangles.resize(header.triangles);
@@ -121,7 +121,7 @@ Mesh decode_mesh(std::string_view bytes) {
     throw std::runtime_error("the mesh is damaged");
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t v : triangle)
-      if (v >= header.vertices) throw std::runtime_error("a triangle has a corner that is no vertex");
+      if (v >= header.vertices) throw std::runtime_error("a triangle has a corner that is not a vertex");
   mesh.vertices.reserve(points.size());
   for (const GridPoint& point : points) mesh.vertices.push_back(on_grid(point, header));
   return mesh;

@@ -201,7 +201,7 @@ class PatchFit {
           displayed(at[i], at[j]) += square(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
       views += static_cast<double>(at.size());
     }
-    factorise(columns, displayed, views, patch);
+    factorize(columns, displayed, views, patch);
   }
 
   /// What the triangle is in each of the images: the mean of what its rings say that have a view of it, or of what
@@ -252,7 +252,7 @@ class PatchFit {
   }
 
   /// The leading left singular vectors of columns * displayed^(1/2), as far as they are seen.
-  void factorise(const Eigen::MatrixXf& columns, const Eigen::MatrixXd& displayed, double views, Patch& patch) const {
+  void factorize(const Eigen::MatrixXf& columns, const Eigen::MatrixXd& displayed, double views, Patch& patch) const {
     const Eigen::Index count = columns.cols();
     // Columns may depend on each other; in single precision what is then left of them would be noise.
     const Eigen::MatrixXd exact = columns.cast<double>();

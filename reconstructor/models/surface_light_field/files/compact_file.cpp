@@ -73,7 +73,7 @@ std::string unpacked(std::string_view bytes) {
 class Chunks {
  public:
   Chunks(std::string_view bytes, std::string file) : rest_(bytes), file_(std::move(file)) {
-    if (!is_compact(bytes)) throw FileError(file_, "is no surface light field in one file");
+    if (!is_compact(bytes)) throw FileError(file_, "is not a surface light field in one file");
     std::uint32_t version = 0;
     if (bytes.size() < kMagic.size() + sizeof version) throw FileError(file_, "is cut short");
     std::memcpy(&version, bytes.data() + kMagic.size(), sizeof version);
@@ -93,7 +93,7 @@ class Chunks {
     if (head.size > rest_.size()) return std::nullopt;
     const std::string_view bytes = rest_.substr(0, head.size);
     rest_.remove_prefix(head.size);
-    if (checksum(bytes) != head.checksum) fail(name, "is damaged (its checksum is another)");
+    if (checksum(bytes) != head.checksum) fail(name, "is damaged (wrong checksum)");
     return bytes;
   }
   std::string_view required(std::string_view name) {
@@ -285,7 +285,7 @@ PatchModel decode_compact(std::string_view bytes, const std::string& file) {
   } catch (const FileError&) {
     throw;
   } catch (const Json::exception& error) {
-    chunks.fail(reading, std::string("is no such description: ") + error.what());
+    chunks.fail(reading, std::string("is not valid: ") + error.what());
   } catch (const std::invalid_argument& error) {
     chunks.fail(reading, error.what());
   } catch (const std::runtime_error& error) {

@@ -25,7 +25,7 @@ std::vector<double> numbers(const Json& json, const std::string& what, std::size
   std::vector<double> list;
   for (const Json& entry : json) {
     if (!entry.is_number() || !(std::abs(entry.get<double>()) <= kMost))
-      throw std::invalid_argument(what + "entry " + std::to_string(list.size()) + " is no number that can stand there");
+      throw std::invalid_argument(what + "entry " + std::to_string(list.size()) + " is not a valid number here");
     list.push_back(entry.get<double>());
   }
   return list;
@@ -72,10 +72,10 @@ std::vector<PosedCamera> cameras_from_json(const Json& json) {
                     .lens = static_cast<LensModel>(static_cast<int>(n[6])),
                     .distortion = {n[7], n[8], n[9], n[10], n[11]}};
     if (const std::string error = validation_error(posed.camera); !error.empty())
-      throw std::invalid_argument(which + "is no camera: " + error);
+      throw std::invalid_argument(which + "is not a camera: " + error);
     posed.camera_from_object.rotation = Eigen::Quaterniond(n[12], n[13], n[14], n[15]);
     if (!(std::abs(posed.camera_from_object.rotation.norm() - 1) < 1e-6))
-      throw std::invalid_argument(which + "has a rotation that is none");
+      throw std::invalid_argument(which + "has a rotation that is not valid");
     posed.camera_from_object.translation = {n[16], n[17], n[18]};
     cameras.push_back(posed);
   }

@@ -28,7 +28,7 @@ class Description {
     try {
       json_ = Json::parse(read_file(file_));
     } catch (const Json::exception& error) {
-      throw FileError(file_, std::string("is no valid JSON: ") + error.what());
+      throw FileError(file_, std::string("is not valid JSON: ") + error.what());
     }
     if (!json_.is_object() || text("format") != kModelFormat)
       throw FileError(file_, "describes no surface light field");
@@ -61,7 +61,7 @@ class Description {
     for (const Json& value : *found) {
       const bool fits = std::is_integral_v<T> ? value.is_number_integer() : value.is_number();
       if (!fits || !(value.get<double>() >= low && value.get<double>() <= high))
-        fail(field, "entry " + std::to_string(out.size()) + " is no number that can stand there");
+        fail(field, "entry " + std::to_string(out.size()) + " is not a valid number here");
       out.push_back(value.get<T>());
     }
     return out;
@@ -253,7 +253,7 @@ class MapsReader {
       rings_.data[i]->shown.resize(entry.samples);
       for (int s = 0; s < entry.samples; ++s) {
         const float share = image.data()[entry.first_sample + s];
-        if (!(share >= 0 && share <= 1)) fail("measured", "holds a share outside 0..1");
+        if (!(share >= 0 && share <= 1)) fail("measured", "holds a fraction outside 0..1");
         rings_.data[i]->shown[s] = static_cast<std::uint8_t>(std::lround(255 * share));
       }
     }
@@ -270,7 +270,7 @@ class MapsReader {
       rings_.data[i]->weights = pixels.middleRows(kViewChannels, entry.rank);
       for (int k = 0; k < entry.views; ++k)
         if (std::abs(rings_.data[i]->directions.col(k).norm() - 1) > 1e-3f)
-          fail("views", "vertex " + std::to_string(entry.vertex) + ": a direction is no unit vector");
+          fail("views", "vertex " + std::to_string(entry.vertex) + ": a direction is not a unit vector");
     }
   }
   void take_rings(const ImageF& image) {

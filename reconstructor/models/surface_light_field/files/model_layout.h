@@ -50,7 +50,7 @@ AtlasSize atlas_size(std::size_t pixels);
 std::string rank_part(const char* layer, int rank);
 inline constexpr int kViewChannels = 4;  ///< of the part "views", before the weights
 /// Channel names of the parts "views" (direction, reliability, a weight per rank) and "rings" (frame row by row, a mean
-/// and a drift a rank).
+/// and a drift per rank).
 std::vector<std::string> views_channels(int max_rank);
 std::vector<std::string> rings_channels(int max_rank);
 

@@ -47,7 +47,7 @@ LightFieldRenderer::LightFieldRenderer(const DrawerOptions& options)
 bool LightFieldRenderer::update(const std::shared_ptr<const ModelSnapshot>& model) {
   if (!model) return true;
   const auto snapshot = std::dynamic_pointer_cast<const LightFieldSnapshot>(model);
-  if (!snapshot) throw Error("what is to be drawn is no surface light field");
+  if (!snapshot) throw Error("what is to be drawn is not a surface light field");
   if (snapshot->shared_mesh() != mesh_ || snapshot->shared_rings() != rings_) upload_mesh(*snapshot);
   const bool complete = upload_patches(*snapshot);
   exposure_ = snapshot->exposure();

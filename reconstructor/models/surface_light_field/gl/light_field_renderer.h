@@ -17,7 +17,7 @@ namespace sheen {
 
 /// Draws a surface light field with OpenGL 3.3: all terms at all three corners of a triangle in one pass of one
 /// fragment shader, by the formula of the CPU's `ViewShader`. Surface maps stay on the GPU as half floats; view
-/// coefficients are computed on the CPU a frame.
+/// coefficients are computed on the CPU for each frame.
 class LightFieldRenderer : public ModelDrawer {
  public:
   /// With a context current. Throws DeviceError where a shader is refused.
