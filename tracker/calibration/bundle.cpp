@@ -57,6 +57,27 @@ std::vector<int> fixed_intrinsics(const BundleFreedom& free) {
   return fixed;
 }
 
+/// Where the points are free too, images do not tell a similarity of everything. The first pose and the number of the
+/// others that the scale moves most stay, so that the normal equations can be solved.
+void hold_gauge(const Bundle& bundle, std::vector<Pose>& poses, ceres::Problem& problem) {
+  problem.SetParameterBlockConstant(poses[0].data());
+  const Eigen::Vector3d first = camera_centre(bundle.camera_from_object[0]);
+  std::size_t view = 0;
+  int axis = 0;
+  double most = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Rigid3& pose = bundle.camera_from_object[i];
+    const Eigen::Vector3d by_scale = pose.rotation * (camera_centre(pose) - first);
+    int largest = 0;
+    if (const double length = by_scale.cwiseAbs().maxCoeff(&largest); length > most) {
+      most = length;
+      view = i;
+      axis = largest;
+    }
+  }
+  if (view > 0) problem.SetManifold(poses[view].data(), new ceres::SubsetManifold(6, {3 + axis}));
+}
+
 }  // namespace
 
 Intrinsics intrinsics_of(const Camera& camera) {
@@ -91,7 +112,9 @@ BundleSummary solve(Bundle& bundle, double huber_px) {
     problem.SetParameterBlockConstant(intrinsics.data());
   else if (!fixed.empty())
     problem.SetManifold(intrinsics.data(), new ceres::SubsetManifold(kIntrinsics, fixed));
-  if (!bundle.free.points)
+  if (bundle.free.points)
+    hold_gauge(bundle, poses, problem);
+  else
     for (const BundleSighting& s : bundle.sightings) problem.SetParameterBlockConstant(bundle.points[s.point].data());
 
   ceres::Solver::Options options;
