@@ -30,6 +30,7 @@ struct Room {
 };
 const std::vector<Room> kCommon = {
     {"base", ""},
+    {"plot", "base"},
     {"geometry", "base"},
     {"stage", "base"},
     {"image", "base"},

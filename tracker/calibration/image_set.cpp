@@ -2,10 +2,13 @@
 #include "tracker/calibration/image_set.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cmath>
 #include <set>
 
 #include "common/base/errors.h"
+#include "common/image/color.h"
 #include "common/image/image_io.h"
 #include "tracker/fiducials/tag_detector.h"
 
@@ -22,6 +25,24 @@ bool is_image(const fs::path& file) {
 
 std::string text_of(const ImageSize& size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+constexpr double kBright = 0.995;     ///< the quantile that `light` ...
+constexpr double kBrightLevel = 230;  ///< ... puts here
+
+/// Of an image encoded as sRGB.
+ImageU8 light_of(const ImageU8& grey) {
+  std::array<std::size_t, 256> counts{};
+  for (std::size_t i = 0; i < grey.size(); ++i) ++counts[grey.data()[i]];
+  std::size_t below = 0, bright = 0;
+  while (bright < 255 && double(below += counts[bright]) < kBright * double(grey.size())) ++bright;
+  const double gain = kBrightLevel / std::max(srgb_decode(float(bright) / 255), 1e-3f);
+  std::array<std::uint8_t, 256> table;
+  for (std::size_t value = 0; value < 256; ++value)
+    table[value] = static_cast<std::uint8_t>(std::lround(std::min(255.0, gain * srgb_decode(float(value) / 255))));
+  ImageU8 light = grey;
+  std::transform(grey.data(), grey.data() + grey.size(), light.data(), [&](std::uint8_t v) { return table[v]; });
+  return light;
 }
 
 }  // namespace
@@ -56,8 +77,13 @@ ImageSet find_images(std::span<const fs::path> files_or_folders) {
   return images;
 }
 
-void for_each_image(const ImageSet& images, const std::function<void(std::size_t, const ImageU8&)>& see) {
-  for (std::size_t i = 0; i < images.files.size(); ++i) see(i, detection_image(read_image(images.files[i])));
+void for_each_image(const ImageSet& images, const std::function<void(std::size_t, const GreyImage&)>& see) {
+  for (std::size_t i = 0; i < images.files.size(); ++i) {
+    const RawImage image = read_image(images.files[i]);
+    GreyImage both{detection_image(image), {}};
+    both.light = image.transfer == Transfer::kSrgb ? light_of(both.grey) : both.grey;
+    see(i, both);
+  }
 }
 
 }  // namespace sheen

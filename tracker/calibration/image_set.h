@@ -22,7 +22,14 @@ struct ImageSet {
 /// one cannot be read, and where they differ in size.
 ImageSet find_images(std::span<const std::filesystem::path> files_or_folders);
 
-/// Reads them one by one, grey, as tags are sought in them.
-void for_each_image(const ImageSet& images, const std::function<void(std::size_t index, const ImageU8& grey)>& see);
+/// An image to find things in.
+struct GreyImage {
+  ImageU8 grey;   ///< as it is stored
+  ImageU8 light;  ///< proportional to light, for edges: the middle of a blurred edge is where half its light is. In
+                  ///< encoded values it lies elsewhere, and black squares look smaller by a third of a pixel a side.
+};
+
+/// Reads them one by one.
+void for_each_image(const ImageSet& images, const std::function<void(std::size_t index, const GreyImage& image)>& see);
 
 }  // namespace sheen

@@ -261,7 +261,7 @@ std::vector<SurveyFinding> judge_survey(const StageSurvey& survey, const StageLa
   if (focal.beyond(kLeastFocal)) {
     // What else looks wrong may be its doing.
     findings.push_back({SurveyFault::kFocalLength, -1,
-                        format("the camera's focal length is %.2f %% too %s for these images (+- %.2f %%): focus or "
+                        format("the camera's focal length is %.2f %% too %s for these images (+- %.3f %%): focus or "
                                "zoom changed since it was calibrated, or it is another camera; calibrate again",
                                100 * std::abs(focal.value), focal.value > 0 ? "short" : "long", 100 * focal.sigma)});
     return findings;
@@ -269,14 +269,14 @@ std::vector<SurveyFinding> judge_survey(const StageSurvey& survey, const StageLa
   const Derived scale{survey.scale - 1, survey.scale_uncertainty};
   if (scale.beyond(kLeastScale))
     findings.push_back({SurveyFault::kPrintScale, -1,
-                        format("the sheet is %.2f %% of its size (+- %.2f %%): it was not printed at 100 %%, or the "
+                        format("the sheet is %.2f %% of its size (+- %.3f %%): it was not printed at 100 %%, or the "
                                "length of --length is wrong; the survey has the length's scale",
                                100 * survey.scale, 100 * scale.sigma)});
   const Stretch stretch = find_stretch(survey, printed);
   const double uneven = stretch.difference.value;
   if (stretch.difference.beyond(kLeastScale))
     findings.push_back({SurveyFault::kStretched, -1,
-                        format("the sheet is %.2f %% longer along %s than along %s (+- %.2f %%): the printer's feed; "
+                        format("the sheet is %.2f %% longer along %s than along %s (+- %.3f %%): the printer's feed; "
                                "the survey has its true shape",
                                100 * std::abs(uneven), uneven > 0 ? "x" : "y", uneven > 0 ? "y" : "x",
                                100 * stretch.difference.sigma)});

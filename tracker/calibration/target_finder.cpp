@@ -127,9 +127,9 @@ std::vector<TargetSighting> find_charuco(const cv::Mat& image, const Charuco& ch
   return found;
 }
 
-std::vector<TargetSighting> find_tags(const ImageU8& grey, const StageLayout& layout, const Camera* camera) {
-  std::vector<TagObservation> tags = TagDetector().detect(grey);
-  if (camera) refine_corners(grey, *camera, tags);
+std::vector<TargetSighting> find_tags(const GreyImage& image, const StageLayout& layout, const Camera* camera) {
+  std::vector<TagObservation> tags = TagDetector().detect(image.grey);
+  if (camera) refine_corners(image.light, *camera, tags);
   std::map<int, int> times_seen;
   for (const TagObservation& tag : tags) ++times_seen[tag.id];
   std::vector<TargetSighting> found;
@@ -158,15 +158,15 @@ bool TargetFinder::better_with_camera() const {
   return impl_->target.kind == TargetKind::kTags;
 }
 
-std::vector<TargetSighting> TargetFinder::find(const ImageU8& grey, const Camera* camera) const {
+std::vector<TargetSighting> TargetFinder::find(const GreyImage& image, const Camera* camera) const {
   const CalibrationTarget& target = impl_->target;
   switch (target.kind) {
     case TargetKind::kChessboard:
-      return find_chessboard(view_of(grey), target.columns, target.rows);
+      return find_chessboard(view_of(image.grey), target.columns, target.rows);
     case TargetKind::kCharuco:
-      return find_charuco(view_of(grey), impl_->charuco, target.columns);
+      return find_charuco(view_of(image.grey), impl_->charuco, target.columns);
     case TargetKind::kTags:
-      return find_tags(grey, target.tags, camera);
+      return find_tags(image, target.tags, camera);
   }
   return {};
 }

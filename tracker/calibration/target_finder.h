@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/camera/camera.h"
-#include "common/image/image.h"
+#include "tracker/calibration/image_set.h"
 #include "tracker/calibration/target.h"
 
 namespace sheen {
@@ -15,7 +15,7 @@ struct TargetSighting {
   Eigen::Vector2d pixel;
 };
 
-/// Finds a target in a grey image. Points come as far as they are seen (a chessboard: all or none); none: not found.
+/// Finds a target in an image. Points come as far as they are seen (a chessboard: all or none); none: not found.
 class TargetFinder {
  public:
   explicit TargetFinder(const CalibrationTarget& target);
@@ -23,7 +23,7 @@ class TargetFinder {
 
   /// Edges of tags are straight only without the lens's distortion: with the `camera` as far as it is known, corners
   /// are fitted to them; without, they are as the detector gives them, to about 0.1 px. Other targets need none.
-  std::vector<TargetSighting> find(const ImageU8& grey, const Camera* camera = nullptr) const;
+  std::vector<TargetSighting> find(const GreyImage& image, const Camera* camera = nullptr) const;
   bool better_with_camera() const;
 
  private:

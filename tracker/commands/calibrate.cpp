@@ -11,6 +11,7 @@
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
 #include "common/camera/camera_file.h"
+#include "tracker/calibration/calibration_plots.h"
 #include "tracker/calibration/calibration_report.h"
 #include "tracker/calibration/image_set.h"
 #include "tracker/commands/commands.h"
@@ -20,15 +21,15 @@ namespace {
 
 struct CalibrateArguments {
   std::vector<std::filesystem::path> images;
-  std::filesystem::path out, json;
+  std::filesystem::path out, json, plots;
   std::string target, lens = "auto";
 };
 
 std::vector<TargetView> find_target(const ImageSet& images, const TargetFinder& finder, const Camera* camera) {
   Progress progress(camera ? "fitting corners" : "finding the target", images.files.size());
   std::vector<TargetView> views;
-  for_each_image(images, [&](std::size_t i, const ImageU8& grey) {
-    views.push_back({images.names[i], finder.find(grey, camera)});
+  for_each_image(images, [&](std::size_t i, const GreyImage& image) {
+    views.push_back({images.names[i], finder.find(image, camera)});
     progress.update(i + 1);
   });
   return views;
@@ -55,6 +56,7 @@ const LensFit* lens_fit_of(const std::string& name) {
 void run(const CalibrateArguments& arguments) {
   ReportFile json(arguments.json);
   if (!arguments.out.empty()) check_writable(arguments.out);
+  if (!arguments.plots.empty()) check_writable_folder(arguments.plots);
   const EndOnStop give_up("sheen-tracker: stopped; nothing was written");
   const LensFit* fit = lens_fit_of(arguments.lens);
   const CalibrationTarget target = parse_target(arguments.target);
@@ -69,6 +71,8 @@ void run(const CalibrateArguments& arguments) {
   const CalibrationStudy result = study(target, views, images.size, fit);
   const ViewAdvice advice = advise(result);
   std::cout << calibration_text(result, advice) << std::flush;
+  if (!arguments.plots.empty() && write_calibration_plots(result, arguments.plots) == PlotFiles::kTableOnly)
+    std::cerr << "sheen-tracker: " << kInstallGnuplot << '\n';
   if (json.wanted()) json.write(calibration_json(result, advice, target));
   if (const std::string why = refusal(result, advice); !why.empty()) throw Error("no camera is written: " + why);
   if (arguments.out.empty()) return;
@@ -90,6 +94,7 @@ void add_calibrate_command(CLI::App& app) {
                    "auto, pinhole, radial, brown, brown-k3, brown-k3-aspect or fisheye; auto compares them")
       ->capture_default_str();
   command->add_option("--out", arguments->out, "camera.json, which a rig's [camera] file reads");
+  command->add_option("--plots", arguments->plots, "Folder for plots: RMS of each image, uncertainty, halves");
   command->add_option("--json", arguments->json, "Write the report there; - for standard output");
   command->callback([arguments] { run(*arguments); });
 }

@@ -39,9 +39,9 @@ std::vector<SurveyImage> find_tags(const ImageSet& images, const Camera& camera)
   Progress progress("finding tags", images.files.size());
   TagDetector detector;
   std::vector<SurveyImage> found;
-  for_each_image(images, [&](std::size_t i, const ImageU8& grey) {
-    found.push_back({images.names[i], detector.detect(grey)});
-    refine_corners(grey, camera, found.back().tags);
+  for_each_image(images, [&](std::size_t i, const GreyImage& image) {
+    found.push_back({images.names[i], detector.detect(image.grey)});
+    refine_corners(image.light, camera, found.back().tags);
     progress.update(i + 1);
   });
   return found;

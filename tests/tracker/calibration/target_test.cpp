@@ -8,6 +8,7 @@
 #include <opencv2/aruco/charuco.hpp>
 #include <set>
 
+#include "common/image/color.h"
 #include "common/image/image_io.h"
 #include "common/stage/tag_pattern.h"
 #include "tests/support/expect_error.h"
@@ -71,7 +72,8 @@ Errors errors_of(const CalibrationTarget& target, std::span<const Eigen::Vector3
   for (int view = 0; view < views; ++view) {
     const Rigid3 pose = testing::random_target_pose(
         camera, outline, rng, {.most_tilt_deg = 35, .most_distance = 1.2, .spread = 0.2, .z_up = z_up});
-    const auto found = finder.find(testing::render_plane(camera, pose, level), &camera);
+    const ImageU8 image = testing::render_plane(camera, pose, level);
+    const auto found = finder.find({image, image}, &camera);
     const auto error = [&](const TargetSighting& s, bool turned) {
       const std::size_t i = turned ? target.points.size() - 1 - std::size_t(s.point) : std::size_t(s.point);
       return (s.pixel - *camera.project(pose * target.points[i])).norm();
@@ -155,8 +157,8 @@ TEST(TargetFinder, CalibratesRealPhotographsBetterThanPublished) {
     std::sort(files.begin(), files.end());
     const ImageSet images = find_images(files);
     std::vector<TargetView> views;
-    for_each_image(images, [&](std::size_t i, const ImageU8& grey) {
-      views.push_back({images.names[i], finder.find(grey)});
+    for_each_image(images, [&](std::size_t i, const GreyImage& image) {
+      views.push_back({images.names[i], finder.find(image)});
     });
     const Calibration found = calibrate(target.points, views, images.size, *find_lens_fit("brown-k3"));
     EXPECT_EQ(found.corners_used(), 13 * 54);  // none left out to look better
@@ -164,6 +166,24 @@ TEST(TargetFinder, CalibratesRealPhotographsBetterThanPublished) {
     EXPECT_NEAR(found.camera.fx, 536, 5);
     if (std::string(side) == "left") EXPECT_NEAR(found.camera.cx, 342.28, 1);
   }
+}
+
+/// A pixel that paper (80 % of the light) and ink (5 %) share half and half.
+TEST(ImageSet, GivesLightInProportion) {
+  const TempFolder folder;
+  ImageF linear(60, 40, 1, 0.8f);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 20; ++x) linear.at(x, y) = 0.05f;
+    linear.at(20, y) = 0.425f;
+  }
+  write_png(folder.path() / "edge.png", to_srgb8(linear));
+  for_each_image(find_images(std::vector{folder.path() / "edge.png"}), [](std::size_t, const GreyImage& image) {
+    const auto part = [](const ImageU8& of) {
+      return (of.at(20, 5) - of.at(3, 5)) / double(of.at(50, 5) - of.at(3, 5));
+    };
+    EXPECT_NEAR(part(image.light), 0.5, 0.01);
+    EXPECT_GT(part(image.grey), 0.6);
+  });
 }
 
 TEST(ImageSet, NamesWhatIsWrong) {
