@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", SHEEN_VERSION);
   sheen::add_run_command(app);
   sheen::add_simulate_command(app);
+  sheen::add_calibrate_command(app);
   sheen::add_stage_command(app);
   sheen::add_cameras_command(app);
   sheen::add_doctor_command(app);

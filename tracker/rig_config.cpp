@@ -9,6 +9,7 @@
 #include <map>
 
 #include "common/base/errors.h"
+#include "common/camera/camera_file.h"
 #include "common/link/endpoint.h"
 
 namespace sheen {
@@ -103,11 +104,13 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
   const toml::table document = parse(file);
   RigConfig config;
   Camera camera;
+  std::filesystem::path camera_file;
   GateOptions& gate = config.gate;
   const auto path = [&](const std::string& name) { return file.parent_path() / name; };
   const std::map<std::string, Section, std::less<>> sections{
       {"camera",
-       {{"width", integer(camera.width)},
+       {{"file", text([&](const std::string& v) { camera_file = path(v); })},
+        {"width", integer(camera.width)},
         {"height", integer(camera.height)},
         {"fx", number(camera.fx)},
         {"fy", number(camera.fy)},
@@ -146,8 +149,17 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
     read_section(file, section->first, *content.as_table(), section->second);
   }
   if (const toml::table* given = document["camera"].as_table()) {
-    for (const char* key : {"width", "height", "fx", "fy", "cx", "cy"})
-      if (!given->contains(key)) throw ConfigError(place(file, given->source()) + "camera." + key + " is missing");
+    if (!camera_file.empty()) {
+      if (given->size() > 1)
+        throw ConfigError(place(file, given->source()) +
+                          "camera.file stands beside other keys of [camera]; the file has them all");
+      camera = load_camera(camera_file).camera;
+    } else {
+      for (const char* key : {"width", "height", "fx", "fy", "cx", "cy"})
+        if (!given->contains(key))
+          throw ConfigError(place(file, given->source()) + "camera." + key +
+                            " is missing; give it, or `file` with what `sheen-tracker calibrate` wrote");
+    }
     const std::string wrong = validation_error(camera);
     if (!wrong.empty()) throw ConfigError(place(file, given->source()) + wrong);
     config.camera = camera;

@@ -14,7 +14,8 @@ namespace sheen {
 
 /// What a rig's TOML file says. Paths are relative to the file.
 ///
-///   [camera]  width height fx fy cx cy       pixels, integer coordinates at pixel centres; all required
+///   [camera]  file                           what `sheen-tracker calibrate` wrote; or, in its place,
+///             width height fx fy cx cy       pixels, integer coordinates at pixel centres; all required
 ///             lens = "opencv" | "fisheye"    distortion = [k1, k2, p1, p2, k3] or [k1, k2, k3, k4]
 ///   [stage]   file                           the layout of the tags
 ///   [source]  uri frame_rate_hz exposure_us gain_db

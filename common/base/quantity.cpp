@@ -33,6 +33,13 @@ double parse_decibels(const std::string& option, const std::string& word, const 
   return quantity(option, word, takes, {{"dB", 1}}, true);
 }
 
+double parse_length_m(const std::string& option, const std::string& word, const std::string& takes) {
+  constexpr double kLongest_m = 10;
+  const double metres = quantity(option, word, takes, {{"mm", 1e-3}, {"cm", 1e-2}, {"m", 1}});
+  if (metres > kLongest_m) throw ConfigError(option + " " + word + ": takes " + takes + ", 10 m at most");
+  return metres;
+}
+
 double parse_bytes(const std::string& option, const std::string& word, const std::string& takes) {
   return quantity(option, word, takes,
                   {{"B", 1}, {"kB", 1e3}, {"MB", 1e6}, {"GB", 1e9}, {"KiB", 0x1p10}, {"MiB", 0x1p20}, {"GiB", 0x1p30}});

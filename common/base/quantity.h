@@ -12,6 +12,8 @@ namespace sheen {
 double parse_time_ms(const std::string& option, const std::string& word, const std::string& takes);
 /// "35dB".
 double parse_decibels(const std::string& option, const std::string& word, const std::string& takes);
+/// "25mm" (mm, cm, m): in metres, 10 at most.
+double parse_length_m(const std::string& option, const std::string& word, const std::string& takes);
 /// "500MB" (B, kB, MB, GB, or KiB, MiB, GiB): in bytes.
 double parse_bytes(const std::string& option, const std::string& word, const std::string& takes);
 

@@ -11,6 +11,7 @@
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
+#include "common/plot/plot.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/effort/effort_control.h"
@@ -19,7 +20,6 @@
 #include "reconstructor/scene/scene_config.h"
 #include "reconstructor/scene/scene_mesh.h"
 #include "reconstructor/studies/patches.h"
-#include "reconstructor/studies/plot.h"
 #include "reconstructor/studies/precision.h"
 #include "reconstructor/studies/tradeoff.h"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/image/image.h"
+#include "common/plot/plot.h"
 #include "reconstructor/studies/batch_light_field.h"
 #include "reconstructor/studies/experiment.h"
-#include "reconstructor/studies/plot.h"
 
 namespace sheen {
 

@@ -30,6 +30,7 @@ struct Room {
 };
 const std::vector<Room> kCommon = {
     {"base", ""},
+    {"plot", "base"},
     {"geometry", "base"},
     {"stage", "base"},
     {"image", "base"},
@@ -82,6 +83,7 @@ std::vector<Rule> all_rules() {
        "(tracker|reconstructor)/commands/.*", ""},
       {"only the wire reads Protobuf messages", kSources + "|tests/.*", ".*\\.pb\\.h", ""},
       {"only the transport uses ZeroMQ", kSources, "zmq.*", ""},
+      {"only bundle.cpp uses Ceres", kSources + "|tests/.*", "ceres/.*", ""},
       {"only ray_scene.cpp uses Embree", kSources + "|tests/.*", "embree3/.*", ""},
       {"heavy third-party headers stay out of our headers", kSources + "\\.h", kHeavy, ""},
       {"what carries a third-party header is for .cpp files", kSources + "\\.h",
@@ -111,6 +113,7 @@ const std::vector<Exception>& exceptions() {
       {"common/base/json_(fields|number)\\.h", "nlohmann/json\\.hpp"},
       {"common/link/(transport[a-z_]*|capture_sender|capture_receiver|monitor_socket|curve_keys)\\.cpp", "zmq.*"},
       {"common/geometry/ray_scene\\.cpp", "embree3/.*"},
+      {"tracker/calibration/bundle\\.cpp", "ceres/.*"},
       {"reconstructor/models/[a-z_]+/gl/.*", "reconstructor/render/.*"},  // how the window draws a model
       {"reconstructor/models/model_registry\\.cpp", "reconstructor/models/[a-z_]+/kind\\.h"},
   };

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "common/base/errors.h"
+#include "common/camera/camera_file.h"
 
 namespace sheen {
 namespace {
@@ -56,6 +57,16 @@ TEST_F(RigConfigFile, ReadsEverySection) {
   EXPECT_EQ(config.gate.min_tags, 8);
   EXPECT_EQ(config.gate.max_blur_px, 1.5);
   EXPECT_EQ(config.gate.min_angle_deg, GateOptions{}.min_angle_deg);
+}
+
+TEST_F(RigConfigFile, TakesTheCameraThatCalibrateWrote) {
+  const Camera camera{.width = 640, .height = 480, .fx = 530, .fy = 531, .cx = 320, .cy = 241, .distortion = {-0.2}};
+  save_camera({camera, 0.001}, folder / "camera.json");
+  const RigConfig config = load("[camera]\nfile = \"camera.json\"\n");
+  EXPECT_EQ(*config.camera, camera);
+  EXPECT_EQ(config.source.width, 640);
+  EXPECT_THAT(error("[camera]\nfile = \"camera.json\"\nfx = 3\n"), HasSubstr("rig.toml:1: camera.file stands beside"));
+  EXPECT_THROW(load("[camera]\nfile = \"none.json\"\n"), FileError);
 }
 
 TEST_F(RigConfigFile, NamesKeyAndLineOfWhatIsWrong) {

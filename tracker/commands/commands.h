@@ -11,6 +11,7 @@ namespace sheen {
 // which throws sheen::Error; main maps ConfigError to exit status 2 and everything else to 1.
 void add_run_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
+void add_calibrate_command(CLI::App& app);
 void add_stage_command(CLI::App& app);
 void add_cameras_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);

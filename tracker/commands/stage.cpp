@@ -9,6 +9,7 @@
 #include "common/base/errors.h"
 #include "common/stage/stage_sheet.h"
 #include "tracker/commands/commands.h"
+#include "tracker/commands/stage_survey.h"
 
 namespace sheen {
 namespace {
@@ -55,7 +56,7 @@ void make(const StageArguments& arguments) {
 void add_stage_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("stage", "Makes a stage of tags to print, and its layout file.");
   const auto arguments = std::make_shared<StageArguments>();
-  command->add_option("--out", arguments->out, "stage.pdf or stage.svg; stage.json is written beside it")->required();
+  command->add_option("--out", arguments->out, "stage.pdf or stage.svg; stage.json is written beside it");
   command->add_option("--size", arguments->size_mm, "size of the board, WIDTHxHEIGHT in mm")->capture_default_str();
   command->add_option("--tag", arguments->tag_mm, "side of a tag's black square in mm")
       ->check(number_in(1, 10000))

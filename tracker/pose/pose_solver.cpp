@@ -35,7 +35,7 @@ int count_tags(const std::vector<Correspondence>& points) {
   return static_cast<int>(points.size() / 4);
 }
 
-std::optional<Rigid3> solve_sqpnp(const Camera& camera, const std::vector<Correspondence>& points) {
+std::optional<Rigid3> solve_sqpnp(const Camera& camera, std::span<const Correspondence> points) {
   std::vector<cv::Point3d> object;
   std::vector<cv::Point2d> normalised;
   for (const Correspondence& c : points) {
@@ -62,7 +62,7 @@ std::optional<Rigid3> solve_sqpnp(const Camera& camera, const std::vector<Corres
 }
 
 /// The pose under which a plane seen from far looks nearly the same: its normal mirrored at the line of sight.
-Rigid3 mirrored_pose(const Rigid3& pose, const std::vector<Correspondence>& points) {
+Rigid3 mirrored_pose(const Rigid3& pose, std::span<const Correspondence> points) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Correspondence& c : points) centre += c.point_object / points.size();
   const Eigen::Vector3d centre_camera = pose * centre;
@@ -70,16 +70,6 @@ Rigid3 mirrored_pose(const Rigid3& pose, const std::vector<Correspondence>& poin
   const Eigen::Quaterniond rotation =
       Eigen::Quaterniond(half_turn) * pose.rotation * Eigen::Quaterniond(0, 0, 0, 1);  // about the stage's normal
   return {rotation.normalized(), centre_camera - rotation * centre};
-}
-
-std::optional<RefinedPose> solve_points(const Camera& camera, const std::vector<Correspondence>& points,
-                                        double huber_px) {
-  const auto start = solve_sqpnp(camera, points);
-  if (!start) return std::nullopt;
-  auto best = refine_pose(camera, points, *start, huber_px);
-  auto other = refine_pose(camera, points, mirrored_pose(*start, points), huber_px);
-  if (!best || (other && other->cost < best->cost)) best = other;
-  return best;
 }
 
 /// RMS reprojection error of each tag among `points`, in their order.
@@ -109,10 +99,10 @@ std::optional<RefinedPose> solve_robustly(const Camera& camera, const std::vecto
   const auto misfit = [&](const RefinedPose& pose) {
     return median(tag_residuals(camera, points, pose.camera_from_object));
   };
-  auto best = solve_points(camera, points, options.huber_px);
+  auto best = solve_pose_of_points(camera, points, options.huber_px);
   if ((best && misfit(*best) <= options.max_rms_px) || count_tags(points) <= options.min_tags) return best;
   for (int left_out = 0; left_out < count_tags(points); ++left_out) {
-    const auto pose = solve_points(camera, without_tag(points, left_out), options.huber_px);
+    const auto pose = solve_pose_of_points(camera, without_tag(points, left_out), options.huber_px);
     if (pose && (!best || misfit(*pose) < misfit(*best))) best = pose;
   }
   return best;
@@ -154,6 +144,16 @@ void note_residuals(const Camera& camera, const StageLayout& stage, const std::v
 }
 
 }  // namespace
+
+std::optional<RefinedPose> solve_pose_of_points(const Camera& camera, std::span<const Correspondence> points,
+                                                double huber_px) {
+  const auto start = solve_sqpnp(camera, points);
+  if (!start) return std::nullopt;
+  auto best = refine_pose(camera, points, *start, huber_px);
+  auto other = refine_pose(camera, points, mirrored_pose(*start, points), huber_px);
+  if (!best || (other && other->cost < best->cost)) best = other;
+  return best;
+}
 
 PoseEstimate solve_pose(const Camera& camera, const StageLayout& stage, std::vector<TagObservation>& tags,
                         const PoseOptions& options) {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "common/camera/camera.h"
 #include "common/capture/capture.h"
 #include "common/stage/stage_layout.h"
+#include "tracker/pose/reprojection.h"
 
 namespace sheen {
 
@@ -24,6 +27,11 @@ struct PoseOptions {
 /// Tags that are not on the stage, or that were seen twice, are not used; every tag gets its `residual_px` and `used`.
 PoseEstimate solve_pose(const Camera& camera, const StageLayout& stage, std::vector<TagObservation>& tags,
                         const PoseOptions& options = {});
+
+/// Pose from points near the plane z = 0, without dropping any: SQPNP, Levenberg-Marquardt, also from the mirrored pose
+/// of the plane. Empty where they do not determine one.
+std::optional<RefinedPose> solve_pose_of_points(const Camera& camera, std::span<const Correspondence> points,
+                                                double huber_px);
 
 /// Standard deviation (pixels, the worst direction) with which a point of the object appears under this pose.
 double point_uncertainty_px(const Camera& camera, const PoseEstimate& pose, const Eigen::Vector3d& point_object);

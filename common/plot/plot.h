@@ -29,6 +29,7 @@ struct PlotAxis {
   std::string label;  ///< with its unit
   bool log = false;
   std::vector<std::string> categories;  ///< names of the places 0, 1, 2, ... of an axis that has no scale
+  bool upright_categories = false;      ///< their names stand upright: many, or long ones
 };
 
 /// A level to compare with, dashed across the plot: what a paper claims, a goal.

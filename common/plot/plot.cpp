@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/studies/plot.h"
-
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include "common/plot/plot.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +9,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/plot/gnuplot.h"
 
 namespace sheen {
 namespace {
@@ -20,13 +17,6 @@ namespace {
 // Okabe and Ito's colours: told apart by people who are colour-blind.
 constexpr const char* kColours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#555555"};
 constexpr int kPoints[] = {7, 5, 9, 13, 11, 6, 4};
-
-/// A gnuplot string: nothing but the quote has a meaning inside single quotes.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? "''" : std::string(1, c);
-  return out + "'";
-}
 
 std::string number(double value) {
   char text[32];
@@ -47,14 +37,15 @@ void write_log_tics(std::ostream& out, char name) {
 }
 
 void write_axis(std::ostream& out, char name, const PlotAxis& axis) {
-  out << "set " << name << "label " << quoted(axis.label) << '\n';
+  out << "set " << name << "label " << gnuplot_string(axis.label) << '\n';
   if (axis.log) write_log_tics(out, name);
   if (axis.log && name == 'x') out << "set xrange [*:*] noextend\n";
   if (axis.categories.empty()) return;
   out << "set " << name << "tics (";
   for (std::size_t i = 0; i < axis.categories.size(); ++i)
-    out << (i > 0 ? ", " : "") << quoted(axis.categories[i]) << ' ' << i;
-  out << ")\nset " << name << "range [-0.6:" << static_cast<double>(axis.categories.size()) - 0.4 << "]\n";
+    out << (i > 0 ? ", " : "") << gnuplot_string(axis.categories[i]) << ' ' << i;
+  out << ')' << (axis.upright_categories ? " rotate by 90 right" : "") << "\nset " << name
+      << "range [-0.6:" << static_cast<double>(axis.categories.size()) - 0.4 << "]\n";
 }
 
 const char* colour_of(std::size_t series) {
@@ -95,7 +86,7 @@ std::string gnuplot_script(const Plot& plot, const std::filesystem::path& svg) {
   std::ostringstream out;
   out << "# Draws " << svg.filename().string() << ": gnuplot " << svg.stem().string() << ".gnuplot\n"
       << "set terminal svg noenhanced size 760,480 font 'sans-serif,14' background '#ffffff'\n"
-      << "set output " << quoted(svg.filename().string()) << "\nset title " << quoted(plot.title)
+      << "set output " << gnuplot_string(svg.filename().string()) << "\nset title " << gnuplot_string(plot.title)
       << "\nset border 3 lc rgb '#555555'\nset tics nomirror\nset grid lc rgb '#dddddd' lw 1 lt 1\n"
       << "set key outside right top Left reverse samplen 2 spacing 1.3 width -2\n"
       << "set offsets graph 0.03, graph 0.03, graph 0.06, graph 0.03\n";
@@ -125,7 +116,8 @@ std::string gnuplot_script(const Plot& plot, const std::filesystem::path& svg) {
   const char* separator = "";
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     const PlotSeries& series = plot.series[i];
-    out << separator << "$series" << i << " using 1:2 " << drawing(series, i) << " title " << quoted(series.name);
+    out << separator << "$series" << i << " using 1:2 " << drawing(series, i) << " title "
+        << gnuplot_string(series.name);
     if (!series.bars.empty())
       out << ", \\\n  $series" << i << " using 1:2:3 with yerrorbars ps 0 lw 1 lc rgb '" << colour_of(i) << "' notitle";
     if (!series.labels.empty())  // towards the middle, where there is room
@@ -137,7 +129,7 @@ std::string gnuplot_script(const Plot& plot, const std::filesystem::path& svg) {
   }
   for (std::size_t i = 0; i < plot.levels.size(); ++i) {
     out << separator << number(plot.levels[i].y) << " with lines lw 1.5 dt (8,6) lc rgb '"
-        << (i % 2 == 0 ? "#000000" : "#999999") << "' title " << quoted(plot.levels[i].name);
+        << (i % 2 == 0 ? "#000000" : "#999999") << "' title " << gnuplot_string(plot.levels[i].name);
     separator = ", \\\n  ";
   }
   out << '\n';
@@ -180,20 +172,7 @@ PlotFiles write_plot(const Plot& plot, const std::filesystem::path& stem) {
   write_file(with_suffix(".csv"), plot_csv(plot));
   write_file(script, gnuplot_script(plot, with_suffix(".svg")));
 
-  const std::string name = script.filename().string(), folder = script.parent_path().string();
-  const char* const arguments[] = {"gnuplot", name.c_str(), nullptr};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  if (!folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  pid_t child = 0;
-  const int failed =
-      posix_spawnp(&child, arguments[0], &actions, nullptr, const_cast<char* const*>(arguments), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) return PlotFiles::kTableOnly;
-  int status = 0;
-  if (waitpid(child, &status, 0) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw FileError(script.string(), "gnuplot could not draw it; its messages are above");
-  return PlotFiles::kDrawn;
+  return run_gnuplot(script);
 }
 
 }  // namespace sheen

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "common/base/command_line.h"
+#include "common/base/end_on_stop.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/progress.h"
+#include "common/base/report_file.h"
+#include "common/camera/camera_file.h"
+#include "tracker/calibration/calibration_plots.h"
+#include "tracker/calibration/calibration_report.h"
+#include "tracker/calibration/image_set.h"
+#include "tracker/commands/commands.h"
+
+namespace sheen {
+namespace {
+
+struct CalibrateArguments {
+  std::vector<std::filesystem::path> images;
+  std::filesystem::path out, json, plots;
+  std::string target, lens = "auto";
+};
+
+std::vector<TargetView> find_target(const ImageSet& images, const TargetFinder& finder, const Camera* camera) {
+  Progress progress(camera ? "fitting corners" : "finding the target", images.files.size());
+  std::vector<TargetView> views;
+  for_each_image(images, [&](std::size_t i, const GreyImage& image) {
+    views.push_back({images.names[i], finder.find(image, camera)});
+    progress.update(i + 1);
+  });
+  return views;
+}
+
+CalibrationStudy study(const CalibrationTarget& target, const std::vector<TargetView>& views, ImageSize size,
+                       const LensFit* fit) {
+  std::unique_ptr<Progress> progress;
+  return study_calibration(target.points, views, size, fit, [&](int done, int steps) {
+    if (!progress) progress = std::make_unique<Progress>("calibrating", static_cast<std::uint64_t>(steps));
+    progress->update(static_cast<std::uint64_t>(done));
+  });
+}
+
+const LensFit* lens_fit_of(const std::string& name) {
+  if (name == "auto") return nullptr;
+  const LensFit* fit = find_lens_fit(name);
+  if (fit) return fit;
+  std::string names = "auto";
+  for (const LensFit& one : lens_fits()) names += std::string(", ") + one.name;
+  throw ConfigError("--lens " + name + " is no lens model; there are " + names);
+}
+
+void run(const CalibrateArguments& arguments) {
+  ReportFile json(arguments.json);
+  if (!arguments.out.empty()) check_writable(arguments.out);
+  if (!arguments.plots.empty()) check_writable_folder(arguments.plots);
+  const EndOnStop give_up("sheen-tracker: stopped; nothing was written");
+  const LensFit* fit = lens_fit_of(arguments.lens);
+  const CalibrationTarget target = parse_target(arguments.target);
+  const TargetFinder finder(target);
+  const ImageSet images = find_images(arguments.images);
+
+  std::vector<TargetView> views = find_target(images, finder, nullptr);
+  if (finder.better_with_camera()) {
+    const Camera camera = calibrate(target.points, views, images.size, fit ? *fit : *find_lens_fit("brown")).camera;
+    views = find_target(images, finder, &camera);
+  }
+  const CalibrationStudy result = study(target, views, images.size, fit);
+  const ViewAdvice advice = advise(result);
+  std::cout << calibration_text(result, advice) << std::flush;
+  if (!arguments.plots.empty() && write_calibration_plots(result, arguments.plots) == PlotFiles::kTableOnly)
+    std::cerr << "sheen-tracker: " << kInstallGnuplot << '\n';
+  if (json.wanted()) json.write(calibration_json(result, advice, target));
+  if (const std::string why = refusal(result, advice); !why.empty()) throw Error("no camera is written: " + why);
+  if (arguments.out.empty()) return;
+  const Camera& camera = result.calibration.camera;
+  save_camera({camera, std::sqrt(result.calibration.covariance(0, 0)) / camera.fx}, arguments.out);
+  std::cout << arguments.out.string() << ": the camera. In rig.toml: [camera] file = \""
+            << arguments.out.filename().string() << "\"\n";
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("calibrate", "Calibrate a camera from images of a target");
+  const auto arguments = std::make_shared<CalibrateArguments>();
+  command->add_option("images", arguments->images, "Images of the target, or folders of them")->required();
+  command->add_option("--target", arguments->target, kTargetSyntax)->required();
+  command
+      ->add_option("--lens", arguments->lens,
+                   "auto, pinhole, radial, brown, brown-k3, brown-k3-aspect or fisheye; auto compares them")
+      ->capture_default_str();
+  command->add_option("--out", arguments->out, "camera.json, which a rig's [camera] file reads");
+  command->add_option("--plots", arguments->plots, "Folder for plots: RMS of each image, uncertainty, halves");
+  command->add_option("--json", arguments->json, "Write the report there; - for standard output");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace sheen
