@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", SHEEN_VERSION);
   sheen::add_serve_command(app);
   sheen::add_build_command(app);
+  sheen::add_refine_command(app);
   sheen::add_render_command(app);
   sheen::add_compress_command(app);
   sheen::add_evaluate_command(app);

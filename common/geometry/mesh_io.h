@@ -22,6 +22,15 @@ RawMesh read_ply(const std::string& path, std::string_view bytes);
 RawMesh read_obj(const std::string& path, std::string_view bytes);
 RawMesh read_off(const std::string& path, std::string_view bytes);
 
+/// A number per vertex, which a PLY file can have beside the position.
+struct VertexValues {
+  std::string name;
+  std::span<const float> values;
+};
+
+/// As `save_ply` of mesh.h, with values of the vertices. Throws FileError.
+void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<const VertexValues> values);
+
 /// Where in a file something stands: "line 12", "vertex 3".
 struct FilePlace {
   const char* kind;

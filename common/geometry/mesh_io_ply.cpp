@@ -211,11 +211,20 @@ RawMesh read_ply(const std::string& path, std::string_view bytes) {
 }
 
 void save_ply(const Mesh& mesh, const std::filesystem::path& path) {
+  save_ply(mesh, path, {});
+}
+
+void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<const VertexValues> values) {
   std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
-                    "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
-                    std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
-  out.reserve(out.size() + 12 * mesh.vertices.size() + 13 * mesh.triangles.size());
-  for (const Eigen::Vector3f& vertex : mesh.vertices) out.append(reinterpret_cast<const char*>(vertex.data()), 12);
+                    "\nproperty float x\nproperty float y\nproperty float z\n";
+  for (const VertexValues& v : values) out += "property float " + v.name + '\n';
+  out += "element face " + std::to_string(mesh.triangles.size()) +
+         "\nproperty list uchar int vertex_indices\nend_header\n";
+  out.reserve(out.size() + (12 + 4 * values.size()) * mesh.vertices.size() + 13 * mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    out.append(reinterpret_cast<const char*>(mesh.vertices[i].data()), 12);
+    for (const VertexValues& v : values) out.append(reinterpret_cast<const char*>(&v.values[i]), 4);
+  }
   for (const Triangle& triangle : mesh.triangles) {
     out.push_back(3);
     out.append(reinterpret_cast<const char*>(triangle.data()), 12);

@@ -28,7 +28,7 @@ PlotFiles run_gnuplot(const std::filesystem::path& script) {
   if (failed != 0) return PlotFiles::kTableOnly;
   int status = 0;
   if (waitpid(child, &status, 0) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw FileError(script.string(), "gnuplot could not draw it; what it says stands above");
+    throw FileError(script.string(), "gnuplot could not draw it; its messages are above");
   return PlotFiles::kDrawn;
 }
 

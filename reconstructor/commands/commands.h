@@ -11,6 +11,7 @@ namespace sheen {
 // which throws sheen::Error; main maps ConfigError to exit status 2 and everything else to 1.
 void add_serve_command(CLI::App& app);
 void add_build_command(CLI::App& app);
+void add_refine_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_compress_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);

@@ -2,10 +2,12 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "common/base/errors.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
+#include "common/geometry/mesh.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
@@ -17,11 +19,12 @@ namespace sheen {
 namespace {
 
 struct EvaluateArguments {
-  std::string model, dataset, truth, json;
+  std::string model, dataset, truth, object, json;
   bool baselines = false;
 };
 
-/// The views that the model never saw; what it was built from goes to its peers.
+/// The views that the model never saw, on the pixels of the object that `painter` paints; what it was built from goes
+/// to its peers.
 std::vector<HeldOutView> read_images(const EvaluateArguments& arguments, const CaptureSet& captures,
                                      const ModelOrigin& origin, const RayPainter& painter, Peers& peers) {
   std::vector<HeldOutView> views;
@@ -56,7 +59,10 @@ void evaluate(const EvaluateArguments& arguments) {
   const CaptureSet captures = open_capture_set(arguments.dataset);
   const RayPainter painter(saved.snapshot->mesh());
   const std::unique_ptr<Peers> peers = origin.settings->make_peers(saved.snapshot, arguments.baselines);
-  const std::vector<HeldOutView> views = read_images(arguments, captures, origin, painter, *peers);
+  const std::optional<RayPainter> other_shape =
+      arguments.object.empty() ? std::nullopt : std::optional<RayPainter>(load_mesh(arguments.object).mesh);
+  const std::vector<HeldOutView> views =
+      read_images(arguments, captures, origin, other_shape ? *other_shape : painter, *peers);
 
   const std::shared_ptr<const Appearance> constant = peers->constant_colour();
   const Scores model = score(views, *saved.snapshot, painter), constant_scores = score(views, *constant, painter);
@@ -96,6 +102,9 @@ void add_evaluate_command(CLI::App& app) {
                     "lumigraph also of photographs that take no more bytes than the model");
   command->add_option("--truth", arguments->truth,
                       "score against NAME.exr of this folder (linear radiance without noise), not against the images");
+  command->add_option("--object", arguments->object,
+                      "mesh whose pixels count, where it is not the model's: before and after `refine` compare on the "
+                      "same ones");
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { evaluate(*arguments); });
 }

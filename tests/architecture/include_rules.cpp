@@ -45,6 +45,7 @@ const std::vector<Room> kReconstructor = {
     {"numerics", ""},
     {"surface", "numerics"},
     {"radiance", "surface|numerics"},
+    {"refinement", ""},
     {"models", "radiance|surface|numerics"},
     {"render", "models|surface|numerics"},
     {"monitor", ""},

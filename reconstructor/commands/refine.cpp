@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/base/command_line.h"
+#include "common/base/end_on_stop.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/median.h"
+#include "common/base/progress.h"
+#include "common/base/report_file.h"
+#include "common/base/stop_signal.h"
+#include "common/geometry/mesh_io.h"
+#include "reconstructor/capture/capture_set.h"
+#include "reconstructor/commands/commands.h"
+#include "reconstructor/radiance/capture_rules.h"
+#include "reconstructor/refinement/mesh_findings.h"
+#include "reconstructor/refinement/mesh_refinement.h"
+#include "reconstructor/scene/scene_config.h"
+#include "reconstructor/scene/scene_mesh.h"
+
+namespace sheen {
+namespace {
+
+struct RefineArguments {
+  std::string dataset, mesh, out, config, json;
+  std::optional<int> hold_out;
+};
+
+/// Those that a model may be built from.
+RefinementImages training_images(const CaptureSet& captures, int hold_out_every) {
+  RefinementImages images;
+  std::vector<std::size_t> used;
+  for (std::size_t i = 0; i < captures.size; ++i) {
+    const Capture capture = captures.read(i);
+    if (is_held_out(capture, hold_out_every) || !capture.pose.usable()) continue;
+    used.push_back(i);
+    images.cameras.push_back({capture.camera, capture.pose.camera_from_object});
+  }
+  images.read = [read = captures.read, used](std::size_t i) { return read(used[i]); };
+  return images;
+}
+
+RefinedMesh refine_with_bar(const Mesh& mesh, const RefinementImages& images) {
+  std::optional<Progress> bar;
+  return refine_mesh(mesh, images, [&](std::size_t done, std::size_t steps) {
+    if (!bar) bar.emplace("refining", steps);
+    if (stop_requested()) throw Error("stopped; no mesh was written");
+    bar->update(done);
+  });
+}
+
+nlohmann::json refinement_report(const RefinedMesh& refined, std::size_t images) {
+  std::vector<double> moves, uncertainties;
+  double squares = 0;
+  std::size_t observed = 0;
+  for (std::size_t v = 0; v < refined.moved.size(); ++v) {
+    squares += double(refined.moved[v]) * refined.moved[v];
+    moves.push_back(std::abs(refined.moved[v]));
+    if (!refined.observed[v]) continue;
+    ++observed;
+    uncertainties.push_back(refined.uncertainty[v]);
+  }
+  const double vertices = static_cast<double>(refined.moved.size());
+  nlohmann::json report{{"images", images},
+                        {"vertices", refined.moved.size()},
+                        {"observed", observed},
+                        {"moved_mm_rms", 1e3 * std::sqrt(squares / vertices)},
+                        {"moved_mm_largest", 1e3 * *std::max_element(moves.begin(), moves.end())},
+                        {"passes", nlohmann::json::array()}};
+  if (observed > 0) report["uncertainty_mm_median"] = 1e3 * median(uncertainties);
+  for (const RefinementPass& pass : refined.passes)
+    report["passes"].push_back({{"spacing_px", pass.spacing_px},
+                                {"observed", pass.observed},
+                                {"moved", pass.moved},
+                                {"moved_mm_rms", 1e3 * pass.rms_move},
+                                {"agreement_before", pass.agreement}});
+  return report;
+}
+
+void print_summary(const nlohmann::json& report) {
+  std::printf("%zu images; %zu of %zu vertices observed; moved by %.3g mm RMS, %.3g mm at most\n",
+              report["images"].get<std::size_t>(), report["observed"].get<std::size_t>(),
+              report["vertices"].get<std::size_t>(), report["moved_mm_rms"].get<double>(),
+              report["moved_mm_largest"].get<double>());
+  if (report.contains("uncertainty_mm_median"))
+    std::printf("uncertainty along the normal: %.3g mm (median of the observed vertices)\n",
+                report["uncertainty_mm_median"].get<double>());
+}
+
+void refine(const RefineArguments& arguments) {
+  install_stop_signals();
+  const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
+  ReportFile json(arguments.json);
+  const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
+  ModelSettings& settings = *scene.settings;
+  if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
+  check_writable(arguments.out);
+  const CaptureSet captures = open_capture_set(arguments.dataset);
+  const Mesh mesh = load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
+  const RefinementImages images = training_images(captures, settings.hold_out_every);
+  const RefinedMesh refined = refine_with_bar(mesh, images);
+  const VertexValues values[] = {{"moved", refined.moved}, {"uncertainty", refined.uncertainty}};
+  save_ply(refined.mesh, arguments.out, values);
+  nlohmann::json report = refinement_report(refined, images.cameras.size());
+  print_summary(report);
+  report["findings"] = nlohmann::json::array();
+  for (const MeshFinding& finding : findings_of(mesh, refined, images)) {
+    std::fprintf(stderr, "%s: %s\n", arguments.mesh.c_str(), finding.sentence.c_str());
+    report["findings"].push_back({{"kind", finding.kind}, {"sentence", finding.sentence}});
+  }
+  json.write(report.dump(2) + "\n");
+}
+
+}  // namespace
+
+void add_refine_command(CLI::App& app) {
+  auto arguments = std::make_shared<RefineArguments>();
+  CLI::App* command = app.add_subcommand("refine", "Corrects a mesh against the images of a data set or a session.");
+  command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
+      ->required();
+  command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
+  command->add_option("--out", arguments->out, "PLY file of the refined mesh")->required();
+  command
+      ->add_option("--hold-out", arguments->hold_out,
+                   "leave out every Nth image where the dataset names no test views, as build does; 0 = none")
+      ->check(whole_number_in(0, 1'000'000));
+  command->add_option("--config", arguments->config, "scene file (TOML)");
+  command->add_option("--json", arguments->json, "report to write; - for standard output");
+  command->callback([arguments] { refine(*arguments); });
+}
+
+}  // namespace sheen

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/refinement/displacement_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "reconstructor/refinement/selected_inverse.h"
+
+namespace sheen {
+namespace {
+
+constexpr int kReweightings = 4;
+constexpr double kContradiction = 3;  // standard deviations from which on an observation counts less and less
+
+SparseMatrix normal_equations(const MeshEdges& edges, const Eigen::VectorXd& information,
+                              const DisplacementPrior& prior) {
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(4 * edges.edges.size() + information.size());
+  for (Eigen::Index v = 0; v < information.size(); ++v) entries.emplace_back(v, v, information[v] + prior.ridge);
+  for (const auto& [a, b] : edges.edges) {
+    entries.emplace_back(a, a, prior.stiffness);
+    entries.emplace_back(b, b, prior.stiffness);
+    entries.emplace_back(b, a, -prior.stiffness);
+  }
+  SparseMatrix lower(information.size(), information.size());
+  lower.setFromTriplets(entries.begin(), entries.end());
+  return lower;
+}
+
+/// Squared error of a prediction in standard deviations, of the half that did not make it, each counted up to a bound.
+double prediction_error(const Eigen::VectorXd& predicted, const Observations& observed) {
+  constexpr double kMost = 25;
+  double sum = 0;
+  for (Eigen::Index v = 0; v < predicted.size(); ++v)
+    sum += std::min(kMost, observed.information[v] * std::pow(predicted[v] - observed.value[v], 2));
+  return sum;
+}
+
+}  // namespace
+
+void Observations::add(Eigen::Index vertex, double observed, double with_information) {
+  const double sum = information[vertex] + with_information;
+  if (!(sum > 0)) return;
+  value[vertex] += with_information / sum * (observed - value[vertex]);
+  information[vertex] = sum;
+}
+
+void Observations::add(const Observations& others) {
+  for (Eigen::Index v = 0; v < value.size(); ++v) add(v, others.value[v], others.information[v]);
+}
+
+DisplacementField most_probable_field(const MeshEdges& edges, const Observations& observed,
+                                      const DisplacementPrior& prior, bool with_variance) {
+  DisplacementField field;
+  Eigen::VectorXd information = observed.information;
+  Eigen::SimplicialLDLT<SparseMatrix> solver;
+  for (int round = 0; round < kReweightings; ++round) {
+    const SparseMatrix equations = normal_equations(edges, information, prior);
+    if (round == 0) solver.analyzePattern(equations);
+    solver.factorize(equations);
+    field.value = solver.solve(information.cwiseProduct(observed.value));
+    if (round + 1 == kReweightings) break;
+    for (Eigen::Index v = 0; v < information.size(); ++v) {
+      const double squared = observed.information[v] * std::pow(field.value[v] - observed.value[v], 2);
+      information[v] = observed.information[v] / (1 + squared / (kContradiction * kContradiction));
+    }
+  }
+  if (with_variance) field.variance = diagonal_of_inverse(solver);
+  return field;
+}
+
+DisplacementPrior cross_validated(const MeshEdges& edges, const Observations& first, const Observations& second,
+                                  std::span<const DisplacementPrior> priors) {
+  DisplacementPrior best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const DisplacementPrior& prior : priors) {
+    const double error = prediction_error(most_probable_field(edges, first, prior, false).value, second) +
+                         prediction_error(most_probable_field(edges, second, prior, false).value, first);
+    if (error >= least) continue;
+    least = error;
+    best = prior;
+  }
+  return best;
+}
+
+}  // namespace sheen

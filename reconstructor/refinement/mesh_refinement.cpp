@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/refinement/mesh_refinement.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/base/errors.h"
+#include "common/base/median.h"
+#include "common/geometry/ray_scene.h"
+#include "reconstructor/refinement/displacement_field.h"
+#include "reconstructor/refinement/normal_sweep.h"
+#include "reconstructor/refinement/silhouette_rims.h"
+#include "reconstructor/refinement/sweep_minimum.h"
+#include "reconstructor/refinement/vertex_patches.h"
+
+namespace sheen {
+namespace {
+
+/// From coarse to fine, pixels between the points of a patch: a sweep reaches four of them to either side.
+constexpr std::array kSpacings_px{4.0, 4.0, 2.0, 2.0, 1.0, 1.0};
+/// Energy per squared spacing that draws the choice among several minima towards no move, or to what neighbours say.
+constexpr double kPull = 0.004, kPullOfNeighbours = 0.016;
+constexpr int kNeighbourRounds = 2;
+constexpr float kLeastAgreement = 0.5f;  // mean correlation of the images about a patch; else they show something else
+/// Standard deviations of the displacement's slope along the surface, of which one is chosen. More would fold it.
+constexpr std::array kSlopes{0.3, 0.1, 0.03};
+constexpr double kMaskSigma_px = 1, kSilhouetteSigma_px = 1.5;  // outline of a mask, of the mesh as it was given
+constexpr double kSignificant = 2;              // standard deviations that a displacement must exceed to be made
+constexpr double kMedianOfChiSquared = 0.4549;  // of one degree of freedom
+
+double mean(const std::vector<float>& values) {
+  double sum = 0;
+  for (const float v : values) sum += v;
+  return sum / static_cast<double>(values.size());
+}
+
+std::vector<float> mean_edge_lengths(const Mesh& mesh, const MeshEdges& edges) {
+  std::vector<float> lengths(mesh.vertices.size(), 0);
+  for (std::size_t v = 0; v < lengths.size(); ++v)
+    for (const std::uint32_t n : edges.around(v))
+      lengths[v] += (mesh.vertices[n] - mesh.vertices[v]).norm() / static_cast<float>(edges.around(v).size());
+  return lengths;
+}
+
+/// What one pass asks, the same for all images.
+struct PassShape {
+  std::vector<float> spacing;             ///< of the patches, metres
+  std::vector<float> overlap;             ///< how many vertices see a place of the surface in their patches
+  std::vector<DisplacementPrior> priors;  ///< of which one is chosen
+};
+
+PassShape shape_of_pass(double spacing_px, const std::vector<float>& footprints, const std::vector<float>& lengths) {
+  PassShape shape;
+  for (std::size_t v = 0; v < footprints.size(); ++v) {
+    // A patch that is finer than the mesh shows what the mesh cannot follow.
+    shape.spacing.push_back(static_cast<float>(spacing_px) * std::max(footprints[v], lengths[v] / (kPatchSide - 1)));
+    const float vertices_across = kPatchSide * shape.spacing[v] / std::max(lengths[v], 1e-12f);
+    shape.overlap.push_back(std::max(1.0f, vertices_across * vertices_across));
+  }
+  const double ridge = 1 / std::pow(kSweepReach * mean(shape.spacing), 2);
+  for (const double slope : kSlopes) shape.priors.push_back({1 / std::pow(slope * mean(lengths), 2), ridge});
+  return shape;
+}
+
+Observations observe(const NormalSweep& sweep, NormalSweep::Part part, const PassShape& shape,
+                     const Eigen::VectorXd* guide) {
+  Observations observed(static_cast<Eigen::Index>(shape.spacing.size()));
+  tbb::parallel_for(Eigen::Index{0}, observed.value.size(), [&](Eigen::Index v) {
+    const double metres = shape.spacing[v];
+    const auto minimum = sweep_minimum(sweep.energy(v, part), sweep.images(v, part), guide ? (*guide)[v] / metres : 0,
+                                       guide ? kPullOfNeighbours : kPull);
+    if (!minimum) return;
+    const int nearest = kSweepReach + static_cast<int>(std::lround(minimum->place));
+    if (sweep.agreement(v, nearest) < kLeastAgreement) return;
+    observed.add(v, minimum->place * metres, minimum->information / (metres * metres));
+  });
+  return observed;
+}
+
+/// By how much the halves differ more than their information says: what it is to be divided by.
+double overconfidence(const Observations& first, const Observations& second) {
+  std::vector<double> squared;
+  for (Eigen::Index v = 0; v < first.value.size(); ++v)
+    if (first.information[v] > 0 && second.information[v] > 0)
+      squared.push_back(std::pow(first.value[v] - second.value[v], 2) /
+                        (1 / first.information[v] + 1 / second.information[v]));
+  return squared.empty() ? 1 : std::max(median(squared) / kMedianOfChiSquared, 1e-12);
+}
+
+/// What outlines say.
+struct Rims {
+  Observations masked;  ///< against masks
+  Observations held;    ///< against the mesh as it was given, which observes nothing
+};
+
+/// The displacement that images and rims make most probable, its variance, and what was observed.
+struct Estimate {
+  Observations observed;  ///< by images and masks
+  DisplacementField field;
+};
+
+Estimate estimate(const MeshEdges& edges, const NormalSweep& sweep, const Rims& rims, const PassShape& shape) {
+  Observations first = observe(sweep, NormalSweep::kFirst, shape, nullptr);
+  Observations second = observe(sweep, NormalSweep::kSecond, shape, nullptr);
+  const double factor = overconfidence(first, second);
+  const auto weigh = [&](Observations& observed) {
+    for (Eigen::Index v = 0; v < observed.information.size(); ++v) observed.information[v] /= factor * shape.overlap[v];
+  };
+  weigh(first);
+  weigh(second);
+  const DisplacementPrior prior = cross_validated(edges, first, second, shape.priors);
+
+  Estimate result;
+  for (int round = 0; round <= kNeighbourRounds; ++round) {
+    result.observed = observe(sweep, NormalSweep::kBoth, shape, round > 0 ? &result.field.value : nullptr);
+    weigh(result.observed);
+    result.observed.add(rims.masked);
+    Observations all = result.observed;
+    all.add(rims.held);
+    result.field = most_probable_field(edges, all, prior, round == kNeighbourRounds);
+  }
+  return result;
+}
+
+/// The moves of a pass. What counts is how far a vertex is then from where it was given: it stays there while the
+/// displacements round it are within `kSignificant` standard deviations, and goes nearly all the way far beyond.
+Eigen::VectorXd significant_moves(const MeshEdges& edges, const DisplacementField& field,
+                                  const std::vector<float>& moved) {
+  const Eigen::VectorXd before = Eigen::Map<const Eigen::VectorXf>(moved.data(), field.value.size()).cast<double>();
+  const Eigen::VectorXd total = before + field.value;
+  Eigen::VectorXd moves(total.size());
+  for (Eigen::Index v = 0; v < moves.size(); ++v) {
+    double squares = total[v] * total[v];
+    for (const std::uint32_t n : edges.around(v)) squares += total[n] * total[n];
+    squares /= static_cast<double>(edges.around(v).size() + 1);
+    const double chance = kSignificant * kSignificant * field.variance[v];
+    moves[v] = (squares > chance ? 1 - chance / squares : 0) * total[v] - before[v];
+  }
+  return moves;
+}
+
+RefinementPass apply(const Estimate& found, const NormalSweep& sweep, const VertexPatches& patches,
+                     const Eigen::VectorXd& moves, double spacing_px, RefinedMesh& refined) {
+  RefinementPass pass{.spacing_px = spacing_px};
+  for (Eigen::Index v = 0; v < moves.size(); ++v) {
+    const bool observed = found.observed.information[v] > 0;
+    pass.observed += observed;
+    pass.moved += moves[v] != 0;
+    pass.rms_move += moves[v] * moves[v];
+    if (observed) pass.agreement += sweep.agreement(v, kSweepReach);
+    refined.mesh.vertices[v] += static_cast<float>(moves[v]) * patches.normals[v];
+    refined.moved[v] += static_cast<float>(moves[v]);
+    refined.uncertainty[v] = static_cast<float>(std::sqrt(found.field.variance[v]));
+    refined.observed[v] = observed;
+  }
+  pass.rms_move = std::sqrt(pass.rms_move / static_cast<double>(moves.size()));
+  pass.agreement /= static_cast<double>(std::max<std::size_t>(pass.observed, 1));
+  return pass;
+}
+
+}  // namespace
+
+RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, const StepsDone& progress) {
+  if (images.cameras.size() < 2) throw Error("refining a mesh needs two images or more that are not held out");
+  RefinedMesh refined{.mesh = mesh,
+                      .moved = std::vector<float>(mesh.vertices.size(), 0),
+                      .uncertainty = std::vector<float>(mesh.vertices.size(), 0),
+                      .observed = std::vector<bool>(mesh.vertices.size(), false)};
+  const MeshEdges edges(mesh);
+  const std::vector<float> footprints = pixel_footprints(mesh, images.cameras);
+  const std::vector<float> lengths = mean_edge_lengths(mesh, edges);
+  const RayScene given(mesh);
+  SilhouetteCaster caster;
+  std::size_t done = 0;
+  for (const double spacing_px : kSpacings_px) {
+    const PassShape shape = shape_of_pass(spacing_px, footprints, lengths);
+    const VertexPatches patches(refined.mesh, edges, shape.spacing);
+    const RayScene scene(refined.mesh);
+    NormalSweep sweep(refined.mesh, patches);
+    const auto vertices = static_cast<Eigen::Index>(mesh.vertices.size());
+    Rims rims{Observations(vertices), Observations(vertices)};
+    for (std::size_t i = 0; i < images.cameras.size(); ++i) {
+      const Capture capture = images.read(i);
+      const PosedCamera& view = images.cameras[i];
+      sweep.add(GreyPyramid(capture), view, scene, static_cast<int>(i % 2));
+      // Where nothing says what is the object, the outline that was given is as good as any.
+      const bool masked = !capture.mask.empty();
+      const ImageF from_outline = distance_from_outline(masked ? capture.mask : caster.cast(view, mesh, given));
+      observe_rims(refined.mesh, patches.normals, scene, view, from_outline,
+                   masked ? kMaskSigma_px : kSilhouetteSigma_px, kSweepReach * spacing_px,
+                   masked ? rims.masked : rims.held);
+      if (progress) progress(++done, images.cameras.size() * kSpacings_px.size());
+    }
+    const Estimate found = estimate(edges, sweep, rims, shape);
+    refined.passes.push_back(
+        apply(found, sweep, patches, significant_moves(edges, found.field, refined.moved), spacing_px, refined));
+  }
+  return refined;
+}
+
+}  // namespace sheen

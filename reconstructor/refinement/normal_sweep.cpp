@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/refinement/normal_sweep.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <optional>
+
+namespace sheen {
+namespace {
+
+constexpr float kClearance = 1.5f;    // spacings that the surface may be off where a patch is seen
+constexpr float kLeastCosine = 0.3f;  // of the view with the normal: flatter patches show little and are hidden early
+constexpr float kRimMargin = 1.5f;  // patches by which what surrounds one must be seen, too: silhouettes are no texture
+constexpr float kContrastFloor = 0.012f;  // standard deviation of grey, of 1: three levels of 255 are noise
+
+using Patch = Eigen::Array<float, kPatchPoints, 1>;
+
+/// Where a vertex at each place falls in an image, and how pixels change with the point.
+struct Projection {
+  std::array<Eigen::Vector2f, kSweepPlaces> pixel;
+  Eigen::Matrix<float, 2, 3> pixel_from_offset;
+};
+
+std::optional<Projection> project(const PosedCamera& view, const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal,
+                                  float spacing) {
+  Projection projection;
+  const auto at = [&](const Eigen::Vector3f& point) {
+    return view.camera.project(view.camera_from_object * point.cast<double>());
+  };
+  for (int k = 0; k < kSweepPlaces; ++k) {
+    const auto pixel = at(vertex + static_cast<float>(k - kSweepReach) * spacing * normal);
+    if (!pixel) return {};
+    projection.pixel[k] = pixel->cast<float>();
+  }
+  const Eigen::Vector2f middle = projection.pixel[kSweepReach];
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto pixel = at(vertex + spacing * Eigen::Vector3f::Unit(axis));
+    if (!pixel) return {};
+    projection.pixel_from_offset.col(axis) = (pixel->cast<float>() - middle) / spacing;
+  }
+  return projection;
+}
+
+/// Whether the ray to a point of a patch meets the surface near it: nothing hides it, and it lies within the
+/// silhouette.
+bool meets_surface(const RayScene& scene, const Eigen::Vector3f& point, const Eigen::Vector3f& eye, float clearance) {
+  const Eigen::Vector3f direction = (point - eye).normalized();
+  const Hit hit = scene.intersect(Ray{eye, direction});
+  return hit && hit.front && std::abs(hit.distance - (point - eye).norm()) < clearance;
+}
+
+/// The patch less its mean, over its contrast. Its squared norm is below 1, and small where it shows noise only.
+bool normalise(Patch& patch) {
+  const float mean = patch.mean();
+  if (!std::isfinite(mean)) return false;
+  patch -= mean;
+  const float variance = patch.square().mean();
+  patch /= std::sqrt(kPatchPoints * (variance + kContrastFloor * kContrastFloor));
+  return true;
+}
+
+}  // namespace
+
+NormalSweep::NormalSweep(const Mesh& mesh, const VertexPatches& patches) : mesh_(mesh), patches_(patches) {
+  for (auto& half : halves_) half.resize(mesh.vertices.size());
+}
+
+void NormalSweep::add(const GreyPyramid& image, const PosedCamera& view, const RayScene& scene, int half) {
+  const Eigen::Vector3f eye = camera_centre(view.camera_from_object).cast<float>();
+  const auto look = [&](std::size_t v) {
+    const Eigen::Vector3f& vertex = mesh_.vertices[v];
+    const Eigen::Vector3f& normal = patches_.normals[v];
+    const float spacing = patches_.spacing[v];
+    const float cosine = normal.dot((eye - vertex).normalized());
+    if (cosine < kLeastCosine) return;
+    const auto offsets = patches_.of(v);
+    const auto projection = project(view, vertex, normal, spacing);
+    if (!projection) return;
+    for (const int probe : kPatchProbes)
+      if (!meets_surface(scene, vertex + kRimMargin * offsets[probe], eye, kClearance * spacing / cosine)) return;
+    const Eigen::Map<const Eigen::Matrix<float, 3, kPatchPoints>> points(offsets.front().data());
+    const Eigen::Matrix<float, 2, kPatchPoints> in_image = projection->pixel_from_offset * points;
+    const float step_px = std::sqrt((in_image.col(kPatchSide - 1) - in_image.col(0)).norm() *
+                                    (in_image.col(kPatchPoints - kPatchSide) - in_image.col(0)).norm()) /
+                          (kPatchSide - 1);
+    const int level = image.level_for(step_px);
+    std::array<Patch, kSweepPlaces> seen;
+    for (int k = 0; k < kSweepPlaces; ++k) {
+      for (int s = 0; s < kPatchPoints; ++s)
+        seen[k][s] =
+            image.sample(level, projection->pixel[k].x() + in_image(0, s), projection->pixel[k].y() + in_image(1, s));
+      if (!normalise(seen[k])) return;
+    }
+    Sums& sums = halves_[half][v];
+    const float weight = cosine;
+    sums.weight += weight;
+    ++sums.images;
+    for (int k = 0; k < kSweepPlaces; ++k) {
+      sums.squares[k] += weight * seen[k].matrix().squaredNorm();
+      Eigen::Map<Patch>(sums.patch[k].data()) += weight * seen[k];
+    }
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.vertices.size(), 64), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) look(v);
+  });
+}
+
+NormalSweep::Energy NormalSweep::energy(std::size_t vertex, Part part) const {
+  Energy energy{};
+  float weight = 0;
+  for (int half = 0; half < 2; ++half)
+    if (part == kBoth || part == half) weight += halves_[half][vertex].weight;
+  if (weight == 0) return energy;
+  for (int k = 0; k < kSweepPlaces; ++k) {
+    float squares = 0;
+    Patch sum = Patch::Zero();
+    for (int half = 0; half < 2; ++half)
+      if (part == kBoth || part == half) {
+        squares += halves_[half][vertex].squares[k];
+        sum += Eigen::Map<const Patch>(halves_[half][vertex].patch[k].data());
+      }
+    energy[k] = (squares - sum.matrix().squaredNorm() / weight) / weight;
+  }
+  return energy;
+}
+
+float NormalSweep::agreement(std::size_t vertex, int place) const {
+  const Sums &a = halves_[0][vertex], &b = halves_[1][vertex];
+  const float squares = a.squares[place] + b.squares[place];
+  if (!(squares > 0)) return 0;
+  return 1 - energy(vertex, kBoth)[place] * (a.weight + b.weight) / squares;
+}
+
+int NormalSweep::images(std::size_t vertex, Part part) const {
+  int images = 0;
+  for (int half = 0; half < 2; ++half)
+    if (part == kBoth || part == half) images += halves_[half][vertex].images;
+  return images;
+}
+
+}  // namespace sheen

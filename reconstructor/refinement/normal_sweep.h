@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/camera/posed_camera.h"
+#include "common/geometry/ray_scene.h"
+#include "reconstructor/refinement/grey_pyramid.h"
+#include "reconstructor/refinement/vertex_patches.h"
+
+namespace sheen {
+
+/// Places along its normal at which a vertex is tried: kSweepReach to either side, one patch spacing apart.
+inline constexpr int kSweepReach = 4;
+inline constexpr int kSweepPlaces = 2 * kSweepReach + 1;
+
+/// How well the images agree about each vertex's patch, at each place along the normal. Every image is one of two
+/// halves, whose disagreement tells how much an answer is worth.
+///
+/// p_i(k) is what image i shows of a patch at place k, less its mean, over its contrast. What is kept is the sums of
+/// w, w |p|^2 and w p over images; the images' squared distance from their mean follows exactly:
+///   E(k) = sum w |p|^2 - |sum w p|^2 / sum w.
+/// So an image is looked at once, and the mean that it is compared with is that of the others but for the factor
+/// (1 - w_i / sum w), which is the same at each place.
+class NormalSweep {
+ public:
+  NormalSweep(const Mesh& mesh, const VertexPatches& patches);
+
+  /// `half`: 0 or 1. `scene`: of the mesh.
+  void add(const GreyPyramid& image, const PosedCamera& view, const RayScene& scene, int half);
+
+  using Energy = std::array<float, kSweepPlaces>;
+  enum Part { kFirst = 0, kSecond = 1, kBoth = 2 };
+  /// E of a vertex, per place; per sum of weights, so 0 (all alike) to 1.
+  Energy energy(std::size_t vertex, Part part) const;
+  /// Mean correlation of pairs of images with each other at a place, -1 to 1, patches without contrast counting as 0.
+  float agreement(std::size_t vertex, int place) const;
+  int images(std::size_t vertex, Part part) const;
+  std::size_t vertices() const { return mesh_.vertices.size(); }
+
+ private:
+  struct Sums {
+    float weight = 0;
+    int images = 0;
+    std::array<float, kSweepPlaces> squares{};
+    std::array<std::array<float, kPatchPoints>, kSweepPlaces> patch{};
+  };
+  const Mesh& mesh_;
+  const VertexPatches& patches_;
+  std::array<std::vector<Sums>, 2> halves_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/refinement/silhouette_rims.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+namespace sheen {
+namespace {
+
+constexpr float kOutside_px = 1.5f;     // where a ray beside a rim must pass without meeting anything
+constexpr double kLeastLeverage = 0.3;  // of a rim's motion in the image, of what a motion across the ray would be
+
+/// Vertices where the mesh turns from facing the eye to facing away.
+std::vector<bool> on_contour(const Mesh& mesh, const Eigen::Vector3f& eye) {
+  std::vector<std::uint8_t> sides(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const bool front = mesh.area_normal(t).dot(eye - mesh.corner(t, 0)) > 0;
+    for (const std::uint32_t v : mesh.triangles[t]) sides[v] |= front ? 1 : 2;
+  }
+  std::vector<bool> contour(mesh.vertices.size());
+  for (std::size_t v = 0; v < contour.size(); ++v) contour[v] = sides[v] == 3;
+  return contour;
+}
+
+/// Value and gradient, bilinear; empty within a pixel of the border.
+std::optional<Eigen::Vector3d> value_and_gradient(const ImageF& image, const Eigen::Vector2d& at) {
+  const int x = static_cast<int>(std::floor(at.x())), y = static_cast<int>(std::floor(at.y()));
+  if (x < 1 || y < 1 || x + 2 >= image.width() || y + 2 >= image.height()) return {};
+  const auto value = [&](double u, double v) {
+    const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v));
+    const double s = u - i, t = v - j;
+    return (1 - t) * ((1 - s) * image.at(i, j) + s * image.at(i + 1, j)) +
+           t * ((1 - s) * image.at(i, j + 1) + s * image.at(i + 1, j + 1));
+  };
+  return Eigen::Vector3d(value(at.x(), at.y()), (value(at.x() + 1, at.y()) - value(at.x() - 1, at.y())) / 2,
+                         (value(at.x(), at.y() + 1) - value(at.x(), at.y() - 1)) / 2);
+}
+
+}  // namespace
+
+ImageU8 SilhouetteCaster::cast(const PosedCamera& view, const Mesh& mesh, const RayScene& scene) {
+  const Camera& camera = view.camera;
+  const auto width = static_cast<std::size_t>(camera.width);
+  if (!(rays_of_ == camera)) {
+    rays_of_ = camera;
+    rays_.resize(width * static_cast<std::size_t>(camera.height));
+    tbb::parallel_for(0, camera.height, [&](int y) {
+      for (int x = 0; x < camera.width; ++x) {
+        const auto ray = camera.ray({double(x), double(y)});
+        rays_[y * width + x] = ray ? Eigen::Vector3f(ray->cast<float>())
+                                   : Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+      }
+    });
+  }
+  // Rows and columns that the mesh can fall on; all of them where a vertex cannot be seen at all.
+  PixelBox box{camera.width, camera.height, 0, 0};
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    const auto pixel = camera.project(view.camera_from_object * vertex.cast<double>());
+    if (!pixel) {
+      box = {0, 0, camera.width, camera.height};
+      break;
+    }
+    box.x0 = std::clamp(static_cast<int>(std::floor(pixel->x())), 0, box.x0);
+    box.y0 = std::clamp(static_cast<int>(std::floor(pixel->y())), 0, box.y0);
+    box.x1 = std::clamp(static_cast<int>(std::ceil(pixel->x())) + 1, box.x1, camera.width);
+    box.y1 = std::clamp(static_cast<int>(std::ceil(pixel->y())) + 1, box.y1, camera.height);
+  }
+  ImageU8 silhouette(camera.width, camera.height, 1, 0);
+  const Eigen::Vector3f eye = camera_centre(view.camera_from_object).cast<float>();
+  const Eigen::Matrix3f object_from_camera =
+      view.camera_from_object.rotation.conjugate().toRotationMatrix().cast<float>();
+  tbb::parallel_for(box.y0, std::max(box.y1, box.y0), [&](int y) {
+    for (int x = box.x0; x < box.x1; ++x) {
+      const Eigen::Vector3f& ray = rays_[y * width + x];
+      if (!ray.allFinite()) continue;
+      const Hit hit = scene.intersect(Ray{eye, object_from_camera * ray});
+      if (hit && hit.front) silhouette.at(x, y) = 255;
+    }
+  });
+  return silhouette;
+}
+
+ImageF distance_from_outline(const ImageU8& silhouette) {
+  const cv::Mat inside(silhouette.height(), silhouette.width(), CV_8U, const_cast<std::uint8_t*>(silhouette.data()));
+  cv::Mat from_outside, from_inside;
+  cv::distanceTransform(inside, from_outside, cv::DIST_L2, cv::DIST_MASK_5);
+  cv::distanceTransform(inside == 0, from_inside, cv::DIST_L2, cv::DIST_MASK_5);
+  ImageF distance(silhouette.width(), silhouette.height(), 1);
+  for (int y = 0; y < distance.height(); ++y)
+    for (int x = 0; x < distance.width(); ++x)
+      distance.at(x, y) =
+          silhouette.at(x, y) != 0 ? from_outside.at<float>(y, x) - 0.5f : 0.5f - from_inside.at<float>(y, x);
+  return distance;
+}
+
+void observe_rims(const Mesh& mesh, const std::vector<Eigen::Vector3f>& normals, const RayScene& scene,
+                  const PosedCamera& view, const ImageF& from_outline, double sigma_px, double reach_px,
+                  Observations& observed) {
+  const Eigen::Vector3f eye = camera_centre(view.camera_from_object).cast<float>();
+  const std::vector<bool> contour = on_contour(mesh, eye);
+  const double focal = std::sqrt(view.camera.fx * view.camera.fy);
+  const auto project = [&](const Eigen::Vector3f& point) {
+    return view.camera.project(view.camera_from_object * point.cast<double>());
+  };
+  tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t v) {
+    if (!contour[v]) return;
+    const Eigen::Vector3f& vertex = mesh.vertices[v];
+    const float distance = (vertex - eye).norm();
+    const Eigen::Vector3f ray = (vertex - eye) / distance;
+    const Eigen::Vector3f outward = (normals[v] - normals[v].dot(ray) * ray).normalized();
+    const auto footprint = static_cast<float>(distance / focal);
+    const Eigen::Vector3f beside = vertex + kOutside_px * footprint * outward;
+    if (!outward.allFinite() || scene.occluded(Ray{eye, beside - eye})) return;
+    const auto pixel = project(vertex), moved = project(vertex + footprint * normals[v]);
+    if (!pixel || !moved) return;
+    const auto place = value_and_gradient(from_outline, *pixel);
+    if (!place || std::abs((*place)[0]) > reach_px) return;
+    // What a motion of one footprint along the normal changes in the distance from the outline, pixels.
+    const double change = place->tail<2>().dot(*moved - *pixel);
+    if (-change < kLeastLeverage) return;
+    observed.add(static_cast<Eigen::Index>(v), -(*place)[0] / change * footprint,
+                 std::pow(change / (sigma_px * footprint), 2));
+  });
+}
+
+}  // namespace sheen
