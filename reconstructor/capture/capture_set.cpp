@@ -10,6 +10,7 @@
 #include "common/base/errors.h"
 #include "common/base/log.h"
 #include "common/datasets/dataset.h"
+#include "common/datasets/light_list.h"
 #include "common/session/session.h"
 
 namespace sheen {
@@ -60,6 +61,12 @@ CaptureSet open_capture_set(const std::filesystem::path& folder) {
             .damaged = damaged,
             .read = read,
             .cameras = some_cameras(*session, kept)};
+  }
+  if (folder.extension() == ".lp") {
+    auto list = std::make_shared<LightList>(load_light_list(folder));
+    return {.size = list->views.size(),
+            .read = [list](std::size_t i) { return read_capture(*list, i); },
+            .cameras = {list->camera}};
   }
   auto dataset = std::make_shared<Dataset>(load_dataset(folder));
   if (!dataset->warning.empty()) std::fprintf(stderr, "%s\n", dataset->warning.c_str());

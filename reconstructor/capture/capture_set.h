@@ -12,8 +12,9 @@
 
 namespace sheen {
 
-/// Captures in their order, wherever they lie: posed photographs (transforms.json, COLMAP) or the journal of a session,
-/// of which only those that are not withdrawn and not damaged count. Each that is damaged is told to the log.
+/// Captures in their order, wherever they lie: posed photographs (transforms.json, COLMAP), a list of lights (.lp) or
+/// the journal of a session, of which only those that are not withdrawn and not damaged count. Each that is damaged is
+/// told to the log.
 struct CaptureSet {
   std::size_t size = 0;
   std::size_t withdrawn = 0;

@@ -26,7 +26,7 @@ namespace sheen {
 namespace {
 
 struct BuildArguments {
-  std::string dataset, mesh, out, config, json;
+  std::string dataset, mesh, out, config, model, json;
   std::optional<int> hold_out;
   LimitArguments limits;
   SizeArguments size;
@@ -62,6 +62,9 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
     throw FileError(arguments.dataset, "all of its images that show the mesh are held out (" +
                                            std::to_string(counts.held_out) +
                                            "): nothing is left to build from; name fewer in test_filenames");
+  if (counts.accepted == 0 && arguments.mesh.empty())
+    throw FileError(arguments.dataset, "none of its " + std::to_string(captures.size) +
+                                           " images can be used: an irradiance field needs a light in each");
   if (counts.accepted == 0)
     throw FileError(arguments.dataset, "none of its " + std::to_string(captures.size) +
                                            " images shows the mesh; check that both are in the same frame and units");
@@ -96,11 +99,24 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
   return best;
 }
 
+/// That of the scene, or the model's own.
+Mesh mesh_for(const BuildArguments& arguments, const ModelSettings& settings, const CaptureSet& captures) {
+  std::optional<Mesh> own = captures.cameras.empty() ? std::nullopt : settings.own_mesh(captures.cameras.front());
+  if (own && !arguments.mesh.empty())
+    throw ConfigError(std::string("--mesh: ") + settings.kind() + " makes its own surface; leave it out");
+  if (own) return std::move(*own);
+  if (arguments.mesh.empty())
+    throw ConfigError(std::string("--mesh is required: ") + settings.kind() +
+                      " models the surface of a mesh (--model irradiance-field needs none, but a list of lights)");
+  return load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
+}
+
 void build(const BuildArguments& arguments) {
   install_stop_signals();
   const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
   ReportFile json(arguments.json);
-  const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
+  const SceneConfig scene =
+      arguments.config.empty() ? default_scene(arguments.model) : load_scene_config(arguments.config);
   ModelSettings& settings = *scene.settings;
   if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
   const Limits limits = arguments.limits.apply(settings);
@@ -110,7 +126,7 @@ void build(const BuildArguments& arguments) {
   else
     check_model_path(arguments.out, size.has_value());
   const CaptureSet captures = open_capture_set(arguments.dataset);
-  const Mesh mesh = load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
+  const Mesh mesh = mesh_for(arguments, settings, captures);
   const std::unique_ptr<Reconstruction> built =
       limits.psnr_db ? build_to_target(arguments, mesh, captures, settings, limits)
                      : build_once(arguments, mesh, captures, settings, limits, scene.measured, 0, true);
@@ -131,15 +147,22 @@ void build(const BuildArguments& arguments) {
 void add_build_command(CLI::App& app) {
   auto arguments = std::make_shared<BuildArguments>();
   CLI::App* command = app.add_subcommand("build", "Builds a model from posed photographs or a session.");
-  command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
+  command
+      ->add_option("dataset", arguments->dataset,
+                   "folder with transforms.json, a COLMAP model or a Sheen session, or a list of lights (.lp)")
       ->required();
-  command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
+  command->add_option("--mesh", arguments->mesh,
+                      "PLY, OBJ or OFF in the dataset's frame; an irradiance field needs none");
   command->add_option("--out", arguments->out, "model to write: one small file, or a folder with --loss 0dB");
   command
       ->add_option("--hold-out", arguments->hold_out,
                    "hold out every Nth image where the dataset names no test views; 0 = none")
       ->check(whole_number_in(0, 1'000'000));
-  command->add_option("--config", arguments->config, "scene file (TOML)");
+  CLI::Option* config = command->add_option("--config", arguments->config, "scene file (TOML)");
+  command
+      ->add_option("--model", arguments->model,
+                   "kind of model, without a scene file: surface-light-field, irradiance-field")
+      ->excludes(config);
   arguments->limits.add_to(
       *command, "PSNR that held-out views must reach, such as 35dB; the cheapest setting that reaches it is searched");
   arguments->size.add_to(*command);

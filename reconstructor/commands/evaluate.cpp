@@ -11,6 +11,7 @@
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/evaluate_lights.h"
 #include "reconstructor/evaluation/error_ranking.h"
 #include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/evaluation/held_out.h"
@@ -54,6 +55,12 @@ std::vector<HeldOutView> read_images(const EvaluateArguments& arguments, const C
 
 void evaluate(const EvaluateArguments& arguments) {
   ReportFile json(arguments.json);
+  if (std::filesystem::path(arguments.dataset).extension() == ".lp") {
+    if (arguments.baselines || !arguments.truth.empty())
+      throw ConfigError("--baselines and --truth are for views; a list of lights has none");
+    json.write(to_text(evaluate_lights(arguments.model, arguments.dataset)));
+    return;
+  }
   const SavedModel saved = open_model(arguments.model);
   const ModelOrigin origin = origin_of(saved, arguments.model);
   const CaptureSet captures = open_capture_set(arguments.dataset);
@@ -96,7 +103,11 @@ void add_evaluate_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("evaluate", "Measures PSNR and SSIM of a saved model on views that it never saw.");
   command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
-  command->add_option("dataset", arguments->dataset, "the images it was built from, and the held-out ones")->required();
+  command
+      ->add_option("dataset", arguments->dataset,
+                   "the images it was built from, and the held-out ones; of an irradiance field a list of lights (.lp) "
+                   "that it never saw")
+      ->required();
   command->add_flag("--baselines", arguments->baselines,
                     "score constant colour, nearest photograph and unstructured lumigraph on the same pixels, the "
                     "lumigraph also of photographs that take no more bytes than the model");

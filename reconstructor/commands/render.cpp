@@ -14,6 +14,7 @@
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/picture_names.h"
+#include "reconstructor/commands/render_lights.h"
 #include "reconstructor/evaluation/held_out.h"
 #include "reconstructor/render/ray_painter.h"
 
@@ -21,7 +22,7 @@ namespace sheen {
 namespace {
 
 struct RenderArguments {
-  std::string model, cameras, out;
+  std::string model, cameras, lights, out;
 };
 
 /// Grey picture of one channel, 8 bit.
@@ -47,6 +48,9 @@ void print_prediction(double predicted_db, const ErrorCalibration& calibration) 
 }
 
 void render(const RenderArguments& arguments) {
+  if (!arguments.lights.empty()) return render_lights(arguments.model, arguments.lights, arguments.out);
+  if (arguments.cameras.empty())
+    throw ConfigError("--cameras is required: from where to render; or --lights, for a model that knows moving light");
   const SavedModel saved = open_model(arguments.model);
   const std::vector<DatasetView> cameras = load_cameras(arguments.cameras);
   const std::filesystem::path out = arguments.out;
@@ -85,10 +89,13 @@ void render(const RenderArguments& arguments) {
 
 void add_render_command(CLI::App& app) {
   auto arguments = std::make_shared<RenderArguments>();
-  CLI::App* command =
-      app.add_subcommand("render", "Renders a saved model from given cameras: linear EXR and PNG per view.");
+  CLI::App* command = app.add_subcommand(
+      "render", "Renders a saved model from given cameras or in given lights: linear EXR and PNG per view.");
   command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
-  command->add_option("--cameras", arguments->cameras, "transforms.json with the cameras to render")->required();
+  CLI::Option* cameras =
+      command->add_option("--cameras", arguments->cameras, "transforms.json with the cameras to render");
+  command->add_option("--lights", arguments->lights, "list of lights (.lp) to render an irradiance field in")
+      ->excludes(cameras);
   command->add_option("--out", arguments->out, "folder for the pictures")->required();
   command->callback([arguments] { render(*arguments); });
 }

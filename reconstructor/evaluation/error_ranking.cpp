@@ -48,7 +48,7 @@ ErrorRanking judge_error_ranking(const std::vector<HeldOutView>& views, const Ap
   ErrorRanking result;
   for (const HeldOutView& view : views) {
     const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
-    const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object);
+    const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object, view.light);
     const ImageU8 picture = to_srgb8(painted.beauty);
     const std::vector<float> heuristic = peer.of(camera_centre(view.camera_from_object));
     std::vector<TriangleError> errors(model.mesh().triangles.size());

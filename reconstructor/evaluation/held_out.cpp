@@ -56,7 +56,8 @@ HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPain
                    .source_session = capture.source_session,
                    .sequence = capture.sequence,
                    .camera = capture.camera,
-                   .camera_from_object = capture.pose.camera_from_object};
+                   .camera_from_object = capture.pose.camera_from_object,
+                   .light = capture.light};
   const ImageF linear = level_radiance(capture, gain);
   view.truth = to_srgb8(linear);
   const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
@@ -102,7 +103,7 @@ double predicted_psnr_db(const PaintedView& painted, const ImageU8& mask) {
 }
 
 ViewScore score(const HeldOutView& view, const Appearance& model, const RayPainter& painter) {
-  const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object);
+  const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object, view.light);
   const ImageU8 picture = to_srgb8(painted.beauty);
   ViewScore score{.name = view.name};
   score.error = squared_error(picture, view.truth, view.object);
@@ -123,12 +124,12 @@ ViewScore score(const HeldOutView& view, const Appearance& model, const RayPaint
 }
 
 SquaredError object_error(const HeldOutView& view, const Appearance& model, const RayPainter& painter) {
-  const ImageU8 picture = to_srgb8(painter.paint(model, view.camera, view.camera_from_object).beauty);
+  const ImageU8 picture = to_srgb8(painter.paint(model, view.camera, view.camera_from_object, view.light).beauty);
   return squared_error(picture, view.truth, view.object);
 }
 
 ObjectScore score_object(const HeldOutView& view, const Appearance& model, const RayPainter& painter) {
-  const ImageU8 picture = to_srgb8(painter.paint(model, view.camera, view.camera_from_object).beauty);
+  const ImageU8 picture = to_srgb8(painter.paint(model, view.camera, view.camera_from_object, view.light).beauty);
   return {squared_error(picture, view.truth, view.object).psnr_db(), ssim(picture, view.truth, view.object)};
 }
 

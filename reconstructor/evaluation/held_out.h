@@ -22,6 +22,7 @@ struct HeldOutView {
   std::uint64_t sequence = 0;
   Camera camera;
   Rigid3 camera_from_object;
+  LightState light;
   ImageU8 truth;   ///< RGB
   ImageU8 object;  ///< pixels of the object: first hit a front face, and inside the mask, or eroded by 3 without one;
                    ///< pixels that are NaN or infinite do not count

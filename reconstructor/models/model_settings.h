@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -57,6 +58,9 @@ struct ModelSettings {
   virtual std::vector<SettingKey> keys() = 0;
   /// Throws ConfigError when a value is out of range: "NAME: KEY must be ...".
   virtual void require_valid() const = 0;
+  /// The surface of a model that makes its own, of what a camera sees; empty: the scene gives a mesh. Throws
+  /// ConfigError for a camera of which it cannot be made.
+  virtual std::optional<Mesh> own_mesh(const PosedCamera&) const { return std::nullopt; }
   virtual int effort_levels() const = 0;  ///< at least 1: level 0 is what these settings ask for
   virtual MemoryNeed memory_need(std::size_t vertices, std::size_t triangles) const = 0;
   /// A model of the mesh with these settings, at effort level 0. Throws ConfigError as `require_valid` does.

@@ -96,6 +96,8 @@ class ModelSnapshot : public Appearance {
   virtual const std::vector<PosedCamera>& cameras() const = 0;
   virtual SnapshotFigures figures() const = 0;
   virtual std::size_t memory_bytes() const = 0;  ///< that it keeps; the mesh not counted
+  /// Of the lights that a query may have: directional or point; fixed where it is the images' own, whatever is asked.
+  virtual LightKind light_kind() const { return LightKind::kFixed; }
   /// With a guess for what no image showed, for pictures that must have no holes; it stays marked as unseen.
   virtual std::shared_ptr<const ModelSnapshot> filled() const = 0;
   /// Where an image would be worth most, for a camera that is at `eye` now (object frame). Quick enough to be asked

@@ -88,17 +88,25 @@ void read_table(const toml::table& values, SettingTable table, const std::vector
   }
 }
 
+/// Null where no kind has the name.
+const ModelKind* kind_named(std::string_view name) {
+  for (const ModelKind* kind : model_kinds())
+    if (name == kind->name()) return kind;
+  return nullptr;
+}
+
+std::string names_of_kinds() {
+  std::string list;
+  for (const ModelKind* kind : model_kinds()) list += (list.empty() ? "\"" : ", \"") + std::string(kind->name()) + '"';
+  return list;
+}
+
 /// The kind that the file names, else the first one.
 const ModelKind& kind_in(const toml::table& document, const std::filesystem::path& file) {
   const toml::node* named = document.get("model");
   if (!named) return *model_kinds().front();
-  const auto word = named->value_exact<std::string>();
-  std::string list;
-  for (const ModelKind* kind : model_kinds()) {
-    if (word == kind->name()) return *kind;
-    list += (list.empty() ? "\"" : ", \"") + std::string(kind->name()) + '"';
-  }
-  throw ConfigError(place(file, named->source()) + "model must be one of " + list);
+  if (const ModelKind* kind = kind_named(named->value_or(std::string()))) return *kind;
+  throw ConfigError(place(file, named->source()) + "model must be one of " + names_of_kinds());
 }
 
 /// All effort levels, as `tradeoff` measured them.
@@ -122,8 +130,14 @@ MeasuredLevels levels_of(const toml::node& entries, std::size_t levels, const st
 
 }  // namespace
 
-SceneConfig default_scene() {
+SceneConfig default_scene(const std::string& model) {
   SceneConfig scene{.kind = model_kinds().front()};
+  if (!model.empty()) {
+    std::string name = model;
+    std::replace(name.begin(), name.end(), '-', '_');
+    scene.kind = kind_named(name);
+    if (!scene.kind) throw ConfigError("--model must be one of " + names_of_kinds() + ", not " + model);
+  }
   scene.settings = scene.kind->default_settings();
   return scene;
 }

@@ -19,8 +19,9 @@ struct SceneConfig {
   MeasuredLevels measured;  ///< [[effort_level]], as `tradeoff` writes it; empty where the file has none
 };
 
-/// What a scene without a file has.
-SceneConfig default_scene();
+/// What a scene without a file has. `model`: name of a kind, in which - may stand for _; the first known kind where it
+/// is empty. Throws ConfigError.
+SceneConfig default_scene(const std::string& model = {});
 /// Throws ConfigError or FileError naming file, line and key; unknown keys are errors.
 SceneConfig load_scene_config(const std::filesystem::path& file);
 /// The same of a text that stands in `file`.

@@ -42,11 +42,12 @@ const std::vector<Room> kCommon = {
     {"simulation", "base|image|camera|capture|geometry|stage|datasets"},
 };
 const std::vector<Room> kReconstructor = {
+    {"coding", ""},
     {"numerics", ""},
     {"surface", "numerics"},
     {"radiance", "surface|numerics"},
     {"refinement", ""},
-    {"models", "radiance|surface|numerics"},
+    {"models", "radiance|surface|numerics|coding"},
     {"render", "models|surface|numerics"},
     {"monitor", ""},
     {"evaluation", "render|models|radiance|surface|numerics"},

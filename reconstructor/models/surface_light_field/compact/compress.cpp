@@ -11,6 +11,7 @@
 #include "common/base/errors.h"
 #include "common/geometry/ray_scene.h"
 #include "common/image/color.h"
+#include "reconstructor/coding/step_search.h"
 #include "reconstructor/models/surface_light_field/compact/fit_patches.h"
 #include "reconstructor/models/surface_light_field/files/compact_file.h"
 
@@ -111,38 +112,6 @@ class LossMeter {
   double predicted_ = 0;
 };
 
-/// A quantity that rises or falls evenly with the step, both in logarithms, is brought to what is wanted by the step,
-/// from below.
-class StepSearch {
- public:
-  static constexpr int kMostTries = 9;
-  StepSearch(double wanted, double slope, double first)
-      : wanted_(std::log(wanted)), slope_(slope), at_(std::log(first)) {}
-
-  double step() const { return std::exp(at_); }
-  /// What the step gave. False when no other step is worth trying.
-  bool next(double found) {
-    const double here = std::log(std::max(found, 1e-9));
-    ++tried_;
-    if (here <= wanted_ && wanted_ - here < kNearEnough) return false;
-    if (tried_ > 1 && std::abs(at_ - before_at_) > 1e-3) {
-      const double slope = (here - before_) / (at_ - before_at_);
-      if (slope * slope_ > 0)
-        slope_ = std::clamp(slope, std::min(slope_ / 3, slope_ * 3), std::max(slope_ / 3, slope_ * 3));
-    }
-    before_ = here;
-    before_at_ = at_;
-    const double move = (wanted_ - kNearEnough / 2 - here) / slope_;
-    at_ = std::clamp(at_ + std::clamp(move, -kFarthest, kFarthest), std::log(kFinest), std::log(kCoarsest));
-    return tried_ < kMostTries && at_ != before_at_;
-  }
-
- private:
-  static constexpr double kNearEnough = 0.015, kFarthest = 1.5, kFinest = 0.1, kCoarsest = 100;
-  double wanted_, slope_, at_, before_ = 0, before_at_ = 0;
-  int tried_ = 0;
-};
-
 class Compression {
  public:
   Compression(const SurfaceLightFieldSnapshot& exact, const CompressionTarget& target)
@@ -171,7 +140,7 @@ class Compression {
   /// is where it does not. Both are tried.
   static constexpr Rounding kRoundings[] = {{.threshold = 0.7f, .least_term = 0.12f},
                                             {.threshold = 0.58f, .least_term = 0.25f}};
-  static constexpr double kFirstStep = 8;
+  static constexpr double kFirstStep = 8, kFinestStep = 0.1, kCoarsestStep = 100;
 
   std::shared_ptr<const std::string> encoded(double step, const Rounding& rounding) {
     if (target_.progress) target_.progress(tries_++, std::size(kRoundings) * StepSearch::kMostTries);
@@ -183,7 +152,7 @@ class Compression {
     std::size_t least = 0;
     double first_step = kFirstStep;
     for (const Rounding& rounding : kRoundings) {
-      StepSearch search(bytes, -0.9, first_step);
+      StepSearch search(bytes, -0.9, first_step, kFinestStep, kCoarsestStep);
       std::shared_ptr<const std::string> largest;
       bool more = true;
       while (more) {
@@ -210,7 +179,7 @@ class Compression {
     std::size_t best_bytes = 0;
     double first_step = kFirstStep;
     for (const Rounding& rounding : kRoundings) {
-      StepSearch search(loss_db, 1.2, first_step);
+      StepSearch search(loss_db, 1.2, first_step, kFinestStep, kCoarsestStep);
       bool more = true;
       while (more) {
         auto candidate = encoded(search.step(), rounding);

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "reconstructor/models/surface_light_field/compact/context_coder.h"
+#include "reconstructor/coding/context_coder.h"
 
 namespace sheen {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "reconstructor/models/surface_light_field/compact/context_coder.h"
+#include "reconstructor/coding/context_coder.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {

@@ -3,17 +3,14 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <zstd.h>
 
-#include <cstring>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
 #include <stdexcept>
 
-#include "common/base/crc32c.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "reconstructor/coding/chunk_file.h"
 #include "reconstructor/models/surface_light_field/compact/edge_blending.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
 #include "reconstructor/models/surface_light_field/compact/patch_coding.h"
@@ -26,90 +23,11 @@ namespace {
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr std::string_view kMagic = "sheenSLF";
-constexpr std::uint32_t kVersion = 1;
-constexpr int kZstdLevel = 19;
-// No more memory than the size of a file makes likely: packed parts, and samples of the surface.
-constexpr std::size_t kMostUnpacked = std::size_t{1} << 28, kDensest = 1000;
+constexpr ChunkFormat kFormat{.magic = "sheenSLF", .version = 1, .title = "surface light field"};
+// No more memory than the size of a file makes likely.
 constexpr std::size_t kMostSamples = std::size_t{1} << 28, kSamplesPerByte = 4000;
 constexpr int kMostLayers = 128;
 constexpr std::size_t kMostPatchTriangles = 256;
-
-struct ChunkHead {
-  char name[4];
-  std::uint32_t checksum;
-  std::uint64_t size;
-};
-
-std::uint32_t checksum(std::string_view bytes) {
-  return crc32c({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-}
-
-void append_chunk(std::string& out, std::string_view name, std::string_view bytes) {
-  ChunkHead head{.checksum = checksum(bytes), .size = bytes.size()};
-  std::memcpy(head.name, name.data(), sizeof head.name);
-  out.append(reinterpret_cast<const char*>(&head), sizeof head);
-  out.append(bytes);
-}
-
-std::string packed(std::string_view text) {
-  std::string out(ZSTD_compressBound(text.size()), '\0');
-  out.resize(ZSTD_compress(out.data(), out.size(), text.data(), text.size(), kZstdLevel));
-  return out;
-}
-
-std::string unpacked(std::string_view bytes) {
-  const unsigned long long size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
-  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > kMostUnpacked ||
-      size > kDensest * (bytes.size() + kDensest))
-    throw std::runtime_error("cannot be unpacked");
-  std::string out(size, '\0');
-  if (ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size()) != size)
-    throw std::runtime_error("cannot be unpacked");
-  return out;
-}
-
-/// Chunks one after the other; at the end of a file that was cut short there is none.
-class Chunks {
- public:
-  Chunks(std::string_view bytes, std::string file) : rest_(bytes), file_(std::move(file)) {
-    if (!is_compact(bytes)) throw FileError(file_, "is not a surface light field in one file");
-    std::uint32_t version = 0;
-    if (bytes.size() < kMagic.size() + sizeof version) throw FileError(file_, "is cut short");
-    std::memcpy(&version, bytes.data() + kMagic.size(), sizeof version);
-    if (version != kVersion)
-      throw FileError(file_, "is of version " + std::to_string(version) + ", but this program reads version " +
-                                 std::to_string(kVersion));
-    rest_.remove_prefix(kMagic.size() + sizeof version);
-  }
-
-  /// Empty where the file ends before it is whole.
-  std::optional<std::string_view> next(std::string_view name) {
-    ChunkHead head;
-    if (rest_.size() < sizeof head) return std::nullopt;
-    std::memcpy(&head, rest_.data(), sizeof head);
-    if (std::string_view(head.name, sizeof head.name) != name) fail(name, "is not where it should be");
-    rest_.remove_prefix(sizeof head);
-    if (head.size > rest_.size()) return std::nullopt;
-    const std::string_view bytes = rest_.substr(0, head.size);
-    rest_.remove_prefix(head.size);
-    if (checksum(bytes) != head.checksum) fail(name, "is damaged (wrong checksum)");
-    return bytes;
-  }
-  std::string_view required(std::string_view name) {
-    const auto bytes = next(name);
-    if (!bytes) fail(name, "is missing: the file was cut short");
-    return *bytes;
-  }
-  bool at_end() const { return rest_.empty(); }
-  [[noreturn]] void fail(std::string_view name, const std::string& what) const {
-    throw FileError(file_, "chunk \"" + std::string(name) + "\" " + what);
-  }
-
- private:
-  std::string_view rest_;
-  std::string file_;
-};
 
 OrderedJson description_of(const PatchModel& model, float step, int layers) {
   OrderedJson kernels = OrderedJson::array();
@@ -190,21 +108,10 @@ std::string layer_name(int layer) {
   return name;
 }
 
-std::string encoded_metadata(const ModelMetadata& metadata) {
-  return packed(Json(metadata).dump(-1, ' ', false, Json::error_handler_t::replace));
-}
-
-std::string start_of_file(const ModelMetadata& metadata) {
-  std::string out(kMagic);
-  out.append(reinterpret_cast<const char*>(&kVersion), sizeof kVersion);
-  append_chunk(out, "META", encoded_metadata(metadata));
-  return out;
-}
-
 }  // namespace
 
 bool is_compact(std::string_view start) {
-  return start.substr(0, kMagic.size()) == kMagic;
+  return start.starts_with(kFormat.magic);
 }
 
 std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float step, const Rounding& rounding) {
@@ -220,7 +127,7 @@ std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float s
     resolutions.push_back(static_cast<std::uint8_t>(model.rings_of_mesh->resolution(t)));
   const int layers = layer_count(patches);
 
-  std::string out = start_of_file({});
+  std::string out = start_of_file(kFormat, {});
   append_chunk(out, "DESC", packed(description_of(model, step, layers).dump()));
   append_chunk(out, "MESH", packed(mesh.bytes));
   append_chunk(out, "RESO", encode_resolutions(resolutions));
@@ -233,7 +140,7 @@ std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float s
 }
 
 PatchModel decode_compact(std::string_view bytes, const std::string& file) {
-  Chunks chunks(bytes, file);
+  Chunks chunks(kFormat, bytes, file);
   PatchModel model;
   std::string_view reading = "META";
   try {
@@ -295,12 +202,7 @@ PatchModel decode_compact(std::string_view bytes, const std::string& file) {
 }
 
 void save_compact(const std::filesystem::path& file, std::string_view encoded, const ModelMetadata& metadata) {
-  Chunks chunks(encoded, file.string());
-  const std::string_view old = chunks.required("META");
-  const std::size_t first = static_cast<std::size_t>(old.data() + old.size() - encoded.data());
-  std::string out = start_of_file(metadata);
-  out.append(encoded.substr(first));
-  write_file(file, out);
+  write_file(file, with_notes(kFormat, encoded, metadata, file.string()));
 }
 
 std::shared_ptr<const CompactLightField> load_compact(const std::filesystem::path& file) {
@@ -310,13 +212,7 @@ std::shared_ptr<const CompactLightField> load_compact(const std::filesystem::pat
 }
 
 ModelMetadata compact_metadata(std::string_view bytes, const std::string& file) {
-  Chunks chunks(bytes, file);
-  const std::string_view metadata = chunks.required("META");
-  try {
-    return Json::parse(unpacked(metadata)).get<ModelMetadata>();
-  } catch (const std::exception& error) {
-    chunks.fail("META", error.what());
-  }
+  return notes_of(kFormat, bytes, file);
 }
 
 }  // namespace sheen

@@ -3,20 +3,14 @@
 
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
-#include <vector>
 
-#include "common/camera/posed_camera.h"
+#include "reconstructor/models/camera_json.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/radiance/exposure_field.h"
 
 namespace sheen {
 
 // What both forms of a saved light field say in JSON. Reading throws std::invalid_argument that says what is wrong.
-
-/// A list of 19 numbers per camera: width, height, fx, fy, cx, cy, lens, five of the distortion, rotation (w, x, y, z)
-/// and translation of camera_from_object.
-nlohmann::ordered_json cameras_to_json(const std::vector<PosedCamera>& cameras);
-std::vector<PosedCamera> cameras_from_json(const nlohmann::json& json);
 
 /// Directions run x y z per view; weights and the mean are of the log of the gain.
 nlohmann::ordered_json exposure_to_json(const ExposureField& exposure);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/compact/context_coder.h"
+#include "reconstructor/coding/context_coder.h"
 
 #include <draco/compression/bit_coders/adaptive_rans_bit_decoder.h>
 #include <draco/compression/bit_coders/adaptive_rans_bit_encoder.h>

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/camera/posed_camera.h"
+#include "common/capture/capture.h"
+
+namespace sheen {
+
+/// An image of a list of lights, and the light that it was taken in.
+struct LitView {
+  std::string name;  ///< as the list has it
+  LightState light;
+};
+
+/// A list of lights as RTI tools write it (.lp): the number of images, then for each a line `name x y z`. Where all x y
+/// z are unit vectors to 2 %, they are directions towards far lights, else positions of near ones. Axes: x right, y up
+/// in the picture, z towards the camera. Throws FileError naming file and line.
+std::vector<LitView> parse_light_list(const std::string& file, std::string_view text);
+/// Lights alone, to be rendered: the images need not be there.
+std::vector<LitView> load_lights(const std::filesystem::path& list);
+
+/// Images of one camera that stands still, each in its light.
+struct LightList {
+  std::vector<LitView> views;
+  std::vector<std::filesystem::path> images;  ///< per view
+  PosedCamera camera;
+  std::string hash;  ///< of the list and the bytes of every image
+};
+
+/// Images are looked for beside the list, by their name and by its last part (tools write the paths of their own
+/// machine). Their camera is not known: it is taken to look along -z from one metre, its picture's longer side one
+/// metre long round the object's origin. Throws FileError, also where images are missing or differ in size.
+LightList load_light_list(const std::filesystem::path& list);
+/// Reads an image (as `read_capture` of a dataset). Its mask is set everywhere: all of the picture counts.
+Capture read_capture(const LightList& list, std::size_t view);
+
+}  // namespace sheen

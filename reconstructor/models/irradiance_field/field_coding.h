@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "reconstructor/models/irradiance_field/field_terms.h"
+
+namespace sheen {
+
+/// An image of more lights than this, or of more pixels on a side, is not asked for by anybody honest.
+inline constexpr int kMostLights = 4096, kMostSide = 1 << 15;
+
+/// `FieldTerms` in whole numbers. All frequencies of all maps have one step: since both transforms are orthonormal, it
+/// is that of one distortion for the whole scene, and a map is kept where it rises above it. So each tile has the rank
+/// that it needs.
+struct QuantisedField {
+  struct Component {
+    std::vector<std::uint8_t> bits;   ///< per term: its column of the basis is in units of 2^-bits
+    std::vector<std::int32_t> basis;  ///< n x terms, term by term
+    std::vector<std::int32_t> coefs;  ///< (tiles x kTilePixels) x terms, term by term: units of `step`
+    std::size_t terms() const { return bits.size(); }
+  };
+  ImageSize size;
+  int lights = 0;
+  float step = 1;  ///< grey levels
+  std::array<Component, 3> components;
+};
+
+QuantisedField quantise(const FieldTerms& field, int lights, float step);
+FieldTerms dequantise(const QuantisedField& field);
+
+/// One colour component as bits in contexts; exact.
+std::string encode_component(const QuantisedField& field, std::size_t component);
+/// `field` has its size and lights, and the component as many `bits` as terms. Throws std::runtime_error for bytes that
+/// are none.
+void decode_component(std::string_view bytes, QuantisedField& field, std::size_t component);
+
+}  // namespace sheen

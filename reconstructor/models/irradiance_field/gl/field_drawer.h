@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "reconstructor/models/irradiance_field/irradiance_field_snapshot.h"
+#include "reconstructor/render/gl/gl_objects.h"
+#include "reconstructor/render/gl/model_drawer.h"
+
+namespace sheen {
+
+/// Draws an irradiance field. Its camera stands still, so what the mouse moves is the light: the picture fills the
+/// panel, lit from where the eye would be.
+class FieldDrawer : public ModelDrawer {
+ public:
+  FieldDrawer();
+  bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) override;
+  void draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading) override;
+  std::vector<std::string> notes() const override { return {"the mouse moves the light: the camera stands still"}; }
+
+ private:
+  void relight(const Eigen::Vector3d& from);
+
+  GlProgram program_;
+  GlHandle vertex_array_, texture_;
+  std::shared_ptr<const IrradianceFieldSnapshot> shown_;
+  Eigen::Vector3d lit_from_ = Eigen::Vector3d::Zero();  ///< what the texture shows; zero: nothing
+};
+
+}  // namespace sheen

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/irradiance_field/irradiance_field_options.h"
+
+#include "reconstructor/models/irradiance_field/irradiance_field.h"
+
+namespace sheen {
+namespace {
+
+/// What is compared with: the same picture in every light. That of all lights together is the mean.
+class SameInEveryLight : public Peers {
+ public:
+  explicit SameInEveryLight(std::shared_ptr<const ModelSnapshot> model) : model_(std::move(model)) {}
+  void add(const Capture&, float, bool) override {}
+  std::shared_ptr<const Appearance> constant_colour() const override {
+    const auto& field = dynamic_cast<const IrradianceFieldSnapshot&>(*model_);
+    return std::make_shared<FlatPicture>(field.shared_mesh(), field.picture({}), 0.14f);
+  }
+  std::vector<Peer> others(std::size_t) const override { return {}; }
+  PeerHeuristic heuristic() const override {
+    return {"none", [n = model_->mesh().triangles.size()](const auto&) { return std::vector<float>(n, 0.5f); }};
+  }
+
+ private:
+  std::shared_ptr<const ModelSnapshot> model_;
+};
+
+}  // namespace
+
+std::optional<Mesh> IrradianceFieldOptions::own_mesh(const PosedCamera& camera) const {
+  return picture_plane(camera);
+}
+
+std::unique_ptr<AppearanceModel> IrradianceFieldOptions::make_model(std::shared_ptr<const Mesh> mesh) const {
+  return std::make_unique<IrradianceField>(std::move(mesh), *this);
+}
+
+std::unique_ptr<Peers> IrradianceFieldOptions::make_peers(std::shared_ptr<const ModelSnapshot> snapshot, bool) const {
+  return std::make_unique<SameInEveryLight>(std::move(snapshot));
+}
+
+}  // namespace sheen

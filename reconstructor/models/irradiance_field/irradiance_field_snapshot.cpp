@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/irradiance_field/irradiance_field_snapshot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/errors.h"
+#include "reconstructor/models/irradiance_field/compress.h"
+#include "reconstructor/models/irradiance_field/field_file.h"
+
+namespace sheen {
+namespace {
+
+class PictureShader : public ViewShader {
+ public:
+  PictureShader(std::shared_ptr<const ImageF> picture, bool seen, float error)
+      : picture_(std::move(picture)), seen_(seen), error_(error) {}
+
+  SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
+    const int w = picture_->width(), h = picture_->height();
+    const Eigen::Vector2f place = picture_place({w, h}, triangle, u, v);
+    const int x = static_cast<int>(std::floor(place.x())), y = static_cast<int>(std::floor(place.y()));
+    const float right = place.x() - static_cast<float>(x), down = place.y() - static_cast<float>(y);
+    const auto pixel = [&](int px, int py) {
+      return Eigen::Map<const Eigen::Vector3f>(picture_->pixel(std::clamp(px, 0, w - 1), std::clamp(py, 0, h - 1)));
+    };
+    const Eigen::Vector3f rgb = (1 - down) * ((1 - right) * pixel(x, y) + right * pixel(x + 1, y)) +
+                                down * ((1 - right) * pixel(x, y + 1) + right * pixel(x + 1, y + 1));
+    return {rgb, seen_ ? SampleState::kMeasured : SampleState::kUnseen};
+  }
+  SurfaceQuality quality(std::uint32_t) const override {
+    return seen_ ? SurfaceQuality{true, error_, 1, 1} : SurfaceQuality{};
+  }
+
+ private:
+  std::shared_ptr<const ImageF> picture_;
+  bool seen_;
+  float error_;
+};
+
+}  // namespace
+
+IrradianceFieldSnapshot::IrradianceFieldSnapshot(std::shared_ptr<const Mesh> mesh, LitScene scene, QuantisedField field,
+                                                 std::uint64_t version, bool in_one_file)
+    : mesh_(std::move(mesh)),
+      scene_(std::move(scene)),
+      field_(std::make_shared<const QuantisedField>(std::move(field))),
+      version_(version),
+      in_one_file_(in_one_file),
+      relighting_(std::make_shared<const Relighting>(dequantise(*field_))) {
+  if (field_->lights == 0) return;
+  kriging_.emplace(scene_.lights, scene_.kernel);
+  cameras_.push_back(scene_.camera);
+}
+
+Eigen::VectorXf IrradianceFieldSnapshot::weights(const LightState& light) const {
+  if (light.kind == LightKind::kFixed)
+    return Eigen::VectorXf::Constant(field_->lights, 1.0f / static_cast<float>(field_->lights));
+  if (!light_error(light, scene_.kind).empty())
+    throw ConfigError(
+        scene_.kind == LightKind::kDirectional
+            ? "this irradiance field was built in directional light: give directions, not positions"
+            : "this irradiance field was built in the light of near lamps: give positions, not directions");
+  return kriging_->weights(scene_.kind == LightKind::kDirectional ? light.position.normalized() : light.position);
+}
+
+ImageF IrradianceFieldSnapshot::picture(const LightState& light) const {
+  if (empty()) return ImageF(std::max(1, field_->size.width), std::max(1, field_->size.height), 3);
+  ImageF picture = relighting_->encoded_picture(weights(light));
+  decode_levels(picture);
+  if (light.rgb != Eigen::Vector3f::Ones())
+    for (std::size_t i = 0; i < picture.size(); ++i) picture.data()[i] *= light.rgb[static_cast<Eigen::Index>(i % 3)];
+  return picture;
+}
+
+std::unique_ptr<ViewShader> IrradianceFieldSnapshot::shader_for(const ViewQuery& query) const {
+  return std::make_unique<PictureShader>(std::make_shared<const ImageF>(picture(query.light)), !empty(),
+                                         static_cast<float>(scene_.error));
+}
+
+SnapshotFigures IrradianceFieldSnapshot::figures() const {
+  std::vector<std::size_t> ranks = relighting_->ranks();
+  if (empty() || ranks.empty()) return {};
+  std::sort(ranks.begin(), ranks.end());
+  return {.median_rank = static_cast<double>(ranks[ranks.size() / 2]),
+          .most_rank = static_cast<int>(ranks.back()),
+          .seen = 1,
+          .measured = 1};
+}
+
+std::shared_ptr<const ModelSnapshot> IrradianceFieldSnapshot::filled() const {
+  return std::make_shared<IrradianceFieldSnapshot>(*this);  // its one camera sees all of its surface
+}
+
+ViewAdvice IrradianceFieldSnapshot::advise_next_view(const Eigen::Vector3d& eye) const {
+  return {.eye = empty() ? eye : camera_centre(scene_.camera.camera_from_object),
+          .heuristic = empty() ? 1.0 : std::min(1.0, scene_.error / 0.1),
+          .angle_deg = 0,
+          .reason = "the camera stands still: more lights say more",
+          .worst_psnr_db = empty() ? 0 : -20 * std::log10(std::max(scene_.error, 1e-6))};
+}
+
+CompressedModel IrradianceFieldSnapshot::compressed(const CompressionTarget& target) const {
+  return compress_field(*this, target);
+}
+
+void IrradianceFieldSnapshot::save(const std::filesystem::path& path, const ModelMetadata& metadata,
+                                   const StepsDone& progress) const {
+  if (in_one_file_)
+    save_field_file(path, encode_field(scene_, *field_), metadata);
+  else
+    save_field_folder(path, encode_field(scene_, *field_), metadata);
+  if (progress) progress(1, 1);
+}
+
+std::unique_ptr<ViewShader> FlatPicture::shader_for(const ViewQuery&) const {
+  return std::make_unique<PictureShader>(picture_, true, error_);
+}
+
+}  // namespace sheen

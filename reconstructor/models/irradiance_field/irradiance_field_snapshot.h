@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "reconstructor/models/irradiance_field/field_coding.h"
+#include "reconstructor/models/irradiance_field/lit_scene.h"
+#include "reconstructor/models/irradiance_field/relighting.h"
+#include "reconstructor/models/model_snapshot.h"
+
+namespace sheen {
+
+/// The reflected irradiance field of a scene (002), at one moment: a fixed camera's picture in any light. Its surface
+/// is the picture plane. Light is asked for as `ViewQuery::light`; a fixed light is that of all images together.
+class IrradianceFieldSnapshot : public ModelSnapshot {
+ public:
+  /// mesh: the camera's picture plane. `field`: of the scene's lights; without any, the picture is black.
+  /// `in_one_file`: what `save` writes; else a folder.
+  IrradianceFieldSnapshot(std::shared_ptr<const Mesh> mesh, LitScene scene, QuantisedField field, std::uint64_t version,
+                          bool in_one_file);
+
+  /// Linear radiance, 3 channels, of the camera's picture. Throws ConfigError for a light of another kind than those
+  /// that the images were taken in.
+  ImageF picture(const LightState& light) const;
+  const LitScene& scene() const { return scene_; }
+  const QuantisedField& field() const { return *field_; }
+
+  /// `picture`, read between the pixels linearly. Throws ConfigError likewise.
+  std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
+  const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }
+  std::uint64_t version() const override { return version_; }
+  bool empty() const override { return field_->lights == 0; }
+  const std::vector<PosedCamera>& cameras() const override { return cameras_; }
+  SnapshotFigures figures() const override;
+  std::size_t memory_bytes() const override { return relighting_ ? relighting_->bytes() : 0; }
+  LightKind light_kind() const override { return scene_.kind; }
+  std::shared_ptr<const ModelSnapshot> filled() const override;
+  ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
+  CompressedModel compressed(const CompressionTarget& target) const override;
+  void save(const std::filesystem::path& path, const ModelMetadata& metadata, const StepsDone& progress) const override;
+
+ private:
+  /// Weights of the images in the picture that a light gives.
+  Eigen::VectorXf weights(const LightState& light) const;
+
+  std::shared_ptr<const Mesh> mesh_;
+  LitScene scene_;
+  std::shared_ptr<const QuantisedField> field_;  // this and `relighting_` are shared with copies
+  std::uint64_t version_;
+  bool in_one_file_;
+  std::optional<PointKriging> kriging_;  ///< none without lights
+  std::shared_ptr<const Relighting> relighting_;
+  std::vector<PosedCamera> cameras_;
+};
+
+/// A picture that is the same in every light, on its picture plane.
+class FlatPicture : public Appearance {
+ public:
+  FlatPicture(std::shared_ptr<const Mesh> mesh, ImageF picture, float error)
+      : mesh_(std::move(mesh)), picture_(std::make_shared<const ImageF>(std::move(picture))), error_(error) {}
+  const Mesh& mesh() const override { return *mesh_; }
+  std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
+  std::shared_ptr<const ImageF> picture_;
+  float error_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/irradiance_field/lit_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/base/errors.h"
+
+namespace sheen {
+namespace {
+
+constexpr std::array<std::array<int, 3>, 2> kTriangles{{{0, 3, 2}, {0, 2, 1}}};  // seen by the camera from the front
+
+/// Top left, top right, bottom right, bottom left: the outer edges of the pixels there.
+std::array<Eigen::Vector2d, 4> picture_corners(const ImageSize& size) {
+  const double right = size.width - 0.5, bottom = size.height - 0.5;
+  return {{{-0.5, -0.5}, {right, -0.5}, {right, bottom}, {-0.5, bottom}}};
+}
+
+bool any_coincide(const Eigen::Matrix3Xd& points) {
+  constexpr double kSame = 1e-6;
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    for (Eigen::Index j = 0; j < i; ++j)
+      if ((points.col(i) - points.col(j)).norm() < kSame * points.norm()) return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<PointKernel> light_kernels(const Eigen::Matrix3Xd& lights) {
+  std::vector<PointKernel> kernels;
+  Eigen::Matrix3Xd flat = lights;
+  flat.row(2).setZero();
+  // A drift of degree 1 is what a matt surface does; it comes first, for scenes with few lights.
+  for (const int degree : {1, 2, 3})
+    for (const PointKernelShape shape :
+         {PointKernelShape::kCubic, PointKernelShape::kThinPlate, PointKernelShape::kLinear})
+      kernels.push_back({shape, degree, 1});
+  if (!any_coincide(flat))
+    for (const PointKernelShape shape : {PointKernelShape::kCubic, PointKernelShape::kThinPlate})
+      kernels.push_back({shape, 1, 0});
+  return kernels;
+}
+
+Mesh picture_plane(const PosedCamera& camera) {
+  if (camera.camera.has_distortion())
+    throw ConfigError("an irradiance field needs images without lens distortion; undistort them first");
+  const double depth = camera.camera_from_object.translation.z() > 0 ? camera.camera_from_object.translation.z() : 1;
+  const Rigid3 object_from_camera = camera.camera_from_object.inverse();
+  Mesh mesh;
+  for (const Eigen::Vector2d& corner : picture_corners({camera.camera.width, camera.camera.height})) {
+    const Eigen::Vector3d point((corner.x() - camera.camera.cx) / camera.camera.fx,
+                                (corner.y() - camera.camera.cy) / camera.camera.fy, 1);
+    mesh.vertices.push_back((object_from_camera * (depth * point)).cast<float>());
+  }
+  for (const auto& [a, b, c] : kTriangles)
+    mesh.triangles.push_back(
+        {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(c)});
+  return mesh;
+}
+
+Eigen::Vector2f picture_place(const ImageSize& size, std::uint32_t triangle, float u, float v) {
+  const auto corners = picture_corners(size);
+  const auto corner = [&](std::size_t c) { return corners[static_cast<std::size_t>(kTriangles[triangle][c])]; };
+  return ((1.0 - u - v) * corner(0) + u * corner(1) + v * corner(2)).cast<float>();
+}
+
+std::string light_error(const LightState& light, LightKind kind) {
+  if (light.kind != LightKind::kDirectional && light.kind != LightKind::kPoint) return "no_light_direction";
+  if (light.kind != kind) return "other_kind_of_light";
+  if (!light.position.allFinite() || !light.rgb.allFinite() || !(light.rgb.minCoeff() > 0)) return "broken_light";
+  if (kind == LightKind::kDirectional && !(light.position.norm() > 0)) return "broken_light";
+  return {};
+}
+
+}  // namespace sheen

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/camera/posed_camera.h"
+#include "common/capture/lighting.h"
+#include "common/geometry/mesh.h"
+#include "common/image/image.h"
+#include "reconstructor/numerics/point_kriging.h"
+
+namespace sheen {
+
+/// What an irradiance field knows of its scene beside the pictures: one camera, and where its lights were.
+struct LitScene {
+  PosedCamera camera;
+  LightKind kind = LightKind::kDirectional;  ///< or kPoint
+  Eigen::Matrix3Xd lights;                   ///< 3 x n: unit directions towards the lights, or positions; object frame
+  PointKernel kernel;
+  double error = 0;  ///< RMS of encoded values, 0..1, of predicting an image from the others
+};
+
+/// Kernels that a scene chooses from, by how well they predict each of its images from the others. Distances are those
+/// between lights, or between their places as seen along the camera's axis.
+std::vector<PointKernel> light_kernels(const Eigen::Matrix3Xd& lights);
+
+/// The rectangle that the camera sees, as two triangles: in the plane through the object's origin that faces it, or a
+/// metre away where the origin is not before the camera. Throws ConfigError for a lens with distortion.
+Mesh picture_plane(const PosedCamera& camera);
+
+/// Pixel of the camera's image at barycentric (u, v) of a triangle of its picture plane.
+Eigen::Vector2f picture_place(const ImageSize& size, std::uint32_t triangle, float u, float v);
+
+/// Why a light cannot be asked of, or be added to, a scene whose lights are of `kind`; empty: it can.
+std::string light_error(const LightState& light, LightKind kind);
+
+}  // namespace sheen

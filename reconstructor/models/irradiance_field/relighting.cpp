@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/irradiance_field/relighting.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "common/image/color.h"
+
+namespace sheen {
+namespace {
+
+using TilePixels = Eigen::Matrix<float, kTilePixels, 1>;
+
+constexpr int kTableSteps = 16;  // per grey level: linear interpolation is off by less than 1e-7
+
+const std::vector<float>& decoding_table() {
+  static const std::vector<float> table = [] {
+    std::vector<float> values;
+    for (int i = 0; i <= 255 * kTableSteps + 1; ++i)
+      values.push_back(srgb_decode(static_cast<float>(i) / (255.0f * kTableSteps)));
+    return values;
+  }();
+  return table;
+}
+
+float decoded(float level, const std::vector<float>& table) {
+  if (!(level > 0)) return 0;
+  if (level >= 255) return srgb_decode(level / 255);
+  const float at = level * kTableSteps;
+  const auto i = static_cast<std::size_t>(at);
+  return table[i] + (at - static_cast<float>(i)) * (table[i + 1] - table[i]);
+}
+
+}  // namespace
+
+Relighting::Relighting(const FieldTerms& field) : size_(field.size), tiles_(tile_grid(field.size).tiles()) {
+  for (std::size_t c = 0; c < basis_.size(); ++c) basis_[c] = field.components[c].basis;
+  tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) {
+    Tile& tile = tiles_[i];
+    const auto first = static_cast<Eigen::Index>(i) * kTilePixels;
+    for (std::size_t c = 0; c < basis_.size(); ++c)
+      for (Eigen::Index t = 0; t < basis_[c].cols(); ++t)
+        if (!field.components[c].coefs.col(t).segment<kTilePixels>(first).isZero(0))
+          tile.terms[c].push_back(static_cast<std::uint16_t>(t));
+    tile.pixels.resize((tile.terms[0].size() + tile.terms[1].size() + tile.terms[2].size()) * kTilePixels);
+    float* pixels = tile.pixels.data();
+    for (std::size_t c = 0; c < basis_.size(); ++c)
+      for (const std::uint16_t t : tile.terms[c]) {
+        tile_from_frequencies(field.components[c].coefs.col(t).data() + first, pixels);
+        pixels += kTilePixels;
+      }
+  });
+}
+
+ImageF Relighting::encoded_picture(const Eigen::VectorXf& weights) const {
+  std::array<Eigen::VectorXf, 3> amounts;
+  for (std::size_t c = 0; c < basis_.size(); ++c) amounts[c] = basis_[c].transpose() * weights;
+  const Eigen::Matrix3f colour_of_component = component_of_colour().transpose();
+  const auto across = static_cast<std::size_t>(tile_grid(size_).across);
+  ImageF picture(size_.width, size_.height, 3);
+  tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) {
+    const Tile& tile = tiles_[i];
+    Eigen::Matrix<float, kTilePixels, 3> sums = Eigen::Matrix<float, kTilePixels, 3>::Zero();
+    const float* pixels = tile.pixels.data();
+    for (std::size_t c = 0; c < amounts.size(); ++c)
+      for (const std::uint16_t t : tile.terms[c]) {
+        sums.col(static_cast<Eigen::Index>(c)) += amounts[c][t] * Eigen::Map<const TilePixels>(pixels);
+        pixels += kTilePixels;
+      }
+    const int left = kTileSide * static_cast<int>(i % across), top = kTileSide * static_cast<int>(i / across);
+    for (int y = 0; y < std::min(kTileSide, size_.height - top); ++y)
+      for (int x = 0; x < std::min(kTileSide, size_.width - left); ++x)
+        Eigen::Map<Eigen::Vector3f>(picture.pixel(left + x, top + y)) =
+            colour_of_component * sums.row(y * kTileSide + x).transpose();
+  });
+  return picture;
+}
+
+std::vector<std::size_t> Relighting::ranks() const {
+  std::vector<std::size_t> ranks;
+  for (const Tile& tile : tiles_) ranks.push_back(tile.pixels.size() / kTilePixels);
+  return ranks;
+}
+
+std::size_t Relighting::bytes() const {
+  std::size_t bytes = 0;
+  for (const Tile& tile : tiles_) bytes += tile.pixels.size() * sizeof(float);
+  return bytes;
+}
+
+void decode_levels(ImageF& picture) {
+  const std::vector<float>& table = decoding_table();
+  tbb::parallel_for(0, picture.height(), [&](int y) {
+    float* row = picture.row(y);
+    std::transform(row, row + std::ptrdiff_t{picture.width()} * picture.channels(), row,
+                   [&](float level) { return decoded(level, table); });
+  });
+}
+
+}  // namespace sheen

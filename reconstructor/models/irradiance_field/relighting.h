@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/image/image.h"
+#include "reconstructor/models/irradiance_field/field_terms.h"
+
+namespace sheen {
+
+/// The terms as maps of pixels, ready to be summed: each tile has those alone that are not zero in it. Immutable.
+class Relighting {
+ public:
+  explicit Relighting(const FieldTerms& field);
+
+  /// The picture that is this weighted sum of the images, sRGB-encoded in grey levels of 255, not clamped; 3 channels.
+  ImageF encoded_picture(const Eigen::VectorXf& weights) const;
+  /// Number of terms of each tile, all colour components together.
+  std::vector<std::size_t> ranks() const;
+  std::size_t bytes() const;
+
+ private:
+  struct Tile {
+    std::array<std::vector<std::uint16_t>, 3> terms;  ///< per component: which
+    std::vector<float> pixels;                        ///< kTilePixels of each of them, in that order
+  };
+  ImageSize size_;
+  std::array<Eigen::MatrixXf, 3> basis_;  ///< n x terms
+  std::vector<Tile> tiles_;
+};
+
+/// Linear radiance of encoded grey levels; below 0 becomes 0.
+void decode_levels(ImageF& picture);
+
+}  // namespace sheen
