@@ -156,11 +156,11 @@ class Planner {
   std::map<std::uint64_t, IndexRow> taken_;
   std::set<Identity> known_;
   SessionRepair repair_;
-  Finding added_{"that were missing in the index, added from the files"},
+  Finding added_{"missing from the index, added from the files"},
       mended_{"with a wrong index entry, read from the file again"},
       damaged_{"damaged; put back a copy of the file, or withdraw it with undo"},
       missing_{"without a file; put the file back, or withdraw it with undo"}, aside_{"set aside"},
-      dropped_{"that do not exist, dropped from the index"};
+      dropped_{"that never existed, dropped from the index"};
 };
 
 }  // namespace

@@ -133,8 +133,7 @@ TEST_F(Undo, ADamagedFileIsListedAndLeftOutAndALostLogCostsNothing) {
   const Json again = build(temp_.path() / "again");
   EXPECT_EQ(again["frames"]["accepted"], 13);
   expect_same_model(temp_.path() / "again", temp_.path() / "never_saw");
-  undo({"--last"},
-       {"capture 14 is withdrawn", "15 captures that were missing in the index", "00000005.capture.damaged"});
+  undo({"--last"}, {"capture 14 is withdrawn", "15 captures missing from the index", "00000005.capture.damaged"});
 }
 
 TEST_F(Undo, WhatIsNotThereIsNamed) {
