@@ -85,7 +85,8 @@ Notes notes_of(const ChunkFormat& format, std::string_view encoded, const std::s
 
 Chunks::Chunks(const ChunkFormat& format, std::string_view bytes, std::string file)
     : rest_(bytes), file_(std::move(file)) {
-  if (!bytes.starts_with(format.magic)) throw FileError(file_, "is not a file of the kind " + std::string(format.title));
+  if (!bytes.starts_with(format.magic))
+    throw FileError(file_, "is not a file of the kind " + std::string(format.title));
   std::uint32_t version = 0;
   if (bytes.size() < format.magic.size() + sizeof version) throw FileError(file_, "is cut short");
   std::memcpy(&version, bytes.data() + format.magic.size(), sizeof version);

@@ -96,6 +96,16 @@ std::size_t Relighting::bytes() const {
   return bytes;
 }
 
+ImageU8 rounded_levels(const ImageF& picture) {
+  ImageU8 rounded(picture.width(), picture.height(), picture.channels());
+  tbb::parallel_for(0, picture.height(), [&](int y) {
+    const float* row = picture.row(y);
+    std::transform(row, row + std::ptrdiff_t{picture.width()} * picture.channels(), rounded.row(y),
+                   [](float level) { return static_cast<std::uint8_t>(std::clamp(level, 0.0f, 255.0f) + 0.5f); });
+  });
+  return rounded;
+}
+
 void decode_levels(ImageF& picture) {
   const std::vector<float>& table = decoding_table();
   tbb::parallel_for(0, picture.height(), [&](int y) {

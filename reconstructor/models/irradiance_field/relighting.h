@@ -33,6 +33,8 @@ class Relighting {
   std::vector<Tile> tiles_;
 };
 
+/// Grey levels in 8 bits, clamped.
+ImageU8 rounded_levels(const ImageF& picture);
 /// Linear radiance of encoded grey levels; below 0 becomes 0.
 void decode_levels(ImageF& picture);
 
