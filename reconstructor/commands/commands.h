@@ -21,5 +21,6 @@ void add_monitor_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 void add_tradeoff_command(CLI::App& app);
 void add_figures_command(CLI::App& app);
+void add_plan_lights_command(CLI::App& app);
 
 }  // namespace sheen

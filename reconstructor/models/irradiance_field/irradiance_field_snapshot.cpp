@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/base/errors.h"
+#include "common/image/color.h"
 #include "reconstructor/models/irradiance_field/compress.h"
 #include "reconstructor/models/irradiance_field/field_file.h"
 
@@ -71,6 +72,11 @@ ImageF IrradianceFieldSnapshot::picture(const LightState& light) const {
   if (light.rgb != Eigen::Vector3f::Ones())
     for (std::size_t i = 0; i < picture.size(); ++i) picture.data()[i] *= light.rgb[static_cast<Eigen::Index>(i % 3)];
   return picture;
+}
+
+ImageU8 IrradianceFieldSnapshot::screen_picture(const LightState& light) const {
+  if (empty() || light.rgb != Eigen::Vector3f::Ones()) return to_srgb8(picture(light));
+  return rounded_levels(relighting_->encoded_picture(weights(light)));
 }
 
 std::unique_ptr<ViewShader> IrradianceFieldSnapshot::shader_for(const ViewQuery& query) const {

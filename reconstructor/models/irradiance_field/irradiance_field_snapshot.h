@@ -24,6 +24,9 @@ class IrradianceFieldSnapshot : public ModelSnapshot {
   /// Linear radiance, 3 channels, of the camera's picture. Throws ConfigError for a light of another kind than those
   /// that the images were taken in.
   ImageF picture(const LightState& light) const;
+  /// The same for a screen: 8-bit sRGB, what `to_srgb8` makes of it but for rounding. In white light levels are not
+  /// decoded first: half the time.
+  ImageU8 screen_picture(const LightState& light) const;
   const LitScene& scene() const { return scene_; }
   const QuantisedField& field() const { return *field_; }
 

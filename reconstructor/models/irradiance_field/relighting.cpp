@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/image/color.h"
 
@@ -11,6 +12,7 @@ namespace sheen {
 namespace {
 
 using TilePixels = Eigen::Matrix<float, kTilePixels, 1>;
+using TileNumbers = Eigen::Matrix<std::int16_t, kTilePixels, 1>;
 
 constexpr int kTableSteps = 16;  // per grey level: linear interpolation is off by less than 1e-7
 
@@ -43,12 +45,15 @@ Relighting::Relighting(const FieldTerms& field) : size_(field.size), tiles_(tile
       for (Eigen::Index t = 0; t < basis_[c].cols(); ++t)
         if (!field.components[c].coefs.col(t).segment<kTilePixels>(first).isZero(0))
           tile.terms[c].push_back(static_cast<std::uint16_t>(t));
-    tile.pixels.resize((tile.terms[0].size() + tile.terms[1].size() + tile.terms[2].size()) * kTilePixels);
-    float* pixels = tile.pixels.data();
     for (std::size_t c = 0; c < basis_.size(); ++c)
       for (const std::uint16_t t : tile.terms[c]) {
-        tile_from_frequencies(field.components[c].coefs.col(t).data() + first, pixels);
-        pixels += kTilePixels;
+        TilePixels pixels;
+        tile_from_frequencies(field.components[c].coefs.col(t).data() + first, pixels.data());
+        constexpr float kLargest = 32767;
+        const float scale = pixels.cwiseAbs().maxCoeff() / kLargest;
+        tile.scales.push_back(scale);
+        for (const float pixel : pixels)
+          tile.pixels.push_back(scale > 0 ? static_cast<std::int16_t>(std::lround(pixel / scale)) : std::int16_t{0});
       }
   });
 }
@@ -62,10 +67,12 @@ ImageF Relighting::encoded_picture(const Eigen::VectorXf& weights) const {
   tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) {
     const Tile& tile = tiles_[i];
     Eigen::Matrix<float, kTilePixels, 3> sums = Eigen::Matrix<float, kTilePixels, 3>::Zero();
-    const float* pixels = tile.pixels.data();
+    const std::int16_t* pixels = tile.pixels.data();
+    const float* scale = tile.scales.data();
     for (std::size_t c = 0; c < amounts.size(); ++c)
       for (const std::uint16_t t : tile.terms[c]) {
-        sums.col(static_cast<Eigen::Index>(c)) += amounts[c][t] * Eigen::Map<const TilePixels>(pixels);
+        sums.col(static_cast<Eigen::Index>(c)) +=
+            *scale++ * amounts[c][t] * Eigen::Map<const TileNumbers>(pixels).cast<float>();
         pixels += kTilePixels;
       }
     const int left = kTileSide * static_cast<int>(i % across), top = kTileSide * static_cast<int>(i / across);
@@ -79,14 +86,24 @@ ImageF Relighting::encoded_picture(const Eigen::VectorXf& weights) const {
 
 std::vector<std::size_t> Relighting::ranks() const {
   std::vector<std::size_t> ranks;
-  for (const Tile& tile : tiles_) ranks.push_back(tile.pixels.size() / kTilePixels);
+  for (const Tile& tile : tiles_) ranks.push_back(tile.scales.size());
   return ranks;
 }
 
 std::size_t Relighting::bytes() const {
   std::size_t bytes = 0;
-  for (const Tile& tile : tiles_) bytes += tile.pixels.size() * sizeof(float);
+  for (const Tile& tile : tiles_) bytes += tile.pixels.size() * sizeof(std::int16_t);
   return bytes;
+}
+
+ImageU8 rounded_levels(const ImageF& picture) {
+  ImageU8 rounded(picture.width(), picture.height(), picture.channels());
+  tbb::parallel_for(0, picture.height(), [&](int y) {
+    const float* row = picture.row(y);
+    std::transform(row, row + std::ptrdiff_t{picture.width()} * picture.channels(), rounded.row(y),
+                   [](float level) { return static_cast<std::uint8_t>(std::clamp(level, 0.0f, 255.0f) + 0.5f); });
+  });
+  return rounded;
 }
 
 void decode_levels(ImageF& picture) {

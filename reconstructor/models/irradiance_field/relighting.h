@@ -20,18 +20,21 @@ class Relighting {
   ImageF encoded_picture(const Eigen::VectorXf& weights) const;
   /// Number of terms of each tile, all colour components together.
   std::vector<std::size_t> ranks() const;
-  std::size_t bytes() const;
+  std::size_t bytes() const;  ///< of the maps
 
  private:
   struct Tile {
     std::array<std::vector<std::uint16_t>, 3> terms;  ///< per component: which
-    std::vector<float> pixels;                        ///< kTilePixels of each of them, in that order
+    std::vector<float> scales;                        ///< of each of them, in that order
+    std::vector<std::int16_t> pixels;                 ///< kTilePixels of each: what a picture reads is halved so
   };
   ImageSize size_;
   std::array<Eigen::MatrixXf, 3> basis_;  ///< n x terms
   std::vector<Tile> tiles_;
 };
 
+/// Grey levels in 8 bits, clamped.
+ImageU8 rounded_levels(const ImageF& picture);
 /// Linear radiance of encoded grey levels; below 0 becomes 0.
 void decode_levels(ImageF& picture);
 

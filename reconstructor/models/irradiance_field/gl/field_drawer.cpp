@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "common/image/color.h"
-
 namespace sheen {
 namespace {
 
@@ -47,7 +45,7 @@ void FieldDrawer::relight(const Eigen::Vector3d& from) {
   LightState light{.kind = shown_->scene().kind, .position = from};
   // A lamp as far away as those of the images were.
   if (light.kind == LightKind::kPoint) light.position *= shown_->scene().lights.colwise().norm().mean();
-  const ImageU8 picture = to_srgb8(shown_->picture(light));
+  const ImageU8 picture = shown_->screen_picture(light);
   glBindTexture(GL_TEXTURE_2D, texture_.id());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, picture.width(), picture.height(), 0, GL_RGB, GL_UNSIGNED_BYTE,

@@ -49,6 +49,22 @@ TEST(IrradianceFieldTest, RelightsALambertianSurface) {
   }
 }
 
+TEST(IrradianceFieldTest, TheScreensPictureIsTheSameButForRounding) {
+  const LambertianRelief relief;
+  const auto snapshot = relief.model(dome_of_lights())->snapshot();
+  for (const Eigen::Vector3f& rgb : {Eigen::Vector3f(1, 1, 1), Eigen::Vector3f(1, 0.5f, 3)}) {
+    const ImageU8 shown = field_of(snapshot).screen_picture(directional({0.2, 0.3, 0.9}, rgb)),
+                  expected = to_srgb8(field_of(snapshot).picture(directional({0.2, 0.3, 0.9}, rgb)));
+    ASSERT_EQ(shown.size(), expected.size());
+    int differ = 0;
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      ASSERT_LE(std::abs(shown.data()[i] - expected.data()[i]), 1);
+      differ += shown.data()[i] != expected.data()[i];
+    }
+    EXPECT_LE(differ, 5);
+  }
+}
+
 TEST(IrradianceFieldTest, ColouredLightScalesRadiance) {
   const LambertianRelief relief;
   const auto snapshot = relief.model(dome_of_lights())->snapshot();

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light that moves, as a user has it: a list of lights is built, scored, rendered, compressed and drawn.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "common/base/files.h"
+#include "common/image/color.h"
+#include "common/image/image_io.h"
+#include "common/image/linear_reader.h"
+#include "tests/loopback/ball_dataset.h"
+#include "tests/loopback/daemons.h"
+#include "tests/support/temp_folder.h"
+
+namespace sheen::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// A matt ball on a grey ground in far light, without shadows.
+ImageU8 matt_ball(const Eigen::Vector3d& light) {
+  constexpr int kWidth = 60, kHeight = 44;
+  ImageF image(kWidth, kHeight, 3);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const double u = (x - 30) / 36.0, v = (22 - y) / 36.0, r = u * u + v * v;
+      const Eigen::Vector3d normal = r < 0.25 ? Eigen::Vector3d(u, v, std::sqrt(1 - r)) : Eigen::Vector3d::UnitZ();
+      const double shade = std::max(0.0, normal.dot(light));
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>((0.3 + 0.3 * c) * shade);
+    }
+  return to_srgb8(image);
+}
+
+class Relighting : public ::testing::Test {
+ protected:
+  Relighting() {
+    write("train", 24, 0);
+    write("test", 5, 0.4);
+  }
+  void write(const std::string& folder, int count, double turn) const {
+    std::string list = std::to_string(count) + "\n";
+    make_folder(temp_.path() / folder);
+    for (int i = 0; i < count; ++i) {
+      const double z = 0.55 + 0.45 * (i + 0.5) / count, s = std::sqrt(1 - z * z), a = 2.4 * i + turn;
+      const Eigen::Vector3d light(s * std::cos(a), s * std::sin(a), z);
+      const std::string name = "light" + std::to_string(i) + ".png";
+      write_png(temp_.path() / folder / name, matt_ball(light));
+      list += name + " " + std::to_string(light.x()) + " " + std::to_string(light.y()) + " " +
+              std::to_string(light.z()) + "\n";
+    }
+    write_file(temp_.path() / folder / "dirs.lp", list);
+  }
+  Outcome build(const Words& more) const {
+    return run_to_end(reconstructor({"build", train_, "--model", "irradiance-field"}) + more);
+  }
+
+  const TempFolder temp_;
+  const fs::path train_ = temp_.path() / "train/dirs.lp", test_ = temp_.path() / "test/dirs.lp",
+                 model_ = temp_.path() / "field.rif";
+};
+
+TEST_F(Relighting, AListIsBuiltScoredAndRendered) {
+  const fs::path report = temp_.path() / "build.json", scores = temp_.path() / "scores.json",
+                 out = temp_.path() / "out";
+  expect_outcome(build({"--out", model_, "--bytes", "20kB", "--json", report}), 0, {"24 images folded in"});
+  EXPECT_LE(fs::file_size(model_), 20000u);
+  const Json built = Json::parse(read_file(report));
+  EXPECT_EQ(built["settings"]["model"], "irradiance_field");
+  EXPECT_EQ(built["frames"]["accepted"], 24);
+  EXPECT_EQ(built["file"]["bytes"], fs::file_size(model_));
+
+  expect_outcome(run_to_end(reconstructor({"evaluate", model_, test_, "--json", scores})), 0,
+                 {"light4.png", "mean over 5 lights"});
+  const Json scored = Json::parse(read_file(scores));
+  EXPECT_EQ(scored["views"].size(), 5u);
+  EXPECT_GT(scored["object"]["psnr_db"], 40);
+  EXPECT_GT(scored["object"]["psnr_db"].get<double>(), scored["constant"]["psnr_db"].get<double>() + 10);
+
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--lights", test_, "--out", out})), 0,
+                 {"5 pictures rendered"});
+  const ImageU8 picture = to_srgb8(to_linear_rgb(read_image(out / "light3.png"))),
+                truth = to_srgb8(to_linear_rgb(read_image(temp_.path() / "test/light3.png")));
+  ASSERT_EQ(picture.size(), truth.size());
+  double squares = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) squares += std::pow(picture.data()[i] - truth.data()[i], 2);
+  const double db = 10 * std::log10(255 * 255 * static_cast<double>(truth.size()) / squares);
+  EXPECT_NEAR(db, scored["views"][3]["psnr_db"].get<double>(), 1e-6) << "what is scored is what is rendered";
+  EXPECT_TRUE(fs::exists(out / "light3.exr"));
+}
+
+TEST_F(Relighting, AFolderIsCompressedLater) {
+  const fs::path folder = temp_.path() / "model";
+  expect_outcome(build({"--out", folder}), 0, {"24 images folded in"});
+  expect_outcome(run_to_end(reconstructor({"compress", folder, "--out", model_, "--bytes", "20kB"})), 0, {});
+  EXPECT_LE(fs::file_size(model_), 20000u);
+  expect_outcome(run_to_end(reconstructor({"evaluate", model_, test_})), 0, {"mean over 5 lights"});
+}
+
+TEST_F(Relighting, IsDrawnInTheLightOfTheMouse) {
+  expect_outcome(build({"--out", model_, "--bytes", "20kB"}), 0, {});
+  const fs::path picture = temp_.path() / "window.png";
+  const Outcome outcome = run_to_end(Words{SHEEN_WITH_XVFB} +
+                                     reconstructor({"view", model_, "--screenshot", picture, "--size", "240x176"}));
+  if (outcome.output.find("without a display") != std::string::npos) GTEST_SKIP() << "no Xvfb here";
+  expect_outcome(outcome, 0, {});
+  const ImageU8 shown = to_srgb8(to_linear_rgb(read_image(picture)));
+  const auto* middle = shown.pixel(120, 88);
+  EXPECT_GT(middle[2], middle[1]);
+  EXPECT_GT(middle[1], middle[0] + 20) << "the ball's colour";
+}
+
+TEST_F(Relighting, WrongUseIsTold) {
+  expect_outcome(run_to_end(reconstructor({"build", train_, "--out", model_})), 2,
+                 {"--mesh is required", "irradiance-field"});
+  expect_outcome(build({"--out", model_, "--mesh", "x.ply"}), 2, {"--mesh", "makes its own surface"});
+  expect_outcome(run_to_end(reconstructor({"build", train_, "--model", "hologram"})), 2,
+                 {"--model must be one of", "\"irradiance_field\"", "not hologram"});
+  expect_outcome(build({"--out", model_, "--bytes", "20kB"}), 0, {});
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--out", temp_.path() / "out"})), 2,
+                 {"--cameras is required"});
+  const fs::path positions = temp_.write("near.lp", "1\na.png 0 0 3\n");
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--lights", positions, "--out", temp_.path() / "out"})), 2,
+                 {"positions of near lights", "built from directions"});
+  std::string damaged = read_file(model_);
+  damaged[damaged.size() / 2] ^= 1;
+  const fs::path broken = temp_.write("broken.rif", damaged);
+  expect_outcome(run_to_end(reconstructor({"render", broken, "--lights", test_, "--out", temp_.path() / "out"})), 1,
+                 {"broken.rif", "is damaged"});
+}
+
+TEST_F(Relighting, OtherModelsHaveOneLight) {
+  const BallDataset data{.folder = temp_.path() / "ball", .views = 6};
+  data.write();
+  const fs::path model = temp_.path() / "model";
+  expect_outcome(run_to_end(reconstructor({"build", data.folder, "--mesh", data.mesh(), "--out", model})), 0, {});
+  expect_outcome(run_to_end(reconstructor({"render", model, "--lights", test_, "--out", temp_.path() / "out"})), 2,
+                 {"one fixed light"});
+  expect_outcome(run_to_end(reconstructor({"evaluate", model, test_})), 2, {"one fixed light"});
+}
+
+TEST(PlanLights, SaysTheSpacingAndWhatItDoesNotCover) {
+  const TempFolder temp;
+  const fs::path report = temp.path() / "plan.json";
+  expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "2", "--tolerance", "16", "--json", report})),
+                 0, {"lights on a grid", "cast shadows", "horizon"});
+  const Json plan = Json::parse(read_file(report));
+  EXPECT_DOUBLE_EQ(plan["spacing_on_grid_m"], 2 * std::sqrt(4 * 16 / 255.0 / 3));
+  expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "2", "--brdf", "lafortune:2:0,1:20"})), 0, {});
+  for (const char* brdf : {"mirror", "lafortune:", "lafortune:0.5", "lafortune:-1:2", "lafortune:1:2,"})
+    expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "2", "--brdf", brdf})), 2, {"--brdf takes"});
+}
+
+}  // namespace
+}  // namespace sheen::testing
