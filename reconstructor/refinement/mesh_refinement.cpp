@@ -35,7 +35,10 @@ constexpr float kLeastAgreement = 0.5f;  // mean correlation of the images about
 /// Standard deviations of the displacement's slope along the surface, of which one is chosen. More would fold it.
 constexpr std::array kSlopes{0.3, 0.1, 0.03};
 constexpr double kMaskSigma_px = 1, kSilhouetteSigma_px = 1.5;  // outline of a mask, of the mesh as it was given
-constexpr double kSignificant = 2;              // standard deviations that a displacement must exceed to be made
+constexpr double kSignificant = 2;  // standard deviations that a displacement must exceed to be made
+/// Standard deviation of what all images get wrong alike (highlights, what filters do to edges), patch spacings: the
+/// halves cannot show it.
+constexpr double kCommonError = 0.25;
 constexpr double kMedianOfChiSquared = 0.4549;  // of one degree of freedom
 
 double mean(const std::vector<float>& values) {
@@ -137,6 +140,8 @@ Estimate estimate(const MeshEdges& edges, const NormalSweep& sweep, const Rims& 
     all.add(from_given(rims.held));
     result.field = most_probable_field(edges, all, prior, round == kNeighbourRounds);
   }
+  for (Eigen::Index v = 0; v < result.field.variance.size(); ++v)
+    result.field.variance[v] += std::pow(kCommonError * shape.spacing[v], 2);
   return result;
 }
 

@@ -147,8 +147,7 @@ ExpectedPatch NormalSweep::expected(std::size_t vertex, int place) const {
   ExpectedPatch expected;
   const float weight = a.weight + b.weight;
   if (!(weight > 0)) return expected;
-  for (int s = 0; s < kPatchPoints; ++s)
-    expected.values[s] = (a.patch[place][s] + b.patch[place][s]) / weight;
+  for (int s = 0; s < kPatchPoints; ++s) expected.values[s] = (a.patch[place][s] + b.patch[place][s]) / weight;
   expected.energy = energy(vertex, kBoth)[place];
   return expected;
 }

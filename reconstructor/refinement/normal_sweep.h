@@ -25,8 +25,8 @@ struct ExpectedPatch {
 
 /// How well the images agree about each vertex's patch, at each place along the normal. Every image is one of two
 /// halves, whose disagreement tells how much an answer is worth.
-/// An image that showed something else (a highlight, what hides the place) has a lower weight, by Cauchy's rule from its
-/// distance to what an earlier pass expects.
+/// An image that showed something else (a highlight, what hides the place) has a lower weight, by Cauchy's rule from
+/// its distance to what an earlier pass expects.
 ///
 /// p_i(k) is what image i shows of a patch at place k, less its mean, over its contrast. What is kept is the sums of
 /// w, w |p|^2 and w p over images; the images' squared distance from their mean follows exactly:
