@@ -19,8 +19,15 @@
 namespace sheen {
 namespace {
 
-/// From coarse to fine, pixels between the points of a patch: a sweep reaches four of them to either side.
-constexpr std::array kSpacings_px{4.0, 4.0, 2.0, 2.0, 1.0, 1.0};
+/// From coarse to fine: pixels between the points of a patch, of which a sweep reaches four to either side, and how
+/// often the surface that patches lie on is smoothed. A rough mesh has shape by the time that its edges are believed.
+struct PassPlan {
+  double spacing_px;
+  int smoothing;
+};
+constexpr std::array<PassPlan, 7> kPasses{{{4, 2}, {4, 2}, {2, 1}, {2, 1}, {1, 1}, {1, 1}, {1, 0}}};
+/// Patch spacings by which the surface may be off where a patch is seen; more where patches are smoother than it.
+constexpr double kClearance = 1, kClearanceOfSmoothing = 0.5;
 /// Energy per squared spacing that draws the choice among several minima towards no move, or to what neighbours say.
 constexpr double kPull = 0.004, kPullOfNeighbours = 0.016;
 constexpr int kNeighbourRounds = 2;
@@ -28,7 +35,10 @@ constexpr float kLeastAgreement = 0.5f;  // mean correlation of the images about
 /// Standard deviations of the displacement's slope along the surface, of which one is chosen. More would fold it.
 constexpr std::array kSlopes{0.3, 0.1, 0.03};
 constexpr double kMaskSigma_px = 1, kSilhouetteSigma_px = 1.5;  // outline of a mask, of the mesh as it was given
-constexpr double kSignificant = 2;              // standard deviations that a displacement must exceed to be made
+constexpr double kSignificant = 2;  // standard deviations that a displacement must exceed to be made
+/// Standard deviation of what all images get wrong alike (highlights, what filters do to edges), patch spacings: the
+/// halves cannot show it.
+constexpr double kCommonError = 0.25;
 constexpr double kMedianOfChiSquared = 0.4549;  // of one degree of freedom
 
 double mean(const std::vector<float>& values) {
@@ -65,17 +75,19 @@ PassShape shape_of_pass(double spacing_px, const std::vector<float>& footprints,
   return shape;
 }
 
+/// Displacements from where the mesh was given; `moved`: what the passes before made of them.
 Observations observe(const NormalSweep& sweep, NormalSweep::Part part, const PassShape& shape,
-                     const Eigen::VectorXd* guide) {
+                     const Eigen::VectorXd& moved, const Eigen::VectorXd* guide) {
   Observations observed(static_cast<Eigen::Index>(shape.spacing.size()));
   tbb::parallel_for(Eigen::Index{0}, observed.value.size(), [&](Eigen::Index v) {
     const double metres = shape.spacing[v];
-    const auto minimum = sweep_minimum(sweep.energy(v, part), sweep.images(v, part), guide ? (*guide)[v] / metres : 0,
-                                       guide ? kPullOfNeighbours : kPull);
+    const auto minimum =
+        sweep_minimum(sweep.energy(v, part), sweep.images(v, part), guide ? ((*guide)[v] - moved[v]) / metres : 0,
+                      guide ? kPullOfNeighbours : kPull);
     if (!minimum) return;
     const int nearest = kSweepReach + static_cast<int>(std::lround(minimum->place));
     if (sweep.agreement(v, nearest) < kLeastAgreement) return;
-    observed.add(v, minimum->place * metres, minimum->information / (metres * metres));
+    observed.add(v, moved[v] + minimum->place * metres, minimum->information / (metres * metres));
   });
   return observed;
 }
@@ -102,9 +114,10 @@ struct Estimate {
   DisplacementField field;
 };
 
-Estimate estimate(const MeshEdges& edges, const NormalSweep& sweep, const Rims& rims, const PassShape& shape) {
-  Observations first = observe(sweep, NormalSweep::kFirst, shape, nullptr);
-  Observations second = observe(sweep, NormalSweep::kSecond, shape, nullptr);
+Estimate estimate(const MeshEdges& edges, const NormalSweep& sweep, const Rims& rims, const PassShape& shape,
+                  const Eigen::VectorXd& moved) {
+  Observations first = observe(sweep, NormalSweep::kFirst, shape, moved, nullptr);
+  Observations second = observe(sweep, NormalSweep::kSecond, shape, moved, nullptr);
   const double factor = overconfidence(first, second);
   const auto weigh = [&](Observations& observed) {
     for (Eigen::Index v = 0; v < observed.information.size(); ++v) observed.information[v] /= factor * shape.overlap[v];
@@ -113,33 +126,48 @@ Estimate estimate(const MeshEdges& edges, const NormalSweep& sweep, const Rims& 
   weigh(second);
   const DisplacementPrior prior = cross_validated(edges, first, second, shape.priors);
 
+  const auto from_given = [&](Observations rim) {
+    rim.value += moved;
+    return rim;
+  };
+
   Estimate result;
   for (int round = 0; round <= kNeighbourRounds; ++round) {
-    result.observed = observe(sweep, NormalSweep::kBoth, shape, round > 0 ? &result.field.value : nullptr);
+    result.observed = observe(sweep, NormalSweep::kBoth, shape, moved, round > 0 ? &result.field.value : nullptr);
     weigh(result.observed);
-    result.observed.add(rims.masked);
+    result.observed.add(from_given(rims.masked));
     Observations all = result.observed;
-    all.add(rims.held);
+    all.add(from_given(rims.held));
     result.field = most_probable_field(edges, all, prior, round == kNeighbourRounds);
   }
+  for (Eigen::Index v = 0; v < result.field.variance.size(); ++v)
+    result.field.variance[v] += std::pow(kCommonError * shape.spacing[v], 2);
   return result;
 }
 
-/// The moves of a pass. What counts is how far a vertex is then from where it was given: it stays there while the
-/// displacements round it are within `kSignificant` standard deviations, and goes nearly all the way far beyond.
-Eigen::VectorXd significant_moves(const MeshEdges& edges, const DisplacementField& field,
-                                  const std::vector<float>& moved) {
-  const Eigen::VectorXd before = Eigen::Map<const Eigen::VectorXf>(moved.data(), field.value.size()).cast<double>();
-  const Eigen::VectorXd total = before + field.value;
-  Eigen::VectorXd moves(total.size());
-  for (Eigen::Index v = 0; v < moves.size(); ++v) {
-    double squares = total[v] * total[v];
-    for (const std::uint32_t n : edges.around(v)) squares += total[n] * total[n];
+/// Where vertices go, from where the mesh was given: a vertex stays there while the displacements round it are within
+/// `kSignificant` standard deviations, and goes nearly all the way far beyond.
+Eigen::VectorXd significant(const MeshEdges& edges, const DisplacementField& field) {
+  Eigen::VectorXd kept = field.value;
+  for (Eigen::Index v = 0; v < kept.size(); ++v) {
+    double squares = field.value[v] * field.value[v];
+    for (const std::uint32_t n : edges.around(v)) squares += field.value[n] * field.value[n];
     squares /= static_cast<double>(edges.around(v).size() + 1);
     const double chance = kSignificant * kSignificant * field.variance[v];
-    moves[v] = (squares > chance ? 1 - chance / squares : 0) * total[v] - before[v];
+    kept[v] *= squares > chance ? 1 - chance / squares : 0;
   }
-  return moves;
+  return kept;
+}
+
+/// What the images show at the place of the sweep that is nearest to where each vertex went.
+std::vector<ExpectedPatch> expected_after(const NormalSweep& sweep, const PassShape& shape,
+                                          const Eigen::VectorXd& moves) {
+  std::vector<ExpectedPatch> expected;
+  for (Eigen::Index v = 0; v < moves.size(); ++v) {
+    const double place = std::clamp(moves[v] / shape.spacing[v], -double(kSweepReach), double(kSweepReach));
+    expected.push_back(sweep.expected(v, kSweepReach + static_cast<int>(std::lround(place))));
+  }
+  return expected;
 }
 
 RefinementPass apply(const Estimate& found, const NormalSweep& sweep, const VertexPatches& patches,
@@ -175,11 +203,14 @@ RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, const 
   const RayScene given(mesh);
   SilhouetteCaster caster;
   std::size_t done = 0;
-  for (const double spacing_px : kSpacings_px) {
+  std::vector<ExpectedPatch> expected;  // of the pass before, where its patches are as large
+  for (std::size_t p = 0; p < kPasses.size(); ++p) {
+    const double spacing_px = kPasses[p].spacing_px;
     const PassShape shape = shape_of_pass(spacing_px, footprints, lengths);
-    const VertexPatches patches(refined.mesh, edges, shape.spacing);
+    const VertexPatches patches(refined.mesh, edges, shape.spacing, kPasses[p].smoothing);
+    const double clearance = kClearance + kClearanceOfSmoothing * kPasses[p].smoothing;
     const RayScene scene(refined.mesh);
-    NormalSweep sweep(refined.mesh, patches);
+    NormalSweep sweep(refined.mesh, patches, clearance, expected);
     const auto vertices = static_cast<Eigen::Index>(mesh.vertices.size());
     Rims rims{Observations(vertices), Observations(vertices)};
     for (std::size_t i = 0; i < images.cameras.size(); ++i) {
@@ -192,11 +223,14 @@ RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, const 
       observe_rims(refined.mesh, patches.normals, scene, view, from_outline,
                    masked ? kMaskSigma_px : kSilhouetteSigma_px, kSweepReach * spacing_px,
                    masked ? rims.masked : rims.held);
-      if (progress) progress(++done, images.cameras.size() * kSpacings_px.size());
+      if (progress) progress(++done, images.cameras.size() * kPasses.size());
     }
-    const Estimate found = estimate(edges, sweep, rims, shape);
-    refined.passes.push_back(
-        apply(found, sweep, patches, significant_moves(edges, found.field, refined.moved), spacing_px, refined));
+    const Eigen::VectorXd moved = Eigen::Map<const Eigen::VectorXf>(refined.moved.data(), vertices).cast<double>();
+    const Estimate found = estimate(edges, sweep, rims, shape, moved);
+    const Eigen::VectorXd moves = significant(edges, found.field) - moved;
+    refined.passes.push_back(apply(found, sweep, patches, moves, spacing_px, refined));
+    const bool same_next = p + 1 < kPasses.size() && kPasses[p + 1].spacing_px == spacing_px;
+    expected = same_next ? expected_after(sweep, shape, moves) : std::vector<ExpectedPatch>{};
   }
   return refined;
 }

@@ -11,7 +11,6 @@
 namespace sheen {
 namespace {
 
-constexpr float kClearance = 1.5f;    // spacings that the surface may be off where a patch is seen
 constexpr float kLeastCosine = 0.3f;  // of the view with the normal: flatter patches show little and are hidden early
 constexpr float kRimMargin = 1.5f;  // patches by which what surrounds one must be seen, too: silhouettes are no texture
 constexpr float kContrastFloor = 0.012f;  // standard deviation of grey, of 1: three levels of 255 are noise
@@ -62,9 +61,18 @@ bool normalise(Patch& patch) {
   return true;
 }
 
+/// 1 where an image shows what is expected, 1/2 where it is as far from it as images are in the mean.
+float trust(const Patch& seen, const ExpectedPatch& expected) {
+  if (!(expected.energy > 0)) return 1;
+  const float squared = (seen - Eigen::Map<const Patch>(expected.values.data())).square().sum();
+  return 1 / (1 + squared / expected.energy);
+}
+
 }  // namespace
 
-NormalSweep::NormalSweep(const Mesh& mesh, const VertexPatches& patches) : mesh_(mesh), patches_(patches) {
+NormalSweep::NormalSweep(const Mesh& mesh, const VertexPatches& patches, double clearance,
+                         std::span<const ExpectedPatch> expected)
+    : mesh_(mesh), patches_(patches), clearance_(static_cast<float>(clearance)), expected_(expected) {
   for (auto& half : halves_) half.resize(mesh.vertices.size());
 }
 
@@ -80,7 +88,7 @@ void NormalSweep::add(const GreyPyramid& image, const PosedCamera& view, const R
     const auto projection = project(view, vertex, normal, spacing);
     if (!projection) return;
     for (const int probe : kPatchProbes)
-      if (!meets_surface(scene, vertex + kRimMargin * offsets[probe], eye, kClearance * spacing / cosine)) return;
+      if (!meets_surface(scene, vertex + kRimMargin * offsets[probe], eye, clearance_ * spacing / cosine)) return;
     const Eigen::Map<const Eigen::Matrix<float, 3, kPatchPoints>> points(offsets.front().data());
     const Eigen::Matrix<float, 2, kPatchPoints> in_image = projection->pixel_from_offset * points;
     const float step_px = std::sqrt((in_image.col(kPatchSide - 1) - in_image.col(0)).norm() *
@@ -95,7 +103,7 @@ void NormalSweep::add(const GreyPyramid& image, const PosedCamera& view, const R
       if (!normalise(seen[k])) return;
     }
     Sums& sums = halves_[half][v];
-    const float weight = cosine;
+    const float weight = cosine * (expected_.empty() ? 1 : trust(seen[kSweepReach], expected_[v]));
     sums.weight += weight;
     ++sums.images;
     for (int k = 0; k < kSweepPlaces; ++k) {
@@ -132,6 +140,16 @@ float NormalSweep::agreement(std::size_t vertex, int place) const {
   const float squares = a.squares[place] + b.squares[place];
   if (!(squares > 0)) return 0;
   return 1 - energy(vertex, kBoth)[place] * (a.weight + b.weight) / squares;
+}
+
+ExpectedPatch NormalSweep::expected(std::size_t vertex, int place) const {
+  const Sums &a = halves_[0][vertex], &b = halves_[1][vertex];
+  ExpectedPatch expected;
+  const float weight = a.weight + b.weight;
+  if (!(weight > 0)) return expected;
+  for (int s = 0; s < kPatchPoints; ++s) expected.values[s] = (a.patch[place][s] + b.patch[place][s]) / weight;
+  expected.energy = energy(vertex, kBoth)[place];
+  return expected;
 }
 
 int NormalSweep::images(std::size_t vertex, Part part) const {

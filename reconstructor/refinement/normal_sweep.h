@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/camera/posed_camera.h"
@@ -16,8 +17,16 @@ namespace sheen {
 inline constexpr int kSweepReach = 4;
 inline constexpr int kSweepPlaces = 2 * kSweepReach + 1;
 
+/// What images showed of a vertex's patch in an earlier pass: less its mean, over its contrast.
+struct ExpectedPatch {
+  std::array<float, kPatchPoints> values{};
+  float energy = 0;  ///< the images' mean squared distance from it; 0: nothing is expected
+};
+
 /// How well the images agree about each vertex's patch, at each place along the normal. Every image is one of two
 /// halves, whose disagreement tells how much an answer is worth.
+/// An image that showed something else (a highlight, what hides the place) has a lower weight, by Cauchy's rule from
+/// its distance to what an earlier pass expects.
 ///
 /// p_i(k) is what image i shows of a patch at place k, less its mean, over its contrast. What is kept is the sums of
 /// w, w |p|^2 and w p over images; the images' squared distance from their mean follows exactly:
@@ -26,7 +35,9 @@ inline constexpr int kSweepPlaces = 2 * kSweepReach + 1;
 /// (1 - w_i / sum w), which is the same at each place.
 class NormalSweep {
  public:
-  NormalSweep(const Mesh& mesh, const VertexPatches& patches);
+  /// `clearance`: patch spacings between a patch and what a ray to it may meet. `expected`: per vertex, or empty.
+  NormalSweep(const Mesh& mesh, const VertexPatches& patches, double clearance,
+              std::span<const ExpectedPatch> expected = {});
 
   /// `half`: 0 or 1. `scene`: of the mesh.
   void add(const GreyPyramid& image, const PosedCamera& view, const RayScene& scene, int half);
@@ -37,6 +48,7 @@ class NormalSweep {
   Energy energy(std::size_t vertex, Part part) const;
   /// Mean correlation of pairs of images with each other at a place, -1 to 1, patches without contrast counting as 0.
   float agreement(std::size_t vertex, int place) const;
+  ExpectedPatch expected(std::size_t vertex, int place) const;
   int images(std::size_t vertex, Part part) const;
   std::size_t vertices() const { return mesh_.vertices.size(); }
 
@@ -49,6 +61,8 @@ class NormalSweep {
   };
   const Mesh& mesh_;
   const VertexPatches& patches_;
+  float clearance_;
+  std::span<const ExpectedPatch> expected_;
   std::array<std::vector<Sums>, 2> halves_;
 };
 

@@ -13,7 +13,6 @@ namespace sheen {
 namespace {
 
 constexpr int kNormalSmoothing = 2;
-constexpr int kShapeSmoothing = 1;
 constexpr float kSteepest = 1;  // height of a patch's point over its plane, in distances from the middle
 
 std::vector<Eigen::Vector3f> smooth_normals(const Mesh& mesh, const MeshEdges& edges) {
@@ -77,10 +76,10 @@ std::vector<float> pixel_footprints(const Mesh& mesh, std::span<const PosedCamer
   return footprints;
 }
 
-VertexPatches::VertexPatches(const Mesh& mesh, const MeshEdges& edges, std::vector<float> spacing_)
+VertexPatches::VertexPatches(const Mesh& mesh, const MeshEdges& edges, std::vector<float> spacing_, int smoothing)
     : normals(smooth_normals(mesh, edges)), spacing(std::move(spacing_)), offsets(mesh.vertices.size() * kPatchPoints) {
   Mesh support = mesh;
-  support.vertices = smoothed(mesh.vertices, edges, kShapeSmoothing);
+  support.vertices = smoothed(mesh.vertices, edges, smoothing);
   const RayScene scene(support);
   tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t v) {
     const Eigen::Vector3f& n = normals[v];

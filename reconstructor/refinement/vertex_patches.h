@@ -42,8 +42,9 @@ std::vector<float> pixel_footprints(const Mesh& mesh, std::span<const PosedCamer
 /// A patch for each vertex. Its points lie on the mesh as smoothing leaves it, so that a vertex that stands out by
 /// itself does not bend the patches round it.
 struct VertexPatches {
-  /// `spacing`: between neighbouring points of a vertex's patch, metres, per vertex.
-  VertexPatches(const Mesh& mesh, const MeshEdges& edges, std::vector<float> spacing);
+  /// `spacing`: between neighbouring points of a vertex's patch, metres, per vertex. `smoothing`: how often; each time
+  /// rounds off edges that the object may have.
+  VertexPatches(const Mesh& mesh, const MeshEdges& edges, std::vector<float> spacing, int smoothing);
 
   std::vector<Eigen::Vector3f> normals;  ///< unit; a vertex and its patch move along it
   std::vector<float> spacing;

@@ -111,7 +111,7 @@ TEST(RefineMesh, MasksHoldTheRimWhereNothingElseIsSeen) {
   const Photographs photographs({analytic::sphere(kRadius), grey}, 60, -0.98, true);
   const Mesh large = sphere_mesh(1.03f * kRadius, 4);
   const RefinedMesh refined = refine_mesh(large, photographs.images());
-  EXPECT_LT(rms_from_ball(refined.mesh), 0.25 * 0.03 * kRadius);
+  EXPECT_LT(rms_from_ball(refined.mesh), 0.03 * kRadius / 3);
 }
 
 /// Kinds of what is found wrong with a mesh of the ball.
