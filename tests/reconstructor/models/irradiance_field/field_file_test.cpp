@@ -109,7 +109,8 @@ TEST_F(FieldFileTest, AFileThatIsCutShortIsRefused) {
   const std::string bytes = bytes_of(*compressed({.bytes = 12000}));
   for (std::size_t size = 0; size < bytes.size(); size += size < 64 ? 1 : 97)
     EXPECT_THROW(decode_field(std::string_view(bytes).substr(0, size), "field", true), FileError) << size;
-  expect_error([&] { decode_field("sheenSLF" + bytes.substr(8), "field", true); }, {"is no irradiance field"});
+  expect_error([&] { decode_field("sheenSLF" + bytes.substr(8), "field", true); },
+               {"is not a file of the kind irradiance field"});
   std::string other = bytes;
   other[8] = 9;
   expect_error([&] { decode_field(other, "field", true); }, {"version 9"});
