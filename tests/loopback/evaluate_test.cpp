@@ -162,7 +162,7 @@ TEST_F(Evaluate, WhatCannotBeMadeSmallSaysWhy) {
   write_file(small, "sheenSLF, and no more");
   expect_outcome(run_to_end(reconstructor({"evaluate", small, session_})), 1, {"small.slf", "version"});
   write_file(small, "a text");
-  expect_outcome(run_to_end(reconstructor({"view", small})), 1, {"small.slf", "no model"});
+  expect_outcome(run_to_end(reconstructor({"view", small})), 1, {"small.slf", "not a model"});
 }
 
 TEST_F(Evaluate, AModelThatDoesNotSayWhatItIsMadeOfIsRefused) {
