@@ -51,7 +51,7 @@ const std::vector<Room> kReconstructor = {
     {"render", "models|surface|numerics"},
     {"monitor", ""},
     {"evaluation", "render|models|radiance|surface|numerics"},
-    {"effort", "models"},
+    {"effort", "evaluation|render|models|radiance"},
     {"scene", "effort|models"},
     {"capture", "scene|effort|evaluation|monitor|render|models|radiance"},
     {"studies", "effort|evaluation|render|models|radiance|surface|numerics"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/capture/effort_probe.h"
+#include "reconstructor/effort/effort_probe.h"
 
 #include <algorithm>
 #include <cmath>
