@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/base/quantity.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
 #include "common/base/errors.h"
@@ -43,6 +45,26 @@ double parse_length_m(const std::string& option, const std::string& word, const 
 double parse_bytes(const std::string& option, const std::string& word, const std::string& takes) {
   return quantity(option, word, takes,
                   {{"B", 1}, {"kB", 1e3}, {"MB", 1e6}, {"GB", 1e9}, {"KiB", 0x1p10}, {"MiB", 0x1p20}, {"GiB", 0x1p30}});
+}
+
+std::array<int, 2> parse_image_size(const std::string& option, const std::string& word, int least) {
+  constexpr int kMost = 16384;
+  int width = 0, height = 0;
+  const char* const end = word.data() + word.size();
+  const auto [by, width_error] = std::from_chars(word.data(), end, width);
+  const bool two = width_error == std::errc{} && by != end && *by == 'x';
+  const auto [rest, height_error] = std::from_chars(two ? by + 1 : end, end, height);
+  if (!two || height_error != std::errc{} || rest != end || std::min(width, height) < least ||
+      std::max(width, height) > kMost)
+    throw ConfigError(option + " " + word + ": takes WIDTHxHEIGHT, each of " + std::to_string(least) + ".." +
+                      std::to_string(kMost) + " pixels, such as 1280x800");
+  return {width, height};
+}
+
+std::string gigabytes(double bytes) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.1f GB", bytes / 1e9);
+  return text.data();
 }
 
 }  // namespace sheen

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
 
 namespace sheen {
@@ -16,5 +17,11 @@ double parse_decibels(const std::string& option, const std::string& word, const 
 double parse_length_m(const std::string& option, const std::string& word, const std::string& takes);
 /// "500MB" (B, kB, MB, GB, or KiB, MiB, GiB): in bytes.
 double parse_bytes(const std::string& option, const std::string& word, const std::string& takes);
+
+/// "1280x800": width and height in pixels, each of least..16384. Throws ConfigError as above.
+std::array<int, 2> parse_image_size(const std::string& option, const std::string& word, int least);
+
+/// "12.3 GB", for messages.
+std::string gigabytes(double bytes);
 
 }  // namespace sheen

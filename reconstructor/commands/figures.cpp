@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/progress.h"
+#include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
 #include "common/image/image_io.h"
 #include "common/simulation/simulated_rig.h"
@@ -24,7 +26,7 @@ namespace {
 constexpr int kFrames = 130, kWidth = 512, kHeight = 384;  // of the simulated rig
 
 struct FiguresArguments {
-  std::string dataset, mesh, out, rig;
+  std::string dataset, mesh, out, rig, json;
   std::vector<int> only;
   bool quick = false;
   StudyOptions study;
@@ -78,6 +80,7 @@ void figures(const FiguresArguments& arguments) {
   if (arguments.dataset.empty() != arguments.mesh.empty())
     throw ConfigError("a data set needs its --mesh; without both, the simulated rig is used");
   install_stop_signals();
+  ReportFile report(arguments.json);
   const std::filesystem::path out = arguments.out;
   check_writable_folder(out);
   make_folder(out / "images");
@@ -117,6 +120,7 @@ void figures(const FiguresArguments& arguments) {
   std::string page =
       format("# The paper's experiments, run again\n\n%zu training images, %zu held-out views, rank %d.\n",
              experiment.training.size(), experiment.held_out.size(), options.rank);
+  nlohmann::ordered_json findings = nlohmann::ordered_json::array();
   bool drawn = true;
   {
     Progress progress("measuring", all.size());
@@ -126,6 +130,11 @@ void figures(const FiguresArguments& arguments) {
       if (arguments.only.empty() || std::count(arguments.only.begin(), arguments.only.end(), number) > 0) {
         const Figure figure = run();
         page += publish(figure, out, drawn);
+        findings.push_back({{"figure", number},
+                            {"title", figure.title},
+                            {"paper", figure.paper},
+                            {"here", figure.ours},
+                            {"holds", figure.holds}});
         const ProgressPause pause;
         std::printf("figure %d, %s: %s\n  the paper: %s\n  here: %s\n", number, figure.title.c_str(),
                     figure.holds ? "holds" : "DOES NOT HOLD", figure.paper.c_str(), figure.ours.c_str());
@@ -135,6 +144,7 @@ void figures(const FiguresArguments& arguments) {
     }
   }
   write_file(out / "paper_results.md", page);
+  if (report.wanted()) report.write(nlohmann::ordered_json{{"figures", findings}}.dump(2) + "\n");
   if (!drawn) std::fprintf(stderr, "%s\n", kInstallGnuplot);
 }
 
@@ -154,6 +164,7 @@ void add_figures_command(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember({4, 5, 8, 9, 10, 11}));
   command->add_flag("--quick", arguments->quick, "fewer orders, ranks and images, coarser maps");
+  command->add_option("--json", arguments->json, "report to write; - for standard output");
   add_study_options(*command, arguments->study);
   command->callback([arguments] { figures(*arguments); });
 }

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "common/base/errors.h"
+#include "common/base/quantity.h"
 #include "common/geometry/mesh.h"
 #include "common/link/endpoint.h"
 #include "common/link/transport.h"
@@ -59,11 +60,6 @@ int try_connect(const addrinfo& to, std::chrono::milliseconds timeout) {
   }
   ::close(socket);
   return result;
-}
-
-std::string gigabytes(double bytes) {
-  std::string text = std::to_string(bytes / kGigabyte);
-  return text.substr(0, text.find('.') + 2) + " GB";
 }
 
 SetupCheck check_room(const fs::path& folder) {

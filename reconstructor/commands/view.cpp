@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
-#include <array>
-#include <cstdio>
 #include <optional>
 #include <string>
 
 #include "common/base/command_line.h"
 #include "common/base/errors.h"
+#include "common/base/quantity.h"
 #include "common/image/image_io.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
@@ -22,17 +21,8 @@ struct ViewArguments {
   bool reasons = false, states = false;
 };
 
-/// "1280x800"; throws ConfigError.
-std::array<int, 2> parse_size(const std::string& text) {
-  int width = 0, height = 0, used = 0;
-  if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &used) != 2 || used != static_cast<int>(text.size()) ||
-      width < 64 || height < 64 || width > 16384 || height > 16384)
-    throw ConfigError("--size: '" + text + "' is not WIDTHxHEIGHT with sides of 64..16384 pixels, such as 1280x800");
-  return {width, height};
-}
-
 void view(const ViewArguments& arguments) {
-  const auto [width, height] = parse_size(arguments.size);
+  const auto [width, height] = parse_image_size("--size", arguments.size, 64);
   const std::optional<ViewMode> mode = view_mode_from(arguments.mode);
   if (!mode) throw ConfigError("--mode: '" + arguments.mode + "' is not one of light-field, heuristic, split, camera");
   const bool picture_only = !arguments.screenshot.empty();

@@ -3,24 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 
 #include "common/base/errors.h"
+#include "common/base/quantity.h"
 
 namespace sheen {
-namespace {
-
-constexpr double kGigabyte = 1e9;
-
-std::string gigabytes(double bytes) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g GB", bytes / kGigabyte);
-  return text;
-}
-
-}  // namespace
-
 MachineMemory machine_memory() {
   MachineMemory memory;
   std::ifstream in("/proc/meminfo");

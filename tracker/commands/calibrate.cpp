@@ -95,7 +95,7 @@ void add_calibrate_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--out", arguments->out, "camera.json, which a rig's [camera] file reads");
   command->add_option("--plots", arguments->plots, "Folder for plots: RMS of each image, uncertainty, halves");
-  command->add_option("--json", arguments->json, "Write the report there; - for standard output");
+  command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { run(*arguments); });
 }
 

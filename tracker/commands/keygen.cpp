@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
 
 #include "common/link/transport.h"
 #include "tracker/commands/commands.h"
@@ -13,15 +15,24 @@ void add_keygen_command(CLI::App& app) {
   struct Arguments {
     std::filesystem::path out = ".";
     std::string name;
+    bool json = false;
   };
   CLI::App* command = app.add_subcommand("keygen", "Makes a CURVE key pair: NAME.key (secret) and NAME.pub.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("--out", arguments->out, "folder of the key files")->capture_default_str();
   command->add_option("--name", arguments->name, "name of the role or machine")->required();
+  command->add_flag("--json", arguments->json, "print JSON");
   command->callback([arguments] {
     const CurveKeys keys = generate_keys(arguments->out, arguments->name);
-    std::cout << (arguments->out / arguments->name).string() << ".key written; give " << arguments->name
-              << ".pub to the peers: " << keys.public_key << '\n';
+    const std::string file = (arguments->out / arguments->name).string();
+    if (arguments->json)
+      std::cout << nlohmann::ordered_json{{"secret_key_file", file + ".key"},
+                                          {"public_key_file", file + ".pub"},
+                                          {"public_key", keys.public_key}}
+                       .dump(2)
+                << '\n';
+    else
+      std::cout << file << ".key written; give " << arguments->name << ".pub to the peers: " << keys.public_key << '\n';
   });
 }
 

@@ -14,6 +14,7 @@
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/progress.h"
+#include "common/base/quantity.h"
 #include "common/base/stop_signal.h"
 #include "common/session/session.h"
 #include "common/simulation/pose_truth.h"
@@ -32,15 +33,11 @@ struct SimulateArguments {
   bool json = false;
 };
 
-void parse_size(const std::string& text, SimulationOptions& rig) {
-  int used = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%n", &rig.width, &rig.height, &used) != 2 || used != int(text.size()))
-    throw ConfigError("--size \"" + text + "\" is not a size; write it as 1024x768");
-}
-
 void render(SimulateArguments arguments) {
   const EndOnStop give_up("sheen-tracker: stopped; what is rendered is kept, the same command renders the rest");
-  parse_size(arguments.size, arguments.rig);
+  const auto [width, height] = parse_image_size("--size", arguments.size, 16);
+  arguments.rig.width = width;
+  arguments.rig.height = height;
   const auto start = std::chrono::steady_clock::now();
   const CachedRecording result = [&] {
     Progress progress("rendering", static_cast<std::uint64_t>(std::max(0, arguments.rig.frames)));

@@ -89,7 +89,7 @@ void add_stage_survey_command(CLI::App& stage) {
                    "with its standard deviation \"tag 3 to tag 7: 200mm +- 0.1mm\" (0.25 mm where none is given)")
       ->required();
   command->add_option("--out", arguments->out, "The layout as it stands, for the rig's [stage] file");
-  command->add_option("--json", arguments->json, "Write the report there; - for standard output");
+  command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { survey(*arguments); });
 }
 
