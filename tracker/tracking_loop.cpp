@@ -9,6 +9,7 @@
 #include "common/base/bounded_queue.h"
 #include "common/base/clock.h"
 #include "common/base/errors.h"
+#include "common/base/format.h"
 
 namespace sheen {
 namespace {
@@ -46,9 +47,7 @@ std::string calibration_hash(const Camera& c) {
   };
   for (const double value : {double(c.width), double(c.height), c.fx, c.fy, c.cx, c.cy, double(c.lens)}) mix(value);
   for (const double value : c.distortion) mix(value);
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
+  return format("%016llx", static_cast<unsigned long long>(hash));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "common/base/errors.h"
+#include "common/base/format.h"
 
 namespace sheen {
 namespace {
@@ -62,9 +63,7 @@ std::array<int, 2> parse_image_size(const std::string& option, const std::string
 }
 
 std::string gigabytes(double bytes) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.1f GB", bytes / 1e9);
-  return text.data();
+  return format("%.1f GB", bytes / 1e9);
 }
 
 }  // namespace sheen

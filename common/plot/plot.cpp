@@ -9,6 +9,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/plot/gnuplot.h"
 
 namespace sheen {
@@ -19,9 +20,7 @@ constexpr const char* kColours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", 
 constexpr int kPoints[] = {7, 5, 9, 13, 11, 6, 4};
 
 std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
+  return format("%.9g", value);
 }
 
 /// Marks at 1, 2 and 5 of every decade: gnuplot's own leave an axis of less than a decade without any.

@@ -8,6 +8,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/datasets/dataset.h"
 #include "common/image/color.h"
 #include "common/image/exr.h"
@@ -32,15 +33,11 @@ std::string parameters_hash(const SimulationOptions& o) {
        << ' ' << o.bake.bounces << ' ' << o.bake.area_light_samples << ' ' << o.bake.stage_cell_m;
   std::uint64_t hash = 0;
   for (const char c : text.str()) hash = mix_bits(hash ^ static_cast<unsigned char>(c));
-  char hex[17];
-  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(hash));
-  return hex;
+  return format("%016llx", static_cast<unsigned long long>(hash));
 }
 
 std::string frame_name(std::size_t index) {
-  char name[32];
-  std::snprintf(name, sizeof name, "frame_%04zu", index);
-  return name;
+  return format("frame_%04zu", index);
 }
 
 /// The shortest text that reads back as the same number, with a point or an exponent, as JSON and TOML floats have.

@@ -2,10 +2,10 @@
 #include "reconstructor/capture/live_display.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 
+#include "common/base/format.h"
 #include "common/image/color.h"
 #include "common/image/image_io.h"
 #include "common/image/linear_reader.h"
@@ -232,9 +232,7 @@ void LiveDisplay::update_next_view(const Latest& now) {
   const ViewAdvice advice = now.snapshot->advise_next_view(camera_centre(now.capture->pose.camera_from_object));
   next_view_ = NextView{advice.eye, advice.reason, advice.well_known()};
   if (!next_view_->well_known) return;
-  std::array<char, 80> text{};
-  std::snprintf(text.data(), text.size(), "%.0f dB are expected even from the least known place", advice.worst_psnr_db);
-  next_view_->reason = text.data();
+  next_view_->reason = format("%.0f dB are expected even from the least known place", advice.worst_psnr_db);
 }
 
 std::string LiveDisplay::guidance_in_words(const Latest& now) const {

@@ -9,6 +9,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
 #include "common/base/stop_signal.h"

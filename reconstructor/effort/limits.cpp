@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/effort/limits.h"
 
-#include <cstdio>
-
 #include "common/base/errors.h"
+#include "common/base/format.h"
 #include "common/base/quantity.h"
 
 namespace sheen {
 namespace {
 
 std::string text(double value, const char* unit) {
-  char out[48];
-  std::snprintf(out, sizeof out, "%.4g %s", value, unit);
-  return out;
+  return format("%.4g %s", value, unit);
 }
 
 }  // namespace

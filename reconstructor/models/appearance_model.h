@@ -43,6 +43,7 @@ struct ModelFigures {
   std::vector<std::size_t> rank_histogram;  ///< [patches of rank 0, 1, ...], those that no image reached left out
   std::size_t bytes = 0;                    ///< of what it has learned
   double bytes_per_patch = 0;               ///< mean over the patches that an image reached
+  std::string patch_name = "patch";         ///< what this kind of model calls one
 };
 
 struct ModelSettings;

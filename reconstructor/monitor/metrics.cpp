@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/monitor/metrics.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
+
+#include "common/base/format.h"
 
 namespace sheen {
 namespace {
@@ -26,9 +26,7 @@ std::string escaped_label(const std::string& value) {
 std::string number(double value) {
   if (std::isnan(value)) return "NaN";
   if (std::isinf(value)) return value > 0 ? "+Inf" : "-Inf";
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.15g", value);
-  return text.data();
+  return format("%.15g", value);
 }
 
 class Exposition {

@@ -3,12 +3,11 @@
 
 #include <httplib.h>
 
-#include <array>
 #include <chrono>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
+#include "common/base/format.h"
 
 namespace sheen {
 namespace {
@@ -16,13 +15,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::chrono::seconds kTimeout{3};
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-  std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
 
 /// httplib takes any number for a port, and of one that is too large the lower 16 bits.
 void require_port(const std::string& url) {
@@ -47,12 +39,12 @@ std::string described(const Json& status) {
           std::to_string(frames.at("received").get<std::uint64_t>());
   if (const Json& curve = status.at("held_out_curve"); !curve.empty() && curve.back().at("psnr_db").is_number()) {
     const Json& last = curve.back();
-    line += formatted("  %.2f dB", last.at("psnr_db").get<double>());
+    line += format("  %.2f dB", last.at("psnr_db").get<double>());
     if (last.at("constant_psnr_db").is_number())
-      line += formatted(" (constant colour %.2f)", last.at("constant_psnr_db").get<double>());
+      line += format(" (constant colour %.2f)", last.at("constant_psnr_db").get<double>());
   }
   if (const Json& rate = status.at("ingest_images_per_s"); rate.is_number() && rate.get<double>() > 0)
-    line += formatted("  %.1f images/s", rate.get<double>());
+    line += format("  %.1f images/s", rate.get<double>());
   for (const auto& [name, queue] : status.at("queues").items()) {
     line += "  " + name + " " + std::to_string(queue.at("depth").get<std::uint64_t>());
     if (const auto capacity = queue.at("capacity").get<std::uint64_t>(); capacity > 0)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/errors.h"
+#include "common/base/format.h"
 #include "common/base/median.h"
 
 namespace sheen {
@@ -27,14 +28,8 @@ constexpr std::array kUnits{Unit{0.001, "millimetres"}, Unit{0.01, "centimetres"
                             Unit{1000, "kilometres, or the poses millimetres"},
                             Unit{100, "hectometres, or the poses centimetres"}};
 
-std::string text(const char* pattern, double a, double b = 0, double c = 0) {
-  char out[96];
-  std::snprintf(out, sizeof out, pattern, a, b, c);
-  return out;
-}
-
 std::string length_text(double metres) {
-  return metres < 1 ? text("%.3g mm", 1e3 * metres) : text("%.3g m", metres);
+  return metres < 1 ? format("%.3g mm", 1e3 * metres) : format("%.3g m", metres);
 }
 
 bool fits(const BoundingSphere& sphere, double scale, const PosedCamera& view) {
@@ -67,8 +62,8 @@ std::string size_text(const Mesh& mesh) {
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex);
   const Eigen::Vector3d sides = box.sizes().cast<double>();
-  return sides.maxCoeff() < 1 ? text("%.3g x %.3g x %.3g mm", 1e3 * sides.x(), 1e3 * sides.y(), 1e3 * sides.z())
-                              : text("%.3g x %.3g x %.3g m", sides.x(), sides.y(), sides.z());
+  return sides.maxCoeff() < 1 ? format("%.3g x %.3g x %.3g mm", 1e3 * sides.x(), 1e3 * sides.y(), 1e3 * sides.z())
+                              : format("%.3g x %.3g x %.3g m", sides.x(), sides.y(), sides.z());
 }
 
 MeshScale judge_scale(const Mesh& mesh, std::span<const PosedCamera> cameras) {
@@ -84,9 +79,9 @@ MeshScale judge_scale(const Mesh& mesh, std::span<const PosedCamera> cameras) {
   });
   if (judged.fitting <= kHardlyAny && unit != kUnits.end()) {
     judged.remedy = unit->scale;
-    judged.finding += std::string("looks like ") + unit->name + ": scale the mesh by " + text("%g", unit->scale);
+    judged.finding += std::string("looks like ") + unit->name + ": scale the mesh by " + format("%g", unit->scale);
   } else {
-    judged.finding += text("only %.0f %% of them can see it", 100 * judged.fitting) +
+    judged.finding += format("only %.0f %% of them can see it", 100 * judged.fitting) +
                       ": check that mesh and poses are in the same frame and units";
   }
   return judged;

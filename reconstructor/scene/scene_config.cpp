@@ -11,6 +11,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "reconstructor/models/model_registry.h"
 
 namespace sheen {
@@ -30,9 +31,7 @@ SettingValue value_of(const toml::node& node) {
 std::string text_of(const SettingValue& value) {
   if (const auto* whole = std::get_if<std::int64_t>(&value)) return std::to_string(*whole);
   if (const auto* word = std::get_if<std::string>(&value)) return '"' + *word + '"';
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", std::get<double>(value));
-  return text;
+  return format("%.9g", std::get<double>(value));
 }
 
 std::string header_of(SettingTable table, const std::string& model) {
@@ -192,12 +191,8 @@ std::string to_toml(const ModelSettings& settings) {
 
 std::string levels_to_toml(const MeasuredLevels& measured) {
   std::string text;
-  for (const MeasuredLevel& level : measured) {
-    char entry[96];
-    std::snprintf(entry, sizeof entry, "[[effort_level]]\nimage_ms = %.9g\npsnr_db = %.9g\n", level.image_ms,
-                  level.psnr_db);
-    text += entry;
-  }
+  for (const MeasuredLevel& level : measured)
+    text += format("[[effort_level]]\nimage_ms = %.9g\npsnr_db = %.9g\n", level.image_ms, level.psnr_db);
   return text;
 }
 

@@ -2,22 +2,12 @@
 #include "reconstructor/studies/figure.h"
 
 #include <chrono>
-#include <cstdarg>
-#include <cstdio>
 
+#include "common/base/format.h"
 #include "common/image/color.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 namespace sheen {
-
-std::string format(const char* pattern, ...) {
-  char text[4096];
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(text, sizeof text, pattern, arguments);
-  va_end(arguments);
-  return text;
-}
 
 double mean_psnr_db(const std::vector<HeldOutView>& views, const Appearance& model, const RayPainter& painter) {
   double sum = 0;

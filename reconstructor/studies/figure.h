@@ -43,9 +43,6 @@ struct FigureOptions {
 /// Mean PSNR of the object's pixels over views: what `score` calls psnr_db, without the rest.
 double mean_psnr_db(const std::vector<HeldOutView>& views, const Appearance& model, const RayPainter& painter);
 
-/// "%.2f" and the like.
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
-
 /// A batch light field of all training images, and what it took.
 struct BatchRun {
   std::unique_ptr<BatchLightField> columns;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/format.h"
 #include "common/image/color.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/studies/figure.h"

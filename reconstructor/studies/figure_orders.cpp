@@ -4,6 +4,7 @@
 #include <numeric>
 #include <random>
 
+#include "common/base/format.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/studies/figure.h"
 #include "reconstructor/studies/ring_sample.h"

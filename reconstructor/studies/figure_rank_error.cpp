@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "common/base/format.h"
 #include "reconstructor/studies/figure.h"
 #include "reconstructor/studies/ring_sample.h"
 

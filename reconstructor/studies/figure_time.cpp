@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/format.h"
 #include "reconstructor/studies/figure.h"
 
 namespace sheen {

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "common/base/format.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/models/surface_light_field/image_worth.h"
 #include "reconstructor/models/surface_light_field/paper_heuristic.h"

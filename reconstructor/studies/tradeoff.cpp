@@ -6,6 +6,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "common/base/format.h"
 #include "reconstructor/models/surface_light_field/effort_levels.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
@@ -32,9 +33,8 @@ std::vector<Setting> tradeoff_settings(const SurfaceLightFieldOptions& base, boo
   const auto vary = [&](const char* part, const char* key, const auto& values, const auto& set) {
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (quick && i % 2 == 1) continue;
-      char name[64];
-      std::snprintf(name, sizeof name, "%s = %g", key, static_cast<double>(values[i]));
-      add(part, name, [&](SurfaceLightFieldOptions& o) { set(o, values[i]); });
+      add(part, format("%s = %g", key, static_cast<double>(values[i])),
+          [&](SurfaceLightFieldOptions& o) { set(o, values[i]); });
     }
   };
   using Options = SurfaceLightFieldOptions;

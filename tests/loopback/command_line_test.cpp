@@ -53,6 +53,8 @@ TEST_F(CommandLineUse, JsonOnStandardOutputIsOneDocument) {
   EXPECT_EQ(document(reconstructor({"evaluate", model, data_.folder, "--json", "-"}), 0)["views"].size(), 1u);
   EXPECT_EQ(document(track({"--json", "-"}), 1)["frames"]["sent"], 6) << "nobody took them";
   EXPECT_TRUE(document(tracker({"stage", "--out", temp_.path() / "s.svg", "--json"}), 0).contains("tags"));
+  EXPECT_TRUE(
+      document(tracker({"keygen", "--out", temp_.path(), "--name", "desk", "--json"}), 0).contains("public_key"));
 }
 
 TEST_F(CommandLineUse, AFullDiskIsAFailure) {

@@ -70,6 +70,7 @@ TEST_F(Relighting, AListIsBuiltScoredAndRendered) {
   EXPECT_LE(fs::file_size(model_), 20000u);
   const Json built = Json::parse(read_file(report));
   EXPECT_EQ(built["settings"]["model"], "irradiance_field");
+  EXPECT_GT(built["bytes_per_patch"], 0);
   EXPECT_EQ(built["frames"]["accepted"], 24);
   EXPECT_EQ(built["file"]["bytes"], fs::file_size(model_));
 

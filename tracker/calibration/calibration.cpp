@@ -4,10 +4,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 #include "common/base/errors.h"
+#include "common/base/format.h"
 #include "common/base/median.h"
 #include "tracker/pose/pose_solver.h"
 
@@ -206,10 +206,7 @@ bool judge(std::vector<Candidate>& candidates, const Camera& camera, std::span<c
     const auto kept = static_cast<std::size_t>(std::count(good.begin(), good.end(), true));
     std::string reason;
     if (kept < kFewestCorners || static_cast<double>(kept) < options.fewest_kept * static_cast<double>(good.size())) {
-      char text[96];
-      std::snprintf(text, sizeof text, "%zu of %zu corners are off by more than %.2f px", good.size() - kept,
-                    good.size(), limit);
-      reason = text;
+      reason = format("%zu of %zu corners are off by more than %.2f px", good.size() - kept, good.size(), limit);
       good.assign(good.size(), true);
     }
     changed = changed || reason.empty() != candidate.reason.empty() || good != candidate.good;

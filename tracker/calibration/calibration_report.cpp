@@ -2,11 +2,10 @@
 #include "tracker/calibration/calibration_report.h"
 
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/base/format.h"
 #include "common/base/json_number.h"
 #include "common/camera/camera_file.h"
 
@@ -73,22 +72,12 @@ json lenses_json(const CalibrationStudy& study) {
   return lenses;
 }
 
-void print(std::ostream& out, const char* pattern, ...) __attribute__((format(printf, 2, 3)));
-void print(std::ostream& out, const char* pattern, ...) {
-  char text[512];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(text, sizeof text, pattern, values);
-  va_end(values);
-  out << text;
-}
-
 void print_views(std::ostream& out, const Calibration& calibration) {
   out << "image                                corners  used  RMS px\n";
   for (const CalibratedView& view : calibration.views) {
     const std::size_t used = view.used ? static_cast<std::size_t>(view.corners) - view.rejected.size() : 0;
-    print(out, "%-36s %7d %5zu %7.3f%s%s\n", view.name.c_str(), view.corners, used, view.rms_px,
-          view.used ? "" : "  not used: ", view.reason.c_str());
+    out << format("%-36s %7d %5zu %7.3f%s%s\n", view.name.c_str(), view.corners, used, view.rms_px,
+                  view.used ? "" : "  not used: ", view.reason.c_str());
   }
 }
 
@@ -97,10 +86,10 @@ void print_outliers(std::ostream& out, const CalibrationStudy& study) {
   for (const CalibratedView& view : study.calibration.views)
     for (const RejectedCorner& corner : view.rejected)
       if (++all <= kCornersShown) {
-        print(out, "outlier: %s, point %d, off by %.2f px\n", view.name.c_str(), corner.point, corner.error_px);
+        out << format("outlier: %s, point %d, off by %.2f px\n", view.name.c_str(), corner.point, corner.error_px);
         ++shown;
       }
-  if (all > shown) print(out, "and %zu more outliers (--json lists all)\n", all - shown);
+  if (all > shown) out << format("and %zu more outliers (--json lists all)\n", all - shown);
 }
 
 void print_lenses(std::ostream& out, const CalibrationStudy& study) {
@@ -108,10 +97,10 @@ void print_lenses(std::ostream& out, const CalibrationStudy& study) {
   for (const LensComparison& lens : study.lenses) {
     const char* mark = lens.fit == study.calibration.fit ? "  <- used" : "";
     if (!lens.failure.empty())
-      print(out, "%-17s %7d  cannot be estimated\n", lens.fit->name, lens.fit->parameters());
+      out << format("%-17s %7d  cannot be estimated\n", lens.fit->name, lens.fit->parameters());
     else
-      print(out, "%-17s %7d %7.4f  %.4f%s%s\n", lens.fit->name, lens.fit->parameters(), lens.rms_px,
-            lens.cross_validated_px, lens.folds ? "  folds over inside the image" : "", mark);
+      out << format("%-17s %7d %7.4f  %.4f%s%s\n", lens.fit->name, lens.fit->parameters(), lens.rms_px,
+                    lens.cross_validated_px, lens.folds ? "  folds over inside the image" : "", mark);
   }
 }
 
@@ -124,21 +113,22 @@ std::string calibration_text(const CalibrationStudy& study, const ViewAdvice& ad
   print_outliers(out, study);
   print_lenses(out, study);
   const Camera& camera = calibration.camera;
-  print(out, "fx %.2f  fy %.2f  cx %.2f  cy %.2f (f uncertain by %.2f px)\n", camera.fx, camera.fy, camera.cx,
-        camera.cy, std::sqrt(calibration.covariance(0, 0)));
-  print(out, "RMS %.4f px of %d corners used, %.4f px of all found\n", calibration.rms_px, calibration.corners_used(),
-        calibration.rms_all_px);
-  print(out, "uncertainty of a pixel: %.3f px in the middle, %.3f RMS, %.3f at worst\n", study.uncertainty.centre(),
-        study.uncertainty.rms(), study.uncertainty.worst());
+  out << format("fx %.2f  fy %.2f  cx %.2f  cy %.2f (f uncertain by %.2f px)\n", camera.fx, camera.fy, camera.cx,
+                camera.cy, std::sqrt(calibration.covariance(0, 0)));
+  out << format("RMS %.4f px of %d corners used, %.4f px of all found\n", calibration.rms_px,
+                calibration.corners_used(), calibration.rms_all_px);
+  out << format("uncertainty of a pixel: %.3f px in the middle, %.3f RMS, %.3f at worst\n", study.uncertainty.centre(),
+                study.uncertainty.rms(), study.uncertainty.worst());
   if (study.halves)
-    print(out, "two halves of the images differ by %.3f px RMS, %.3f at worst; noise explains %.3f RMS\n",
-          study.halves->difference.rms(), study.halves->difference.worst(), study.halves->expected_rms_px);
+    out << format("two halves of the images differ by %.3f px RMS, %.3f at worst; noise explains %.3f RMS\n",
+                  study.halves->difference.rms(), study.halves->difference.worst(), study.halves->expected_rms_px);
   if (study.shape)
-    print(out, "the target's points, estimated too: %.2f mm out of its plane, %.2f mm along it at most; RMS %.4f px\n",
-          1e3 * study.shape->out_of_plane_m, 1e3 * study.shape->in_plane_m, study.shape->rms_px);
-  print(out, "the target was seen in %.0f %% of the image, turned %.0f to %.0f degrees, nodded %.0f to %.0f\n",
-        100 * advice.covered, advice.least_turn_deg, advice.greatest_turn_deg, advice.least_nod_deg,
-        advice.greatest_nod_deg);
+    out << format(
+        "the target's points, estimated too: %.2f mm out of its plane, %.2f mm along it at most; RMS %.4f px\n",
+        1e3 * study.shape->out_of_plane_m, 1e3 * study.shape->in_plane_m, study.shape->rms_px);
+  out << format("the target was seen in %.0f %% of the image, turned %.0f to %.0f degrees, nodded %.0f to %.0f\n",
+                100 * advice.covered, advice.least_turn_deg, advice.greatest_turn_deg, advice.least_nod_deg,
+                advice.greatest_nod_deg);
   for (const std::string& sentence : advice.next) out << "next view: " << sentence << '\n';
   for (const std::string& sentence : warnings(study)) out << "warning: " << sentence << '\n';
   return out.str();

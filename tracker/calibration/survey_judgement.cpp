@@ -4,10 +4,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 
 #include "common/base/errors.h"
+#include "common/base/format.h"
 #include "tracker/pose/keyframe_gate.h"
 #include "tracker/pose/reprojection.h"
 
@@ -18,16 +17,6 @@ constexpr double kSigmas = 4;
 constexpr double kLeastScale = 0.0005, kLeastShift_m = 0.3e-3, kLeastTilt_deg = 1, kLeastFocal = 0.001;
 constexpr double kHuberPx = 1;
 constexpr std::size_t kFewestForHalves = 10;  ///< images
-
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
-std::string format(const char* pattern, ...) {
-  char text[320];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(text, sizeof text, pattern, values);
-  va_end(values);
-  return text;
-}
 
 /// A number that follows linearly from the corners, with its standard deviation.
 struct Derived {

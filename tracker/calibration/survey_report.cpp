@@ -1,27 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracker/calibration/survey_report.h"
 
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/base/format.h"
 #include "common/base/json_number.h"
 
 namespace sheen {
 namespace {
 
 using nlohmann::json;
-
-void print(std::ostream& out, const char* pattern, ...) __attribute__((format(printf, 2, 3)));
-void print(std::ostream& out, const char* pattern, ...) {
-  char text[512];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(text, sizeof text, pattern, values);
-  va_end(values);
-  out << text;
-}
 
 /// Of a tag of `survey.tags`, that stands on the surveyed stage; null otherwise.
 json left_out(const StageSurvey& survey, const SurveyQuality& quality, int id) {
@@ -62,20 +51,20 @@ json images_json(const StageSurvey& survey) {
 void print_images(std::ostream& out, const StageSurvey& survey) {
   out << "image                                tags  RMS px\n";
   for (const SurveyedImage& image : survey.images)
-    print(out, "%-36s %4d %7.3f%s%s\n", image.name.c_str(), image.tags, image.rms_px,
-          image.used ? "" : "  not used: ", image.reason.c_str());
+    out << format("%-36s %4d %7.3f%s%s\n", image.name.c_str(), image.tags, image.rms_px,
+                  image.used ? "" : "  not used: ", image.reason.c_str());
 }
 
 void print_tags(std::ostream& out, const StageSurvey& survey, const SurveyQuality& quality) {
   out << " tag  images  RMS px  left out px  x mm   y mm   z mm    +-    tilt deg\n";
   for (const SurveyedTag& tag : survey.tags) {
     if (!tag.surveyed) {
-      print(out, "%4d %7d  not surveyed: %s\n", tag.id, tag.images, tag.reason.c_str());
+      out << format("%4d %7d  not surveyed: %s\n", tag.id, tag.images, tag.reason.c_str());
       continue;
     }
-    print(out, "%4d %7d %7.3f %12.3f %6.2f %6.2f %6.2f %6.3f %7.2f\n", tag.id, tag.images, tag.rms_px,
-          left_out(survey, quality, tag.id).get<double>(), 1e3 * tag.shift_m.x(), 1e3 * tag.shift_m.y(),
-          1e3 * tag.shift_m.z(), 1e3 * tag.shift_uncertainty_m, tag.tilt_deg);
+    out << format("%4d %7d %7.3f %12.3f %6.2f %6.2f %6.2f %6.3f %7.2f\n", tag.id, tag.images, tag.rms_px,
+                  left_out(survey, quality, tag.id).get<double>(), 1e3 * tag.shift_m.x(), 1e3 * tag.shift_m.y(),
+                  1e3 * tag.shift_m.z(), 1e3 * tag.shift_uncertainty_m, tag.tilt_deg);
   }
   out << "(x, y, z: from the place on the sheet as it was printed)\n";
 }
@@ -87,16 +76,16 @@ std::string survey_text(const StageSurvey& survey, const SurveyQuality& quality,
   std::ostringstream out;
   print_images(out, survey);
   print_tags(out, survey, quality);
-  print(out, "RMS %.3f px; corners of a tag under poses from all others: %.3f px\n", survey.rms_px,
-        quality.left_out_rms_px);
-  print(out, "the sheet is %.3f %% of its size (+- %.3f)\n", 100 * survey.scale, 100 * survey.scale_uncertainty);
-  print(out, "the focal length that fits best is %.3f %% of the one given (+- %.3f)\n", 100 * survey.focal_ratio,
-        100 * survey.focal_uncertainty);
+  out << format("RMS %.3f px; corners of a tag under poses from all others: %.3f px\n", survey.rms_px,
+                quality.left_out_rms_px);
+  out << format("the sheet is %.3f %% of its size (+- %.3f)\n", 100 * survey.scale, 100 * survey.scale_uncertainty);
+  out << format("the focal length that fits best is %.3f %% of the one given (+- %.3f)\n", 100 * survey.focal_ratio,
+                100 * survey.focal_uncertainty);
   if (quality.halves_m)
-    print(out, "two halves of the images differ by %.3f mm RMS; noise explains %.3f\n", 1e3 * *quality.halves_m,
-          1e3 * *quality.halves_expected_m);
-  print(out, "uncertainty on the object, from the tags' places: %.3f px, %.3f mm\n", quality.object_px,
-        1e3 * quality.object_m);
+    out << format("two halves of the images differ by %.3f mm RMS; noise explains %.3f\n", 1e3 * *quality.halves_m,
+                  1e3 * *quality.halves_expected_m);
+  out << format("uncertainty on the object, from the tags' places: %.3f px, %.3f mm\n", quality.object_px,
+                1e3 * quality.object_m);
   for (const SurveyFinding& finding : findings) out << "found: " << finding.text << '\n';
   return out.str();
 }

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
+
+#include "common/base/format.h"
 
 namespace sheen {
 namespace {
@@ -21,16 +21,6 @@ constexpr double kMostRejected = 0.1;     ///< of the corners
 constexpr double kHalvesDisagree = 3;     ///< times what is expected of their uncertainties
 constexpr double kShapeSignificance = 4;  ///< F of the target's points taken as unknown
 constexpr double kShapeGain = 0.8;        ///< and what part of the RMS is left with them at most
-
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
-std::string format(const char* pattern, ...) {
-  char text[256];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(text, sizeof text, pattern, values);
-  va_end(values);
-  return text;
-}
 
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;

@@ -359,7 +359,7 @@ std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
 
 ModelFigures SurfaceLightField::figures() const {
   if (pipeline_->finished) return pipeline_->finished->figures;
-  ModelFigures figures{.images = pipeline_->folded.count(), .bytes = bytes()};
+  ModelFigures figures{.images = pipeline_->folded.count(), .bytes = bytes(), .patch_name = "ring"};
   if (pipeline_->rings) figures.rank_histogram = pipeline_->rings->rank_histogram();
   const auto reached = std::reduce(figures.rank_histogram.begin(), figures.rank_histogram.end());
   if (reached > 0) figures.bytes_per_patch = static_cast<double>(figures.bytes) / static_cast<double>(reached);

@@ -10,6 +10,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "reconstructor/coding/chunk_file.h"
 #include "reconstructor/models/surface_light_field/compact/edge_blending.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
@@ -103,9 +104,7 @@ Layout layout_of(const PatchModel& model) {
 }
 
 std::string layer_name(int layer) {
-  char name[16];
-  std::snprintf(name, sizeof name, "L%03d", layer);
-  return name;
+  return format("L%03d", layer);
 }
 
 }  // namespace

@@ -2,7 +2,8 @@
 #include "reconstructor/models/surface_light_field/files/model_layout.h"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "common/base/format.h"
 
 namespace sheen {
 
@@ -10,9 +11,7 @@ namespace {
 
 /// Names that sort as they are numbered.
 std::string numbered(const char* name, int number) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%s%02d", name, number);
-  return text;
+  return format("%s%02d", name, number);
 }
 
 }  // namespace
