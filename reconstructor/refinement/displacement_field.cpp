@@ -38,6 +38,12 @@ double prediction_error(const Eigen::VectorXd& predicted, const Observations& ob
   return sum;
 }
 
+/// Cauchy's weight of an observation where the field has another value.
+double trust(const Observations& observed, Eigen::Index vertex, double value) {
+  const double squared = observed.information[vertex] * std::pow(value - observed.value[vertex], 2);
+  return 1 / (1 + squared / (kContradiction * kContradiction));
+}
+
 }  // namespace
 
 void Observations::add(Eigen::Index vertex, double observed, double with_information) {
@@ -51,21 +57,19 @@ void Observations::add(const Observations& others) {
   for (Eigen::Index v = 0; v < value.size(); ++v) add(v, others.value[v], others.information[v]);
 }
 
-DisplacementField most_probable_field(const MeshEdges& edges, const Observations& observed,
+DisplacementField most_probable_field(const MeshEdges& edges, std::span<const Observations> sources,
                                       const DisplacementPrior& prior, bool with_variance) {
   DisplacementField field;
-  Eigen::VectorXd information = observed.information;
   Eigen::SimplicialLDLT<SparseMatrix> solver;
   for (int round = 0; round < kReweightings; ++round) {
-    const SparseMatrix equations = normal_equations(edges, information, prior);
+    Observations weighted(sources.front().value.size());
+    for (const Observations& source : sources)
+      for (Eigen::Index v = 0; v < source.value.size(); ++v)
+        weighted.add(v, source.value[v], source.information[v] * (round > 0 ? trust(source, v, field.value[v]) : 1));
+    const SparseMatrix equations = normal_equations(edges, weighted.information, prior);
     if (round == 0) solver.analyzePattern(equations);
     solver.factorize(equations);
-    field.value = solver.solve(information.cwiseProduct(observed.value));
-    if (round + 1 == kReweightings) break;
-    for (Eigen::Index v = 0; v < information.size(); ++v) {
-      const double squared = observed.information[v] * std::pow(field.value[v] - observed.value[v], 2);
-      information[v] = observed.information[v] / (1 + squared / (kContradiction * kContradiction));
-    }
+    field.value = solver.solve(weighted.information.cwiseProduct(weighted.value));
   }
   if (with_variance) field.variance = diagonal_of_inverse(solver);
   return field;
@@ -76,8 +80,8 @@ DisplacementPrior cross_validated(const MeshEdges& edges, const Observations& fi
   DisplacementPrior best;
   double least = std::numeric_limits<double>::infinity();
   for (const DisplacementPrior& prior : priors) {
-    const double error = prediction_error(most_probable_field(edges, first, prior, false).value, second) +
-                         prediction_error(most_probable_field(edges, second, prior, false).value, first);
+    const double error = prediction_error(most_probable_field(edges, {&first, 1}, prior, false).value, second) +
+                         prediction_error(most_probable_field(edges, {&second, 1}, prior, false).value, first);
     if (error >= least) continue;
     least = error;
     best = prior;

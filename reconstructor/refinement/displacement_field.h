@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 
 #include "reconstructor/refinement/vertex_patches.h"
 
@@ -32,10 +33,11 @@ struct DisplacementField {
 };
 
 /// The minimum of
-///   sum_v information_v rho(u_v - value_v) + stiffness sum_edges (u_a - u_b)^2 + ridge sum_v u_v^2,
-/// rho quadratic near 0 and Cauchy's for what contradicts its neighbours by several standard deviations. The variance
-/// is the diagonal of the inverse of the normal equations at the minimum.
-DisplacementField most_probable_field(const MeshEdges& edges, const Observations& observed,
+///   sum_sources sum_v information_v rho(u_v - value_v) + stiffness sum_edges (u_a - u_b)^2 + ridge sum_v u_v^2,
+/// rho quadratic near 0 and Cauchy's for what contradicts its neighbours, or another source, by several standard
+/// deviations. The variance is the diagonal of the inverse of the normal equations at the minimum. `sources`: one or
+/// more, independent of each other.
+DisplacementField most_probable_field(const MeshEdges& edges, std::span<const Observations> sources,
                                       const DisplacementPrior& prior, bool with_variance);
 
 /// The prior with which each half predicts the other best. Both halves observe the same displacement.

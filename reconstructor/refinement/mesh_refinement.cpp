@@ -11,6 +11,7 @@
 #include "common/base/median.h"
 #include "common/geometry/ray_scene.h"
 #include "reconstructor/refinement/displacement_field.h"
+#include "reconstructor/refinement/kept_outlines.h"
 #include "reconstructor/refinement/normal_sweep.h"
 #include "reconstructor/refinement/silhouette_rims.h"
 #include "reconstructor/refinement/sweep_minimum.h"
@@ -21,11 +22,15 @@ namespace {
 
 /// From coarse to fine: pixels between the points of a patch, of which a sweep reaches four to either side, and how
 /// often the surface that patches lie on is smoothed. A rough mesh has shape by the time that its edges are believed.
+/// `insignificant`: standard deviations up to which a displacement is chance; one more, and it is made in full. The
+/// passes before the last look for the surface; the last judges.
 struct PassPlan {
   double spacing_px;
   int smoothing;
+  double insignificant;
 };
-constexpr std::array<PassPlan, 7> kPasses{{{4, 2}, {4, 2}, {2, 1}, {2, 1}, {1, 1}, {1, 1}, {1, 0}}};
+constexpr std::array<PassPlan, 7> kPasses{
+    {{4, 2, 1}, {4, 2, 1}, {2, 1, 1}, {2, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 0, 2}}};
 /// Patch spacings by which the surface may be off where a patch is seen; more where patches are smoother than it.
 constexpr double kClearance = 1, kClearanceOfSmoothing = 0.5;
 /// Energy per squared spacing that draws the choice among several minima towards no move, or to what neighbours say.
@@ -35,11 +40,14 @@ constexpr float kLeastAgreement = 0.5f;  // mean correlation of the images about
 /// Standard deviations of the displacement's slope along the surface, of which one is chosen. More would fold it.
 constexpr std::array kSlopes{0.3, 0.1, 0.03};
 constexpr double kMaskSigma_px = 1, kSilhouetteSigma_px = 1.5;  // outline of a mask, of the mesh as it was given
-constexpr double kSignificant = 2;  // standard deviations that a displacement must exceed to be made
 /// Standard deviation of what all images get wrong alike (highlights, what filters do to edges), patch spacings: the
 /// halves cannot show it.
 constexpr double kCommonError = 0.25;
 constexpr double kMedianOfChiSquared = 0.4549;  // of one degree of freedom
+/// How far round a vertex the difference of the halves is averaged, with how much of what it is everywhere, and how
+/// much a single vertex counts at most.
+constexpr int kOverconfidenceSmoothing = 8;
+constexpr double kOverconfidencePrior = 0.05, kMostSquared = 25;
 
 double mean(const std::vector<float>& values) {
   double sum = 0;
@@ -92,14 +100,27 @@ Observations observe(const NormalSweep& sweep, NormalSweep::Part part, const Pas
   return observed;
 }
 
-/// By how much the halves differ more than their information says: what it is to be divided by.
-double overconfidence(const Observations& first, const Observations& second) {
-  std::vector<double> squared;
+/// By how much the halves differ more than their information says: what it is to be divided by, per vertex. It is the
+/// mean over the vertices round it: a glossy part is less certain than the rest.
+Eigen::VectorXd overconfidence(const MeshEdges& edges, const Observations& first, const Observations& second) {
+  const auto squared = [&](Eigen::Index v) {
+    return std::pow(first.value[v] - second.value[v], 2) / (1 / first.information[v] + 1 / second.information[v]);
+  };
+  std::vector<double> all;
+  for (Eigen::Index v = 0; v < first.value.size(); ++v)
+    if (first.information[v] > 0 && second.information[v] > 0) all.push_back(squared(v));
+  if (all.empty()) return Eigen::VectorXd::Ones(first.value.size());
+  const double everywhere = std::max(median(all) / kMedianOfChiSquared, 1e-12);
+  // Sum, number and nothing.
+  std::vector<Eigen::Vector3f> sums(first.value.size(), Eigen::Vector3f::Zero());
   for (Eigen::Index v = 0; v < first.value.size(); ++v)
     if (first.information[v] > 0 && second.information[v] > 0)
-      squared.push_back(std::pow(first.value[v] - second.value[v], 2) /
-                        (1 / first.information[v] + 1 / second.information[v]));
-  return squared.empty() ? 1 : std::max(median(squared) / kMedianOfChiSquared, 1e-12);
+      sums[v] = {static_cast<float>(std::min(squared(v) / everywhere, kMostSquared)), 1, 0};
+  sums = smoothed(std::move(sums), edges, kOverconfidenceSmoothing);
+  Eigen::VectorXd factor(first.value.size());
+  for (Eigen::Index v = 0; v < factor.size(); ++v)
+    factor[v] = everywhere * (sums[v][0] + kOverconfidencePrior) / (sums[v][1] + kOverconfidencePrior);
+  return factor;
 }
 
 /// What outlines say.
@@ -118,9 +139,10 @@ Estimate estimate(const MeshEdges& edges, const NormalSweep& sweep, const Rims& 
                   const Eigen::VectorXd& moved) {
   Observations first = observe(sweep, NormalSweep::kFirst, shape, moved, nullptr);
   Observations second = observe(sweep, NormalSweep::kSecond, shape, moved, nullptr);
-  const double factor = overconfidence(first, second);
+  const Eigen::VectorXd factor = overconfidence(edges, first, second);
   const auto weigh = [&](Observations& observed) {
-    for (Eigen::Index v = 0; v < observed.information.size(); ++v) observed.information[v] /= factor * shape.overlap[v];
+    for (Eigen::Index v = 0; v < observed.information.size(); ++v)
+      observed.information[v] /= factor[v] * shape.overlap[v];
   };
   weigh(first);
   weigh(second);
@@ -132,29 +154,28 @@ Estimate estimate(const MeshEdges& edges, const NormalSweep& sweep, const Rims& 
   };
 
   Estimate result;
+  std::array sources{Observations(), from_given(rims.masked), from_given(rims.held)};
   for (int round = 0; round <= kNeighbourRounds; ++round) {
-    result.observed = observe(sweep, NormalSweep::kBoth, shape, moved, round > 0 ? &result.field.value : nullptr);
-    weigh(result.observed);
-    result.observed.add(from_given(rims.masked));
-    Observations all = result.observed;
-    all.add(from_given(rims.held));
-    result.field = most_probable_field(edges, all, prior, round == kNeighbourRounds);
+    sources[0] = observe(sweep, NormalSweep::kBoth, shape, moved, round > 0 ? &result.field.value : nullptr);
+    weigh(sources[0]);
+    result.field = most_probable_field(edges, sources, prior, round == kNeighbourRounds);
   }
+  result.observed = sources[0];
+  result.observed.add(sources[1]);
   for (Eigen::Index v = 0; v < result.field.variance.size(); ++v)
     result.field.variance[v] += std::pow(kCommonError * shape.spacing[v], 2);
   return result;
 }
 
 /// Where vertices go, from where the mesh was given: a vertex stays there while the displacements round it are within
-/// `kSignificant` standard deviations, and goes nearly all the way far beyond.
-Eigen::VectorXd significant(const MeshEdges& edges, const DisplacementField& field) {
+/// `insignificant` standard deviations, and goes all the way from one more on.
+Eigen::VectorXd significant(const MeshEdges& edges, const DisplacementField& field, double insignificant) {
   Eigen::VectorXd kept = field.value;
   for (Eigen::Index v = 0; v < kept.size(); ++v) {
     double squares = field.value[v] * field.value[v];
     for (const std::uint32_t n : edges.around(v)) squares += field.value[n] * field.value[n];
     squares /= static_cast<double>(edges.around(v).size() + 1);
-    const double chance = kSignificant * kSignificant * field.variance[v];
-    kept[v] *= squares > chance ? 1 - chance / squares : 0;
+    kept[v] *= std::clamp(std::sqrt(squares / field.variance[v]) - insignificant, 0.0, 1.0);
   }
   return kept;
 }
@@ -210,13 +231,17 @@ RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, const 
     const VertexPatches patches(refined.mesh, edges, shape.spacing, kPasses[p].smoothing);
     const double clearance = kClearance + kClearanceOfSmoothing * kPasses[p].smoothing;
     const RayScene scene(refined.mesh);
-    NormalSweep sweep(refined.mesh, patches, clearance, expected);
+    const bool last = p + 1 == kPasses.size();
+    // While the surface is off, views from different sides disagree for that reason alone.
+    const std::vector<ViewSplit> splits =
+        last ? split_views(refined.mesh, patches.normals, images.cameras) : std::vector<ViewSplit>{};
+    NormalSweep sweep(refined.mesh, patches, splits, clearance, expected);
     const auto vertices = static_cast<Eigen::Index>(mesh.vertices.size());
     Rims rims{Observations(vertices), Observations(vertices)};
     for (std::size_t i = 0; i < images.cameras.size(); ++i) {
       const Capture capture = images.read(i);
       const PosedCamera& view = images.cameras[i];
-      sweep.add(GreyPyramid(capture), view, scene, static_cast<int>(i % 2));
+      sweep.add(GreyPyramid(capture), view, scene);
       // Where nothing says what is the object, the outline that was given is as good as any.
       const bool masked = !capture.mask.empty();
       const ImageF from_outline = distance_from_outline(masked ? capture.mask : caster.cast(view, mesh, given));
@@ -227,11 +252,12 @@ RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, const 
     }
     const Eigen::VectorXd moved = Eigen::Map<const Eigen::VectorXf>(refined.moved.data(), vertices).cast<double>();
     const Estimate found = estimate(edges, sweep, rims, shape, moved);
-    const Eigen::VectorXd moves = significant(edges, found.field) - moved;
+    const Eigen::VectorXd moves = significant(edges, found.field, kPasses[p].insignificant) - moved;
     refined.passes.push_back(apply(found, sweep, patches, moves, spacing_px, refined));
-    const bool same_next = p + 1 < kPasses.size() && kPasses[p + 1].spacing_px == spacing_px;
+    const bool same_next = !last && kPasses[p + 1].spacing_px == spacing_px;
     expected = same_next ? expected_after(sweep, shape, moves) : std::vector<ExpectedPatch>{};
   }
+  keep_outlines_covered(mesh, images, footprints, refined);
   return refined;
 }
 

@@ -4,9 +4,12 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <optional>
+
+#include "common/base/median.h"
 
 namespace sheen {
 namespace {
@@ -70,13 +73,40 @@ float trust(const Patch& seen, const ExpectedPatch& expected) {
 
 }  // namespace
 
-NormalSweep::NormalSweep(const Mesh& mesh, const VertexPatches& patches, double clearance,
-                         std::span<const ExpectedPatch> expected)
-    : mesh_(mesh), patches_(patches), clearance_(static_cast<float>(clearance)), expected_(expected) {
+std::vector<ViewSplit> split_views(const Mesh& mesh, const std::vector<Eigen::Vector3f>& normals,
+                                   std::span<const PosedCamera> cameras) {
+  std::vector<Eigen::Vector3f> eyes;
+  for (const PosedCamera& camera : cameras) eyes.push_back(camera_centre(camera.camera_from_object).cast<float>());
+  std::vector<ViewSplit> splits(mesh.vertices.size());
+  tbb::parallel_for(std::size_t{0}, splits.size(), [&](std::size_t v) {
+    const Eigen::Vector3f s = normals[v].unitOrthogonal(), t = normals[v].cross(s);
+    std::vector<Eigen::Vector2f> facing;
+    Eigen::Vector2f mean = Eigen::Vector2f::Zero();
+    for (const Eigen::Vector3f& eye : eyes) {
+      const Eigen::Vector3f to_eye = (eye - mesh.vertices[v]).normalized();
+      if (normals[v].dot(to_eye) < kLeastCosine) continue;
+      facing.emplace_back(s.dot(to_eye), t.dot(to_eye));
+      mean += facing.back();
+    }
+    if (facing.size() < 2) return;
+    mean /= static_cast<float>(facing.size());
+    Eigen::Matrix2f spread = Eigen::Matrix2f::Zero();
+    for (const Eigen::Vector2f& f : facing) spread += (f - mean) * (f - mean).transpose();
+    const Eigen::Vector2f axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f>(spread).eigenvectors().col(1);
+    std::vector<float> along;
+    for (const Eigen::Vector2f& f : facing) along.push_back(axis.dot(f));
+    splits[v] = {axis.x() * s + axis.y() * t, median(along)};
+  });
+  return splits;
+}
+
+NormalSweep::NormalSweep(const Mesh& mesh, const VertexPatches& patches, std::span<const ViewSplit> splits,
+                         double clearance, std::span<const ExpectedPatch> expected)
+    : mesh_(mesh), patches_(patches), splits_(splits), clearance_(static_cast<float>(clearance)), expected_(expected) {
   for (auto& half : halves_) half.resize(mesh.vertices.size());
 }
 
-void NormalSweep::add(const GreyPyramid& image, const PosedCamera& view, const RayScene& scene, int half) {
+void NormalSweep::add(const GreyPyramid& image, const PosedCamera& view, const RayScene& scene) {
   const Eigen::Vector3f eye = camera_centre(view.camera_from_object).cast<float>();
   const auto look = [&](std::size_t v) {
     const Eigen::Vector3f& vertex = mesh_.vertices[v];
@@ -102,7 +132,7 @@ void NormalSweep::add(const GreyPyramid& image, const PosedCamera& view, const R
             image.sample(level, projection->pixel[k].x() + in_image(0, s), projection->pixel[k].y() + in_image(1, s));
       if (!normalise(seen[k])) return;
     }
-    Sums& sums = halves_[half][v];
+    Sums& sums = halves_[splits_.empty() ? images_ % 2 : splits_[v].half((eye - vertex).normalized())][v];
     const float weight = cosine * (expected_.empty() ? 1 : trust(seen[kSweepReach], expected_[v]));
     sums.weight += weight;
     ++sums.images;
@@ -114,6 +144,7 @@ void NormalSweep::add(const GreyPyramid& image, const PosedCamera& view, const R
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.vertices.size(), 64), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) look(v);
   });
+  ++images_;
 }
 
 NormalSweep::Energy NormalSweep::energy(std::size_t vertex, Part part) const {

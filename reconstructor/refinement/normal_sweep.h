@@ -23,7 +23,19 @@ struct ExpectedPatch {
   float energy = 0;  ///< the images' mean squared distance from it; 0: nothing is expected
 };
 
-/// How well the images agree about each vertex's patch, at each place along the normal. Every image is one of two
+/// Which of two halves a view of a vertex belongs to.
+struct ViewSplit {
+  Eigen::Vector3f axis = Eigen::Vector3f::UnitX();  ///< tangent, unit
+  float at = 0;
+  int half(const Eigen::Vector3f& to_eye) const { return axis.dot(to_eye) > at ? 1 : 0; }
+};
+/// A split for each vertex: across the direction in which the cameras that it faces lie furthest apart, at their
+/// median. What has a place of its own for each direction, as reflections have, looks alike to neighbouring views and
+/// not to the two halves.
+std::vector<ViewSplit> split_views(const Mesh& mesh, const std::vector<Eigen::Vector3f>& normals,
+                                   std::span<const PosedCamera> cameras);
+
+/// How well the images agree about each vertex's patch, at each place along the normal. Every view is in one of two
 /// halves, whose disagreement tells how much an answer is worth.
 /// An image that showed something else (a highlight, what hides the place) has a lower weight, by Cauchy's rule from
 /// its distance to what an earlier pass expects.
@@ -35,12 +47,13 @@ struct ExpectedPatch {
 /// (1 - w_i / sum w), which is the same at each place.
 class NormalSweep {
  public:
-  /// `clearance`: patch spacings between a patch and what a ray to it may meet. `expected`: per vertex, or empty.
-  NormalSweep(const Mesh& mesh, const VertexPatches& patches, double clearance,
+  /// `splits`: per vertex; empty: images belong to the halves in turn. `clearance`: patch spacings between a patch and
+  /// what a ray to it may meet. `expected`: per vertex, or empty.
+  NormalSweep(const Mesh& mesh, const VertexPatches& patches, std::span<const ViewSplit> splits, double clearance,
               std::span<const ExpectedPatch> expected = {});
 
-  /// `half`: 0 or 1. `scene`: of the mesh.
-  void add(const GreyPyramid& image, const PosedCamera& view, const RayScene& scene, int half);
+  /// `scene`: of the mesh.
+  void add(const GreyPyramid& image, const PosedCamera& view, const RayScene& scene);
 
   using Energy = std::array<float, kSweepPlaces>;
   enum Part { kFirst = 0, kSecond = 1, kBoth = 2 };
@@ -61,7 +74,9 @@ class NormalSweep {
   };
   const Mesh& mesh_;
   const VertexPatches& patches_;
+  std::span<const ViewSplit> splits_;
   float clearance_;
+  std::size_t images_ = 0;
   std::span<const ExpectedPatch> expected_;
   std::array<std::vector<Sums>, 2> halves_;
 };

@@ -35,7 +35,7 @@ TEST(DisplacementField, IsTheSolutionAndTheVarianceOfItsNormalEquations) {
   for (Eigen::Index v = 0; v < n; ++v)
     if (v % 3 != 0) observed.add(v, 0.25, information(random));
   const DisplacementPrior prior{.stiffness = 0.8, .ridge = 1e-9};
-  const DisplacementField field = most_probable_field(edges, observed, prior, true);
+  const DisplacementField field = most_probable_field(edges, {&observed, 1}, prior, true);
   const Eigen::MatrixXd inverse = dense_equations(edges, observed, prior).inverse();
   EXPECT_LT((field.value.array() - 0.25).abs().maxCoeff(), 1e-6);
   EXPECT_LT((field.variance - inverse.diagonal()).cwiseAbs().maxCoeff(), 1e-9 * inverse.diagonal().maxCoeff());
@@ -46,7 +46,7 @@ TEST(DisplacementField, AnObservationThatItsNeighboursContradictCountsLittle) {
   const auto n = static_cast<Eigen::Index>(edges.first.size() - 1);
   Observations observed(n);
   for (Eigen::Index v = 0; v < n; ++v) observed.add(v, v == 40 ? 100 : 1, 1);
-  const DisplacementField field = most_probable_field(edges, observed, {.stiffness = 1, .ridge = 1e-6}, false);
+  const DisplacementField field = most_probable_field(edges, {&observed, 1}, {.stiffness = 1, .ridge = 1e-6}, false);
   EXPECT_NEAR(field.value[40], 1, 0.1);
 }
 
