@@ -10,7 +10,7 @@
 
 #include "common/base/median.h"
 #include "common/geometry/ray_scene.h"
-#include "reconstructor/refinement/silhouette_rims.h"
+#include "common/registration/silhouette.h"
 
 namespace sheen {
 namespace {

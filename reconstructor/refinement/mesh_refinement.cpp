@@ -10,6 +10,7 @@
 #include "common/base/errors.h"
 #include "common/base/median.h"
 #include "common/geometry/ray_scene.h"
+#include "common/registration/silhouette.h"
 #include "reconstructor/refinement/displacement_field.h"
 #include "reconstructor/refinement/kept_outlines.h"
 #include "reconstructor/refinement/normal_sweep.h"

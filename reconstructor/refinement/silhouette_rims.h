@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <vector>
 
 #include "common/camera/posed_camera.h"
@@ -11,20 +10,6 @@
 #include "reconstructor/refinement/displacement_field.h"
 
 namespace sheen {
-
-/// Pixels of a picture that show the front of a mesh: 255, else 0. Keeps the rays of the last camera.
-class SilhouetteCaster {
- public:
-  ImageU8 cast(const PosedCamera& view, const Mesh& mesh, const RayScene& scene);
-
- private:
-  Camera rays_of_;
-  std::vector<Eigen::Vector3f> rays_;  ///< camera frame; NaN where the lens has none
-};
-
-/// Distance of each pixel from the outline of a silhouette, pixels: positive inside, 0 half way between an inner and an
-/// outer pixel.
-ImageF distance_from_outline(const ImageU8& silhouette);
 
 /// Where the mesh's outline in an image is not where the silhouette has it, the vertices on it must move: adds what the
 /// image says of them. Vertices in front of another surface say nothing; nor do those further than `reach_px` from the

@@ -37,6 +37,7 @@ const std::vector<Room> kCommon = {
     {"camera", "base"},
     {"capture", "base|image|camera"},
     {"link", "base|image|camera|capture"},
+    {"registration", "base|image|camera|capture|geometry"},
     {"session", "base|image|camera|capture|link"},
     {"datasets", "base|image|camera|capture"},
     {"simulation", "base|image|camera|capture|geometry|stage|datasets"},

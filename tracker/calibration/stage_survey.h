@@ -8,8 +8,8 @@
 
 #include "common/camera/camera_file.h"
 #include "common/capture/capture.h"
+#include "common/geometry/similarity.h"
 #include "common/stage/stage_layout.h"
-#include "tracker/calibration/similarity.h"
 
 namespace sheen {
 

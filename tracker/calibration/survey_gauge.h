@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "tracker/calibration/similarity.h"
+#include "common/geometry/similarity.h"
 
 namespace sheen {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tracker/calibration/similarity.h"
+#include "common/geometry/similarity.h"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
