@@ -250,7 +250,8 @@ TEST_F(Window, WhileRingsAreOnTheirWayThePictureStaysWhole) {
   RenderTarget target(kWidth, kHeight, 1);
   const auto render = [&](const Viewpoint& view) {
     target.clear({0, 0, 0});
-    renderer.draw(view, {0, 0, kWidth, kHeight}, kHeight, SurfaceShading::kAppearance);
+    renderer.draw(view, {{0, 0, kWidth, kHeight}, kHeight}, SurfaceShading::kAppearance);
+    target.resolve();
     return target.read();
   };
   OrbitCamera orbit;
