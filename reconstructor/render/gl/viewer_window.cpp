@@ -259,7 +259,7 @@ void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, std:
     if (w.changed || (stale && begun >= rested)) {
       const bool soon = std::exchange(w.changed, false) || !shown;
       shown = state;
-      if (state->snapshot) w.controls.frame(state->snapshot->shared_mesh());
+      if (state->snapshot) w.controls.frame(*state->snapshot);
       complete = fine = true;
       if (w.fit_pictures()) {
         complete = w.pictures.update(*state);
@@ -267,12 +267,12 @@ void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, std:
         w.pictures.restart();
         rested = Clock::now() + kRest * (Clock::now() - begun);
       }
-    } else if (!fine && begun >= w.moved + kStill) {
+    } else if (!fine && complete && begun >= w.moved + kStill) {
       fine = w.draw_piece(*shown);
       rested = std::max(rested, Clock::now()) + kRest * (Clock::now() - begun);
     }
     if (fine && w.screenshot_wanted) w.save_screenshot();
-    if (w.changed || (!fine && Clock::now() >= w.moved + kStill))
+    if (w.changed || (!fine && complete && Clock::now() >= w.moved + kStill))
       glfwPollEvents();
     else
       glfwWaitEventsTimeout(complete && fine ? kIdleSeconds : kBusySeconds);
@@ -282,7 +282,7 @@ void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, std:
 
 ImageU8 ViewerWindow::draw_once(const ViewerState& state) {
   Impl& w = *impl_;
-  if (state.snapshot) w.controls.frame(state.snapshot->shared_mesh());
+  if (state.snapshot) w.controls.frame(*state.snapshot);
   while (!w.pictures.update(state)) {
   }
   w.pictures.resize(w.options.width, w.options.height);
@@ -292,7 +292,7 @@ ImageU8 ViewerWindow::draw_once(const ViewerState& state) {
 
 ImageU8 ViewerWindow::draw_soon(const ViewerState& state) {
   Impl& w = *impl_;
-  if (state.snapshot) w.controls.frame(state.snapshot->shared_mesh());
+  if (state.snapshot) w.controls.frame(*state.snapshot);
   while (!w.pictures.update(state)) {
   }
   w.pictures.resize(w.options.width, w.options.height);

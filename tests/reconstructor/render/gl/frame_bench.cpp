@@ -4,6 +4,10 @@
 //   tests/support/with_xvfb build/bin/render_gl_bench [MODEL]
 #include <benchmark/benchmark.h>
 
+#include <chrono>
+#include <string>
+#include <vector>
+
 #include "common/base/errors.h"
 #include "reconstructor/models/surface_light_field/kind.h"
 #include "reconstructor/render/gl/viewer_window.h"
@@ -68,6 +72,26 @@ void drag(benchmark::State& bench) try {
   bench.SkipWithError(error.what());
 }
 BENCHMARK(drag)->Args({1280, 800})->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
+
+/// Opening a saved model: the label has the time until the mesh, the smooth part and all of it can be drawn.
+void open_model(benchmark::State& bench) {
+  if (saved_model.empty()) {
+    bench.SkipWithError("needs a saved model: render_gl_bench MODEL");
+    return;
+  }
+  std::vector<double> stage_ms;
+  for (auto _ : bench) {
+    const auto begun = std::chrono::steady_clock::now();
+    stage_ms.clear();
+    surface_light_field_kind().open(saved_model, [&](const auto&) {
+      stage_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count());
+    });
+  }
+  std::string label = "ms until each stage:";
+  for (const double ms : stage_ms) label += " " + std::to_string(static_cast<int>(ms));
+  bench.SetLabel(label);
+}
+BENCHMARK(open_model)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
 
 /// What a new snapshot costs: all rings of the model to the GPU, drawing included.
 void upload_everything(benchmark::State& bench) try {
