@@ -157,12 +157,12 @@ ImageU8 read_mask(const std::filesystem::path& path) {
 }
 
 void write_png(const std::filesystem::path& path, const ImageU8& image) {
-  if (image.empty() || (image.channels() != 1 && image.channels() != 3))
-    throw FileError(path.string(), "cannot be written: a PNG needs pixels of 1 or 3 channels");
+  if (image.empty() || (image.channels() != 1 && image.channels() != 3 && image.channels() != 4))
+    throw FileError(path.string(), "cannot be written: a PNG needs pixels of 1, 3 or 4 channels");
   PngImage png;
   png.info.width = image.width();
   png.info.height = image.height();
-  png.info.format = image.channels() == 1 ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB;
+  png.info.format = image.channels() == 1 ? PNG_FORMAT_GRAY : image.channels() == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png.info);
   std::string bytes(size, '\0');
   if (!png_image_write_to_memory(&png.info, bytes.data(), &size, 0, image.data(), 0, nullptr))

@@ -18,7 +18,7 @@ ImageSize read_image_size(const std::filesystem::path& path);
 /// First channel of an 8-bit image: 0 = ignore. Throws FileError.
 ImageU8 read_mask(const std::filesystem::path& path);
 
-/// 1 or 3 channels, lossless. Throws FileError.
+/// 1 or 3 channels, or 4: colours with alpha, which are not multiplied by it. Lossless. Throws FileError.
 void write_png(const std::filesystem::path& path, const ImageU8& image);
 
 /// JPEG bytes of an 8-bit grey or RGB image, quality 1..100.

@@ -185,18 +185,20 @@ const KnownCapture* ModelOrigin::find(const Capture& capture) const {
   return found == captures.end() ? nullptr : &found->second;
 }
 
-SavedModel open_model(const fs::path& path) {
+const ModelKind& kind_of_model(const fs::path& path) {
   if (!fs::exists(path)) throw FileError(path.string(), "no such model");
-  if (!fs::is_directory(path)) {
-    const ModelKind& kind = kind_of_file(path);
-    return {.kind = &kind, .snapshot = kind.load(path), .metadata = kind.file_metadata(path)};
-  }
+  if (!fs::is_directory(path)) return kind_of_file(path);
   const json description = read_description(path);
   const auto format = description.is_object() ? description.find("format") : description.end();
   for (const ModelKind* kind : model_kinds())
-    if (format != description.end() && *format == kind->file_format())
-      return {.kind = kind, .snapshot = kind->load(path), .metadata = metadata_in(description, notes_file(path))};
+    if (format != description.end() && *format == kind->file_format()) return *kind;
   throw FileError(notes_file(path).string(), "describes no model that this program knows");
+}
+
+SavedModel open_model(const fs::path& path) {
+  const ModelKind& kind = kind_of_model(path);
+  if (!fs::is_directory(path)) return {&kind, kind.load(path), kind.file_metadata(path)};
+  return {&kind, kind.load(path), metadata_in(read_description(path), notes_file(path))};
 }
 
 ModelOrigin origin_of(const SavedModel& model, const fs::path& path) {

@@ -56,6 +56,8 @@ struct SavedModel {
   std::shared_ptr<const ModelSnapshot> snapshot;
   ModelMetadata metadata;
 };
+/// Of a saved model, a folder or a file. Throws FileError where no kind known to this program wrote it.
+const ModelKind& kind_of_model(const std::filesystem::path& path);
 /// Opens a saved model, a folder or a file, of whichever kind wrote it. Throws FileError, also where no kind known to
 /// this program did.
 SavedModel open_model(const std::filesystem::path& path);

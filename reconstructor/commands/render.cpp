@@ -8,7 +8,6 @@
 #include "common/base/files.h"
 #include "common/base/progress.h"
 #include "common/datasets/dataset.h"
-#include "common/image/color.h"
 #include "common/image/exr.h"
 #include "common/image/image_io.h"
 #include "reconstructor/capture/saved_model.h"
@@ -61,21 +60,23 @@ void render(const RenderArguments& arguments) {
   for (const DatasetView& view : cameras) views.push_back(view.name);
   const std::vector<std::filesystem::path> names = picture_names(views);
   const RayPainter painter(saved.snapshot->mesh());
+  const Outlines outlines(saved.snapshot->mesh());
   const ErrorCalibration calibration = calibration_of(saved, arguments.model);
   double predicted_db = 0;
   std::size_t predicted_views = 0;
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    PaintedView painted = painter.paint(*saved.snapshot, cameras[i].camera, cameras[i].camera_from_object);
+    const SmoothView painted =
+        painter.paint_smooth(*saved.snapshot, outlines, cameras[i].camera, cameras[i].camera_from_object);
     if (const double db = predicted_psnr_db(painted, painted.coverage); std::isfinite(db)) {
       predicted_db += db;
       ++predicted_views;
     }
     const std::string name = (out / names[i]).string();
     make_folder((out / names[i]).parent_path());
-    write_png(name + ".png", to_srgb8(painted.beauty));
+    write_png(name + ".png", straight_srgb8(painted));
     ExrFile file;
-    file.parts.push_back({"beauty", {"R", "G", "B"}, painted.beauty, ExrPrecision::kHalf});
+    file.parts.push_back({"beauty", {"R", "G", "B", "A"}, premultiplied(painted), ExrPrecision::kHalf});
     file.parts.push_back({"heuristic", {"Y"}, painted.heuristic, ExrPrecision::kHalf});
     file.parts.push_back(coverage_part(painted));
     write_exr(name + ".exr", file);

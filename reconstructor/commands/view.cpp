@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <atomic>
+#include <cstdlib>
+#include <exception>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 
 #include "common/base/command_line.h"
 #include "common/base/errors.h"
@@ -9,7 +14,6 @@
 #include "common/image/image_io.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/render/gl/opening_view.h"
 #include "reconstructor/render/gl/viewer_window.h"
 
 namespace sheen {
@@ -21,35 +25,73 @@ struct ViewArguments {
   bool reasons = false, states = false;
 };
 
+/// A model on its way into a window: read beside it, and shown as far as it is there.
+class Opening {
+ public:
+  Opening(const ModelKind& kind, const std::filesystem::path& path, ViewerFeed& feed)
+      : thread_([this, &kind, path, &feed] { open(kind, path, feed); }) {}
+
+  std::stop_token failed() const { return failure_.get_token(); }
+  bool over() const { return over_; }
+  /// Rethrows what was wrong with the model.
+  void check() {
+    if (!failure_.stop_requested()) return;
+    thread_.join();
+    std::rethrow_exception(error_);
+  }
+
+ private:
+  void open(const ModelKind& kind, const std::filesystem::path& path, ViewerFeed& feed) try {
+    constexpr double kShareOfOneStage = 0.3;  // a bar that moves; nobody knows how long each takes
+    ViewerState state;
+    state.work = WorkInHand{"OPENING the model", 0, {}};
+    feed.publish(state);
+    kind.open(path, [&](std::shared_ptr<const ModelSnapshot> model) {
+      state.snapshot = std::move(model);
+      state.work->share += kShareOfOneStage;
+      feed.publish(state);
+    });
+    state.work.reset();
+    feed.publish(std::move(state));
+    over_ = true;
+  } catch (...) {
+    error_ = std::current_exception();
+    over_ = true;
+    failure_.request_stop();
+  }
+
+  std::exception_ptr error_;
+  std::stop_source failure_;
+  std::atomic<bool> over_ = false;
+  std::jthread thread_;  // last: it uses the others
+};
+
 void view(const ViewArguments& arguments) {
   const auto [width, height] = parse_image_size("--size", arguments.size, 64);
   const std::optional<ViewMode> mode = view_mode_from(arguments.mode);
   if (!mode) throw ConfigError("--mode: '" + arguments.mode + "' is not one of light-field, heuristic, split, camera");
   const bool picture_only = !arguments.screenshot.empty();
+  const ModelKind& kind = kind_of_model(arguments.model);
 
-  ViewerState state;
-  const SavedModel saved = open_model(arguments.model);
-  state.snapshot = saved.snapshot;
-  ViewerWindow window(*saved.kind, {.width = width, .height = height, .visible = !picture_only});
+  ViewerFeed feed;
+  std::optional<Opening> opening;
+  if (!picture_only) opening.emplace(kind, arguments.model, feed);
+  ViewerWindow window(kind, {.width = width, .height = height, .visible = !picture_only});
   ViewControls& controls = window.controls();
   controls.mode = *mode;
   controls.reasons = arguments.reasons;
   controls.states = arguments.states;
-  controls.frame(state.snapshot->shared_mesh());
-  const Eigen::Vector3d centre = bounding_sphere(state.snapshot->mesh()).centre;
-  if (const auto opening = opening_view(state.snapshot->cameras(), centre)) {
-    controls.orbit.set_up(opening->up);
-    controls.orbit.look_from(opening->direction);
-  }
-  if (!arguments.eye.empty()) controls.orbit.place({arguments.eye[0], arguments.eye[1], arguments.eye[2]});
+  if (!arguments.eye.empty()) controls.eye = {arguments.eye[0], arguments.eye[1], arguments.eye[2]};
 
   if (picture_only) {
+    ViewerState state;
+    state.snapshot = kind.load(arguments.model);
     write_png(arguments.screenshot, window.draw_once(state));
     return;
   }
-  ViewerFeed feed;
-  feed.publish(std::move(state));
-  window.run(feed, {});
+  window.run(feed, opening->failed());
+  opening->check();
+  if (!opening->over()) std::_Exit(0);  // nothing is lost, and nobody waits for a model that nobody looks at
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string_view>
 
@@ -12,6 +13,9 @@ namespace sheen {
 
 class ModelDrawer;
 struct DrawerOptions;
+
+/// Takes a model that is being opened: each time as much of it as is there.
+using ShowModel = std::function<void(std::shared_ptr<const ModelSnapshot>)>;
 
 /// A kind of model: what the scene's configuration chooses, what a saved model was written by, what the window draws
 /// it with. Each has one object, in its own folder; `model_kinds` lists them.
@@ -25,6 +29,8 @@ class ModelKind {
   /// Opens what `ModelSnapshot::save` wrote: it renders as the one that was saved, bit for bit. Throws FileError that
   /// names file and part where one is missing or broken.
   virtual std::shared_ptr<const ModelSnapshot> load(const std::filesystem::path& path) const = 0;
+  /// Opens it before a person's eyes: what can be seen soon is shown first, all on one mesh; last what `load` gives.
+  virtual void open(const std::filesystem::path& path, const ShowModel& show) const { show(load(path)); }
   /// Whether `ModelSnapshot::compressed` has a smaller form: one file.
   virtual bool compresses() const = 0;
   /// Saved models that are one file: whether a file that begins so is one of them.

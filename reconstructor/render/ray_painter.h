@@ -6,6 +6,7 @@
 #include "common/geometry/ray_scene.h"
 #include "common/image/image.h"
 #include "reconstructor/models/appearance_model.h"
+#include "reconstructor/render/outlines.h"
 
 namespace sheen {
 
@@ -21,6 +22,18 @@ struct PaintedView {
   ImageU8 reason;          ///< QualityReason + 1; 0 where there is no surface
 };
 
+/// A picture with smooth outlines, to be laid over any background: where an outline runs through a pixel, `beauty` is
+/// the mean over that part of the pixel's square that shows surface, not mixed with black (straight alpha). All else is
+/// what the ray through the pixel's centre meets.
+struct SmoothView : PaintedView {
+  ImageF alpha;  ///< 1 channel: the part of each pixel's square that shows surface, 0..1
+};
+
+/// Linear colours times alpha, with alpha as the fourth channel.
+ImageF premultiplied(const SmoothView& view);
+/// 8-bit sRGB of the colours as they are, with alpha (linear) as the fourth channel.
+ImageU8 straight_srgb8(const SmoothView& view);
+
 /// Ray-casts a model's snapshot through a real camera, lens distortion included: one ray per pixel through its centre.
 /// Needs no GPU and no display. Thread-safe.
 class RayPainter {
@@ -31,10 +44,16 @@ class RayPainter {
   PaintedView paint(const Appearance& snapshot, const Camera& camera, const Rigid3& camera_from_object,
                     const LightState& light = {}) const;
 
+  /// The same with smooth outlines, which must be those of the painter's mesh: 16 rays where one runs.
+  SmoothView paint_smooth(const Appearance& snapshot, const Outlines& outlines, const Camera& camera,
+                          const Rigid3& camera_from_object, const LightState& light = {}) const;
+
   /// First hits of all pixels, row by row.
   std::vector<Hit> cast(const Camera& camera, const Rigid3& camera_from_object) const;
 
  private:
+  PaintedView paint(const ViewShader& shader, const Camera& camera, const Rigid3& camera_from_object) const;
+
   RayScene scene_;
 };
 

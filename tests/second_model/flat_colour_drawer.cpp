@@ -49,7 +49,7 @@ bool FlatColourDrawer::update(const std::shared_ptr<const ModelSnapshot>& snapsh
   return true;
 }
 
-void FlatColourDrawer::draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading) {
+void FlatColourDrawer::draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) {
   if (!shown_) return;
   program_.use();
   const Eigen::Matrix4f clip = clip_from_object(viewpoint, bounding_sphere(shown_->mesh()));
@@ -59,15 +59,13 @@ void FlatColourDrawer::draw(const Viewpoint& viewpoint, const Panel& panel, int 
   glUniform1i(program_.uniform("colours"), 1);
   corners_.bind(0);
   colours_.bind(1);
-  glViewport(panel.x, target_height - panel.y - panel.height, panel.width, panel.height);
-  glScissor(panel.x, target_height - panel.y - panel.height, panel.width, panel.height);
-  glEnable(GL_SCISSOR_TEST);
+  const Panel& panel = area.panel;
+  glViewport(panel.x, area.target_height - panel.y - panel.height, panel.width, panel.height);
   glEnable(GL_DEPTH_TEST);
   glClear(GL_DEPTH_BUFFER_BIT);
   glBindVertexArray(vertex_array_.id());
   glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * shown_->mesh().triangles.size()));
   glDisable(GL_DEPTH_TEST);
-  glDisable(GL_SCISSOR_TEST);
   check_gl("drawing flat colours");
 }
 

@@ -13,7 +13,7 @@ class FlatColourDrawer : public ModelDrawer {
  public:
   FlatColourDrawer();
   bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) override;
-  void draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading) override;
+  void draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) override;
   std::vector<std::string> notes() const override { return {"flat colours"}; }
 
  private:

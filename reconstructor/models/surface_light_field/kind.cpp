@@ -23,6 +23,10 @@ class SurfaceLightFieldKind : public ModelKind {
     if (std::filesystem::is_directory(path)) return load_model(path);
     return load_compact(path);
   }
+  void open(const std::filesystem::path& path, const ShowModel& show) const override {
+    show(std::filesystem::is_directory(path) ? std::shared_ptr<const ModelSnapshot>(load_model(path, show))
+                                             : load_compact(path, show));
+  }
   bool compresses() const override { return true; }
   bool reads_file(std::string_view start) const override { return is_compact(start); }
   ModelMetadata file_metadata(const std::filesystem::path& file) const override {

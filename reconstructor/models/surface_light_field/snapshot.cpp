@@ -176,4 +176,12 @@ void SurfaceLightFieldSnapshot::save(const std::filesystem::path& folder, const 
   save_model(*this, folder, metadata, {.progress = progress});
 }
 
+std::shared_ptr<const ModelSnapshot> bare_mesh(std::shared_ptr<const Mesh> mesh, std::vector<PosedCamera> cameras) {
+  constexpr std::uint8_t kLeastResolution = 2;
+  auto rings = std::make_shared<const VertexRings>(*mesh, std::vector(mesh->triangles.size(), kLeastResolution));
+  std::vector<std::shared_ptr<const RingSnapshot>> unknown(mesh->vertices.size());
+  return std::make_shared<SurfaceLightFieldSnapshot>(std::move(mesh), std::move(rings), std::move(unknown), 0,
+                                                     ExposureField{}, std::move(cameras));
+}
+
 }  // namespace sheen

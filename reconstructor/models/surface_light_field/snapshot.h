@@ -38,6 +38,9 @@ struct RingSnapshot : SurfacePatch, RingViews {
   Eigen::VectorXf coefficients(const Eigen::Vector3f& direction) const;
 };
 
+/// A mesh of which nothing is known yet but, perhaps, from where its images were taken.
+std::shared_ptr<const ModelSnapshot> bare_mesh(std::shared_ptr<const Mesh> mesh, std::vector<PosedCamera> cameras);
+
 /// A surface light field as it is captured: a patch per ring. Unchanged rings are shared between snapshots; a ring that
 /// no image has reached is null.
 class SurfaceLightFieldSnapshot : public LightFieldSnapshot {

@@ -183,15 +183,17 @@ void CameraPicture::draw_mesh(const Capture& capture, const Mesh& mesh, const Pa
 }
 
 void CameraPicture::draw(const std::shared_ptr<const Capture>& capture, const Mesh* mesh, const Panel& panel,
-                         OverlayPainter& overlay) {
+                         int target_height) {
   upload_image(capture);
-  draw_image(panel, overlay.height());
-  const bool posed = capture->pose.usable();
-  if (posed && mesh) draw_mesh(*capture, *mesh, panel, overlay.height());
-  draw_tags(*capture, panel, overlay);
-  if (posed) draw_axes(*capture, mesh ? 0.6 * bounding_sphere(*mesh).radius : 0.05, panel, overlay);
-  overlay.flush(panel);
+  draw_image(panel, target_height);
+  if (capture->pose.usable() && mesh) draw_mesh(*capture, *mesh, panel, target_height);
   check_gl("drawing the camera picture");
+}
+
+void CameraPicture::annotate(const Capture& capture, const Mesh* mesh, const Panel& panel, OverlayPainter& overlay) {
+  draw_tags(capture, panel, overlay);
+  if (capture.pose.usable()) draw_axes(capture, mesh ? 0.6 * bounding_sphere(*mesh).radius : 0.05, panel, overlay);
+  overlay.flush(panel);
 }
 
 }  // namespace sheen

@@ -19,9 +19,10 @@ Panel fit(const Panel& area, int width, int height);
 class CameraPicture {
  public:
   CameraPicture();
-  /// Draws into a panel of the camera's shape. The mesh may be null.
-  void draw(const std::shared_ptr<const Capture>& capture, const Mesh* mesh, const Panel& panel,
-            OverlayPainter& overlay);
+  /// Image and mesh, into a panel of the camera's shape; within the caller's scissor. The mesh may be null.
+  void draw(const std::shared_ptr<const Capture>& capture, const Mesh* mesh, const Panel& panel, int target_height);
+  /// Tags and axes over it.
+  static void annotate(const Capture& capture, const Mesh* mesh, const Panel& panel, OverlayPainter& overlay);
 
  private:
   void upload_image(const std::shared_ptr<const Capture>& capture);

@@ -168,8 +168,8 @@ RenderTarget::RenderTarget(int width, int height, int samples)
       color_(make_renderbuffer()),
       depth_(make_renderbuffer()),
       framebuffer_(make_framebuffer()),
-      resolved_color_(make_renderbuffer()),
-      resolved_(make_framebuffer()) {
+      picture_color_(make_renderbuffer()),
+      picture_(make_framebuffer()) {
   GLint most = 0, largest = 0;
   glGetIntegerv(GL_MAX_SAMPLES, &most);
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
@@ -182,11 +182,11 @@ RenderTarget::RenderTarget(int width, int height, int samples)
   glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA8, width, height);
   glBindRenderbuffer(GL_RENDERBUFFER, depth_.id());
   glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT24, width, height);
-  glBindRenderbuffer(GL_RENDERBUFFER, resolved_color_.id());
+  glBindRenderbuffer(GL_RENDERBUFFER, picture_color_.id());
   glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
 
-  glBindFramebuffer(GL_FRAMEBUFFER, resolved_.id());
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, resolved_color_.id());
+  glBindFramebuffer(GL_FRAMEBUFFER, picture_.id());
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, picture_color_.id());
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color_.id());
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
@@ -197,33 +197,60 @@ RenderTarget::RenderTarget(int width, int height, int samples)
 }
 
 void RenderTarget::clear(const Eigen::Vector3f& color) const {
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
-  glDisable(GL_SCISSOR_TEST);
+  draw_on();
   glClearColor(color.x(), color.y(), color.z(), 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
-void RenderTarget::resolve() {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.id());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.id());
-  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.id());
+void RenderTarget::draw_on() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
 }
 
-void RenderTarget::show(int window_width, int window_height) {
-  resolve();
+void RenderTarget::resolve() const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, picture_.id());
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, picture_.id());
+}
+
+void RenderTarget::clear_picture(const Eigen::Vector3f& color) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, picture_.id());
+  glClearColor(color.x(), color.y(), color.z(), 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+}
+
+void RenderTarget::enlarge(const RenderTarget& other, const Panel& from, const Panel& to) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, other.picture_.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, picture_.id());
+  const int from_bottom = other.height_ - from.y - from.height, to_bottom = height_ - to.y - to.height;
+  glBlitFramebuffer(from.x, from_bottom, from.x + from.width, from_bottom + from.height, to.x, to_bottom,
+                    to.x + to.width, to_bottom + to.height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
+  glBindFramebuffer(GL_FRAMEBUFFER, picture_.id());
+}
+
+void RenderTarget::show(int window_width, int window_height) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, window_width, window_height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-ImageU8 RenderTarget::read() {
-  resolve();
+ImageU8 RenderTarget::read() const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.id());
   ImageU8 bottom_up(width_, height_, 3), picture(width_, height_, 3);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, bottom_up.data());
   for (int y = 0; y < height_; ++y)
     std::copy_n(bottom_up.row(height_ - 1 - y), std::size_t(width_) * 3, picture.row(y));
   return picture;
+}
+
+ScissorScope::ScissorScope(const Panel& part, int target_height) {
+  glScissor(part.x, target_height - part.y - part.height, part.width, part.height);
+  glEnable(GL_SCISSOR_TEST);
+}
+
+ScissorScope::~ScissorScope() {
+  glDisable(GL_SCISSOR_TEST);
 }
 
 }  // namespace sheen

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/image/image.h"
+#include "reconstructor/render/gl/panel.h"
 
 namespace sheen {
 
@@ -77,7 +78,17 @@ class BufferTexture {
   GlHandle buffer_, texture_;
 };
 
-/// What is drawn into before it is shown: 8-bit RGB and depth, `samples` a pixel, which are averaged on reading.
+/// Limits drawing and clearing to a part of a target while it lives.
+class ScissorScope {
+ public:
+  ScissorScope(const Panel& part, int target_height);
+  ~ScissorScope();
+  ScissorScope(const ScissorScope&) = delete;
+  ScissorScope& operator=(const ScissorScope&) = delete;
+};
+
+/// What is drawn into before it is shown: 8-bit RGB and depth with `samples` a pixel, and the picture that their means
+/// make, which can be drawn over.
 class RenderTarget {
  public:
   /// `samples` is cut to what the driver has. Throws DeviceError.
@@ -85,16 +96,22 @@ class RenderTarget {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  void clear(const Eigen::Vector3f& color) const;  ///< and drawing goes here from now on
-  void show(int window_width, int window_height);  ///< to the window's back buffer
-  ImageU8 read();                                  ///< RGB, top row first
+  void clear(const Eigen::Vector3f& color) const;  ///< the samples; drawing goes there from now on
+  void draw_on() const;                            ///< drawing goes to the samples again, which stay as they are
+  void resolve() const;                            ///< samples -> picture; drawing goes to the picture from now on
+
+  void clear_picture(const Eigen::Vector3f& color) const;  ///< drawing goes to the picture from now on
+  /// A part of another target's picture over a part of this one's, smoothly enlarged. Drawing goes to the picture from
+  /// now on.
+  void enlarge(const RenderTarget& other, const Panel& from, const Panel& to) const;
+
+  void show(int window_width, int window_height) const;  ///< the picture, to the window's back buffer
+  ImageU8 read() const;                                  ///< the picture: RGB, top row first
 
  private:
-  void resolve();
-
   int width_, height_;
   GlHandle color_, depth_, framebuffer_;
-  GlHandle resolved_color_, resolved_;
+  GlHandle picture_color_, picture_;
 };
 
 }  // namespace sheen

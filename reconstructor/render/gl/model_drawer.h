@@ -9,14 +9,9 @@
 
 #include "reconstructor/models/model_snapshot.h"
 #include "reconstructor/render/gl/orbit_camera.h"
+#include "reconstructor/render/gl/panel.h"
 
 namespace sheen {
-
-/// A rectangle of the picture in pixels from its top left corner.
-struct Panel {
-  int x = 0, y = 0, width = 0, height = 0;
-  bool operator==(const Panel&) const = default;
-};
 
 enum class SurfaceShading {
   kAppearance,  ///< what the camera would see; striped where no image reached: dark, or a guess
@@ -42,6 +37,13 @@ struct DrawerOptions {
   std::size_t max_buffer_texels = 0;
 };
 
+/// Where a drawer draws. What of the panel may be touched, the caller has set as the scissor.
+struct DrawArea {
+  Panel panel;
+  int target_height = 0;  ///< of the whole target, pixels
+  float pixel_size = 1;   ///< of the target's pixels in those of the window: patterns keep their size
+};
+
 /// Draws one kind of model with OpenGL 3.3. Made, used and destroyed with one context current.
 class ModelDrawer {
  public:
@@ -50,8 +52,8 @@ class ModelDrawer {
   /// else what is still to come is drawn as it was, and the next call goes on. Null: nothing is drawn. Throws
   /// DeviceError when the mesh itself does not fit.
   virtual bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) = 0;
-  /// Draws into a panel of a target of `target_height` pixels; depth-tested within it, background untouched.
-  virtual void draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading) = 0;
+  /// Draws with a depth test of its own; the background stays.
+  virtual void draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) = 0;
   /// What a person should know of the drawing, a line each: that the graphics memory is full, say.
   virtual std::vector<std::string> notes() const = 0;
 };

@@ -14,28 +14,37 @@ namespace {
 constexpr const char* kVertexShader = R"glsl(#version 330 core
 layout(location = 0) in vec2 position;
 layout(location = 1) in vec2 place;
-layout(location = 2) in vec4 tint;
+layout(location = 2) in vec2 half_size;
+layout(location = 3) in vec4 tint;
 uniform vec2 size;
-out vec2 glyph_place;
-out vec4 glyph_color;
+out vec2 shape_place;
+flat out vec2 shape_half;
+out vec4 shape_color;
 
 void main() {
-  glyph_place = place;
-  glyph_color = tint;
+  shape_place = place;
+  shape_half = half_size;
+  shape_color = tint;
   gl_Position = vec4(2.0 * position.x / size.x - 1.0, 1.0 - 2.0 * position.y / size.y, 0, 1);
 }
 )glsl";
 
 constexpr const char* kFragmentShader = R"glsl(#version 330 core
 uniform sampler2D atlas;
-in vec2 glyph_place;
-in vec4 glyph_color;
+in vec2 shape_place;
+flat in vec2 shape_half;
+in vec4 shape_color;
 out vec4 color;
 
-void main() {
-  float coverage = glyph_place.x < 0.0 ? 1.0 : texelFetch(atlas, ivec2(glyph_place), 0).r;
-  color = vec4(glyph_color.rgb, glyph_color.a * coverage);
+// Of a glyph as in the atlas; of a box the part of the pixel that lies in it, as if its sides were the pixel's.
+float coverage() {
+  if (shape_half.x < 0.0) return texelFetch(atlas, ivec2(shape_place), 0).r;
+  vec2 low = max(shape_place - 0.5, -shape_half), high = min(shape_place + 0.5, shape_half);
+  vec2 inside = max(high - low, vec2(0));
+  return inside.x * inside.y;
 }
+
+void main() { color = vec4(shape_color.rgb, shape_color.a * coverage()); }
 )glsl";
 
 }  // namespace
@@ -53,7 +62,8 @@ OverlayPainter::OverlayPainter()
   };
   attribute(0, 2, GL_FLOAT, GL_FALSE, offsetof(Vertex, x));
   attribute(1, 2, GL_FLOAT, GL_FALSE, offsetof(Vertex, u));
-  attribute(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(Vertex, color));
+  attribute(2, 2, GL_FLOAT, GL_FALSE, offsetof(Vertex, half_width));
+  attribute(3, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(Vertex, color));
   check_gl("setting up the overlay");
 }
 
@@ -79,28 +89,35 @@ void OverlayPainter::quad(const std::array<Vertex, 4>& corners) {
   for (const int i : {0, 1, 2, 0, 2, 3}) vertices_.push_back(corners[i]);
 }
 
+void OverlayPainter::box(const Eigen::Vector2f& middle, const Eigen::Vector2f& along, float half_width,
+                         float half_height, Rgba color) {
+  const Eigen::Vector2f across(-along.y(), along.x());
+  const float u = half_width + 1, v = half_height + 1;  // all pixels that the box touches have their centres in there
+  const auto corner = [&](float a, float b) {
+    const Eigen::Vector2f p = middle + a * along + b * across;
+    return Vertex{p.x(), p.y(), a, b, half_width, half_height, color};
+  };
+  quad({corner(-u, -v), corner(u, -v), corner(u, v), corner(-u, v)});
+}
+
 void OverlayPainter::fill(float x, float y, float width, float height, Rgba color) {
-  quad({{{x, y, -1, -1, color},
-         {x + width, y, -1, -1, color},
-         {x + width, y + height, -1, -1, color},
-         {x, y + height, -1, -1, color}}});
+  box({x + width / 2, y + height / 2}, {1, 0}, width / 2, height / 2, color);
 }
 
 void OverlayPainter::triangle(const Eigen::Vector2f& a, const Eigen::Vector2f& b, const Eigen::Vector2f& c,
                               Rgba color) {
-  for (const Eigen::Vector2f& p : {a, b, c}) vertices_.push_back({p.x(), p.y(), -1, -1, color});
+  constexpr float kEverywhere = 1e6f;
+  for (const Eigen::Vector2f& p : {a, b, c}) vertices_.push_back({p.x(), p.y(), 0, 0, kEverywhere, kEverywhere, color});
+  line(a, b, 1, color);
+  line(b, c, 1, color);
+  line(c, a, 1, color);
 }
 
 void OverlayPainter::line(const Eigen::Vector2f& from, const Eigen::Vector2f& to, float width, Rgba color) {
   const Eigen::Vector2f along = to - from;
   const float length = along.norm();
   if (!(length > 0)) return;
-  const Eigen::Vector2f side = Eigen::Vector2f(-along.y(), along.x()) * (0.5f * width / length);
-  const Eigen::Vector2f a = from + side, b = to + side, c = to - side, d = from - side;
-  quad({{{a.x(), a.y(), -1, -1, color},
-         {b.x(), b.y(), -1, -1, color},
-         {c.x(), c.y(), -1, -1, color},
-         {d.x(), d.y(), -1, -1, color}}});
+  box((from + to) / 2, along / length, length / 2, width / 2, color);
 }
 
 void OverlayPainter::text(float x, float y, std::string_view text, Rgba color) {
@@ -113,10 +130,10 @@ void OverlayPainter::text(float x, float y, std::string_view text, Rgba color) {
     const float u = w * static_cast<float>(cell % GlyphAtlas::kColumns);
     const float v = h * static_cast<float>(cell / GlyphAtlas::kColumns);
     if (character != ' ')
-      quad({{{x, y, u, v, color},
-             {x + w, y, u + w, v, color},
-             {x + w, y + h, u + w, v + h, color},
-             {x, y + h, u, v + h, color}}});
+      quad({{{x, y, u, v, -1, -1, color},
+             {x + w, y, u + w, v, -1, -1, color},
+             {x + w, y + h, u + w, v + h, -1, -1, color},
+             {x, y + h, u, v + h, -1, -1, color}}});
     x += w;
   }
 }
@@ -133,13 +150,11 @@ void OverlayPainter::flush(const Panel& panel) {
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices_.size() * sizeof(Vertex)), vertices_.data(),
                GL_STREAM_DRAW);
   glViewport(0, 0, width_, height_);
-  glScissor(panel.x, height_ - panel.y - panel.height, panel.width, panel.height);
-  glEnable(GL_SCISSOR_TEST);
+  const ScissorScope scissor(panel, height_);
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE);
   glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices_.size()));
   glDisable(GL_BLEND);
-  glDisable(GL_SCISSOR_TEST);
   vertices_.clear();
 }
 

@@ -14,8 +14,8 @@ namespace sheen {
 
 using Rgba = std::array<std::uint8_t, 4>;  ///< sRGB-encoded, alpha not premultiplied
 
-/// Flat drawing over a picture: rectangles, lines and text, in pixels from the top left corner. Everything is collected
-/// and drawn, in order, by `flush`.
+/// Flat drawing over a picture: rectangles, lines and text, in pixels from the top left corner. Edges are smooth by
+/// themselves: one sample a pixel is enough. Everything is collected and drawn, in order, by `flush`.
 class OverlayPainter {
  public:
   OverlayPainter();
@@ -37,9 +37,14 @@ class OverlayPainter {
 
  private:
   struct Vertex {
-    float x, y, u, v;  ///< u < 0: no glyph, the colour alone
+    float x, y;
+    float u, v;                     ///< place in the atlas, or in the box: pixels from its middle
+    float half_width, half_height;  ///< of the box; < 0: a glyph
     Rgba color;
   };
+  /// A rectangle, turned so that its width lies along a unit vector.
+  void box(const Eigen::Vector2f& middle, const Eigen::Vector2f& along, float half_width, float half_height,
+           Rgba color);
   void quad(const std::array<Vertex, 4>& corners);
 
   GlProgram program_;

@@ -40,12 +40,29 @@ std::optional<ViewMode> view_mode_from(std::string_view word) {
 void ViewControls::frame(const std::shared_ptr<const Mesh>& mesh) {
   if (!mesh || mesh == framed_) return;
   framed_ = mesh;
-  orbit.frame(tight_sphere(*mesh));
+  opening_.reset();
+  stand_where_it_opens();
+}
+
+void ViewControls::frame(const ModelSnapshot& model) {
+  if (model.shared_mesh() == framed_) return;
+  framed_ = model.shared_mesh();
+  opening_ = opening_view(model.cameras(), bounding_sphere(*framed_).centre);
+  stand_where_it_opens();
 }
 
 void ViewControls::reset() {
   follow = false;
-  if (framed_) orbit.frame(tight_sphere(*framed_));
+  if (framed_) stand_where_it_opens();
+}
+
+void ViewControls::stand_where_it_opens() {
+  orbit.frame(tight_sphere(*framed_));
+  if (opening_) {
+    orbit.set_up(opening_->up);
+    orbit.look_from(opening_->direction);
+  }
+  if (eye) orbit.place(*eye);
 }
 
 }  // namespace sheen

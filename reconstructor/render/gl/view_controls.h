@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/render/gl/opening_view.h"
 #include "reconstructor/render/gl/orbit_camera.h"
 
 namespace sheen {
@@ -30,12 +32,19 @@ struct ViewControls {
   bool figures = true;  ///< text and guides over the picture
   OrbitCamera orbit;
 
+  std::optional<Eigen::Vector3d> eye;  ///< where the free camera stands at first; empty: `frame` decides
+
   /// Lets the free camera frame a mesh that it has not framed yet.
   void frame(const std::shared_ptr<const Mesh>& mesh);
+  /// The same, as the model's cameras saw it, where it has some: `opening_view`.
+  void frame(const ModelSnapshot& model);
   void reset();  ///< back to where `frame` put the camera
 
  private:
+  void stand_where_it_opens();
+
   std::shared_ptr<const Mesh> framed_;
+  std::optional<OpeningView> opening_;
 };
 
 }  // namespace sheen

@@ -26,68 +26,127 @@ float text_unit(int height) {
   return std::clamp(std::round(static_cast<float>(height) / 250) / 2, 1.5f, 5.0f);
 }
 
+constexpr int kDividerWidth = 2;
+const Eigen::Vector3f kBackground(0.11f, 0.12f, 0.135f);
+
+const Mesh* mesh_of(const ViewerState& state) {
+  return state.snapshot ? &state.snapshot->mesh() : nullptr;
+}
+
+/// Of a panel, what lies in these rows; nothing may be left.
+Panel in_rows(const Panel& panel, int top, int rows) {
+  const int first = std::max(panel.y, top), end = std::min(panel.y + panel.height, top + rows);
+  return {panel.x, first, panel.width, std::max(0, end - first)};
+}
+
 }  // namespace
 
-void ViewerScene::draw(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,
-                       const RenderTarget& target) {
-  target.clear({0.11f, 0.12f, 0.135f});
-  overlay_.begin(target.width(), target.height(), text_unit(target.height()));
-
-  const Panel all{0, 0, target.width(), target.height()};
+std::vector<ViewerScene::SurfacePanel> ViewerScene::surface_panels(const ViewerState& state,
+                                                                   const ViewControls& controls, int width,
+                                                                   int height) {
+  std::vector<SurfacePanel> panels;
+  if (!state.snapshot) return panels;
   const SurfaceShading need = controls.reasons ? SurfaceShading::kReasons : SurfaceShading::kHeuristic;
-  const bool untouched = state.snapshot && state.snapshot->empty();
-  const SurfaceShading seen = controls.states ? SurfaceShading::kStates
-                              : untouched     ? SurfaceShading::kPlain
-                                              : SurfaceShading::kAppearance;
-  std::vector<std::string> notes = news;
+  const SurfaceShading seen = controls.states           ? SurfaceShading::kStates
+                              : state.snapshot->empty() ? SurfaceShading::kPlain
+                                                        : SurfaceShading::kAppearance;
+  const auto add = [&](const Panel& area, SurfaceShading shading) {
+    if (!controls.follow || !posed(state))
+      return panels.push_back({area, controls.orbit.viewpoint(area.width, area.height), shading});
+    const Panel panel = fit(area, state.capture->camera.width, state.capture->camera.height);
+    panels.push_back({panel, tracked_viewpoint(*state.capture, panel), shading});
+  };
+  const int half = std::max(1, width / 2);
   switch (controls.mode) {
     case ViewMode::kLightField:
-      draw_surface(state, controls, all, seen);
+      add({0, 0, width, height}, seen);
       break;
     case ViewMode::kHeuristic:
-      draw_surface(state, controls, all, need);
+      add({0, 0, width, height}, need);
       break;
-    case ViewMode::kSplit: {
-      const int half = std::max(1, all.width / 2);
-      draw_surface(state, controls, {0, 0, half, all.height}, seen);
-      draw_surface(state, controls, {all.width - half, 0, half, all.height}, need);
-      overlay_.fill(static_cast<float>(half) - 1, 0, 2, static_cast<float>(all.height), kDivider);
+    case ViewMode::kSplit:
+      add({0, 0, half, height}, seen);
+      add({width - half, 0, half, height}, need);
       break;
-    }
     case ViewMode::kCamera:
-      if (state.capture)
-        draw_camera(state, all);
-      else
-        notes.push_back("no camera image");
       break;
   }
-  if (controls.mode != ViewMode::kCamera) {
+  return panels;
+}
+
+void ViewerScene::draw_rows(const ViewerState& state, const ViewControls& controls, const RenderTarget& target, int top,
+                            int rows) {
+  if (top == 0) target.clear(kBackground);
+  target.draw_on();
+  for (const SurfacePanel& surface : surface_panels(state, controls, target.width(), target.height())) {
+    const ScissorScope scissor(in_rows(surface.panel, top, rows), target.height());
+    surface_->draw(surface.viewpoint, {surface.panel, target.height()}, surface.shading);
+  }
+  if (controls.mode == ViewMode::kCamera && state.capture) {
+    const Panel panel =
+        fit({0, 0, target.width(), target.height()}, state.capture->camera.width, state.capture->camera.height);
+    const ScissorScope scissor(in_rows(panel, top, rows), target.height());
+    camera_.draw(state.capture, mesh_of(state), panel, target.height());
+  }
+}
+
+void ViewerScene::finish(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,
+                         const RenderTarget& target) {
+  target.resolve();
+  draw_overlay(state, controls, news, target);
+}
+
+void ViewerScene::draw_coarse(const ViewerState& state, const ViewControls& controls,
+                              const std::vector<std::string>& news, const RenderTarget& coarse,
+                              const RenderTarget& target) {
+  target.clear_picture(kBackground);
+  for (const SurfacePanel& surface : surface_panels(state, controls, target.width(), target.height())) {
+    const auto part = [](int size, int of, int whole) {
+      return std::clamp(static_cast<int>(std::lround(double(size) * of / whole)), 1, of);
+    };
+    const Panel small{0, 0, part(surface.panel.width, coarse.width(), target.width()),
+                      part(surface.panel.height, coarse.height(), target.height())};
+    const Viewpoint viewpoint{surface.viewpoint.camera.scaled(small.width, small.height),
+                              surface.viewpoint.camera_from_object};
+    coarse.clear(kBackground);
+    surface_->draw(viewpoint,
+                   {small, coarse.height(), static_cast<float>(surface.panel.width) / static_cast<float>(small.width)},
+                   surface.shading);
+    coarse.resolve();
+    target.enlarge(coarse, small, surface.panel);
+  }
+  draw_overlay(state, controls, news, target);
+}
+
+void ViewerScene::draw_overlay(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes,
+                               const RenderTarget& target) {
+  const int width = target.width(), height = target.height();
+  overlay_.begin(width, height, text_unit(height));
+  if (controls.mode == ViewMode::kCamera) {
+    if (state.capture)
+      CameraPicture::annotate(*state.capture, mesh_of(state),
+                              fit({0, 0, width, height}, state.capture->camera.width, state.capture->camera.height),
+                              overlay_);
+    else
+      notes.push_back("no camera image");
+  } else {
     if (!state.snapshot) notes.push_back("no model");
     if (controls.follow && !posed(state)) notes.push_back("no tracked camera to follow");
+    if (controls.figures && !(controls.follow && posed(state)))
+      for (const SurfacePanel& surface : surface_panels(state, controls, width, height)) draw_guides(state, surface);
+    if (controls.mode == ViewMode::kSplit)
+      overlay_.fill(static_cast<float>(width / 2 - kDividerWidth / 2), 0, kDividerWidth, static_cast<float>(height),
+                    kDivider);
   }
   if (controls.figures) draw_hud(state, controls, std::move(notes));
-  overlay_.flush(all);
+  overlay_.flush({0, 0, width, height});
   check_gl(std::string("drawing the view '") + to_string(controls.mode) + "'");
 }
 
-void ViewerScene::draw_surface(const ViewerState& state, const ViewControls& controls, const Panel& area,
-                               SurfaceShading shading) {
-  if (!state.snapshot) return;
-  const bool follow = controls.follow && posed(state);
-  const Panel panel = follow ? fit(area, state.capture->camera.width, state.capture->camera.height) : area;
-  const Viewpoint viewpoint =
-      follow ? tracked_viewpoint(*state.capture, panel) : controls.orbit.viewpoint(panel.width, panel.height);
-  surface_->draw(viewpoint, panel, overlay_.height(), shading);
-  if (controls.figures && !follow) draw_guides(state, viewpoint, panel);
-}
-
-void ViewerScene::draw_camera(const ViewerState& state, const Panel& area) {
-  const Panel panel = fit(area, state.capture->camera.width, state.capture->camera.height);
-  camera_.draw(state.capture, state.snapshot ? &state.snapshot->mesh() : nullptr, panel, overlay_);
-}
-
 /// Where the tracked camera is and where it should go, in the free camera's picture.
-void ViewerScene::draw_guides(const ViewerState& state, const Viewpoint& viewpoint, const Panel& panel) {
+void ViewerScene::draw_guides(const ViewerState& state, const SurfacePanel& surface) {
+  const Panel& panel = surface.panel;
+  const Viewpoint& viewpoint = surface.viewpoint;
   const Eigen::Vector2f origin(static_cast<float>(panel.x) + 0.5f, static_cast<float>(panel.y) + 0.5f);
   const auto pixel = [&](const Eigen::Vector3d& point) -> std::optional<Eigen::Vector2f> {
     const auto p = viewpoint.camera.project(viewpoint.camera_from_object * point);

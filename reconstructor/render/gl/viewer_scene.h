@@ -23,14 +23,28 @@ class ViewerScene {
 
   /// Brings what is new to the GPU, a bounded part of it per call; true when all of it is there.
   bool update(const ViewerState& state) { return surface_->update(state.snapshot); }
-  /// `news`: lines to show beside the state's own message.
-  void draw(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,
-            const RenderTarget& target);
+  /// The samples of some rows of the picture, from `top` on; the target is cleared by the caller.
+  void draw_rows(const ViewerState& state, const ViewControls& controls, const RenderTarget& target, int top, int rows);
+  /// Makes the picture of the samples when all rows are drawn. `news`: lines to show beside the state's own message.
+  void finish(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,
+              const RenderTarget& target);
+  /// The same picture where pixels cost too much: what shows a surface is drawn as large as `coarse` and enlarged;
+  /// text and lines are as sharp as ever.
+  void draw_coarse(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,
+                   const RenderTarget& coarse, const RenderTarget& target);
 
  private:
-  void draw_surface(const ViewerState& state, const ViewControls& controls, const Panel& area, SurfaceShading shading);
-  void draw_camera(const ViewerState& state, const Panel& area);
-  void draw_guides(const ViewerState& state, const Viewpoint& viewpoint, const Panel& panel);
+  /// A part of the picture that shows the surface.
+  struct SurfacePanel {
+    Panel panel;
+    Viewpoint viewpoint;
+    SurfaceShading shading;
+  };
+  static std::vector<SurfacePanel> surface_panels(const ViewerState& state, const ViewControls& controls, int width,
+                                                  int height);
+  void draw_overlay(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes,
+                    const RenderTarget& target);
+  void draw_guides(const ViewerState& state, const SurfacePanel& surface);
   void draw_hud(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes);
 
   std::unique_ptr<ModelDrawer> surface_;

@@ -8,14 +8,13 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <optional>
 #include <string>
+#include <utility>
 
 #include "common/base/errors.h"
 #include "common/image/image_io.h"
-#include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/gl/lost_display.h"
-#include "reconstructor/render/gl/viewer_scene.h"
+#include "reconstructor/render/gl/picture_drawer.h"
 
 namespace sheen {
 namespace {
@@ -23,6 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kNewsLasts = std::chrono::seconds(4);
+constexpr auto kStill = std::chrono::milliseconds(150);  // after which a hand that does not move has come to rest
 constexpr int kRest = 2;  // pause after a frame, in its own durations: drawing in software must leave cores to others
 constexpr double kBusySeconds = 0.002;
 constexpr double kIdleSeconds = 0.05;  // how long a new state may wait for a window in which nothing moves
@@ -91,7 +91,8 @@ std::filesystem::path free_name(const std::filesystem::path& stem) {
 }  // namespace
 
 struct ViewerWindow::Impl {
-  Impl(const ModelKind& kind, const ViewerOptions& o) : options(o), window(open_window(o)), scene(kind, o.drawer) {
+  Impl(const ModelKind& kind, const ViewerOptions& o)
+      : options(o), window(open_window(o)), pictures(kind, o.drawer, o.samples) {
     glfwSetWindowUserPointer(window.get(), this);
     glfwSetKeyCallback(window.get(), [](GLFWwindow* w, int key, int, int action, int) {
       if (action == GLFW_PRESS) of(w).on_key(key);
@@ -100,7 +101,7 @@ struct ViewerWindow::Impl {
     glfwSetScrollCallback(window.get(), [](GLFWwindow* w, double, double steps) {
       of(w).controls.follow = false;
       of(w).controls.orbit.dolly(std::pow(0.9, steps));
-      of(w).changed = true;
+      of(w).on_movement();
     });
     glfwSetWindowRefreshCallback(window.get(), [](GLFWwindow* w) { of(w).changed = true; });
     glfwSetFramebufferSizeCallback(window.get(), [](GLFWwindow* w, int, int) { of(w).changed = true; });
@@ -162,12 +163,12 @@ struct ViewerWindow::Impl {
     else
       return;
     controls.follow = false;
-    changed = true;
+    on_movement();
   }
 
-  void make_target(int width, int height) {
-    if (!target || target->width() != width || target->height() != height)
-      target.emplace(width, height, options.samples);
+  void on_movement() {
+    moved = Clock::now();
+    changed = true;
   }
 
   std::vector<std::string> current_news() {
@@ -186,32 +187,49 @@ struct ViewerWindow::Impl {
     screenshot_wanted = false;
     const auto path = free_name(options.screenshot_folder / screenshot_name(controls.mode));
     try {
-      write_png(path, target->read());
+      write_png(path, pictures.target().read());
       tell("saved " + path.string());
     } catch (const Error& error) {  // a full disk must not end the capture
       tell(std::string("no screenshot: ") + error.what());
     }
   }
 
-  void show(const ViewerState& state) {
+  /// False: there is nothing to draw into.
+  bool fit_pictures() {
     int width = 0, height = 0;
     glfwGetFramebufferSize(window.get(), &width, &height);
-    if (library.display_lost) return;     // the size is then any number
-    if (width < 1 || height < 1) return;  // minimised
-    make_target(width, height);
-    scene.draw(state, controls, current_news(), *target);
-    target->show(width, height);
+    if (library.display_lost) return false;     // the size is then any number
+    if (width < 1 || height < 1) return false;  // minimised
+    pictures.resize(width, height);
+    return true;
+  }
+
+  /// True: the picture is as fine as can be.
+  bool draw_soon(const ViewerState& state) {
+    const bool fine = pictures.draw_soon(state, controls, current_news());
+    show();
+    return fine;
+  }
+  /// True: the fine picture is there and shown.
+  bool draw_piece(const ViewerState& state) {
+    const bool fine = pictures.draw_piece(state, controls, current_news());
+    if (fine) show();
+    return fine;
+  }
+
+  void show() {
+    pictures.target().show(pictures.target().width(), pictures.target().height());
     glfwSwapBuffers(window.get());
   }
 
   ViewerOptions options;
   GlfwLibrary library;
   WindowHandle window;
-  ViewerScene scene;
-  std::optional<RenderTarget> target;
+  PictureDrawer pictures;
   ViewControls controls;
   Eigen::Vector2d cursor = Eigen::Vector2d::Zero();
-  bool changed = true;  ///< something to draw
+  bool changed = true;      ///< something to draw
+  Clock::time_point moved;  ///< when a hand last moved the picture
   bool screenshot_wanted = false;
   std::function<std::string()> take_back;
   std::string news;
@@ -231,38 +249,59 @@ void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, std:
   w.take_back = std::move(take_back);
   glfwSetWindowShouldClose(w.window.get(), GLFW_FALSE);
   std::shared_ptr<const ViewerState> shown;
-  bool complete = true;
-  Clock::time_point rested;  // from when on what nobody asked for may be drawn
+  bool complete = true, fine = true;  // all of the state is on the GPU; the picture is as fine as can be
+  Clock::time_point rested;           // from when on what nobody asked for may be drawn
   while (!stop.stop_requested() && !glfwWindowShouldClose(w.window.get())) {
     const auto state = feed.latest();
     const bool news_over = !w.news.empty() && Clock::now() > w.news_until;
-    const bool stale = state != shown || !complete || news_over;
-    if (w.changed || (stale && Clock::now() >= rested)) {
-      const auto begun = Clock::now();
-      w.changed = false;
+    const bool stale = !complete || (fine && (state != shown || news_over));
+    const auto begun = Clock::now();
+    if (w.changed || (stale && begun >= rested)) {
+      const bool soon = std::exchange(w.changed, false) || !shown;
       shown = state;
-      if (state->snapshot) w.controls.frame(state->snapshot->shared_mesh());
-      complete = w.scene.update(*state);
-      w.show(*state);
-      if (w.screenshot_wanted && w.target) w.save_screenshot();
-      rested = Clock::now() + kRest * (Clock::now() - begun);
+      if (state->snapshot) w.controls.frame(*state->snapshot);
+      complete = fine = true;
+      if (w.fit_pictures()) {
+        complete = w.pictures.update(*state);
+        fine = (soon || !complete) && w.draw_soon(*state);
+        w.pictures.restart();
+        rested = Clock::now() + kRest * (Clock::now() - begun);
+      }
+    } else if (!fine && complete && begun >= w.moved + kStill) {
+      fine = w.draw_piece(*shown);
+      rested = std::max(rested, Clock::now()) + kRest * (Clock::now() - begun);
     }
-    if (w.changed)
+    if (fine && w.screenshot_wanted) w.save_screenshot();
+    if (w.changed || (!fine && complete && Clock::now() >= w.moved + kStill))
       glfwPollEvents();
     else
-      glfwWaitEventsTimeout(complete ? kIdleSeconds : kBusySeconds);
+      glfwWaitEventsTimeout(complete && fine ? kIdleSeconds : kBusySeconds);
     if (w.library.display_lost) throw DeviceError("the display has gone away");
   }
 }
 
 ImageU8 ViewerWindow::draw_once(const ViewerState& state) {
   Impl& w = *impl_;
-  if (state.snapshot) w.controls.frame(state.snapshot->shared_mesh());
-  while (!w.scene.update(state)) {
+  if (state.snapshot) w.controls.frame(*state.snapshot);
+  while (!w.pictures.update(state)) {
   }
-  w.make_target(w.options.width, w.options.height);
-  w.scene.draw(state, w.controls, w.current_news(), *w.target);
-  return w.target->read();
+  w.pictures.resize(w.options.width, w.options.height);
+  w.pictures.draw_fine(state, w.controls, w.current_news());
+  return w.pictures.target().read();
+}
+
+ImageU8 ViewerWindow::draw_soon(const ViewerState& state) {
+  Impl& w = *impl_;
+  if (state.snapshot) w.controls.frame(*state.snapshot);
+  while (!w.pictures.update(state)) {
+  }
+  w.pictures.resize(w.options.width, w.options.height);
+  w.pictures.draw_soon(state, w.controls, w.current_news());
+  return w.pictures.target().read();
+}
+
+const FramePacer& ViewerWindow::pacer() const {
+  return impl_->pictures.pacer();
 }
 
 }  // namespace sheen

@@ -9,6 +9,7 @@
 
 #include "common/image/image.h"
 #include "reconstructor/models/model_kind.h"
+#include "reconstructor/render/gl/frame_pacer.h"
 #include "reconstructor/render/gl/model_drawer.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/gl/viewer_feed.h"
@@ -41,6 +42,9 @@ class ViewerWindow {
 
   /// One picture of `options.width` x `options.height` with all of the state on the GPU.
   ImageU8 draw_once(const ViewerState& state);
+  /// The picture that the window shows first while a person moves it, as coarse as this machine asks for.
+  ImageU8 draw_soon(const ViewerState& state);
+  const FramePacer& pacer() const;
 
  private:
   struct Impl;

@@ -57,10 +57,11 @@ void FieldDrawer::relight(const Eigen::Vector3d& from) {
   lit_from_ = from;
 }
 
-void FieldDrawer::draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading) {
+void FieldDrawer::draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) {
   if (!shown_ || shown_->empty()) return;
   const Eigen::Vector3d from = (viewpoint.eye() - bounding_sphere(shown_->mesh()).centre).normalized();
   relight(from);
+  const Panel& panel = area.panel;
   const bool needs = shading == SurfaceShading::kHeuristic || shading == SurfaceShading::kReasons;
   const double shape = static_cast<double>(shown_->field().size.width) / shown_->field().size.height,
                panel_shape = static_cast<double>(panel.width) / panel.height;
@@ -71,7 +72,7 @@ void FieldDrawer::draw(const Viewpoint& viewpoint, const Panel& panel, int targe
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture_.id());
   glUniform1i(program_.uniform("picture"), 0);
-  glViewport(panel.x, target_height - panel.y - panel.height, panel.width, panel.height);
+  glViewport(panel.x, area.target_height - panel.y - panel.height, panel.width, panel.height);
   glBindVertexArray(vertex_array_.id());
   glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
   check_gl("drawing an irradiance field");

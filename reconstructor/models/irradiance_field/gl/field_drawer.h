@@ -15,7 +15,7 @@ class FieldDrawer : public ModelDrawer {
  public:
   FieldDrawer();
   bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) override;
-  void draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading) override;
+  void draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) override;
   std::vector<std::string> notes() const override { return {"the mouse moves the light: the camera stands still"}; }
 
  private:

@@ -13,7 +13,7 @@ namespace sheen {
 /// the coefficients of its patches. What no image showed has a guess already.
 class CompactLightField : public LightFieldSnapshot, public std::enable_shared_from_this<CompactLightField> {
  public:
-  /// `encoded`: the file that the model stands for, which `save` writes.
+  /// `encoded`: the file that the model stands for, which `save` writes; null for one that is only looked at.
   CompactLightField(PatchModel model, std::shared_ptr<const std::string> encoded);
 
   SnapshotFigures figures() const override { return figures_; }

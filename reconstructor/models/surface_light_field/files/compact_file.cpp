@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <future>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <stdexcept>
@@ -17,6 +18,7 @@
 #include "reconstructor/models/surface_light_field/compact/patch_coding.h"
 #include "reconstructor/models/surface_light_field/compact/ring_coding.h"
 #include "reconstructor/models/surface_light_field/files/json_parts.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
 
 namespace sheen {
 namespace {
@@ -107,6 +109,18 @@ std::string layer_name(int layer) {
   return format("L%03d", layer);
 }
 
+/// The model's maps and coefficients; its states are there.
+void dequantise_all(PatchModel& model, const std::vector<QuantisedPatch>& patches, const Layout& layout, float step) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      Patch patch = dequantise(patches[i], layout.resolutions[i], layout.plans[i], step);
+      patch.state = std::move(model.patches[i].state);
+      model.patches[i] = std::move(patch);
+    }
+  });
+  blend_edges(model);
+}
+
 }  // namespace
 
 bool is_compact(std::string_view start) {
@@ -138,7 +152,7 @@ std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float s
   return out;
 }
 
-PatchModel decode_compact(std::string_view bytes, const std::string& file) {
+PatchModel decode_compact(std::string_view bytes, const std::string& file, const ShowModel& show) {
   Chunks chunks(kFormat, bytes, file);
   PatchModel model;
   std::string_view reading = "META";
@@ -148,6 +162,7 @@ PatchModel decode_compact(std::string_view bytes, const std::string& file) {
     const Description description = read_description(chunks.required(reading), model);
     reading = "MESH";
     model.mesh = std::make_shared<Mesh>(decode_mesh(unpacked(chunks.required(reading))));
+    if (show) show(bare_mesh(model.mesh, model.cameras));
     reading = "RESO";
     std::vector<std::uint8_t> resolutions = decode_resolutions(chunks.required(reading), model.mesh->triangles.size());
     std::size_t samples = 0;
@@ -160,6 +175,7 @@ PatchModel decode_compact(std::string_view bytes, const std::string& file) {
     find_sources(model);
     model.shapes = cut_into_patches(*model.mesh, *model.rings_of_mesh, description.patch_triangles);
     const Layout layout = layout_of(model);
+    std::future<void> shown;  // the smooth part: made ready beside the decoding, which is serial
     model.patches.resize(model.shapes.patches.size());
     for (std::size_t i = 0; i < model.patches.size(); ++i)
       model.patches[i].state.assign(model.shapes.patches[i].samples, SampleState::kMeasured);
@@ -169,6 +185,11 @@ PatchModel decode_compact(std::string_view bytes, const std::string& file) {
     reading = "STAT";
     if (const auto states = chunks.next(reading)) {
       decode_states(*states, model);
+      if (show)
+        shown = std::async(std::launch::async, [&, coarse = model, smooth = patches]() mutable {
+          dequantise_all(coarse, smooth, layout, description.step);
+          show(std::make_shared<CompactLightField>(std::move(coarse), nullptr));
+        });
       for (int layer = 1; layer < description.layers; ++layer) {
         const std::string name = layer_name(layer);
         const auto layer_bytes = chunks.next(name);
@@ -180,14 +201,8 @@ PatchModel decode_compact(std::string_view bytes, const std::string& file) {
         }
       }
     }
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        Patch patch = dequantise(patches[i], layout.resolutions[i], layout.plans[i], description.step);
-        patch.state = std::move(model.patches[i].state);
-        model.patches[i] = std::move(patch);
-      }
-    });
-    blend_edges(model);
+    dequantise_all(model, patches, layout, description.step);
+    if (shown.valid()) shown.get();
   } catch (const FileError&) {
     throw;
   } catch (const Json::exception& error) {
@@ -204,9 +219,9 @@ void save_compact(const std::filesystem::path& file, std::string_view encoded, c
   write_file(file, with_notes(kFormat, encoded, metadata, file.string()));
 }
 
-std::shared_ptr<const CompactLightField> load_compact(const std::filesystem::path& file) {
+std::shared_ptr<const CompactLightField> load_compact(const std::filesystem::path& file, const ShowModel& show) {
   auto bytes = std::make_shared<const std::string>(read_file(file));
-  PatchModel model = decode_compact(*bytes, file.string());
+  PatchModel model = decode_compact(*bytes, file.string(), show);
   return std::make_shared<CompactLightField>(std::move(model), bytes);
 }
 

@@ -296,9 +296,11 @@ class MapsReader {
 
 }  // namespace
 
-std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& folder) {
+std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& folder, const ShowModel& show) {
   const Description description(folder);
   const auto mesh = read_mesh(description, folder);
+  const std::vector<PosedCamera> cameras = read_part(description, "cameras", cameras_from_json);
+  if (show) show(bare_mesh(mesh, cameras));
   const auto vertex_rings = read_rings(description, *mesh);
   Rings rings = read_ring_list(description, *vertex_rings);
   rings.reflection = read_part(description, "reflection", reflection_from_json);
@@ -307,8 +309,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& fold
   std::vector<std::shared_ptr<const RingSnapshot>> ring_data(mesh->vertices.size());
   for (std::size_t i = 0; i < rings.data.size(); ++i) ring_data[rings.layout.rings[i].vertex] = rings.data[i];
   return std::make_shared<SurfaceLightFieldSnapshot>(mesh, vertex_rings, std::move(ring_data), kOnlySnapshot,
-                                                     read_part(description, "exposure", exposure_from_json),
-                                                     read_part(description, "cameras", cameras_from_json));
+                                                     read_part(description, "exposure", exposure_from_json), cameras);
 }
 
 ModelMetadata load_model_metadata(const fs::path& folder) {

@@ -7,6 +7,7 @@
 
 #include "common/base/progress.h"
 #include "common/image/exr.h"
+#include "reconstructor/models/model_kind.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 
 namespace sheen {
@@ -33,7 +34,9 @@ void save_model(const SurfaceLightFieldSnapshot& model, const std::filesystem::p
 
 /// Opens such a folder: the model renders as the one that was saved, bit for bit. Throws FileError that names file and
 /// part where one is missing or broken, and both versions where the folder was written by another version of Sheen.
-std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const std::filesystem::path& folder);
+/// `show` gets the mesh, which is there long before its maps are.
+std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const std::filesystem::path& folder,
+                                                            const ShowModel& show = {});
 
 ModelMetadata load_model_metadata(const std::filesystem::path& folder);
 

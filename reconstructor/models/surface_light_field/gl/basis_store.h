@@ -36,6 +36,7 @@ class BasisStore {
   BasisSlot store(const SurfacePatch& patch);
   void release(const BasisSlot& slot);
 
+  int buffers() const { return static_cast<int>(buffers_.size()); }  ///< in use
   std::size_t texels_used() const;
   std::size_t texels_reserved() const;
   /// Binds `kMaxBuffers` units from `first_unit` on; buffers not in use repeat the first.

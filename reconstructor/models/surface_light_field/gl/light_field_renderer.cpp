@@ -4,30 +4,19 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "common/base/errors.h"
-#include "reconstructor/models/surface_light_field/gl/light_field_shaders.h"
 
 namespace sheen {
 namespace {
 
 enum TextureUnit { kPositions, kCorners, kResolutions, kSlots, kCoefficients, kQuality, kBasis };
 
-}  // namespace
-
-LightFieldRenderer::LightFieldRenderer(const DrawerOptions& options)
-    : options_(options),
-      program_("surface light field", kSurfaceVertexShader, kSurfaceFragmentShader),
-      vertex_array_(make_gl_vertex_array()),
-      store_(options.max_buffer_texels),
-      positions_(GL_RGBA32F, 16),
-      corners_(GL_RGBA32UI, 16),
-      resolutions_(GL_R8UI, 1),
-      slots_(GL_RG32UI, 8),
-      coefficients_(GL_R32F, 4),
-      quality_(GL_RG32F, 8) {
-  program_.use();
-  const auto set = [&](const char* name, int unit) { glUniform1i(program_.uniform(name), unit); };
+GlProgram surface_program(const SurfaceShaderVariant& variant) {
+  GlProgram program("surface light field", kSurfaceVertexShader, surface_fragment_shader(variant));
+  program.use();
+  const auto set = [&](const char* name, int unit) { glUniform1i(program.uniform(name), unit); };
   set("positions", kPositions);
   set("corners", kCorners);
   set("resolutions", kResolutions);
@@ -36,12 +25,65 @@ LightFieldRenderer::LightFieldRenderer(const DrawerOptions& options)
   set("quality", kQuality);
   for (int b = 0; b < BasisStore::kMaxBuffers; ++b) set(("basis" + std::to_string(b)).c_str(), kBasis + b);
   for (int reason = 0; reason < 5; ++reason)
-    glUniform3fv(program_.uniform(("reason_colors[" + std::to_string(reason) + "]").c_str()), 1,
+    glUniform3fv(program.uniform(("reason_colors[" + std::to_string(reason) + "]").c_str()), 1,
                  reason_color(static_cast<QualityReason>(reason)).data());
   for (int state = 0; state < 2; ++state)
-    glUniform3fv(program_.uniform(("state_colors[" + std::to_string(state) + "]").c_str()), 1,
+    glUniform3fv(program.uniform(("state_colors[" + std::to_string(state) + "]").c_str()), 1,
                  state_color(static_cast<SampleState>(state)).data());
   check_gl("setting up the light field's shader");
+  return program;
+}
+
+/// Triangles that face the eye, from the nearest to the farthest, then the others: by layers, exactly enough for a
+/// depth test that is to leave out what is hidden.
+std::vector<std::uint32_t> drawing_order(const Mesh& mesh, const Eigen::Vector3f& eye) {
+  constexpr std::uint32_t kLayers = 128;
+  const BoundingSphere sphere = bounding_sphere(mesh);
+  const float nearest = (eye - sphere.centre.cast<float>()).norm() - static_cast<float>(sphere.radius);
+  const float layers_per_metre = kLayers / std::max(2 * static_cast<float>(sphere.radius), 1e-12f);
+  std::vector<std::uint32_t> layer(mesh.triangles.size()), first(2 * kLayers + 1), order(mesh.triangles.size());
+  for (std::size_t t = 0; t < layer.size(); ++t) {
+    const Eigen::Vector3f to_eye = eye - mesh.corner(t, 0);
+    const float depth = std::clamp(layers_per_metre * (to_eye.norm() - nearest), 0.0f, kLayers - 1.0f);
+    layer[t] = static_cast<std::uint32_t>(depth) + (mesh.area_normal(t).dot(to_eye) > 0 ? 0 : kLayers);
+    ++first[layer[t] + 1];
+  }
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  for (std::uint32_t t = 0; t < layer.size(); ++t) order[first[layer[t]]++] = t;
+  return order;
+}
+
+bool corners_share_patches(const LightFieldSnapshot& snapshot) {
+  for (std::size_t t = 0; t < snapshot.mesh().triangles.size(); ++t) {
+    const PatchCorner first = snapshot.corner(t, 0);
+    for (int c = 1; c < 3; ++c) {
+      const PatchCorner other = snapshot.corner(t, c);
+      if (other.patch != first.patch || other.first_sample != first.first_sample) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+LightFieldRenderer::LightFieldRenderer(const DrawerOptions& options)
+    : options_(options),
+      program_(surface_program(variant_)),
+      vertex_array_(make_gl_vertex_array()),
+      store_(options.max_buffer_texels),
+      order_(make_gl_buffer()),
+      positions_(GL_RGBA32F, 16),
+      corners_(GL_RGBA32UI, 16),
+      resolutions_(GL_R8UI, 1),
+      slots_(GL_RG32UI, 8),
+      coefficients_(GL_R32F, 4),
+      quality_(GL_RG32F, 8) {}
+
+void LightFieldRenderer::make_program() {
+  const SurfaceShaderVariant wanted{std::max(1, store_.buffers()), one_patch_};
+  if (wanted == variant_) return;
+  program_ = surface_program(wanted);
+  variant_ = wanted;
 }
 
 bool LightFieldRenderer::update(const std::shared_ptr<const ModelSnapshot>& model) {
@@ -83,9 +125,11 @@ void LightFieldRenderer::upload_mesh(const LightFieldSnapshot& snapshot) {
   patch_slots_.assign(snapshot.patch_count(), {});
   shortened_patches_ = 0;
   triangle_count_ = mesh.triangles.size();
+  one_patch_ = corners_share_patches(snapshot);
   mesh_ = snapshot.shared_mesh();
   rings_ = snapshot.shared_rings();
   shown_.reset();
+  order_eye_.reset();
 }
 
 bool LightFieldRenderer::upload_patches(const LightFieldSnapshot& snapshot) {
@@ -144,8 +188,20 @@ void LightFieldRenderer::upload_quality(const Eigen::Vector3d& eye) {
   quality_eye_ = eye;
 }
 
-void LightFieldRenderer::draw(const Viewpoint& viewpoint, const Panel& panel, int target_height,
-                              SurfaceShading shading) {
+void LightFieldRenderer::upload_order(const Eigen::Vector3d& eye) {
+  glBindVertexArray(vertex_array_.id());
+  if (order_eye_ == eye) return;
+  const std::vector<std::uint32_t> triangles = drawing_order(*mesh_, eye.cast<float>());
+  std::vector<std::uint32_t> corners;
+  corners.reserve(3 * triangles.size());
+  for (const std::uint32_t t : triangles) corners.insert(corners.end(), {3 * t, 3 * t + 1, 3 * t + 2});
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, order_.id());
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof corners[0]), corners.data(),
+               GL_STREAM_DRAW);
+  order_eye_ = eye;
+}
+
+void LightFieldRenderer::draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) {
   if (!shown_ || triangle_count_ == 0) return;
   const Eigen::Vector3d eye = viewpoint.eye();
   if (shading == SurfaceShading::kAppearance || shading == SurfaceShading::kStates)
@@ -153,6 +209,7 @@ void LightFieldRenderer::draw(const Viewpoint& viewpoint, const Panel& panel, in
   else if (shading != SurfaceShading::kPlain)
     upload_quality(eye);
 
+  make_program();
   program_.use();
   const Eigen::Matrix4f clip = clip_from_object(viewpoint, bounding_sphere(*mesh_));
   const Eigen::Vector3f eye_f = eye.cast<float>();
@@ -161,6 +218,7 @@ void LightFieldRenderer::draw(const Viewpoint& viewpoint, const Panel& panel, in
   glUniform1f(program_.uniform("exposure"), exposure_.at(eye));
   glUniform1i(program_.uniform("coefficient_stride"), stride_);
   glUniform1i(program_.uniform("shading"), static_cast<int>(shading));
+  glUniform1f(program_.uniform("pixel_size"), area.pixel_size);
   positions_.bind(kPositions);
   corners_.bind(kCorners);
   resolutions_.bind(kResolutions);
@@ -169,15 +227,13 @@ void LightFieldRenderer::draw(const Viewpoint& viewpoint, const Panel& panel, in
   quality_.bind(kQuality);
   store_.bind(kBasis);
 
-  glViewport(panel.x, target_height - panel.y - panel.height, panel.width, panel.height);
-  glScissor(panel.x, target_height - panel.y - panel.height, panel.width, panel.height);
-  glEnable(GL_SCISSOR_TEST);
+  const Panel& panel = area.panel;
+  glViewport(panel.x, area.target_height - panel.y - panel.height, panel.width, panel.height);
   glEnable(GL_DEPTH_TEST);
   glClear(GL_DEPTH_BUFFER_BIT);
-  glBindVertexArray(vertex_array_.id());
-  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * triangle_count_));
+  upload_order(eye);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * triangle_count_), GL_UNSIGNED_INT, nullptr);
   glDisable(GL_DEPTH_TEST);
-  glDisable(GL_SCISSOR_TEST);
   check_gl("drawing the surface light field");
 }
 

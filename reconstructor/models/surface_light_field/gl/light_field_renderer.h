@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/gl/basis_store.h"
+#include "reconstructor/models/surface_light_field/gl/light_field_shaders.h"
 #include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 #include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/gl/model_drawer.h"
@@ -25,7 +26,7 @@ class LightFieldRenderer : public ModelDrawer {
 
   /// Patches that are not there at all first.
   bool update(const std::shared_ptr<const ModelSnapshot>& model) override;
-  void draw(const Viewpoint& viewpoint, const Panel& panel, int target_height, SurfaceShading shading) override;
+  void draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) override;
   std::vector<std::string> notes() const override;
 
   /// Patches of which the GPU has no room for all terms: drawn with the strongest ones.
@@ -34,15 +35,21 @@ class LightFieldRenderer : public ModelDrawer {
   std::size_t texels_reserved() const { return store_.texels_reserved(); }
 
  private:
+  /// Makes the program for what is on the GPU, where it is not that already.
+  void make_program();
   void upload_mesh(const LightFieldSnapshot& snapshot);
   bool upload_patches(const LightFieldSnapshot& snapshot);
   void upload_coefficients(const Eigen::Vector3d& eye);
   void upload_quality(const Eigen::Vector3d& eye);
+  /// The order in which triangles are drawn: what can hide others first, so that little is shaded in vain.
+  void upload_order(const Eigen::Vector3d& eye);
 
   DrawerOptions options_;
-  GlProgram program_;
+  SurfaceShaderVariant variant_;
+  GlProgram program_;  ///< of `variant_`
   GlHandle vertex_array_;
   BasisStore store_;
+  GlHandle order_;              ///< element buffer: corners of the triangles as they are drawn
   BufferTexture positions_;     ///< per vertex: x, y, z, 1
   BufferTexture corners_;       ///< a triangle's corner: vertex, and its PatchCorner
   BufferTexture resolutions_;   ///< per triangle
@@ -56,12 +63,13 @@ class LightFieldRenderer : public ModelDrawer {
   std::vector<BasisSlot> patch_slots_;
   std::size_t shortened_patches_ = 0;
   std::size_t triangle_count_ = 0;
+  bool one_patch_ = false;  ///< `SurfaceShaderVariant::one_patch`
 
   /// The patches as the GPU has them: coefficients belong to the basis that is there, not to the newest one.
   std::shared_ptr<const LightFieldSnapshot> shown_;
   ExposureField exposure_;
   int stride_ = 0;
-  std::optional<Eigen::Vector3d> coefficients_eye_, quality_eye_;  ///< empty: to be computed again
+  std::optional<Eigen::Vector3d> coefficients_eye_, quality_eye_, order_eye_;  ///< empty: to be computed again
 };
 
 }  // namespace sheen

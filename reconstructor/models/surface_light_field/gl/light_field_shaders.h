@@ -1,26 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 namespace sheen {
 
-/// Vertices come out of buffers: vertex 3 t + c of the draw call is corner c of triangle t.
+/// Vertices come out of buffers: vertex 3 t + c is corner c of triangle t.
 inline constexpr const char* kSurfaceVertexShader = R"glsl(#version 330 core
 uniform samplerBuffer positions;
 uniform usamplerBuffer corners;
 uniform mat4 clip_from_object;
+flat out int triangle;
 centroid out vec3 beta;     // barycentric weights; never outside the triangle, also where several samples make a pixel
 out vec3 position_object;
 
 void main() {
   uint vertex = texelFetch(corners, gl_VertexID).x;
   int corner = gl_VertexID % 3;
+  triangle = gl_VertexID / 3;
   beta = vec3(corner == 0, corner == 1, corner == 2);
   position_object = texelFetch(positions, int(vertex)).xyz;
   gl_Position = clip_from_object * vec4(position_object, 1);
 }
 )glsl";
 
-inline constexpr const char* kSurfaceFragmentShader = R"glsl(#version 330 core
+/// What the fragment shader is made for. Drawing in software costs what the shader says, also on ways not taken.
+struct SurfaceShaderVariant {
+  int buffers = 1;         ///< of basis texels
+  bool one_patch = false;  ///< the three corners of each triangle share one patch
+  bool operator==(const SurfaceShaderVariant&) const = default;
+};
+
+inline constexpr const char* kSurfaceFragmentShader = R"glsl(
 uniform usamplerBuffer corners, resolutions, slots;
 uniform samplerBuffer coefficients, quality;
 uniform samplerBuffer basis0, basis1, basis2, basis3;
@@ -28,17 +39,25 @@ uniform int coefficient_stride;
 uniform int shading;               // SurfaceShading
 uniform vec3 eye;
 uniform float exposure;            // of this eye: ExposureField
+uniform float pixel_size;          // DrawArea
 uniform vec3 reason_colors[5];     // by QualityReason
 uniform vec3 state_colors[2];      // by SampleState: unseen, imputed
+flat in int triangle;
 centroid in vec3 beta;
 in vec3 position_object;
 out vec4 color;
 
 vec4 fetch_basis(uint buffer, int texel) {
-  if (buffer == 0u) return texelFetch(basis0, texel);
+#if BUFFERS > 1
   if (buffer == 1u) return texelFetch(basis1, texel);
+#endif
+#if BUFFERS > 2
   if (buffer == 2u) return texelFetch(basis2, texel);
-  return texelFetch(basis3, texel);
+#endif
+#if BUFFERS > 3
+  if (buffer == 3u) return texelFetch(basis3, texel);
+#endif
+  return texelFetch(basis0, texel);
 }
 
 int lattice_index(int n, int i, int j) { return i * n - i * (i - 1) / 2 + j; }
@@ -66,7 +85,7 @@ float facing() {
   return abs(dot(normal, normalize(eye - position_object)));
 }
 
-float stripe() { return step(6.0, mod(gl_FragCoord.x + gl_FragCoord.y, 12.0)); }
+float stripe() { return step(6.0, mod(pixel_size * (gl_FragCoord.x + gl_FragCoord.y), 12.0)); }
 
 vec3 unknown_color() { return vec3(0.20, 0.21, 0.24) * (0.55 + 0.45 * facing()) + 0.035 * stripe(); }
 
@@ -86,16 +105,41 @@ vec3 marked(vec3 encoded, int state) {
 }
 
 // Sum over the three corners and all their terms, sRGB-encoded (000 sec. 4.1). The state is the best of the samples that
-// weigh in, as the CPU's ViewShader has it.
-vec3 light_field() {
+// weigh in, as the CPU's ViewShader has it. False where nothing is known.
+bool light_field(out vec3 encoded, out int state) {
   ivec3 index;
   vec3 weight;
-  lattice_stencil(int(texelFetch(resolutions, gl_PrimitiveID).x), beta.y, beta.z, index, weight);
+  lattice_stencil(int(texelFetch(resolutions, triangle).x), beta.y, beta.z, index, weight);
   vec3 sum = vec3(0);
+  state = 0;
+#if ONE_PATCH
+  // The corners differ only in their coefficients: these are blended, and the maps are read once.
+  uvec4 corner = texelFetch(corners, 3 * triangle);  // vertex, patch, first sample, column
+  if (corner.y == 0xffffffffu) return false;
+  uvec2 slot = texelFetch(slots, int(corner.y)).xy;
+  int rank = int(slot.y & 0xffffu);
+  if (rank == 0) return false;
+  uint buffer = slot.y >> 16;
+  ivec3 texel = int(slot.x) + (int(corner.z) + index) * rank;
+  ivec3 h = coefficient_stride * ivec3(corner.w, texelFetch(corners, 3 * triangle + 1).w,
+                                       texelFetch(corners, 3 * triangle + 2).w);
+  for (int r = 0; r < rank; ++r) {
+    vec4 a = fetch_basis(buffer, texel.x + r), b = fetch_basis(buffer, texel.y + r), c = fetch_basis(buffer, texel.z + r);
+    if (r == 0) {
+      if (weight.x > 0.25) state = int(a.a + 0.5);
+      if (weight.y > 0.25) state = max(state, int(b.a + 0.5));
+      if (weight.z > 0.25) state = max(state, int(c.a + 0.5));
+    }
+    float coefficient = dot(beta, vec3(texelFetch(coefficients, h.x + r).x, texelFetch(coefficients, h.y + r).x,
+                                       texelFetch(coefficients, h.z + r).x));
+    sum += coefficient * (weight.x * a.rgb + weight.y * b.rgb + weight.z * c.rgb);
+  }
+  encoded = sum;
+  return true;
+#else
   float total = 0.0;
-  int state = 0;
   for (int c = 0; c < 3; ++c) {
-    uvec4 corner = texelFetch(corners, 3 * gl_PrimitiveID + c);  // vertex, patch, first sample, column
+    uvec4 corner = texelFetch(corners, 3 * triangle + c);  // vertex, patch, first sample, column
     if (corner.y == 0xffffffffu) continue;
     uvec2 slot = texelFetch(slots, int(corner.y)).xy;
     int rank = int(slot.y & 0xffffu);
@@ -113,9 +157,17 @@ vec3 light_field() {
     sum += beta[c] * value;
     total += beta[c];
   }
-  if (total < 1e-4) return shading == 3 ? marked(unknown_color(), 0) : unknown_color();
+  encoded = sum / max(total, 1e-4);
+  return total >= 1e-4;
+#endif
+}
+
+vec3 appearance() {
+  vec3 encoded;
+  int state;
+  if (!light_field(encoded, state)) return shading == 3 ? marked(unknown_color(), 0) : unknown_color();
   // No image shows the back of a triangle: the colour of its front is the guess.
-  return marked(exposed(sum / total), gl_FrontFacing ? state : 0);
+  return marked(exposed(encoded), gl_FrontFacing ? state : 0);
 }
 
 void main() {
@@ -124,14 +176,19 @@ void main() {
     return;
   }
   if (shading == 0 || shading == 3) {
-    color = vec4(light_field(), 1);
+    color = vec4(appearance(), 1);
     return;
   }
-  vec2 need = gl_FrontFacing ? texelFetch(quality, gl_PrimitiveID).xy : vec2(1, 1);  // the back: not at all, unseen
+  vec2 need = gl_FrontFacing ? texelFetch(quality, triangle).xy : vec2(1, 1);  // the back: not at all, unseen
   float shape = 0.65 + 0.35 * facing();  // a hint of it: brightness means need
   vec3 hue = shading == 1 ? vec3(1.0, 0.06, 0.04) : reason_colors[int(need.y + 0.5)];
   color = vec4(mix(vec3(0.17), hue, need.x) * shape, 1);
 }
 )glsl";
+
+inline std::string surface_fragment_shader(const SurfaceShaderVariant& variant) {
+  return "#version 330 core\n#define BUFFERS " + std::to_string(variant.buffers) + "\n#define ONE_PATCH " +
+         std::to_string(variant.one_patch) + kSurfaceFragmentShader;
+}
 
 }  // namespace sheen

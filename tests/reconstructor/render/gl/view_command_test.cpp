@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/image/image.h"
 #include "common/image/image_io.h"
 #include "common/image/raw_image.h"
@@ -51,6 +52,23 @@ TEST_F(ViewCommand, WritesWhatTheWindowDraws) {
   ASSERT_EQ(written.width, 320);
   ASSERT_EQ(written.height, 240);
   EXPECT_TRUE(std::equal(written.bytes.begin(), written.bytes.end(), expected.data()));
+}
+
+TEST_F(ViewCommand, ADamagedModelEndsTheWindowThatWaitsForIt) {
+  const std::string folder = model();
+  const std::string maps = (folder_.path() / "model" / "maps.exr").string();
+  write_file(maps, "not an EXR file");
+  try {
+    ViewerWindow window(surface_light_field_kind(), {.width = 64, .height = 64, .visible = false});
+  } catch (const DeviceError& error) {
+    GTEST_SKIP() << error.what();
+  }
+  try {
+    run(folder);
+    ADD_FAILURE() << "it was shown";
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("maps.exr"), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(ViewCommand, SaysWhatIsWrongWithItsArguments) {

@@ -17,6 +17,7 @@
 #include "reconstructor/models/surface_light_field/gl/light_field_renderer.h"
 #include "reconstructor/models/surface_light_field/kind.h"
 #include "reconstructor/render/gl/gl_objects.h"
+#include "reconstructor/render/gl/picture_drawer.h"
 #include "reconstructor/render/ray_painter.h"
 #include "tests/reconstructor/render/gl/synthetic_light_field.h"
 
@@ -250,7 +251,8 @@ TEST_F(Window, WhileRingsAreOnTheirWayThePictureStaysWhole) {
   RenderTarget target(kWidth, kHeight, 1);
   const auto render = [&](const Viewpoint& view) {
     target.clear({0, 0, 0});
-    renderer.draw(view, {0, 0, kWidth, kHeight}, kHeight, SurfaceShading::kAppearance);
+    renderer.draw(view, {{0, 0, kWidth, kHeight}, kHeight}, SurfaceShading::kAppearance);
+    target.resolve();
     return target.read();
   };
   OrbitCamera orbit;
@@ -269,6 +271,56 @@ TEST_F(Window, WhileRingsAreOnTheirWayThePictureStaysWhole) {
     EXPECT_LE(largest_difference(render(view), before), 1) << "after call " << calls;
   }
   EXPECT_GT(calls, 3) << "more than one call's worth";
+}
+
+/// Mean difference of two pictures where `b` is moved by (dx, dy), after a blur that leaves nothing of single pixels.
+double blurred_difference(const ImageU8& a, const ImageU8& b, int dx, int dy) {
+  constexpr int kReach = 4;
+  double sum = 0;
+  int count = 0;
+  for (int y = 20; y + 20 < kHeight; y += 3)
+    for (int x = 20; x + 20 < kWidth; x += 3) {
+      int difference = 0;
+      for (int v = -kReach; v <= kReach; ++v)
+        for (int u = -kReach; u <= kReach; ++u) difference += a.at(x + u, y + v, 1) - b.at(x + dx + u, y + dy + v, 1);
+      sum += std::abs(difference) / double((2 * kReach + 1) * (2 * kReach + 1));
+      ++count;
+    }
+  return sum / count;
+}
+
+TEST_F(Window, ACoarsePictureIsTheFineOneInPlaceAndColour) {
+  const auto snapshot = SyntheticLightField({}).snapshot();
+  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kSplit}) {
+    ASSERT_TRUE(open({}));  // the first picture of all is a coarse one
+    window_->controls().mode = mode;
+    const double pixel = window_->pacer().frame().pixel;
+    ASSERT_GE(pixel, 2);
+    const ImageU8 coarse = window_->draw_soon(state_of(snapshot)), fine = draw(snapshot);
+    const double apart = blurred_difference(coarse, fine, 0, 0);
+    EXPECT_LT(apart, 1) << "grey levels of 255";
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+      EXPECT_GT(blurred_difference(coarse, fine, dx, dy), 1.1 * apart) << "not moved by a pixel: " << dx << " " << dy;
+  }
+}
+
+TEST_F(Window, PiecesMakeTheSamePictureAsTheWhole) {
+  const ViewerState state = state_of(SyntheticLightField({}).snapshot());
+  ViewControls controls;
+  controls.frame(*state.snapshot);
+  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kHeuristic, ViewMode::kSplit}) {
+    controls.mode = mode;
+    PictureDrawer drawer(surface_light_field_kind(), {}, 4);
+    drawer.resize(kWidth, kHeight);
+    while (!drawer.update(state)) {
+    }
+    int pieces = 1;
+    while (!drawer.draw_piece(state, controls, {})) ++pieces;
+    EXPECT_GT(pieces, 3) << "while it is not known what a picture takes";
+    const ImageU8 in_pieces = drawer.target().read();
+    drawer.draw_fine(state, controls, {});
+    EXPECT_EQ(largest_difference(in_pieces, drawer.target().read()), 0) << to_string(mode);
+  }
 }
 
 TEST_F(Window, FullGraphicsMemoryShortensRingsInsteadOfLosingThem) {

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstring>
+#include <mutex>
 #include <random>
 
 #include "common/base/errors.h"
@@ -165,6 +167,40 @@ TEST_F(CompactLightFieldTest, TheBeginningOfAFileIsACoarserModel) {
   }
   EXPECT_GE(drawn, 4u);
   EXPECT_NEAR(before, psnr_db(*small.snapshot, scene_), 1e-9);
+}
+
+TEST_F(CompactLightFieldTest, OpensInStagesOnOneMeshUpToTheWholeModel) {
+  const auto file = temp_.path() / "model";
+  compressed({.loss_db = 0.1}).snapshot->save(file, {}, {});
+  std::mutex mutex;
+  std::vector<std::shared_ptr<const ModelSnapshot>> stages;
+  surface_light_field_kind().open(file, [&](std::shared_ptr<const ModelSnapshot> model) {
+    const std::lock_guard lock(mutex);
+    stages.push_back(std::move(model));
+  });
+  ASSERT_EQ(stages.size(), 3u);
+  for (const auto& stage : stages) {
+    EXPECT_EQ(stage->shared_mesh(), stages.back()->shared_mesh()) << "the window frames it once";
+    EXPECT_EQ(stage->cameras().size(), 24u) << "and from the first picture on as the cameras saw it";
+  }
+  EXPECT_TRUE(stages[0]->empty());
+  EXPECT_FALSE(stages[1]->empty());
+  EXPECT_EQ(stages[1]->figures().seen, stages[2]->figures().seen) << "nothing unseen is shown as seen";
+  const double coarse_db = psnr_db(*stages[1], scene_), whole_db = psnr_db(*stages[2], scene_);
+  EXPECT_GT(coarse_db, 15);
+  EXPECT_LT(coarse_db, whole_db - 3);
+  EXPECT_EQ(whole_db, psnr_db(*load_compact(file), scene_));
+}
+
+TEST_F(CompactLightFieldTest, DamageBehindTheFirstStagesStillEndsTheOpening) {
+  const auto file = temp_.path() / "model";
+  compressed({.loss_db = 0.5}).snapshot->save(file, {}, {});
+  std::string bytes = read_file(file);
+  bytes[bytes.size() - 3] ^= 0x10;
+  write_file(file, bytes);
+  std::atomic<int> stages = 0;
+  EXPECT_THROW(surface_light_field_kind().open(file, [&](const auto&) { ++stages; }), FileError);
+  EXPECT_EQ(stages, 2);
 }
 
 TEST_F(CompactLightFieldTest, DamageIsFoundByItsChunk) {
