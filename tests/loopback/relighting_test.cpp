@@ -132,6 +132,51 @@ TEST_F(Relighting, WrongUseIsTold) {
                  {"broken.rif", "is damaged"});
 }
 
+TEST_F(Relighting, PlansForASurfaceOfAFile) {
+  const auto plan = [&](const std::string& brdf) {
+    const fs::path report = temp_.path() / "file_plan.json";
+    expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "1", "--brdf", brdf, "--json", report})), 0,
+                   {"80 degrees"});
+    return Json::parse(read_file(report));
+  };
+  const std::string head = R"({"format": "sheen brdf", "version": 1, )";
+  // Lafortune's mirror lobe has |w| = 1: as a free lobe.
+  const fs::path parts = temp_.write("parts.json", head + R"("parts": [{"lafortune": [-1, -1, 1], "exponent": 20}]})");
+  EXPECT_NEAR(plan(parts)["spacing_on_grid_m"], std::sqrt(4 * 16 / 255.0 / 23), 0.01 * 0.104);
+  const fs::path table = temp_.write("table.json", head + R"("table": {"coordinates": "light_eye", "angles_deg":
+      [[0, 90], [0, 90], [0, 180]], "values": [2, 2, 2, 2, 2, 2, 2, 2]}})");
+  EXPECT_NEAR(plan(table)["spacing_on_grid_m"], std::sqrt(4 * 16 / 255.0 / 3), 0.01 * 0.289);
+  for (const auto& [text, message] :
+       {std::pair{R"("parts": []})", "\"parts\""},
+        {R"("parts": [{"lafortune": [-1, -1, 1], "exponent": 1.5}]})", "exponent must be 0, 1 or 2"},
+        {R"("parts": [{"ggx": 2, "roughness": 0.3}]})", "parts[0].ggx"},
+        {R"("table": {"coordinates": "polar"}})", "table.coordinates"},
+        {R"("table": {"coordinates": "light_eye", "angles_deg": [[0, 90], [0, 90], [0, 180]],
+            "values": [1, 1, 1, 1, 1, 1, 1, 1, 1]}})",
+         "one value for each crossing"},
+        {"\"parts\"", "is not JSON"}}) {
+    const fs::path file = temp_.write("broken.json", head + text);
+    expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "1", "--brdf", file})), 1,
+                   {"broken.json", message});
+  }
+}
+
+/// A table in the form of the MERL database: of a matt surface.
+TEST_F(Relighting, PlansForAMeasuredTable) {
+  const std::int32_t counts[] = {90, 90, 180};
+  std::vector<double> values(3 * 90 * 90 * 180, 700);
+  std::string bytes(reinterpret_cast<const char*>(counts), sizeof counts);
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
+  const fs::path file = temp_.write("matt.binary", bytes), report = temp_.path() / "merl_plan.json";
+  expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "1", "--brdf", file, "--json", report})), 0,
+                 {"lights on a grid"});
+  EXPECT_NEAR(Json::parse(read_file(report))["spacing_on_grid_m"], std::sqrt(4 * 16 / 255.0 / 3), 0.01 * 0.289);
+  bytes.pop_back();
+  expect_outcome(
+      run_to_end(reconstructor({"plan-lights", "--distance", "1", "--brdf", temp_.write("m.binary", bytes)})), 1,
+      {"m.binary", "90 x 90 x 180"});
+}
+
 TEST_F(Relighting, OtherModelsHaveOneLight) {
   const BallDataset data{.folder = temp_.path() / "ball", .views = 6};
   data.write();
@@ -150,6 +195,8 @@ TEST(PlanLights, SaysTheSpacingAndWhatItDoesNotCover) {
   const Json plan = Json::parse(read_file(report));
   EXPECT_DOUBLE_EQ(plan["spacing_on_grid_m"], 2 * std::sqrt(4 * 16 / 255.0 / 3));
   expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "2", "--brdf", "lafortune:2:0,1:20"})), 0, {});
+  EXPECT_NEAR(plan["searched_curvature"], 3, 0.06) << "the search over normals agrees with the closed form";
+  EXPECT_DOUBLE_EQ(plan["far_spacing_on_grid_deg"], 180 / std::acos(-1) * std::sqrt(4 * 16 / 255.0));
   for (const char* brdf : {"mirror", "lafortune:", "lafortune:0.5", "lafortune:-1:2", "lafortune:1:2,"})
     expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "2", "--brdf", brdf})), 2, {"--brdf takes"});
 }
