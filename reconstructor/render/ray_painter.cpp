@@ -37,9 +37,10 @@ std::vector<Hit> RayPainter::cast(const Camera& camera, const Rigid3& camera_fro
 }
 
 PaintedView RayPainter::paint(const Appearance& snapshot, const Camera& camera, const Rigid3& camera_from_object,
-                              const LightState& light) const {
+                              const LightState& light, std::vector<LightState> more_lights) const {
   const std::vector<Hit> hits = cast(camera, camera_from_object);
-  const std::unique_ptr<ViewShader> shader = snapshot.shader_for({camera_centre(camera_from_object), light});
+  const std::unique_ptr<ViewShader> shader =
+      snapshot.shader_for({camera_centre(camera_from_object), light, std::move(more_lights)});
   const int w = camera.width, h = camera.height;
   PaintedView view{ImageF(w, h, 3), ImageU8(w, h, 1), ImageF(w, h, 1), ImageF(w, h, 1), ImageU8(w, h, 1)};
   tbb::parallel_for(0, h, [&](int y) {

@@ -27,9 +27,9 @@ class RayPainter {
  public:
   explicit RayPainter(const Mesh& mesh) : scene_(mesh) {}
 
-  /// The snapshot must be of the painter's mesh. `light`: as in `ViewQuery`.
+  /// The snapshot must be of the painter's mesh. `light` and `more_lights`: as in `ViewQuery`.
   PaintedView paint(const Appearance& snapshot, const Camera& camera, const Rigid3& camera_from_object,
-                    const LightState& light = {}) const;
+                    const LightState& light = {}, std::vector<LightState> more_lights = {}) const;
 
   /// First hits of all pixels, row by row.
   std::vector<Hit> cast(const Camera& camera, const Rigid3& camera_from_object) const;

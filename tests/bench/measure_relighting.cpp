@@ -20,6 +20,7 @@
 #include "reconstructor/radiance/radiance_image.h"
 #include "tests/bench/goal_rows.h"
 #include "tests/bench/relighting_bound.h"
+#include "tests/bench/relighting_lamps.h"
 
 namespace sheen {
 namespace {
@@ -130,6 +131,7 @@ void report_drag(GoalReport& report, const fs::path& scene) {
 
 void measure(GoalReport& report) {
   report_bound(report);
+  report_lamps(report);
   const char* folder = std::getenv("SHEEN_DATA");
   const fs::path data = fs::path(folder ? folder : "../shared/data") / "relighting", scenes = data / "synthrti_object1";
   report_group(report, measure_scenes(scenes / "Single/Object1", "single "), "SynthRTI object 1, one material", 41.0,

@@ -9,6 +9,7 @@
 
 #include "common/base/files.h"
 #include "common/image/color.h"
+#include "common/image/exr.h"
 #include "common/image/image_io.h"
 #include "common/image/linear_reader.h"
 #include "tests/loopback/ball_dataset.h"
@@ -90,6 +91,68 @@ TEST_F(Relighting, AListIsBuiltScoredAndRendered) {
   const double db = 10 * std::log10(255 * 255 * static_cast<double>(truth.size()) / squares);
   EXPECT_NEAR(db, scored["views"][3]["psnr_db"].get<double>(), 1e-6) << "what is scored is what is rendered";
   EXPECT_TRUE(fs::exists(out / "light3.exr"));
+}
+
+TEST_F(Relighting, LampsAddUp) {
+  expect_outcome(build({"--out", model_, "--bytes", "40kB"}), 0, {});
+  const fs::path out = temp_.path() / "out";
+  // Light from all around is as the lamps' own: of radiance 1.
+  ImageF map(32, 16, 3);
+  std::fill_n(map.data(), map.size(), 1.0f);
+  write_exr(temp_.path() / "sky.exr", map);
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--environment", temp_.path() / "sky.exr", "--out", out})),
+                 0, {"of its light comes from where the model's images had none", "1 pictures rendered"});
+  EXPECT_TRUE(fs::exists(out / "sky.exr"));
+  const fs::path lamps = temp_.write("lamps.json", R"({"format": "sheen luminaires", "version": 1, "pictures": [
+      {"name": "red", "lights": [{"towards": [0, 0.3, 1], "rgb": [1, 0.001, 0.001]}]},
+      {"name": "blue", "lights": [{"towards": [0.5, 0, 1], "rgb": [0.001, 0.001, 1]}]},
+      {"name": "both", "lights": [{"towards": [0, 0.3, 1], "rgb": [1, 0.001, 0.001]},
+                                  {"towards": [0.5, 0, 1], "rgb": [0.001, 0.001, 1]}]},
+      {"name": "panel", "lights": [{"area": {"centre": [0, 0, 2], "half_u": [0, 0.5, 0], "half_v": [0.5, 0, 0]}},
+                                   {"environment": "sky.exr", "rgb": [0.1, 0.1, 0.1]}]}]})");
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--luminaires", lamps, "--out", out})), 0,
+                 {"4 pictures rendered"});
+  const auto radiance = [&](const char* name) { return read_exr(out / name).parts.front().image; };
+  const ImageF red = radiance("red.exr"), blue = radiance("blue.exr"), both = radiance("both.exr");
+  for (std::size_t i = 0; i < both.size(); i += 97)
+    EXPECT_NEAR(both.data()[i], red.data()[i] + blue.data()[i], 2e-3f * (1 + both.data()[i])) << i;
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--light-path", test_, "--frames", "7", "--out", out})), 0,
+                 {"7 pictures rendered"});
+  EXPECT_TRUE(fs::exists(out / "frame_00007.png"));
+  for (const auto& [lights, message] :
+       {std::pair{R"([])", "pictures[0].lights"},
+        {R"([{"towards": [0, 0, 0]}])", "must not be 0 0 0"},
+        {R"([{"glow": 1}])", "must have one of at, towards, area, environment"},
+        {R"([{"area": {"centre": [0, 0, 2], "half_u": [0.5, 0, 0], "half_v": [0, 0.5, 0]}}])", "away from the object"},
+        {R"([{"environment": "night.exr"}])", "night.exr"}}) {
+    const fs::path wrong = temp_.write("wrong.json", R"({"format": "sheen luminaires", "version": 1, "pictures": [
+        {"name": "a", "lights": )" + std::string(lights) +
+                                                         "}]}");
+    expect_outcome(run_to_end(reconstructor({"render", model_, "--luminaires", wrong, "--out", out})), 1, {message});
+  }
+  expect_outcome(run_to_end(reconstructor(
+                     {"render", model_, "--lights", test_, "--environment", temp_.path() / "sky.exr", "--out", out})),
+                 2, {"--environment"});
+}
+
+TEST_F(Relighting, SaysWhichLightsAreTooFarApart) {
+  const fs::path report = temp_.path() / "lights.json";
+  expect_outcome(build({"--out", model_, "--bytes", "40kB", "--tolerance", "16", "--json", report}), 0,
+                 {"intervals between lights are too wide", "the next light is worth most at"});
+  const Json lights = Json::parse(read_file(report))["lights"];
+  EXPECT_EQ(lights["tolerance_grey_levels"], 16);
+  EXPECT_GE(lights["intervals"], 24);
+  EXPECT_EQ(lights["next_light"].size(), 3u);
+  expect_outcome(build({"--out", model_, "--tolerance", "40dB"}), 2, {"--tolerance", "grey levels"});
+}
+
+TEST_F(Relighting, IsExportedForOtherPrograms) {
+  expect_outcome(build({"--out", model_, "--bytes", "40kB"}), 0, {});
+  const fs::path ptm = temp_.path() / "ball.ptm", web = temp_.path() / "web";
+  expect_outcome(run_to_end(reconstructor({"export", model_, "--out", ptm})), 0, {"the model's 24 lights with"});
+  EXPECT_TRUE(read_file(ptm).starts_with("PTM_1.2\nPTM_FORMAT_RGB\n60\n44\n"));
+  expect_outcome(run_to_end(reconstructor({"export", model_, "--out", web})), 0, {"the model's 24 lights with"});
+  EXPECT_TRUE(fs::exists(web / "info.json") && fs::exists(web / "plane_5.jpg"));
 }
 
 TEST_F(Relighting, AFolderIsCompressedLater) {
