@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   sheen::add_tradeoff_command(app);
   sheen::add_figures_command(app);
   sheen::add_plan_lights_command(app);
+  sheen::add_export_command(app);
 
   sheen::start_logging({});
   const int status = sheen::run_program(app, argc, argv);

@@ -15,6 +15,7 @@
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/light_report.h"
 #include "reconstructor/commands/limit_options.h"
 #include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
@@ -120,6 +121,7 @@ void build(const BuildArguments& arguments) {
   ModelSettings& settings = *scene.settings;
   if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
   const Limits limits = arguments.limits.apply(settings);
+  const std::optional<double> tolerance = arguments.limits.between_lights(settings);
   const std::optional<CompressionTarget> size = arguments.size.target(*scene.kind);
   if (arguments.out.empty())
     std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
@@ -139,6 +141,7 @@ void build(const BuildArguments& arguments) {
   nlohmann::json report = reconstruction_report(reconstruction, judged);
   if (small) report["file"] = file_report(arguments.out, *small);
   print_summary(report);
+  if (tolerance) report["lights"] = light_report(*reconstruction.snapshot(), *tolerance);
   json.write(to_text(report));
 }
 

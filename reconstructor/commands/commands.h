@@ -22,5 +22,6 @@ void add_doctor_command(CLI::App& app);
 void add_tradeoff_command(CLI::App& app);
 void add_figures_command(CLI::App& app);
 void add_plan_lights_command(CLI::App& app);
+void add_export_command(CLI::App& app);
 
 }  // namespace sheen

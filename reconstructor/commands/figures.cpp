@@ -20,6 +20,7 @@
 #include "reconstructor/commands/study_options.h"
 #include "reconstructor/scene/scene_mesh.h"
 #include "reconstructor/studies/figure.h"
+#include "reconstructor/studies/light_figures.h"
 
 namespace sheen {
 namespace {
@@ -29,7 +30,7 @@ constexpr int kFrames = 130, kWidth = 512, kHeight = 384;  // of the simulated r
 struct FiguresArguments {
   std::string dataset, mesh, out, rig, json;
   std::vector<int> only;
-  bool quick = false;
+  bool quick = false, light = false;
   StudyOptions study;
 };
 
@@ -77,7 +78,63 @@ std::string publish(const Figure& figure, const std::filesystem::path& out, bool
   return section;
 }
 
+using Figures = std::map<int, std::function<Figure()>>;
+
+/// Makes those that are asked for and their page.
+void make_figures(const Figures& all, const FiguresArguments& arguments, std::string page, const char* page_name,
+                  ReportFile& report) {
+  const std::filesystem::path out = arguments.out;
+  nlohmann::ordered_json findings = nlohmann::ordered_json::array();
+  bool drawn = true;
+  {
+    Progress progress("measuring", all.size());
+    std::size_t done = 0;
+    for (const auto& [number, run] : all) {
+      if (stop_requested()) break;
+      if (arguments.only.empty() || std::count(arguments.only.begin(), arguments.only.end(), number) > 0) {
+        const Figure figure = run();
+        page += publish(figure, out, drawn);
+        findings.push_back({{"figure", number},
+                            {"title", figure.title},
+                            {"paper", figure.paper},
+                            {"here", figure.ours},
+                            {"holds", figure.holds}});
+        const ProgressPause pause;
+        std::printf("figure %d, %s: %s\n  the paper: %s\n  here: %s\n", number, figure.title.c_str(),
+                    figure.holds ? "holds" : "DOES NOT HOLD", figure.paper.c_str(), figure.ours.c_str());
+        std::fflush(stdout);
+      }
+      progress.update(++done);
+    }
+  }
+  write_file(out / page_name, page);
+  if (report.wanted()) report.write(nlohmann::ordered_json{{"figures", findings}}.dump(2) + "\n");
+  if (!drawn) std::fprintf(stderr, "%s\n", kInstallGnuplot);
+}
+
+/// Those of the reflected irradiance field (002).
+void light_figures(const FiguresArguments& arguments) {
+  if (!arguments.dataset.empty() || !arguments.mesh.empty())
+    throw ConfigError("--light: its experiments are of the simulated object; leave the data set out");
+  for (const int number : arguments.only)
+    if (number != 3 && number != 5 && number != 7)
+      throw ConfigError("--only: with --light there are figures 3, 5 and 7");
+  install_stop_signals();
+  ReportFile report(arguments.json);
+  check_writable_folder(arguments.out);
+  make_folder(std::filesystem::path(arguments.out) / "images");
+  LightFigureOptions options;
+  if (arguments.quick) options = {.width = 80, .height = 60, .lamps = 4};
+  make_figures({{3, [&] { return figure_exposure_curves(options); }},
+                {5, [&] { return figure_undersampling(options); }},
+                {7, [&] { return figure_brushed_metals(options); }}},
+               arguments, "# The irradiance field's experiments, run again\n", "irradiance_results.md", report);
+}
+
 void figures(const FiguresArguments& arguments) {
+  if (arguments.light) return light_figures(arguments);
+  for (const int number : arguments.only)
+    if (number == 3 || number == 7) throw ConfigError("--only: figures 3 and 7 are of --light");
   if (arguments.dataset.empty() != arguments.mesh.empty())
     throw ConfigError("a data set needs its --mesh; without both, the simulated rig is used");
   install_stop_signals();
@@ -110,7 +167,7 @@ void figures(const FiguresArguments& arguments) {
           build_batch(experiment, options, BatchFactorization::reference(options.model.ring.factor)));
     return *batch;
   };
-  const std::map<int, std::function<Figure()>> all{
+  const Figures all{
       {4, [&] { return figure_rank_error(batch_run(), options); }},
       {5, [&] { return figure_imputation(experiment, options); }},
       {8, [&] { return figure_online_and_batch(experiment, batch_run(), options); }},
@@ -118,35 +175,10 @@ void figures(const FiguresArguments& arguments) {
       {10, [&] { return figure_view_choice(experiment, options); }},
       {11, [&] { return figure_orders(experiment, batch_run(), options); }},
   };
-  std::string page =
-      format("# The paper's experiments, run again\n\n%zu training images, %zu held-out views, rank %d.\n",
-             experiment.training.size(), experiment.held_out.size(), options.rank);
-  nlohmann::ordered_json findings = nlohmann::ordered_json::array();
-  bool drawn = true;
-  {
-    Progress progress("measuring", all.size());
-    std::size_t done = 0;
-    for (const auto& [number, run] : all) {
-      if (stop_requested()) break;
-      if (arguments.only.empty() || std::count(arguments.only.begin(), arguments.only.end(), number) > 0) {
-        const Figure figure = run();
-        page += publish(figure, out, drawn);
-        findings.push_back({{"figure", number},
-                            {"title", figure.title},
-                            {"paper", figure.paper},
-                            {"here", figure.ours},
-                            {"holds", figure.holds}});
-        const ProgressPause pause;
-        std::printf("figure %d, %s: %s\n  the paper: %s\n  here: %s\n", number, figure.title.c_str(),
-                    figure.holds ? "holds" : "DOES NOT HOLD", figure.paper.c_str(), figure.ours.c_str());
-        std::fflush(stdout);
-      }
-      progress.update(++done);
-    }
-  }
-  write_file(out / "paper_results.md", page);
-  if (report.wanted()) report.write(nlohmann::ordered_json{{"figures", findings}}.dump(2) + "\n");
-  if (!drawn) std::fprintf(stderr, "%s\n", kInstallGnuplot);
+  make_figures(all, arguments,
+               format("# The paper's experiments, run again\n\n%zu training images, %zu held-out views, rank %d.\n",
+                      experiment.training.size(), experiment.held_out.size(), options.rank),
+               "paper_results.md", report);
 }
 
 }  // namespace
@@ -163,7 +195,9 @@ void add_figures_command(CLI::App& app) {
   command->add_option("--rig", arguments->rig, "where the simulated rig is kept between runs; default: OUT/rig");
   command->add_option("--only", arguments->only, "numbers of the figures to make, as in the paper")
       ->delimiter(',')
-      ->check(CLI::IsMember({4, 5, 8, 9, 10, 11}));
+      ->check(CLI::IsMember({3, 4, 5, 7, 8, 9, 10, 11}));
+  command->add_flag("--light", arguments->light,
+                    "those of the irradiance field's paper instead: a lamp moves over the simulated object");
   command->add_flag("--quick", arguments->quick, "fewer orders, ranks and images, coarser maps");
   command->add_option("--json", arguments->json, "report to write; - for standard output");
   add_study_options(*command, arguments->study);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/progress.h"
@@ -21,7 +22,8 @@ namespace sheen {
 namespace {
 
 struct RenderArguments {
-  std::string model, cameras, lights, out;
+  std::string model, cameras, out;
+  LightRequest light;
 };
 
 /// Grey picture of one channel, 8 bit.
@@ -47,7 +49,7 @@ void print_prediction(double predicted_db, const ErrorCalibration& calibration) 
 }
 
 void render(const RenderArguments& arguments) {
-  if (!arguments.lights.empty()) return render_lights(arguments.model, arguments.lights, arguments.out);
+  if (arguments.light.asked()) return render_lights(arguments.model, arguments.light, arguments.out);
   if (arguments.cameras.empty())
     throw ConfigError("--cameras is required: from where to render; or --lights, for a model that knows moving light");
   const SavedModel saved = open_model(arguments.model);
@@ -95,8 +97,21 @@ void add_render_command(CLI::App& app) {
   command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
   CLI::Option* cameras =
       command->add_option("--cameras", arguments->cameras, "transforms.json with the cameras to render");
-  command->add_option("--lights", arguments->lights, "list of lights (.lp) to render an irradiance field in")
-      ->excludes(cameras);
+  CLI::Option* lights = command->add_option(
+      "--lights", arguments->light.list, "list of lights (.lp) to render an irradiance field in, one after the other");
+  CLI::Option* luminaires = command->add_option("--luminaires", arguments->light.luminaires,
+                                                "file (JSON) of pictures in lamps that are on together, far and large");
+  CLI::Option* environment =
+      command->add_option("--environment", arguments->light.environment, "map of light from all around (OpenEXR)");
+  CLI::Option* path = command->add_option("--light-path", arguments->light.path,
+                                          "list of lights (.lp): one light moves smoothly through them");
+  for (CLI::Option* a : {cameras, lights, luminaires, environment, path})
+    for (CLI::Option* b : {cameras, lights, luminaires, environment, path})
+      if (a != b) a->excludes(b);
+  command->add_option("--frames", arguments->light.frames, "pictures of --light-path")
+      ->needs(path)
+      ->capture_default_str()
+      ->check(whole_number_in(2, 100'000));
   command->add_option("--out", arguments->out, "folder for the pictures")->required();
   command->callback([arguments] { render(*arguments); });
 }

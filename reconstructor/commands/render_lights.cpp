@@ -2,36 +2,81 @@
 #include "reconstructor/commands/render_lights.h"
 
 #include <cstdio>
+#include <span>
 
+#include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/progress.h"
+#include "common/base/stop_signal.h"
 #include "common/datasets/light_list.h"
 #include "common/image/color.h"
 #include "common/image/exr.h"
 #include "common/image/image_io.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/light_check.h"
+#include "reconstructor/commands/luminaire_file.h"
 #include "reconstructor/commands/picture_names.h"
+#include "reconstructor/render/luminaires.h"
 #include "reconstructor/render/ray_painter.h"
 
 namespace sheen {
+namespace {
 
-void render_lights(const std::filesystem::path& model, const std::filesystem::path& list,
-                   const std::filesystem::path& out) {
+std::vector<LitPicture> in_each(const std::vector<LitView>& views) {
+  std::vector<LitPicture> pictures;
+  for (const LitView& view : views) pictures.push_back({view.name, {view.light}});
+  return pictures;
+}
+
+std::vector<LitPicture> along(const std::vector<LitView>& keys, int frames, const std::string& list) {
+  if (keys.size() < 2) throw FileError(list, "has one light: a light path needs two or more");
+  std::vector<LightState> lights;
+  for (const LitView& key : keys) lights.push_back(key.light);
+  std::vector<LitPicture> pictures;
+  for (const LightState& light : light_path(lights, frames)) {
+    if (!(light.position.norm() > 1e-9)) throw FileError(list, "its path goes through the object");
+    char name[32];
+    std::snprintf(name, sizeof name, "frame_%05zu", pictures.size() + 1);
+    pictures.push_back({name, {light}});
+  }
+  return pictures;
+}
+
+std::vector<LitPicture> pictures_of(const ModelSnapshot& snapshot, const std::filesystem::path& model,
+                                    const LightRequest& request) {
+  if (!request.list.empty() || !request.path.empty()) {
+    const std::string& list = request.list.empty() ? request.path : request.list;
+    const std::vector<LitView> views = load_lights(list);
+    require_light_kind(snapshot, views, model, list);
+    return request.list.empty() ? along(views, request.frames, list) : in_each(views);
+  }
+  const std::string& file = request.luminaires.empty() ? request.environment : request.luminaires;
+  const std::vector<LightState> known = snapshot.lights();
+  if (known.empty()) throw ConfigError(model.string() + " is a model of one fixed light: it cannot be lit by " + file);
+  if (!request.luminaires.empty()) return load_luminaires(request.luminaires, known);
+  return {load_environment(request.environment, known)};
+}
+
+}  // namespace
+
+void render_lights(const std::filesystem::path& model, const LightRequest& request, const std::filesystem::path& out) {
+  install_stop_signals();
   const SavedModel saved = open_model(model);
-  const std::vector<LitView> lights = load_lights(list);
-  require_light_kind(*saved.snapshot, lights, model, list);
+  const std::vector<LitPicture> pictures = pictures_of(*saved.snapshot, model, request);
   check_writable_folder(out);
   make_folder(out);
 
   std::vector<std::string> views;
-  for (const LitView& view : lights) views.push_back(view.name);
+  for (const LitPicture& picture : pictures) views.push_back(picture.name);
   const std::vector<std::filesystem::path> names = picture_names(views);
   const RayPainter painter(saved.snapshot->mesh());
   const PosedCamera& from = saved.snapshot->cameras().front();
-  Progress progress("rendering", lights.size());
-  for (std::size_t i = 0; i < lights.size(); ++i) {
-    const PaintedView painted = painter.paint(*saved.snapshot, from.camera, from.camera_from_object, lights[i].light);
+  Progress progress("rendering", pictures.size());
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    if (stop_requested()) throw Error("stopped after " + std::to_string(i) + " pictures");
+    const std::vector<LightState>& lights = pictures[i].lights;
+    const PaintedView painted = painter.paint(*saved.snapshot, from.camera, from.camera_from_object, lights.front(),
+                                              {lights.begin() + 1, lights.end()});
     const std::string name = (out / names[i]).string();
     make_folder((out / names[i]).parent_path());
     write_png(name + ".png", to_srgb8(painted.beauty));
@@ -40,7 +85,7 @@ void render_lights(const std::filesystem::path& model, const std::filesystem::pa
     write_exr(name + ".exr", file);
     progress.update(i + 1);
   }
-  std::printf("%zu pictures rendered to %s\n", lights.size(), out.c_str());
+  std::printf("%zu pictures rendered to %s\n", pictures.size(), out.c_str());
 }
 
 }  // namespace sheen

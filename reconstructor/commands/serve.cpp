@@ -247,6 +247,8 @@ void serve(const ServeArguments& arguments) {
   ReportFile json(arguments.json);
   const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
   const Limits limits = arguments.limits.apply(*scene.settings);
+  if (arguments.limits.between_lights(*scene.settings))
+    throw ConfigError("--tolerance: only `build` judges the lights of such a model");
   // Which maps and terms reach a PSNR shows when all images are there, or was measured: until then all that the target
   // needs is kept.
   if (limits.psnr_db && scene.measured.empty()) {

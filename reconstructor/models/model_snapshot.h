@@ -16,6 +16,7 @@
 #include "common/camera/posed_camera.h"
 #include "common/capture/lighting.h"
 #include "common/geometry/mesh.h"
+#include "reconstructor/models/light_advice.h"
 #include "reconstructor/models/surface_quality.h"
 
 namespace sheen {
@@ -24,6 +25,7 @@ namespace sheen {
 struct ViewQuery {
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< object frame, metres
   LightState light = {};                          ///< fixed: the light in which the images were taken
+  std::vector<LightState> more_lights = {};       ///< that are on together with it: their pictures add up
 };
 
 /// A surface as seen from one eye: cheap to ask point by point. Thread-safe.
@@ -98,11 +100,19 @@ class ModelSnapshot : public Appearance {
   virtual std::size_t memory_bytes() const = 0;  ///< that it keeps; the mesh not counted
   /// Of the lights that a query may have: directional or point; fixed where it is the images' own, whatever is asked.
   virtual LightKind light_kind() const { return LightKind::kFixed; }
+  /// In which the images were taken; none where a query's light does not count.
+  virtual std::vector<LightState> lights() const { return {}; }
   /// With a guess for what no image showed, for pictures that must have no holes; it stays marked as unseen.
   virtual std::shared_ptr<const ModelSnapshot> filled() const = 0;
   /// Where an image would be worth most, for a camera that is at `eye` now (object frame). Quick enough to be asked
   /// several times per second.
   virtual ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const = 0;
+  /// Where the images' lights are too far apart for errors of at most so many grey levels (of 255, as shown); none
+  /// where a query's light does not count, or where there are too few to say.
+  virtual std::optional<LightAdvice> advise_next_light(double tolerance) const {
+    static_cast<void>(tolerance);
+    return std::nullopt;
+  }
   /// The model in fewer bytes. Throws ConfigError where it cannot be made so small. Not asked where
   /// `ModelKind::compresses` says no.
   virtual CompressedModel compressed(const CompressionTarget& target) const = 0;

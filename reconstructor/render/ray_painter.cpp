@@ -77,8 +77,9 @@ std::vector<Hit> RayPainter::cast(const Camera& camera, const Rigid3& camera_fro
 }
 
 PaintedView RayPainter::paint(const Appearance& snapshot, const Camera& camera, const Rigid3& camera_from_object,
-                              const LightState& light) const {
-  return paint(*snapshot.shader_for({camera_centre(camera_from_object), light}), camera, camera_from_object);
+                              const LightState& light, std::vector<LightState> more_lights) const {
+  return paint(*snapshot.shader_for({camera_centre(camera_from_object), light, std::move(more_lights)}), camera,
+               camera_from_object);
 }
 
 PaintedView RayPainter::paint(const ViewShader& shader, const Camera& camera, const Rigid3& camera_from_object) const {

@@ -40,9 +40,9 @@ class RayPainter {
  public:
   explicit RayPainter(const Mesh& mesh) : scene_(mesh) {}
 
-  /// The snapshot must be of the painter's mesh. `light`: as in `ViewQuery`.
+  /// The snapshot must be of the painter's mesh. `light` and `more_lights`: as in `ViewQuery`.
   PaintedView paint(const Appearance& snapshot, const Camera& camera, const Rigid3& camera_from_object,
-                    const LightState& light = {}) const;
+                    const LightState& light = {}, std::vector<LightState> more_lights = {}) const;
 
   /// The same with smooth outlines, which must be those of the painter's mesh: 16 rays where one runs.
   SmoothView paint_smooth(const Appearance& snapshot, const Outlines& outlines, const Camera& camera,

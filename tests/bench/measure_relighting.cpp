@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Measures the goals of relighting on this machine: `deploy/measure relighting [--json FILE]`.
+// The planned spacing of lights: random elements against the tolerance.
 // SynthRTI (Dulecha et al. 2020): scenes rendered in 49 lights of a dome, judged in 20 others, 8-bit sRGB, files of at
 // most 639 kB. The data are looked for in $SHEEN_DATA; what is not there is not measured.
 #include <algorithm>
@@ -18,6 +19,8 @@
 #include "reconstructor/models/irradiance_field/irradiance_field.h"
 #include "reconstructor/radiance/radiance_image.h"
 #include "tests/bench/goal_rows.h"
+#include "tests/bench/relighting_bound.h"
+#include "tests/bench/relighting_lamps.h"
 
 namespace sheen {
 namespace {
@@ -127,6 +130,8 @@ void report_drag(GoalReport& report, const fs::path& scene) {
 }
 
 void measure(GoalReport& report) {
+  report_bound(report);
+  report_lamps(report);
   const char* folder = std::getenv("SHEEN_DATA");
   const fs::path data = fs::path(folder ? folder : "../shared/data") / "relighting", scenes = data / "synthrti_object1";
   report_group(report, measure_scenes(scenes / "Single/Object1", "single "), "SynthRTI object 1, one material", 41.0,

@@ -9,6 +9,7 @@
 
 #include "common/base/files.h"
 #include "common/image/color.h"
+#include "common/image/exr.h"
 #include "common/image/image_io.h"
 #include "common/image/linear_reader.h"
 #include "tests/loopback/ball_dataset.h"
@@ -93,6 +94,68 @@ TEST_F(Relighting, AListIsBuiltScoredAndRendered) {
   EXPECT_TRUE(fs::exists(out / "light3.exr"));
 }
 
+TEST_F(Relighting, LampsAddUp) {
+  expect_outcome(build({"--out", model_, "--bytes", "40kB"}), 0, {});
+  const fs::path out = temp_.path() / "out";
+  // Light from all around is as the lamps' own: of radiance 1.
+  ImageF map(32, 16, 3);
+  std::fill_n(map.data(), map.size(), 1.0f);
+  write_exr(temp_.path() / "sky.exr", map);
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--environment", temp_.path() / "sky.exr", "--out", out})),
+                 0, {"of its light comes from where the model's images had none", "1 pictures rendered"});
+  EXPECT_TRUE(fs::exists(out / "sky.exr"));
+  const fs::path lamps = temp_.write("lamps.json", R"({"format": "sheen luminaires", "version": 1, "pictures": [
+      {"name": "red", "lights": [{"towards": [0, 0.3, 1], "rgb": [1, 0.001, 0.001]}]},
+      {"name": "blue", "lights": [{"towards": [0.5, 0, 1], "rgb": [0.001, 0.001, 1]}]},
+      {"name": "both", "lights": [{"towards": [0, 0.3, 1], "rgb": [1, 0.001, 0.001]},
+                                  {"towards": [0.5, 0, 1], "rgb": [0.001, 0.001, 1]}]},
+      {"name": "panel", "lights": [{"area": {"centre": [0, 0, 2], "half_u": [0, 0.5, 0], "half_v": [0.5, 0, 0]}},
+                                   {"environment": "sky.exr", "rgb": [0.1, 0.1, 0.1]}]}]})");
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--luminaires", lamps, "--out", out})), 0,
+                 {"4 pictures rendered"});
+  const auto radiance = [&](const char* name) { return read_exr(out / name).parts.front().image; };
+  const ImageF red = radiance("red.exr"), blue = radiance("blue.exr"), both = radiance("both.exr");
+  for (std::size_t i = 0; i < both.size(); i += 97)
+    EXPECT_NEAR(both.data()[i], red.data()[i] + blue.data()[i], 2e-3f * (1 + both.data()[i])) << i;
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--light-path", test_, "--frames", "7", "--out", out})), 0,
+                 {"7 pictures rendered"});
+  EXPECT_TRUE(fs::exists(out / "frame_00007.png"));
+  for (const auto& [lights, message] :
+       {std::pair{R"([])", "pictures[0].lights"},
+        {R"([{"towards": [0, 0, 0]}])", "must not be 0 0 0"},
+        {R"([{"glow": 1}])", "must have one of at, towards, area, environment"},
+        {R"([{"area": {"centre": [0, 0, 2], "half_u": [0.5, 0, 0], "half_v": [0, 0.5, 0]}}])", "away from the object"},
+        {R"([{"environment": "night.exr"}])", "night.exr"}}) {
+    const fs::path wrong = temp_.write("wrong.json", R"({"format": "sheen luminaires", "version": 1, "pictures": [
+        {"name": "a", "lights": )" + std::string(lights) +
+                                                         "}]}");
+    expect_outcome(run_to_end(reconstructor({"render", model_, "--luminaires", wrong, "--out", out})), 1, {message});
+  }
+  expect_outcome(run_to_end(reconstructor(
+                     {"render", model_, "--lights", test_, "--environment", temp_.path() / "sky.exr", "--out", out})),
+                 2, {"--environment"});
+}
+
+TEST_F(Relighting, SaysWhichLightsAreTooFarApart) {
+  const fs::path report = temp_.path() / "lights.json";
+  expect_outcome(build({"--out", model_, "--bytes", "40kB", "--tolerance", "16", "--json", report}), 0,
+                 {"intervals between lights are too wide", "the next light is worth most at"});
+  const Json lights = Json::parse(read_file(report))["lights"];
+  EXPECT_EQ(lights["tolerance_grey_levels"], 16);
+  EXPECT_GE(lights["intervals"], 24);
+  EXPECT_EQ(lights["next_light"].size(), 3u);
+  expect_outcome(build({"--out", model_, "--tolerance", "40dB"}), 2, {"--tolerance", "grey levels"});
+}
+
+TEST_F(Relighting, IsExportedForOtherPrograms) {
+  expect_outcome(build({"--out", model_, "--bytes", "40kB"}), 0, {});
+  const fs::path ptm = temp_.path() / "ball.ptm", web = temp_.path() / "web";
+  expect_outcome(run_to_end(reconstructor({"export", model_, "--out", ptm})), 0, {"the model's 24 lights with"});
+  EXPECT_TRUE(read_file(ptm).starts_with("PTM_1.2\nPTM_FORMAT_RGB\n60\n44\n"));
+  expect_outcome(run_to_end(reconstructor({"export", model_, "--out", web})), 0, {"the model's 24 lights with"});
+  EXPECT_TRUE(fs::exists(web / "info.json") && fs::exists(web / "plane_5.jpg"));
+}
+
 TEST_F(Relighting, AFolderIsCompressedLater) {
   const fs::path folder = temp_.path() / "model";
   expect_outcome(build({"--out", folder, "--loss", "0dB"}), 0, {"24 images added to the model"});
@@ -133,6 +196,51 @@ TEST_F(Relighting, WrongUseIsTold) {
                  {"broken.rif", "is damaged"});
 }
 
+TEST_F(Relighting, PlansForASurfaceOfAFile) {
+  const auto plan = [&](const std::string& brdf) {
+    const fs::path report = temp_.path() / "file_plan.json";
+    expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "1", "--brdf", brdf, "--json", report})), 0,
+                   {"80 degrees"});
+    return Json::parse(read_file(report));
+  };
+  const std::string head = R"({"format": "sheen brdf", "version": 1, )";
+  // Lafortune's mirror lobe has |w| = 1: as a free lobe.
+  const fs::path parts = temp_.write("parts.json", head + R"("parts": [{"lafortune": [-1, -1, 1], "exponent": 20}]})");
+  EXPECT_NEAR(plan(parts)["spacing_on_grid_m"], std::sqrt(4 * 16 / 255.0 / 23), 0.01 * 0.104);
+  const fs::path table = temp_.write("table.json", head + R"("table": {"coordinates": "light_eye", "angles_deg":
+      [[0, 90], [0, 90], [0, 180]], "values": [2, 2, 2, 2, 2, 2, 2, 2]}})");
+  EXPECT_NEAR(plan(table)["spacing_on_grid_m"], std::sqrt(4 * 16 / 255.0 / 3), 0.01 * 0.289);
+  for (const auto& [text, message] :
+       {std::pair{R"("parts": []})", "\"parts\""},
+        {R"("parts": [{"lafortune": [-1, -1, 1], "exponent": 1.5}]})", "exponent must be 0, 1 or 2"},
+        {R"("parts": [{"ggx": 2, "roughness": 0.3}]})", "parts[0].ggx"},
+        {R"("table": {"coordinates": "polar"}})", "table.coordinates"},
+        {R"("table": {"coordinates": "light_eye", "angles_deg": [[0, 90], [0, 90], [0, 180]],
+            "values": [1, 1, 1, 1, 1, 1, 1, 1, 1]}})",
+         "one value for each crossing"},
+        {"\"parts\"", "is not JSON"}}) {
+    const fs::path file = temp_.write("broken.json", head + text);
+    expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "1", "--brdf", file})), 1,
+                   {"broken.json", message});
+  }
+}
+
+/// A table in the form of the MERL database: of a matt surface.
+TEST_F(Relighting, PlansForAMeasuredTable) {
+  const std::int32_t counts[] = {90, 90, 180};
+  std::vector<double> values(3 * 90 * 90 * 180, 700);
+  std::string bytes(reinterpret_cast<const char*>(counts), sizeof counts);
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
+  const fs::path file = temp_.write("matt.binary", bytes), report = temp_.path() / "merl_plan.json";
+  expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "1", "--brdf", file, "--json", report})), 0,
+                 {"lights on a grid"});
+  EXPECT_NEAR(Json::parse(read_file(report))["spacing_on_grid_m"], std::sqrt(4 * 16 / 255.0 / 3), 0.01 * 0.289);
+  bytes.pop_back();
+  expect_outcome(
+      run_to_end(reconstructor({"plan-lights", "--distance", "1", "--brdf", temp_.write("m.binary", bytes)})), 1,
+      {"m.binary", "90 x 90 x 180"});
+}
+
 TEST_F(Relighting, OtherModelsHaveOneLight) {
   const BallDataset data{.folder = temp_.path() / "ball", .views = 6};
   data.write();
@@ -151,6 +259,8 @@ TEST(PlanLights, SaysTheSpacingAndWhatItDoesNotCover) {
   const Json plan = Json::parse(read_file(report));
   EXPECT_DOUBLE_EQ(plan["spacing_on_grid_m"], 2 * std::sqrt(4 * 16 / 255.0 / 3));
   expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "2", "--brdf", "lafortune:2:0,1:20"})), 0, {});
+  EXPECT_NEAR(plan["searched_curvature"], 3, 0.06) << "the search over normals agrees with the closed form";
+  EXPECT_DOUBLE_EQ(plan["far_spacing_on_grid_deg"], 180 / std::acos(-1) * std::sqrt(4 * 16 / 255.0));
   for (const char* brdf : {"mirror", "lafortune:", "lafortune:0.5", "lafortune:-1:2", "lafortune:1:2,"})
     expect_outcome(run_to_end(reconstructor({"plan-lights", "--distance", "2", "--brdf", brdf})), 2, {"--brdf takes"});
 }

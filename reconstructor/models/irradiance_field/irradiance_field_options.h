@@ -15,6 +15,7 @@ struct IrradianceFieldOptions : ModelSettings {
   std::unique_ptr<ModelSettings> clone() const override { return std::make_unique<IrradianceFieldOptions>(*this); }
   std::vector<SettingKey> keys() override { return image_keys(); }
   void require_valid() const override { require_valid_images(); }
+  bool tolerance_is_between_lights() const override { return true; }
   int effort_levels() const override { return 1; }
   /// Of its picture plane, which says nothing of the pictures: not known.
   MemoryNeed memory_need(std::size_t, std::size_t) const override { return {}; }

@@ -3,14 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "common/base/errors.h"
 #include "common/image/color.h"
 #include "reconstructor/models/irradiance_field/compress.h"
 #include "reconstructor/models/irradiance_field/field_file.h"
+#include "reconstructor/models/irradiance_field/light_intervals.h"
 
 namespace sheen {
 namespace {
+
+constexpr double kOnPlane = 1e-4;  // of its distance: nearer than that a lamp is on its plane
 
 class PictureShader : public ViewShader {
  public:
@@ -51,37 +55,72 @@ IrradianceFieldSnapshot::IrradianceFieldSnapshot(std::shared_ptr<const Mesh> mes
       relighting_(std::make_shared<const Relighting>(dequantise(*field_))) {
   if (field_->lights == 0) return;
   kriging_.emplace(scene_.lights, scene_.kernel);
+  plane_ = light_plane(scene_);
   cameras_.push_back(scene_.camera);
+}
+
+LightState IrradianceFieldSnapshot::known_light(const LightState& light) const {
+  if (light.kind == LightKind::kFixed) return light;
+  LightState known = light;
+  const bool far = light.kind == LightKind::kDirectional;
+  const std::string wrong = light_error(light, far ? LightKind::kDirectional : LightKind::kPoint);
+  const auto met = plane_ && wrong.empty() ? plane_->meet(light.position) : std::nullopt;
+  if (met) {
+    // Lamps on the plane keep their brightness to the last bit.
+    const double off = std::abs(plane_->normal.dot(light.position) - plane_->distance);
+    if (!far && off <= kOnPlane * plane_->distance) return light;
+    const double reference = far ? plane_->distance : light.position.norm();
+    known.kind = LightKind::kPoint;
+    known.position = *met;
+    known.rgb *= static_cast<float>(met->squaredNorm() / (reference * reference));
+    return known;
+  }
+  if (!wrong.empty() || light.kind != scene_.kind)
+    throw ConfigError(
+        scene_.kind == LightKind::kDirectional
+            ? "this irradiance field was built in directional light: give directions, not positions"
+            : "this irradiance field was built in the light of near lamps: give positions, not directions");
+  if (far) known.position.normalize();
+  return known;
 }
 
 Eigen::VectorXf IrradianceFieldSnapshot::weights(const LightState& light) const {
   if (light.kind == LightKind::kFixed)
     return Eigen::VectorXf::Constant(field_->lights, 1.0f / static_cast<float>(field_->lights));
-  if (!light_error(light, scene_.kind).empty())
-    throw ConfigError(
-        scene_.kind == LightKind::kDirectional
-            ? "this irradiance field was built in directional light: give directions, not positions"
-            : "this irradiance field was built in the light of near lamps: give positions, not directions");
-  return kriging_->weights(scene_.kind == LightKind::kDirectional ? light.position.normalized() : light.position);
+  return kriging_->weights(light.position);
+}
+
+std::vector<LightState> IrradianceFieldSnapshot::lights() const {
+  std::vector<LightState> lights;
+  for (Eigen::Index i = 0; i < scene_.lights.cols(); ++i)
+    lights.push_back({.kind = scene_.kind, .position = scene_.lights.col(i)});
+  return lights;
 }
 
 ImageF IrradianceFieldSnapshot::picture(const LightState& light) const {
   if (empty()) return ImageF(std::max(1, field_->size.width), std::max(1, field_->size.height), 3);
-  ImageF picture = relighting_->encoded_picture(weights(light));
+  const LightState known = known_light(light);
+  ImageF picture = relighting_->encoded_picture(weights(known));
   decode_levels(picture);
-  if (light.rgb != Eigen::Vector3f::Ones())
-    for (std::size_t i = 0; i < picture.size(); ++i) picture.data()[i] *= light.rgb[static_cast<Eigen::Index>(i % 3)];
+  if (known.rgb != Eigen::Vector3f::Ones())
+    for (std::size_t i = 0; i < picture.size(); ++i) picture.data()[i] *= known.rgb[static_cast<Eigen::Index>(i % 3)];
   return picture;
 }
 
 ImageU8 IrradianceFieldSnapshot::screen_picture(const LightState& light) const {
-  if (empty() || light.rgb != Eigen::Vector3f::Ones()) return to_srgb8(picture(light));
-  return rounded_levels(relighting_->encoded_picture(weights(light)));
+  if (empty()) return to_srgb8(picture(light));
+  const LightState known = known_light(light);
+  if (known.rgb != Eigen::Vector3f::Ones()) return to_srgb8(picture(light));
+  return rounded_levels(relighting_->encoded_picture(weights(known)));
 }
 
 std::unique_ptr<ViewShader> IrradianceFieldSnapshot::shader_for(const ViewQuery& query) const {
-  return std::make_unique<PictureShader>(std::make_shared<const ImageF>(picture(query.light)), !empty(),
-                                         static_cast<float>(scene_.error));
+  auto sum = std::make_shared<ImageF>(picture(query.light));
+  for (const LightState& light : query.more_lights) {
+    const ImageF more = picture(light);
+    std::transform(sum->data(), sum->data() + sum->size(), more.data(), sum->data(), std::plus<>());
+  }
+  return std::make_unique<PictureShader>(std::move(sum), !empty(), static_cast<float>(scene_.error));
 }
 
 SnapshotFigures IrradianceFieldSnapshot::figures() const {
@@ -104,6 +143,11 @@ ViewAdvice IrradianceFieldSnapshot::advise_next_view(const Eigen::Vector3d& eye)
           .angle_deg = 0,
           .reason = "the camera stands still: more lights say more",
           .worst_psnr_db = empty() ? 0 : -20 * std::log10(std::max(scene_.error, 1e-6))};
+}
+
+std::optional<LightAdvice> IrradianceFieldSnapshot::advise_next_light(double tolerance) const {
+  if (empty()) return std::nullopt;
+  return judge_lights(scene_, *kriging_, *relighting_, tolerance);
 }
 
 CompressedModel IrradianceFieldSnapshot::compressed(const CompressionTarget& target) const {

@@ -21,8 +21,10 @@ class IrradianceFieldSnapshot : public ModelSnapshot {
   IrradianceFieldSnapshot(std::shared_ptr<const Mesh> mesh, LitScene scene, QuantisedField field, std::uint64_t version,
                           bool in_one_file);
 
-  /// Linear radiance, 3 channels, of the camera's picture. Throws ConfigError for a light of another kind than those
-  /// that the images were taken in.
+  /// Linear radiance, 3 channels, of the camera's picture. Where near lights moved on a plane, a light off it is taken
+  /// for the one on it that the object's origin sees in the same direction, weaker by the squares of their distances; a
+  /// far light is as bright there as a lamp at the plane's nearest place. Throws ConfigError for any other light of
+  /// another kind than those that the images were taken in.
   ImageF picture(const LightState& light) const;
   /// The same for a screen: 8-bit sRGB, what `to_srgb8` makes of it but for rounding. In white light levels are not
   /// decoded first: half the time.
@@ -39,13 +41,17 @@ class IrradianceFieldSnapshot : public ModelSnapshot {
   SnapshotFigures figures() const override;
   std::size_t memory_bytes() const override { return relighting_ ? relighting_->bytes() : 0; }
   LightKind light_kind() const override { return scene_.kind; }
+  std::vector<LightState> lights() const override;
   std::shared_ptr<const ModelSnapshot> filled() const override;
   ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
+  std::optional<LightAdvice> advise_next_light(double tolerance) const override;
   CompressedModel compressed(const CompressionTarget& target) const override;
   void save(const std::filesystem::path& path, const ModelMetadata& metadata, const StepsDone& progress) const override;
 
  private:
-  /// Weights of the images in the picture that a light gives.
+  /// The light that the kriging knows, with the brightness of the one that is asked for.
+  LightState known_light(const LightState& light) const;
+  /// Weights of the images in the picture that a light gives, but for its colour.
   Eigen::VectorXf weights(const LightState& light) const;
 
   std::shared_ptr<const Mesh> mesh_;
@@ -54,6 +60,7 @@ class IrradianceFieldSnapshot : public ModelSnapshot {
   std::uint64_t version_;
   bool in_one_file_;
   std::optional<PointKriging> kriging_;  ///< none without lights
+  std::optional<LightPlane> plane_;
   std::shared_ptr<const Relighting> relighting_;
   std::vector<PosedCamera> cameras_;
 };

@@ -35,6 +35,16 @@ Mesh picture_plane(const PosedCamera& camera);
 /// Pixel of the camera's image at barycentric (u, v) of a triangle of its picture plane.
 Eigen::Vector2f picture_place(const ImageSize& size, std::uint32_t triangle, float u, float v);
 
+/// The plane on which near lights moved: x.normal = distance, > 0. None where they did not, or where it goes through
+/// the object's origin.
+struct LightPlane {
+  Eigen::Vector3d normal;
+  double distance = 0;
+  /// Where the way from the origin through a point meets it; none where it does not.
+  std::optional<Eigen::Vector3d> meet(const Eigen::Vector3d& point) const;
+};
+std::optional<LightPlane> light_plane(const LitScene& scene);
+
 /// Why a light cannot be asked of, or be added to, a scene whose lights are of `kind`; empty: it can.
 std::string light_error(const LightState& light, LightKind kind);
 

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/progress.h"
+#include "common/base/stop_signal.h"
+#include "common/image/color.h"
+#include "reconstructor/capture/saved_model.h"
+#include "reconstructor/commands/commands.h"
+#include "reconstructor/render/polynomial_texture.h"
+#include "reconstructor/render/ray_painter.h"
+
+namespace sheen {
+namespace {
+
+struct ExportArguments {
+  std::string model, out;
+};
+
+ImageF encoded_picture(const RayPainter& painter, const SavedModel& saved, const LightState& light) {
+  const PosedCamera& from = saved.snapshot->cameras().front();
+  ImageF picture = painter.paint(*saved.snapshot, from.camera, from.camera_from_object, light).beauty;
+  for (std::size_t i = 0; i < picture.size(); ++i)
+    picture.data()[i] = srgb_encode(std::min(1.0f, std::max(0.0f, picture.data()[i])));
+  return picture;
+}
+
+void export_model(const ExportArguments& arguments) {
+  install_stop_signals();
+  const SavedModel saved = open_model(arguments.model);
+  const std::vector<LightState> lights = saved.snapshot->lights();
+  if (saved.snapshot->light_kind() != LightKind::kDirectional || lights.empty())
+    throw ConfigError(arguments.model + ": only models of far lights that move can be exported: an irradiance field " +
+                      "of a list of directions");
+  const std::filesystem::path out = arguments.out;
+  const bool ptm = out.extension() == ".ptm";
+  if (ptm)
+    check_writable(out);
+  else
+    check_writable_folder(out);
+  const RayPainter painter(saved.snapshot->mesh());
+  const Camera& camera = saved.snapshot->cameras().front().camera;
+  PolynomialFit fit(camera.width, camera.height);
+  Progress progress("fitting", 2 * lights.size());
+  std::size_t done = 0;
+  const auto next = [&] {
+    if (stop_requested()) throw Error("stopped before it was exported");
+    progress.update(++done);
+  };
+  for (const LightState& light : lights) {
+    fit.add(light.position, encoded_picture(painter, saved, light));
+    next();
+  }
+  const PolynomialTexture texture = fit.texture();
+  double squares = 0;
+  for (const LightState& light : lights) {
+    const ImageF truth = encoded_picture(painter, saved, light), shown = texture.picture(light.position);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const double shown_value = std::min(1.0, std::max(0.0, static_cast<double>(shown.data()[i])));
+      squares += std::pow(shown_value - static_cast<double>(truth.data()[i]), 2) /
+                 static_cast<double>(truth.size() * lights.size());
+    }
+    next();
+  }
+  if (ptm)
+    write_ptm(out, texture);
+  else
+    write_relight(out, texture);
+  std::printf("%s written; its polynomials show the model's %zu lights with %.2f dB\n", out.c_str(), lights.size(),
+              -10 * std::log10(squares));
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app) {
+  auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* command = app.add_subcommand(
+      "export", "Writes an irradiance field of far lights for other programs: polynomial texture maps.");
+  command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
+  command
+      ->add_option("--out", arguments->out,
+                   "FILE.ptm, or a folder in the format of the relight tools, which OpenLIME shows")
+      ->required();
+  command->callback([arguments] { export_model(*arguments); });
+}
+
+}  // namespace sheen
