@@ -47,6 +47,11 @@ void print_prediction(double predicted_db, const ErrorCalibration& calibration) 
       calibration.half_width_db);
 }
 
+/// What the camera's light keys say, for a model that knows moving light.
+LightState light_of(const DatasetView& view, const ModelSnapshot& model) {
+  return model.light_kind() == LightKind::kFixed ? LightState{} : view.light;
+}
+
 void render(const RenderArguments& arguments) {
   if (!arguments.lights.empty()) return render_lights(arguments.model, arguments.lights, arguments.out);
   if (arguments.cameras.empty())
@@ -66,7 +71,8 @@ void render(const RenderArguments& arguments) {
   std::size_t predicted_views = 0;
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    PaintedView painted = painter.paint(*saved.snapshot, cameras[i].camera, cameras[i].camera_from_object);
+    PaintedView painted = painter.paint(*saved.snapshot, cameras[i].camera, cameras[i].camera_from_object,
+                                        light_of(cameras[i], *saved.snapshot));
     if (const double db = predicted_psnr_db(painted, painted.coverage); std::isfinite(db)) {
       predicted_db += db;
       ++predicted_views;
@@ -94,7 +100,7 @@ void add_render_command(CLI::App& app) {
   command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
   CLI::Option* cameras =
       command->add_option("--cameras", arguments->cameras, "transforms.json with the cameras to render");
-  command->add_option("--lights", arguments->lights, "list of lights (.lp) to render an irradiance field in")
+  command->add_option("--lights", arguments->lights, "list of lights (.lp) to render a model of moving light in")
       ->excludes(cameras);
   command->add_option("--out", arguments->out, "folder for the pictures")->required();
   command->callback([arguments] { render(*arguments); });

@@ -45,6 +45,7 @@ void ViewControls::frame(const std::shared_ptr<const Mesh>& mesh) {
 
 void ViewControls::reset() {
   follow = false;
+  light_turn.setZero();
   if (framed_) orbit.frame(tight_sphere(*framed_));
 }
 

@@ -29,6 +29,7 @@ struct ViewControls {
   bool help = false;
   bool figures = true;  ///< text and guides over the picture
   OrbitCamera orbit;
+  Eigen::Vector2d light_turn = Eigen::Vector2d::Zero();  ///< see `Viewpoint::light_turn`
 
   /// Lets the free camera frame a mesh that it has not framed yet.
   void frame(const std::shared_ptr<const Mesh>& mesh);

@@ -75,8 +75,9 @@ void ViewerScene::draw_surface(const ViewerState& state, const ViewControls& con
   if (!state.snapshot) return;
   const bool follow = controls.follow && posed(state);
   const Panel panel = follow ? fit(area, state.capture->camera.width, state.capture->camera.height) : area;
-  const Viewpoint viewpoint =
+  Viewpoint viewpoint =
       follow ? tracked_viewpoint(*state.capture, panel) : controls.orbit.viewpoint(panel.width, panel.height);
+  viewpoint.light_turn = controls.light_turn;
   surface_->draw(viewpoint, panel, overlay_.height(), shading);
   if (controls.figures && !follow) draw_guides(state, viewpoint, panel);
 }
