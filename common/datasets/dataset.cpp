@@ -196,6 +196,7 @@ Capture read_capture(const Dataset& dataset, std::size_t index) {
   capture.exposure.gain_db = view.gain_db;
   capture.pose.status = PoseStatus::kGiven;
   capture.pose.camera_from_object = view.camera_from_object;
+  capture.light = view.light;
   capture.verdict = FrameVerdict::kKeyframe;
   capture.purpose = view.purpose;
   capture.calibration_hash = content_hash(description(view.camera));

@@ -17,6 +17,7 @@ struct DatasetView {
   std::optional<std::filesystem::path> mask_path;
   Camera camera;
   Rigid3 camera_from_object;
+  LightState light;  ///< what the frame's light keys say; fixed without them
   Purpose purpose = Purpose::kUnspecified;
   std::optional<double> exposure_s;  ///< from EXIF or the file, when it is there
   double gain_db = 0;                ///< likewise: 20 log10(ISO / 100 / f-number^2), what a grey level is multiplied by

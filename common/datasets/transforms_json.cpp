@@ -46,6 +46,19 @@ class Fields {
     if (!value->is_string()) fail(field, "must be a text");
     return value->get<std::string>();
   }
+  /// Three finite numbers.
+  std::optional<Eigen::Vector3d> vector(const char* field) const {
+    const Json* value = find(field);
+    if (!value) return std::nullopt;
+    if (!value->is_array() || value->size() != 3) fail(field, "must be 3 numbers");
+    Eigen::Vector3d v;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!(*value)[i].is_number()) fail(field, "must be 3 numbers");
+      v[Eigen::Index(i)] = (*value)[i].get<double>();
+    }
+    if (!v.allFinite()) fail(field, "is not finite");
+    return v;
+  }
   /// A matrix of `rows` (or, where `or_less`, one less) rows and 4 columns; what is missing is the identity's.
   std::optional<Eigen::Matrix4d> matrix(const char* field) const {
     const Json* value = find(field);
@@ -187,6 +200,22 @@ Rigid3 parse_pose(const Fields& fields) {
   return Rigid3::from_matrix(object_from_camera).inverse();
 }
 
+LightState parse_light(const Fields& fields) {
+  LightState light;
+  const auto position = fields.vector("light_position"), direction = fields.vector("light_direction");
+  if (position && direction) fields.fail("light_direction", "stands beside light_position; give one of them");
+  if (direction) {
+    if (!(direction->norm() > 0)) fields.fail("light_direction", "must not be zero");
+    light = {.kind = LightKind::kDirectional, .position = direction->normalized()};
+  }
+  if (position) light = {.kind = LightKind::kPoint, .position = *position};
+  if (const auto rgb = fields.vector("light_rgb")) {
+    if (!(rgb->minCoeff() > 0)) fields.fail("light_rgb", "must be three numbers above 0");
+    light.rgb = rgb->cast<float>();
+  }
+  return light;
+}
+
 std::string normal_name(const std::string& file_path) {
   return std::filesystem::path(file_path).lexically_normal().generic_string();
 }
@@ -235,6 +264,7 @@ DatasetView parse_frame(const Fields& fields, const ImageFiles& images) {
       fields.fail("mask_path", "there is no such file: \"" + shown(*mask) + "\"");
   }
   view.camera_from_object = parse_pose(fields);
+  view.light = parse_light(fields);
   view.camera = parse_camera(fields, view.image_path, images);
   return view;
 }

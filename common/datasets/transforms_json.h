@@ -25,10 +25,10 @@ enum class UnknownNames : std::uint8_t { kRefused, kIgnored };
 
 /// Views of the text of a `transforms.json`: cameras (OPENCV, PINHOLE, SIMPLE_PINHOLE, SIMPLE_RADIAL, RADIAL,
 /// OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, or `camera_angle_x`; for all frames or one by one), poses,
-/// masks and the lists of views. The poses stand in the frame of the mesh as they are
-/// written: `applied_transform`, `applied_scale` and `orientation_override`, which tell a trainer what was or is to be
-/// done to a scene, change nothing. `file` names the description in errors; reads nothing itself. Throws FileError with
-/// frame and field.
+/// masks, lights (`light_position` or `light_direction`, `light_rgb`) and the lists of views. The poses stand in the
+/// frame of the mesh as they are written: `applied_transform`, `applied_scale` and `orientation_override`, which tell a
+/// trainer what was or is to be done to a scene, change nothing. `file` names the description in errors; reads nothing
+/// itself. Throws FileError with frame and field.
 std::vector<DatasetView> parse_transforms(const std::string& file, const std::string& text, const ImageFiles& images,
                                           UnknownNames unknown_names = UnknownNames::kRefused);
 

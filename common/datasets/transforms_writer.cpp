@@ -44,6 +44,12 @@ Json camera_fields(const Camera& camera) {
   return out;
 }
 
+/// Null for a light that needs no key.
+const char* light_key(const LightState& light) {
+  if (light.kind == LightKind::kPoint) return "light_position";
+  return light.kind == LightKind::kDirectional ? "light_direction" : nullptr;
+}
+
 /// As seen from the folder that the file stands in, where that can be said.
 std::string relative_name(const std::filesystem::path& path, const std::filesystem::path& folder) {
   return std::filesystem::absolute(path).lexically_proximate(std::filesystem::absolute(folder)).generic_string();
@@ -78,6 +84,12 @@ void write_transforms(const std::filesystem::path& file, const std::vector<Datas
     const Eigen::Matrix4d object_from_gl =
         view.camera_from_object.inverse().matrix() * Eigen::Vector4d(1, -1, -1, 1).asDiagonal();
     frame["transform_matrix"] = matrix_rows(object_from_gl, 4);
+    if (const char* key = light_key(view.light)) {
+      const Eigen::Vector3d& p = view.light.position;
+      frame[key] = {p.x(), p.y(), p.z()};
+      if (const Eigen::Vector3f& rgb = view.light.rgb; rgb != Eigen::Vector3f::Ones())
+        frame["light_rgb"] = {rgb.x(), rgb.y(), rgb.z()};
+    }
     out["frames"].push_back(std::move(frame));
     (view.purpose == Purpose::kHeldOut ? held_out : training).push_back(view.name);
   }

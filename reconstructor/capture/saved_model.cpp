@@ -22,7 +22,7 @@ constexpr const char* kSceneKey = "scene";        // the settings as a scene fil
 constexpr const char* kCapturesKey = "captures";  // a JSON list: source_session, sequence, part, exposure_gain
 constexpr const char* kCalibrationKey = "error_calibration";  // JSON: views, offset_db, half_width_db
 constexpr const char* kHeldOutPsnrKey = "held_out_psnr_db";
-const std::set<std::string> kModelFiles{kModelJsonFile, "mesh.ply", "maps.exr", "field.rif"};
+const std::set<std::string> kModelFiles{kModelJsonFile, "mesh.ply", "maps.exr", "field.rif", "views.ilg"};
 constexpr const char *kHeldOut = "held_out", *kFolded = "folded", *kRepeated = "repeated";
 
 json read_description(const fs::path& model_folder) {

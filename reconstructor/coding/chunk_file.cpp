@@ -15,7 +15,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kZstdLevel = 19;
 // No more memory than the size of a file makes likely.
 constexpr std::size_t kMostUnpacked = std::size_t{1} << 28, kDensest = 1000;
 constexpr std::string_view kNotesChunk = "META";
@@ -39,9 +38,9 @@ void append_chunk(std::string& out, std::string_view name, std::string_view byte
   out.append(bytes);
 }
 
-std::string packed(std::string_view text) {
+std::string packed(std::string_view text, int level) {
   std::string out(ZSTD_compressBound(text.size()), '\0');
-  out.resize(ZSTD_compress(out.data(), out.size(), text.data(), text.size(), kZstdLevel));
+  out.resize(ZSTD_compress(out.data(), out.size(), text.data(), text.size(), level));
   return out;
 }
 

@@ -23,8 +23,9 @@ struct ChunkFormat {
 
 void append_chunk(std::string& out, std::string_view name, std::string_view bytes);
 
+inline constexpr int kSmallestPacking = 19, kQuickPacking = 3;  // levels of zstd
 /// By zstd.
-std::string packed(std::string_view text);
+std::string packed(std::string_view text, int level = kSmallestPacking);
 /// Throws std::runtime_error; also where the size that is claimed is not that of any honest file.
 std::string unpacked(std::string_view bytes);
 

@@ -65,7 +65,7 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
                                            "): nothing is left to build from; name fewer in test_filenames");
   if (counts.accepted == 0 && arguments.mesh.empty())
     throw FileError(arguments.dataset, "none of its " + std::to_string(captures.size) +
-                                           " images can be used: an irradiance field needs a light in each");
+                                           " images can be used: a model of moving light needs a light in each");
   if (counts.accepted == 0)
     throw FileError(arguments.dataset, "none of its " + std::to_string(captures.size) +
                                            " images shows the mesh; check that both are in the same frame and units");
@@ -164,7 +164,7 @@ void add_build_command(CLI::App& app) {
   CLI::Option* config = command->add_option("--config", arguments->config, "scene file (TOML)");
   command
       ->add_option("--model", arguments->model,
-                   "kind of model, without a scene file: surface-light-field, irradiance-field")
+                   "kind of model, without a scene file: surface-light-field, irradiance-field, intrinsic-lumigraph")
       ->excludes(config);
   arguments->limits.add_to(
       *command, "PSNR that held-out views must reach, such as 35dB; the cheapest setting that reaches it is searched");

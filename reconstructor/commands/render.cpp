@@ -48,6 +48,11 @@ void print_prediction(double predicted_db, const ErrorCalibration& calibration) 
       calibration.half_width_db);
 }
 
+/// What the camera's light keys say, for a model that knows moving light.
+LightState light_of(const DatasetView& view, const ModelSnapshot& model) {
+  return model.light_kind() == LightKind::kFixed ? LightState{} : view.light;
+}
+
 void render(const RenderArguments& arguments) {
   if (arguments.light.asked()) return render_lights(arguments.model, arguments.light, arguments.out);
   if (arguments.cameras.empty())
@@ -68,8 +73,8 @@ void render(const RenderArguments& arguments) {
   std::size_t predicted_views = 0;
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const SmoothView painted =
-        painter.paint_smooth(*saved.snapshot, outlines, cameras[i].camera, cameras[i].camera_from_object);
+    const SmoothView painted = painter.paint_smooth(*saved.snapshot, outlines, cameras[i].camera,
+                                                    cameras[i].camera_from_object, light_of(cameras[i], *saved.snapshot));
     if (const double db = predicted_psnr_db(painted, painted.coverage); std::isfinite(db)) {
       predicted_db += db;
       ++predicted_views;
@@ -98,7 +103,7 @@ void add_render_command(CLI::App& app) {
   CLI::Option* cameras =
       command->add_option("--cameras", arguments->cameras, "transforms.json with the cameras to render");
   CLI::Option* lights = command->add_option(
-      "--lights", arguments->light.list, "list of lights (.lp) to render an irradiance field in, one after the other");
+      "--lights", arguments->light.list, "list of lights (.lp) to render a model of moving light in, one after the other");
   CLI::Option* luminaires = command->add_option("--luminaires", arguments->light.luminaires,
                                                 "file (JSON) of pictures in lamps that are on together, far and large");
   CLI::Option* environment =

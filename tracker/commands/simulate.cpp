@@ -17,6 +17,7 @@
 #include "common/base/quantity.h"
 #include "common/base/stop_signal.h"
 #include "common/session/session.h"
+#include "common/simulation/light_rig.h"
 #include "common/simulation/pose_truth.h"
 #include "common/simulation/simulated_rig.h"
 #include "tracker/camera_server/camera_server.h"
@@ -29,7 +30,9 @@ struct SimulateArguments {
   std::filesystem::path out, serve, log, judge, recording;
   CameraServerOptions server;
   SimulationOptions rig;
-  std::string size = "1024x768";
+  std::string size = "1024x768", views = "5x5";
+  int lights = 0;
+  double gloss = 0;
   bool json = false;
 };
 
@@ -61,6 +64,34 @@ void render(SimulateArguments arguments) {
   } else {
     std::printf("%s already holds these %zu frames\n", arguments.out.c_str(), frames);
   }
+}
+
+/// Several lamps and a grid of cameras in place of the stage.
+void render_lights(const SimulateArguments& arguments) {
+  const EndOnStop give_up("sheen-tracker: stopped; the data set is incomplete");
+  LightRigOptions options{.lights = arguments.lights, .gloss = arguments.gloss};
+  SimulationOptions size;
+  parse_size(arguments.size, size);
+  options.width = size.width;
+  options.height = size.height;
+  int used = 0;
+  if (std::sscanf(arguments.views.c_str(), "%3dx%3d%n", &options.columns, &options.rows, &used) != 2 ||
+      used != int(arguments.views.size()))
+    throw ConfigError("--views \"" + arguments.views + "\" is not a grid; write it as 5x5");
+  const LightRig rig(options);
+  int images = 0;
+  {
+    Progress progress("rendering", 0);
+    write_light_rig(rig, arguments.out, arguments.rig.truth, [&](int done, int total) {
+      if (stop_requested()) throw Error("stopped; the data set is incomplete");
+      images = total;
+      progress.update(static_cast<std::uint64_t>(done));
+    });
+  }
+  if (arguments.json)
+    std::cout << nlohmann::json{{"folder", arguments.out.string()}, {"images", images}}.dump(2) << '\n';
+  else
+    std::printf("%d images in %d lights rendered into %s\n", images, arguments.lights, arguments.out.c_str());
 }
 
 /// Serves a recording as a camera until it is told to stop; the log names each frame as it is sent.
@@ -101,6 +132,9 @@ void simulate(const SimulateArguments& arguments) {
   if (arguments.out.empty() && arguments.serve.empty() && arguments.judge.empty())
     throw ConfigError("give --out DIR to render a recording, --serve DIR to serve one as a camera, or --judge SESSION");
   if (!arguments.judge.empty()) return judge(arguments);
+  if (arguments.lights > 0 && (arguments.out.empty() || !arguments.serve.empty()))
+    throw ConfigError("--lights renders a data set: give --out DIR, and no --serve");
+  if (arguments.lights > 0) return render_lights(arguments);
   if (!arguments.out.empty()) render(arguments);
   if (!arguments.serve.empty()) serve(arguments);
 }
@@ -122,6 +156,16 @@ void add_simulate_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--object", arguments->rig.object, "demo, bronze or sphere")->capture_default_str();
   command->add_flag("--truth", arguments->rig.truth, "also write each frame's linear radiance as OpenEXR");
+  command
+      ->add_option("--lights", arguments->lights,
+                   "a still life in so many lights, seen by a grid of cameras, in place of the rig; with --truth also "
+                   "depth, reflectance and shadows")
+      ->check(whole_number_in(2, 99));
+  command->add_option("--views", arguments->views, "with --lights: the grid of cameras, COLUMNSxROWS")
+      ->capture_default_str();
+  command->add_option("--gloss", arguments->gloss, "with --lights: how glossy ball, rod, cone and disc are")
+      ->check(number_in(0, 1))
+      ->capture_default_str();
   command->add_option("--serve", arguments->serve, "recording to serve as a GigE Vision camera, until Ctrl-C");
   command->add_option("--interface", arguments->server.address, "loopback address to serve on")->capture_default_str();
   command->add_option("--rate", arguments->server.frame_rate_hz, "frames/s to serve; default: those of the recording")

@@ -271,6 +271,7 @@ void Hud::draw_help(OverlayPainter& overlay) const {
                           {"Q, Esc", "quit"},
                           {"drag", "rotate"},
                           {"right drag", "move"},
+                          {"Ctrl and drag", "turn the light, where a model knows moving light"},
                           {"wheel", "nearer, farther"}};
   if (state.figures) lines.insert(lines.end() - 5, {"U", "take back the last image"});
   const float height = static_cast<float>(lines.size()) * overlay.line_height() + overlay.advance();

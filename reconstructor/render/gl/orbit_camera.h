@@ -13,6 +13,9 @@ namespace sheen {
 struct Viewpoint {
   Camera camera;
   Rigid3 camera_from_object;
+  /// How far a person has turned the light, radians: round the z axis of the object, and up. For models of moving
+  /// light.
+  Eigen::Vector2d light_turn = Eigen::Vector2d::Zero();
   Eigen::Vector3d eye() const { return camera_centre(camera_from_object); }
 };
 

@@ -51,10 +51,12 @@ std::vector<ViewerScene::SurfacePanel> ViewerScene::surface_panels(const ViewerS
                               : state.snapshot->empty() ? SurfaceShading::kPlain
                                                         : SurfaceShading::kAppearance;
   const auto add = [&](const Panel& area, SurfaceShading shading) {
-    if (!controls.follow || !posed(state))
-      return panels.push_back({area, controls.orbit.viewpoint(area.width, area.height), shading});
-    const Panel panel = fit(area, state.capture->camera.width, state.capture->camera.height);
-    panels.push_back({panel, tracked_viewpoint(*state.capture, panel), shading});
+    const bool follow = controls.follow && posed(state);
+    const Panel panel = follow ? fit(area, state.capture->camera.width, state.capture->camera.height) : area;
+    Viewpoint viewpoint =
+        follow ? tracked_viewpoint(*state.capture, panel) : controls.orbit.viewpoint(panel.width, panel.height);
+    viewpoint.light_turn = controls.light_turn;
+    panels.push_back({panel, viewpoint, shading});
   };
   const int half = std::max(1, width / 2);
   switch (controls.mode) {
@@ -106,8 +108,8 @@ void ViewerScene::draw_coarse(const ViewerState& state, const ViewControls& cont
     };
     const Panel small{0, 0, part(surface.panel.width, coarse.width(), target.width()),
                       part(surface.panel.height, coarse.height(), target.height())};
-    const Viewpoint viewpoint{surface.viewpoint.camera.scaled(small.width, small.height),
-                              surface.viewpoint.camera_from_object};
+    Viewpoint viewpoint = surface.viewpoint;
+    viewpoint.camera = viewpoint.camera.scaled(small.width, small.height);
     coarse.clear(kBackground);
     surface_->draw(viewpoint,
                    {small, coarse.height(), static_cast<float>(surface.panel.width) / static_cast<float>(small.width)},

@@ -156,6 +156,12 @@ struct ViewerWindow::Impl {
     int width = 1, height = 1;
     glfwGetWindowSize(window.get(), &width, &height);
     const Eigen::Vector2d part = moved / std::max(1, height);
+    const bool control = glfwGetKey(window.get(), GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS;
+    if (control && held(GLFW_MOUSE_BUTTON_LEFT)) {
+      controls.light_turn += 4 * Eigen::Vector2d(part.x(), -part.y());
+      changed = true;
+      return;
+    }
     if (held(GLFW_MOUSE_BUTTON_RIGHT) || held(GLFW_MOUSE_BUTTON_MIDDLE) || (held(GLFW_MOUSE_BUTTON_LEFT) && shift))
       controls.orbit.pan(-part.x(), part.y());
     else if (held(GLFW_MOUSE_BUTTON_LEFT))

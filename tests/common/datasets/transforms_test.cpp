@@ -6,7 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/base/files.h"
+#include "common/datasets/dataset.h"
 #include "support/expect_error.h"
+#include "tests/support/temp_folder.h"
 
 namespace sheen {
 namespace {
@@ -126,6 +129,39 @@ TEST(Transforms, ListsDecideThePurpose) {
   EXPECT_EQ(views[1].purpose, Purpose::kTraining);
   EXPECT_EQ(views[2].purpose, Purpose::kHeldOut);
   EXPECT_EQ(views[2].name, "./images/c.jpg") << "as the dataset writes it";
+}
+
+TEST(Transforms, LightsStandInTheirFrames) {
+  Json json = valid();
+  json["frames"][0]["light_position"] = {1, -2, 3};
+  json["frames"][1]["light_direction"] = {0, 0, 2};
+  json["frames"][1]["light_rgb"] = {1, 0.5, 2};
+  const std::vector<DatasetView> views = parse(json);
+  EXPECT_EQ(views[0].light.kind, LightKind::kPoint);
+  EXPECT_EQ(views[0].light.position, Eigen::Vector3d(1, -2, 3));
+  EXPECT_EQ(views[1].light.kind, LightKind::kDirectional);
+  EXPECT_EQ(views[1].light.position, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(views[1].light.rgb, Eigen::Vector3f(1, 0.5f, 2));
+  EXPECT_EQ(views[2].light.kind, LightKind::kFixed);
+
+  const TempFolder temp;
+  write_transforms(temp.path() / "t.json", views);
+  const std::vector<DatasetView> again = parse_transforms("t.json", read_file(temp.path() / "t.json"), kAllThere);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_EQ(again[i].light.kind, views[i].light.kind);
+    EXPECT_EQ(again[i].light.position, views[i].light.position);
+    EXPECT_EQ(again[i].light.rgb, views[i].light.rgb);
+  }
+
+  for (const auto& [key, value] : std::map<std::string, Json>{
+           {"light_position", {1, 2}}, {"light_direction", {0, 0, 0}}, {"light_rgb", {1, 0, 1}}}) {
+    Json wrong = valid();
+    wrong["frames"][0][key] = value;
+    expect_error([&] { parse(wrong); }, {"frame 0", key});
+  }
+  Json both = json;
+  both["frames"][0]["light_direction"] = {0, 0, 1};
+  expect_error([&] { parse(both); }, {"frame 0", "light_direction", "one of them"});
 }
 
 TEST(Transforms, MasksForAllOrNone) {

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/intrinsic_lumigraph/decomposition.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sheen {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr float kDark = 1e-4f;         // delta of log(I + delta): far below the step of an 8-bit image
+constexpr float kLeastCosine = 0.05f;  // below it a lamp says little of the reflectance
+constexpr float kLeastReflectance = 2e-3f;
+// Weights of what is known beforehand, and of pixels at the edge of a shadow, against an image's.
+constexpr float kHoldNormal = 2e-3f, kHoldAmbient = 1e-2f, kEdgeWeight = 0.1f;
+
+float median(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool arrives(const CapturedView& view, std::size_t i, std::size_t pixel) {
+  return view.arrives[i].data()[pixel] == 255;
+}
+bool in_shadow(const CapturedView& view, std::size_t i, std::size_t pixel) {
+  return view.arrives[i].data()[pixel] == 0;
+}
+
+Vector3f rgb_at(const ImageF& image, std::size_t pixel) {
+  return Eigen::Map<const Vector3f>(image.data() + 3 * pixel);
+}
+
+/// The factor by which a colour is that of the reflectance, by least squares over its channels.
+float brightness_over(const Vector3f& rgb, const Vector3f& reflectance) {
+  return rgb.dot(reflectance) / std::max(reflectance.squaredNorm(), 1e-12f);
+}
+
+/// Calls `visit(pixel, point)` for all pixels whose surface is known, row by row in parallel.
+template <typename Visit>
+void for_each_surface(const CapturedView& view, const Visit& visit) {
+  const Rigid3 object_from_camera = view.from.camera_from_object.inverse();
+  tbb::parallel_for(0, view.depth.height(), [&](int y) {
+    for (int x = 0; x < view.depth.width(); ++x) {
+      const float depth = view.depth.at(x, y);
+      if (depth > 0)
+        visit(std::size_t(y) * view.depth.width() + x, object_point(view.from, object_from_camera, x, y, depth));
+    }
+  });
+}
+
+}  // namespace
+
+double ambient_light(const CapturedView& view, const LightSet& lights) {
+  const Rigid3 object_from_camera = view.from.camera_from_object.inverse();
+  std::vector<float> found, shadowed;
+  constexpr int kStride = 2;  // enough pixels for a median
+  for (int y = 0; y < view.depth.height(); y += kStride)
+    for (int x = 0; x < view.depth.width(); x += kStride) {
+      if (!(view.depth.at(x, y) > 0)) continue;
+      const std::size_t pixel = std::size_t(y) * view.depth.width() + x;
+      const Vector3f point = object_point(view.from, object_from_camera, x, y, view.depth.at(x, y)),
+                     normal = rgb_at(view.normals, pixel);
+      shadowed.clear();
+      for (std::size_t i = 0; i < view.lights.size(); ++i)
+        if (in_shadow(view, i, pixel)) shadowed.push_back(rgb_at(view.radiance[i], pixel).sum());
+      if (shadowed.empty()) continue;
+      const float dark = median(shadowed);
+      std::vector<float> ratios;  // shadow is R a and light R (a + n.s)
+      for (std::size_t i = 0; i < view.lights.size(); ++i) {
+        if (!arrives(view, i, pixel)) continue;
+        const float cosine = normal.dot(lights.incidence(lights.places.col(view.lights[i]), point));
+        const float more = rgb_at(view.radiance[i], pixel).sum() - dark;
+        if (cosine > 4 * kLeastCosine && more > 0) ratios.push_back(dark * cosine / more);
+      }
+      if (!ratios.empty()) found.push_back(median(ratios));
+    }
+  return found.empty() ? 0 : median(found);
+}
+
+ImageF known_reflectance(const CapturedView& view, const LightSet& lights, double ambient) {
+  ImageF reflectance(view.depth.width(), view.depth.height(), 3);
+  for_each_surface(view, [&](std::size_t pixel, const Vector3f& point) {
+    const Vector3f normal = rgb_at(view.normals, pixel);
+    std::array<std::vector<float>, 3> logs;
+    for (const bool in_light : {true, false}) {
+      for (std::size_t i = 0; i < view.lights.size(); ++i) {
+        const float cosine = normal.dot(lights.incidence(lights.places.col(view.lights[i]), point));
+        if (in_light ? !arrives(view, i, pixel) || cosine < kLeastCosine : !in_shadow(view, i, pixel)) continue;
+        const float light = static_cast<float>(ambient) + (in_light ? cosine : 0);
+        for (int c = 0; c < 3; ++c)
+          logs[c].push_back(std::log(view.radiance[i].data()[3 * pixel + c] + kDark) - std::log(light + kDark));
+      }
+      if (!logs[0].empty()) break;
+    }
+    for (int c = 0; c < 3; ++c)
+      reflectance.data()[3 * pixel + c] =
+          logs[c].empty() ? kLeastReflectance : std::max(kLeastReflectance, std::exp(median(logs[c])));
+  });
+  return reflectance;
+}
+
+LitView decompose(const CapturedView& view, const LightSet& lights, const ImageF& reflectance, double ambient) {
+  const int w = view.from.camera.width, h = view.from.camera.height;
+  LitView out{.from = view.from,
+              .depth = view.depth,
+              .reflectance = ImageHalf(w, h, 3),
+              .slope = ImageHalf(w, h, 3),
+              .ambient = ImageHalf(w, h, 1),
+              .lights = view.lights,
+              .arrives = view.arrives};
+  std::vector<ImageF> unexplained(view.lights.size(), ImageF(w, h, 3));
+  for_each_surface(view, [&](std::size_t pixel, const Vector3f& point) {
+    Eigen::Map<Eigen::Matrix<Eigen::half, 3, 1>> stored(out.reflectance.data() + 3 * pixel);
+    stored = rgb_at(reflectance, pixel).cast<Eigen::half>();
+    const Vector3f albedo = stored.cast<float>();
+    // L_i = ambient + V_i b.s_i: four unknowns, held near what the neighbourhood says.
+    Eigen::Matrix4f squares = Eigen::Vector4f(kHoldAmbient, kHoldNormal, kHoldNormal, kHoldNormal).asDiagonal();
+    Eigen::Vector4f sums = Eigen::Vector4f::Zero();
+    sums[0] = kHoldAmbient * static_cast<float>(ambient);
+    if (!view.normals.empty()) sums.tail<3>() = kHoldNormal * rgb_at(view.normals, pixel);
+    for (std::size_t i = 0; i < view.lights.size(); ++i) {
+      const float part = static_cast<float>(view.arrives[i].data()[pixel]) / 255;
+      const float weight = part == 0 || part == 1 ? 1 : kEdgeWeight;
+      const Vector3f s = lights.incidence(lights.places.col(view.lights[i]), point);
+      const Eigen::Vector4f row(1, part * s.x(), part * s.y(), part * s.z());
+      squares += weight * row * row.transpose();
+      sums += weight * brightness_over(rgb_at(view.radiance[i], pixel), albedo) * row;
+    }
+    const Eigen::Vector4f terms = squares.ldlt().solve(sums);
+    const Eigen::half dark = Eigen::half(std::max(0.0f, terms[0]));
+    out.ambient.data()[pixel] = dark;
+    Eigen::Map<Eigen::Matrix<Eigen::half, 3, 1>> slope(out.slope.data() + 3 * pixel);
+    slope = terms.tail<3>().cast<Eigen::half>();
+
+    for (std::size_t i = 0; i < view.lights.size(); ++i) {
+      if (!arrives(view, i, pixel)) continue;
+      const Vector3f s = lights.incidence(lights.places.col(view.lights[i]), point);
+      const float light = static_cast<float>(dark) + std::max(0.0f, slope.cast<float>().dot(s));
+      Eigen::Map<Vector3f>(unexplained[i].data() + 3 * pixel) = rgb_at(view.radiance[i], pixel) - light * albedo;
+    }
+  });
+
+  float largest = 0;
+  for (const ImageF& image : unexplained)
+    for (std::size_t k = 0; k < image.size(); ++k) largest = std::max(largest, std::abs(image.data()[k]));
+  out.residual_unit = largest / (127.0f * 127.0f);
+  for (const ImageF& image : unexplained) {
+    ImageS8& coded = out.residual.emplace_back(w, h, 3);
+    for (std::size_t k = 0; largest > 0 && k < image.size(); ++k) {
+      const float value = image.data()[k];
+      coded.data()[k] =
+          static_cast<std::int8_t>(std::copysign(std::lround(std::sqrt(std::abs(value) / out.residual_unit)), value));
+    }
+  }
+  return out;
+}
+
+}  // namespace sheen

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/intrinsic_lumigraph/light_set.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "common/base/errors.h"
+
+namespace sheen {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr std::size_t kNearest = 6;   // lights that are tried as neighbours
+constexpr double kSpreadCost = 1e-3;  // of the squared distances to the neighbours: prefers near ones
+
+/// The weights of these lights that sum to 1 and minimise the distance to `place`, with the cost of a spread; empty
+/// where one of them is negative.
+Eigen::VectorXd simplex_weights(const Eigen::Matrix3Xd& lights, const Vector3d& place) {
+  const Eigen::Index n = lights.cols();
+  const Eigen::Matrix3Xd off = lights.colwise() - place;
+  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n + 1, n + 1);
+  system.topLeftCorner(n, n) = off.transpose() * off + 1e-12 * off.squaredNorm() * Eigen::MatrixXd::Identity(n, n);
+  system.col(n).head(n).setOnes();
+  system.row(n).head(n).setOnes();
+  Eigen::VectorXd right(n + 1);
+  right.head(n) = -0.5 * kSpreadCost * off.colwise().squaredNorm().transpose();
+  right[n] = 1;
+  const Eigen::VectorXd weights = system.fullPivLu().solve(right).head(n);
+  if (!weights.allFinite() || weights.minCoeff() < -1e-9 || std::abs(weights.sum() - 1) > 1e-6) return {};
+  return weights.cwiseMax(0);
+}
+
+}  // namespace
+
+double LightSet::mean_square_distance() const {
+  if (kind != LightKind::kPoint || size() == 0) return 1;
+  return places.colwise().squaredNorm().mean();
+}
+
+Vector3f LightSet::towards(const Vector3d& place, const Vector3f& point) const {
+  const Vector3f to = place.cast<float>();
+  return kind == LightKind::kPoint ? Vector3f(to - point) : to;
+}
+
+Vector3f LightSet::incidence(const Vector3d& place, const Vector3f& point) const {
+  const Vector3f to = towards(place, point);
+  if (kind != LightKind::kPoint) return to;
+  const float distance = std::max(to.norm(), 1e-6f);
+  return to * (static_cast<float>(mean_square_distance()) / (distance * distance * distance));
+}
+
+Vector3d LightSet::place_of(const LightState& light) const {
+  if (!light_refusal(light, kind).empty())
+    throw ConfigError(kind == LightKind::kDirectional
+                          ? "this lumigraph was captured in directional light: give directions, not positions"
+                          : "this lumigraph was captured in the light of near lamps: give positions, not directions");
+  return kind == LightKind::kDirectional ? light.position.normalized() : light.position;
+}
+
+std::vector<std::pair<int, float>> LightSet::between(const Vector3d& place) const {
+  std::vector<int> order(static_cast<std::size_t>(size()));
+  std::iota(order.begin(), order.end(), 0);
+  const auto distance = [&](int i) { return (places.col(i) - place).norm(); };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return distance(a) < distance(b); });
+  if (order.empty()) return {};
+  if (order.size() == 1 || same_place(places.col(order[0]), place)) return {{order[0], 1.0f}};
+  if (order.size() > kNearest) order.resize(kNearest);
+
+  double best_cost = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<int, float>> best;
+  const auto try_lights = [&](const std::vector<int>& chosen) {
+    Eigen::Matrix3Xd lights(3, static_cast<Eigen::Index>(chosen.size()));
+    for (std::size_t c = 0; c < chosen.size(); ++c) lights.col(static_cast<Eigen::Index>(c)) = places.col(chosen[c]);
+    const Eigen::VectorXd weights = simplex_weights(lights, place);
+    if (weights.size() == 0) return;
+    const double cost = (lights * weights - place).squaredNorm() +
+                        kSpreadCost * weights.dot((lights.colwise() - place).colwise().squaredNorm().transpose());
+    if (cost >= best_cost * (1 - 1e-9)) return;
+    best_cost = cost;
+    best.clear();
+    for (std::size_t c = 0; c < chosen.size(); ++c)
+      best.emplace_back(chosen[c], static_cast<float>(weights[static_cast<Eigen::Index>(c)]));
+  };
+  const std::size_t n = order.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    try_lights({order[i]});
+    for (std::size_t j = i + 1; j < n; ++j) {
+      try_lights({order[i], order[j]});
+      for (std::size_t k = j + 1; k < n; ++k) try_lights({order[i], order[j], order[k]});
+    }
+  }
+  return best;
+}
+
+std::string light_refusal(const LightState& light, LightKind kind) {
+  if (light.kind != LightKind::kDirectional && light.kind != LightKind::kPoint) return "no_light_position";
+  if (light.kind != kind) return "other_kind_of_light";
+  if (!light.position.allFinite() || !light.rgb.allFinite() || !(light.rgb.minCoeff() > 0)) return "broken_light";
+  if (kind == LightKind::kDirectional && !(light.position.norm() > 0)) return "broken_light";
+  return {};
+}
+
+bool same_place(const Vector3d& a, const Vector3d& b) {
+  constexpr double kSame = 1e-6;
+  return (a - b).norm() <= kSame * std::max(a.norm(), b.norm());
+}
+
+}  // namespace sheen

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheen {
+namespace {
+
+using Eigen::Vector3f;
+
+Vector3f half_rgb(const ImageHalf& image, std::size_t pixel) {
+  return Eigen::Map<const Eigen::Matrix<Eigen::half, 3, 1>>(image.data() + 3 * pixel).cast<float>();
+}
+
+/// Those of a set's lights that a view has, with their weights; again between its own lights where one is missing.
+using LightWeights = std::vector<std::pair<std::size_t, float>>;  // which of a view's lights, and its weight
+
+LightWeights lights_between(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+  LightSet own{.kind = lights.kind, .places = Eigen::Matrix3Xd(3, static_cast<Eigen::Index>(view.lights.size()))};
+  for (std::size_t i = 0; i < view.lights.size(); ++i)
+    own.places.col(static_cast<Eigen::Index>(i)) = lights.places.col(view.lights[i]);
+  LightWeights out;
+  for (const auto& [light, weight] : own.between(place)) out.emplace_back(static_cast<std::size_t>(light), weight);
+  return out;
+}
+
+/// Calls `visit(pixel, point)` row by row in parallel; where no surface is known the point is the origin.
+template <typename Visit>
+void for_each_pixel(const LitView& view, const Visit& visit) {
+  const Rigid3 object_from_camera = view.from.camera_from_object.inverse();
+  tbb::parallel_for(0, view.depth.height(), [&](int y) {
+    for (int x = 0; x < view.depth.width(); ++x) {
+      const float depth = view.depth.at(x, y);
+      visit(std::size_t(y) * view.depth.width() + x,
+            depth > 0 ? object_point(view.from, object_from_camera, x, y, depth) : Vector3f(Vector3f::Zero()));
+    }
+  });
+}
+
+float cosine_at(const LitView& view, std::size_t pixel, const Vector3f& incidence) {
+  return std::max(0.0f, half_rgb(view.slope, pixel).dot(incidence));
+}
+
+/// The weighted sum of a view's images.
+ImageF weighted_images(const LitView& view, const LightSet& lights, const LightWeights& weights) {
+  ImageF out(view.depth.width(), view.depth.height(), 3);
+  for_each_pixel(view, [&](std::size_t pixel, const Vector3f& point) {
+    const Vector3f reflectance = half_rgb(view.reflectance, pixel);
+    const auto ambient = static_cast<float>(view.ambient.data()[pixel]);
+    Vector3f sum = Vector3f::Zero();
+    for (const auto& [light, weight] : weights) {
+      const Vector3f s = lights.incidence(lights.places.col(view.lights[light]), point);
+      const float part = static_cast<float>(view.arrives[light].data()[pixel]) / 255;
+      sum += weight * (reflectance * (ambient + part * cosine_at(view, pixel, s)) + view.residual_at(light, pixel));
+    }
+    Vector3f::Map(out.data() + 3 * pixel) = sum.cwiseMax(0);
+  });
+  return out;
+}
+
+}  // namespace
+
+RelitView relight(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+  const auto between = lights_between(view, lights, place);
+  RelitView out{ImageF(view.depth.width(), view.depth.height(), 3), ImageF(view.depth.width(), view.depth.height(), 3)};
+  for_each_pixel(view, [&](std::size_t pixel, const Vector3f& point) {
+    const Vector3f reflectance = half_rgb(view.reflectance, pixel),
+                   dark = reflectance * static_cast<float>(view.ambient.data()[pixel]);
+    Vector3f lit = dark + reflectance * cosine_at(view, pixel, lights.incidence(place, point));
+    for (const auto& [light, weight] : between) lit += weight * view.residual_at(light, pixel);
+    Vector3f::Map(out.dark.data() + 3 * pixel) = dark;
+    Vector3f::Map(out.lit.data() + 3 * pixel) = lit.cwiseMax(0);
+  });
+  return out;
+}
+
+ImageF shadowed(const RelitView& relit, const ImageU8& arrives) {
+  ImageF out(relit.lit.width(), relit.lit.height(), 3);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const float part = static_cast<float>(arrives.data()[i / 3]) / 255;
+    out.data()[i] = relit.dark.data()[i] + part * (relit.lit.data()[i] - relit.dark.data()[i]);
+  }
+  return out;
+}
+
+ImageF interpolated_images(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+  return weighted_images(view, lights, lights_between(view, lights, place));
+}
+
+ImageF interpolated_visibility(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+  ImageF out(view.depth.width(), view.depth.height(), 3);
+  for (const auto& [light, weight] : lights_between(view, lights, place))
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out.data()[i] += weight * static_cast<float>(view.arrives[light].data()[i / 3]) / 255;
+  return out;
+}
+
+ImageF mean_image(const LitView& view, const LightSet& lights) {
+  LightWeights all;
+  for (std::size_t i = 0; i < view.lights.size(); ++i)
+    all.emplace_back(i, 1.0f / static_cast<float>(view.lights.size()));
+  return weighted_images(view, lights, all);
+}
+
+void scale(RelitView& relit, const Vector3f& rgb) {
+  if (rgb == Vector3f::Ones()) return;
+  for (ImageF* image : {&relit.lit, &relit.dark})
+    for (std::size_t i = 0; i < image->size(); ++i) image->data()[i] *= rgb[static_cast<Eigen::Index>(i % 3)];
+}
+
+std::size_t bytes_of(const LitView& view) {
+  const std::size_t pixels = view.depth.size();
+  return pixels * (sizeof(float) + 7 * sizeof(Eigen::half) + 4 * view.lights.size());
+}
+
+std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const LitView>>& views,
+                                     const Eigen::Vector3d& eye) {
+  constexpr std::size_t kMost = 4;
+  constexpr double kThere = 1e-6;  // of the distance of the next view
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t v = 0; v < views.size(); ++v)
+    order.emplace_back((camera_centre(views[v]->from.camera_from_object) - eye).norm(), v);
+  std::sort(order.begin(), order.end());
+  if (order.empty()) return {};
+  if (order.size() == 1 || order[0].first <= kThere * order[1].first) return {{order[0].second, 1.0f}};
+  const double reach = order.size() > kMost ? order[kMost].first : 2 * order.back().first;
+  order.resize(std::min(order.size(), kMost));
+  std::vector<WeightedView> out;
+  double sum = 0;
+  for (const auto& [distance, view] : order) {
+    const double weight = std::max(1e-6, 1 - distance / reach) / distance;
+    out.push_back({view, static_cast<float>(weight)});
+    sum += weight;
+  }
+  for (WeightedView& view : out) view.weight /= static_cast<float>(sum);
+  return out;
+}
+
+Vector3f sample_rgb(const ImageF& image, const Eigen::Vector2d& pixel) {
+  const int x = std::clamp(static_cast<int>(std::floor(pixel.x())), 0, std::max(0, image.width() - 2)),
+            y = std::clamp(static_cast<int>(std::floor(pixel.y())), 0, std::max(0, image.height() - 2));
+  const auto right = static_cast<float>(std::clamp(pixel.x() - x, 0.0, 1.0)),
+             down = static_cast<float>(std::clamp(pixel.y() - y, 0.0, 1.0));
+  const int next_x = std::min(x + 1, image.width() - 1), next_y = std::min(y + 1, image.height() - 1);
+  const auto at = [&](int px, int py) { return Eigen::Map<const Vector3f>(image.pixel(px, py)); };
+  return (1 - down) * ((1 - right) * at(x, y) + right * at(next_x, y)) +
+         down * ((1 - right) * at(x, next_y) + right * at(next_x, next_y));
+}
+
+}  // namespace sheen

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/geometry/mesh.h"
+#include "reconstructor/models/intrinsic_lumigraph/lit_view.h"
+
+namespace sheen {
+
+/// All that an intrinsic lumigraph knows.
+struct LumigraphData {
+  LightSet lights;
+  std::vector<std::shared_ptr<const LitView>> views;
+  double error =
+      0.14;  ///< RMS of encoded values, 0..1, of predicting an image in a light that was left out; 0.14: a guess
+};
+
+/// Radiance of a view in a light where it arrives, and where it does not. RGB.
+struct RelitView {
+  ImageF lit, dark;
+};
+/// `place`: of the light, see `LightSet::place_of`. What a Lambertian surface does not explain is taken from the lights
+/// between which it lies.
+RelitView relight(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place);
+
+/// Multiplies by the colour of a light.
+void scale(RelitView& relit, const Eigen::Vector3f& rgb);
+
+/// dark + V (lit - dark).
+ImageF shadowed(const RelitView& relit, const ImageU8& arrives);
+
+/// The picture of a view that linear interpolation of its images gives: what everything is compared with.
+ImageF interpolated_images(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place);
+
+/// The same of its visibility, 0..1 in three equal channels.
+ImageF interpolated_visibility(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place);
+
+/// The mean of a view's images.
+ImageF mean_image(const LitView& view, const LightSet& lights);
+
+std::size_t bytes_of(const LitView& view);
+
+/// A view to be blended and its weight; the weights sum to 1.
+struct WeightedView {
+  std::size_t view = 0;
+  float weight = 1;
+};
+/// The views nearest to an eye, up to four; weights fall to zero at the distance of the next one (as Buehler et al.
+/// 2001 do with angles). One view alone where the eye is at its place.
+std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const LitView>>& views,
+                                     const Eigen::Vector3d& eye);
+
+/// Linear interpolation between pixels, clamped at the border; 3 channels.
+Eigen::Vector3f sample_rgb(const ImageF& image, const Eigen::Vector2d& pixel);
+
+}  // namespace sheen

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph_snapshot.h"
+#include "reconstructor/models/intrinsic_lumigraph/view_blend.h"
+
+namespace sheen {
+
+/// Pictures of a lumigraph in quick succession: what a camera sees is kept while the light moves. Paints what a ray
+/// painter makes of the snapshot. Throws ConfigError for a light of another kind.
+class LumigraphPainter {
+ public:
+  explicit LumigraphPainter(std::shared_ptr<const IntrinsicLumigraphSnapshot> model) : model_(std::move(model)) {}
+
+  /// Linear RGB; black where there is no surface.
+  ImageF paint(const PosedCamera& from, const LightState& light);
+  /// Part of each pixel that the light reaches, 0..255, as the model predicts it.
+  ImageU8 arrives(const PosedCamera& from, const LightState& light);
+  /// The same of linear interpolation between the captured lights: what both are compared with.
+  ImageF paint_interpolated(const PosedCamera& from, const LightState& light);
+  ImageU8 interpolated_arrives(const PosedCamera& from, const LightState& light);
+
+  const std::shared_ptr<const IntrinsicLumigraphSnapshot>& model() const { return model_; }
+
+ private:
+  void look_from(const PosedCamera& from);
+  /// Colours of the views as `relit` makes them, seen from there.
+  RelitView blended(const std::function<RelitView(const LitView&)>& relit) const;
+
+  std::shared_ptr<const IntrinsicLumigraphSnapshot> model_;
+  std::optional<PosedCamera> from_;
+  std::optional<SeenSurface> surface_;       ///< from there
+  std::shared_ptr<const LitView> captured_;  ///< the view that was taken from there, if any
+};
+
+}  // namespace sheen

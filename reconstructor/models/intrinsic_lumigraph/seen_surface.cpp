@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/intrinsic_lumigraph/seen_surface.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+
+namespace sheen {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr float kClearance = 5e-5f;  // of the mesh's radius
+constexpr int kEdgeSide = 4;         // rays along a side of a pixel
+
+}  // namespace
+
+Occluders::Occluders(const Mesh& mesh) : mesh_(mesh), rays_(mesh) {
+  const auto radius = static_cast<float>(bounding_sphere(mesh).radius);
+  clearance_ = kClearance * radius;
+  far_ = 4 * radius;
+}
+
+Occluders::Place Occluders::place(const Ray& ray, const Hit& hit) const {
+  const Vector3f normal = mesh_.area_normal(hit.triangle).normalized();
+  return {ray.origin + hit.distance * ray.direction, normal.dot(ray.direction) > 0 ? Vector3f(-normal) : normal};
+}
+
+bool Occluders::reached(const Place& place, const Vector3f& towards, LightKind kind) const {
+  if (place.facing.dot(towards) <= 0) return false;
+  return !rays_.occluded({place.point + clearance_ * place.facing, towards, 0, kind == LightKind::kPoint ? 1 : far_});
+}
+
+SeenSurface::SeenSurface(const Occluders& occluders, const PosedCamera& from)
+    : occluders_(&occluders), from_(from), object_from_camera_(from.camera_from_object.inverse()) {
+  const int w = from.camera.width, h = from.camera.height;
+  centres_.resize(std::size_t(w) * h);
+  corners_.resize(std::size_t(w + 1) * (h + 1));
+  const auto look = [&](double x, double y) -> Occluders::Place {
+    const Ray ray = ray_at(x, y);
+    const Hit hit = occluders.rays().intersect(ray);
+    return hit ? occluders.place(ray, hit) : Occluders::Place{Vector3f::Zero(), Vector3f::Zero()};
+  };
+  tbb::parallel_for(0, h + 1, [&](int y) {
+    for (int x = 0; x <= w; ++x) {
+      corners_[std::size_t(y) * (w + 1) + x] = look(x - 0.5, y - 0.5);
+      if (x < w && y < h) centres_[std::size_t(y) * w + x] = look(x, y);
+    }
+  });
+}
+
+Ray SeenSurface::ray_at(double x, double y) const {
+  const auto ray = from_.camera.ray({x, y});
+  const Vector3f eye = object_from_camera_.translation.cast<float>();
+  // A pixel that the lens cannot reach looks nowhere: an empty interval hits nothing.
+  return ray ? Ray{eye, (object_from_camera_.rotation * *ray).cast<float>()} : Ray{eye, {0, 0, 1}, 0, -1};
+}
+
+ImageF SeenSurface::depth() const {
+  ImageF depth(from_.camera.width, from_.camera.height, 1);
+  for (std::size_t i = 0; i < centres_.size(); ++i)
+    if (!centres_[i].facing.isZero())
+      depth.data()[i] = static_cast<float>((from_.camera_from_object * centres_[i].point.cast<double>()).z());
+  return depth;
+}
+
+std::optional<Vector3f> SeenSurface::point(int x, int y) const {
+  const Occluders::Place& seen = centres_[std::size_t(y) * from_.camera.width + x];
+  if (seen.facing.isZero()) return std::nullopt;
+  return seen.point;
+}
+
+ImageF SeenSurface::normals() const {
+  ImageF normals(from_.camera.width, from_.camera.height, 3);
+  for (std::size_t i = 0; i < centres_.size(); ++i) Vector3f::Map(normals.data() + 3 * i) = centres_[i].facing;
+  return normals;
+}
+
+ImageU8 SeenSurface::reached(const LightSet& lights, const Eigen::Vector3d& place) const {
+  const int w = from_.camera.width, h = from_.camera.height;
+  const auto reached_at = [&](const Occluders::Place& seen) {
+    return !seen.facing.isZero() && occluders_->reached(seen, lights.towards(place, seen.point), lights.kind);
+  };
+  std::vector<std::uint8_t> at_corner(corners_.size());
+  tbb::parallel_for(std::size_t{0}, corners_.size(), [&](std::size_t i) { at_corner[i] = reached_at(corners_[i]); });
+  ImageU8 out(w, h, 1);
+  tbb::parallel_for(0, h, [&](int y) {
+    for (int x = 0; x < w; ++x) {
+      const std::size_t corner = std::size_t(y) * (w + 1) + x;
+      const int lit = at_corner[corner] + at_corner[corner + 1] + at_corner[corner + w + 1] + at_corner[corner + w + 2];
+      std::uint8_t& value = out.at(x, y);
+      if (lit == 0 || lit == 4) {
+        value = lit == 4 ? 255 : 0;
+      } else {
+        int count = 0;
+        for (int k = 0; k < kEdgeSide * kEdgeSide; ++k) {
+          const Ray ray =
+              ray_at(x - 0.5 + (k % kEdgeSide + 0.5) / kEdgeSide, y - 0.5 + (k / kEdgeSide + 0.5) / kEdgeSide);
+          if (const Hit hit = occluders_->rays().intersect(ray)) count += reached_at(occluders_->place(ray, hit));
+        }
+        value = static_cast<std::uint8_t>(count * 255 / (kEdgeSide * kEdgeSide));
+      }
+    }
+  });
+  return out;
+}
+
+}  // namespace sheen

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/camera/posed_camera.h"
+#include "common/geometry/ray_scene.h"
+#include "common/image/image.h"
+#include "reconstructor/models/intrinsic_lumigraph/light_set.h"
+
+namespace sheen {
+
+/// What a mesh hides from lamps and eyes.
+class Occluders {
+ public:
+  explicit Occluders(const Mesh& mesh);
+
+  struct Place {
+    Eigen::Vector3f point, facing;  ///< `facing`: unit, the side of the triangle that is seen
+  };
+  const RayScene& rays() const { return rays_; }
+  Place place(const Ray& ray, const Hit& hit) const;
+  /// Whether a lamp's light arrives: it is on the side that is seen, and nothing stands before it.
+  bool reached(const Place& place, const Eigen::Vector3f& towards, LightKind kind) const;
+
+ private:
+  Mesh mesh_;
+  RayScene rays_;
+  float clearance_, far_;  ///< metres: what a ray starts off the surface with; further than the mesh reaches
+};
+
+/// What a camera sees of a mesh: the surface behind the corners of its pixels, found once, from which light that moves
+/// is judged quickly. Refers to the occluders.
+class SeenSurface {
+ public:
+  SeenSurface(const Occluders& occluders, const PosedCamera& from);
+
+  ImageF depth() const;    ///< z in camera coordinates at the pixels' centres; 0 where there is nothing
+  ImageF normals() const;  ///< unit, towards the eye's side; object frame
+  /// Of the object at a pixel's centre.
+  std::optional<Eigen::Vector3f> point(int x, int y) const;
+
+  /// Part of each pixel that a lamp's light reaches, 0..255. An edge of the shadow is resolved by 4 x 4 rays per pixel.
+  ImageU8 reached(const LightSet& lights, const Eigen::Vector3d& place) const;
+
+ private:
+  Ray ray_at(double x, double y) const;
+
+  const Occluders* occluders_;
+  PosedCamera from_;
+  Rigid3 object_from_camera_;
+  std::vector<Occluders::Place> centres_, corners_;  ///< `facing` is zero where there is nothing
+};
+
+}  // namespace sheen

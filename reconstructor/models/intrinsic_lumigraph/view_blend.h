@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
+
+namespace sheen {
+
+/// The views nearest to an eye, relit, ready to be asked for the colours of surface points: the lumigraph's
+/// interpolation between views.
+class ViewBlend {
+ public:
+  /// `relit`: makes the colours of a view; what it leaves empty in `dark` is as `lit`.
+  ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eigen::Vector3d& eye,
+            const std::function<RelitView(const LitView&)>& relit);
+
+  struct Colours {
+    Eigen::Vector3f lit = Eigen::Vector3f::Zero(), dark = Eigen::Vector3f::Zero();
+    bool seen = false;  ///< some view shows the point; else the colours are what stands before it
+  };
+  /// A view counts where its depth agrees with the point's.
+  Colours at(const Eigen::Vector3f& point) const;
+
+  bool empty() const { return views_.empty(); }
+  const LitView& nearest() const { return *views_.front().view; }
+
+ private:
+  struct Prepared {
+    std::shared_ptr<const LitView> view;
+    float weight = 1;
+    RelitView relit;
+  };
+  std::vector<Prepared> views_;  ///< the heaviest first
+};
+
+}  // namespace sheen

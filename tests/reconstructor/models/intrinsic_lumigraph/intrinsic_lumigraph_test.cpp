@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/base/errors.h"
+#include "common/image/image_metrics.h"
+#include "reconstructor/models/intrinsic_lumigraph/lumigraph_painter.h"
+#include "reconstructor/render/ray_painter.h"
+#include "tests/reconstructor/models/intrinsic_lumigraph/small_rig.h"
+
+namespace sheen {
+namespace {
+
+using Eigen::Vector3d;
+
+double psnr(const ImageF& a, const ImageF& b) {
+  return squared_error(to_srgb8(a), to_srgb8(b), {}).psnr_db();
+}
+
+class IntrinsicLumigraphTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    rig_ = new SmallRig;
+    model_ = rig_->model().release();
+    snapshot_ = SmallRig::snapshot_of(*model_);
+  }
+  static void TearDownTestSuite() {
+    snapshot_ = nullptr;
+    delete model_;
+    delete rig_;
+  }
+  static const LightRig& rig() { return rig_->rig; }
+
+  static inline SmallRig* rig_ = nullptr;
+  static inline IntrinsicLumigraph* model_ = nullptr;
+  static inline std::shared_ptr<const IntrinsicLumigraphSnapshot> snapshot_;
+};
+
+TEST_F(IntrinsicLumigraphTest, MidwayPicturesAreTheTruth) {
+  LumigraphPainter painter(snapshot_);
+  for (const std::size_t m : {0u, 2u, 5u}) {
+    const LightState& light = rig().midway_lights()[m];
+    const LitPicture truth = rig().picture(rig().cameras()[0], light);
+    const double ours = psnr(painter.paint(rig().cameras()[0], light), truth.radiance),
+                 linear = psnr(painter.paint_interpolated(rig().cameras()[0], light), truth.radiance);
+    EXPECT_GT(ours, 45);
+    EXPECT_GT(ours, linear + 15);
+  }
+}
+
+TEST_F(IntrinsicLumigraphTest, ShadowsFallWhereTheyMust) {
+  LumigraphPainter painter(snapshot_);
+  const LightState& light = rig().midway_lights()[2];
+  const ImageU8 arrives = painter.arrives(rig().cameras()[1], light);
+  const ImageU8 shadow = rig().picture(rig().cameras()[1], light).shadow;
+  std::size_t both = 0, either = 0;
+  for (std::size_t i = 0; i < shadow.size(); ++i) {
+    both += arrives.data()[i] < 128 && shadow.data()[i] != 0;
+    either += arrives.data()[i] < 128 || shadow.data()[i] != 0;
+  }
+  EXPECT_GT(static_cast<double>(both), 0.98 * static_cast<double>(either));
+}
+
+TEST_F(IntrinsicLumigraphTest, ReflectanceIsThatOfTheScene) {
+  const LitView& view = *snapshot_->data()->views[0];
+  const LitPicture truth = rig().picture(rig().cameras()[0], rig().lights()[0]);
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < truth.reflectance.size(); ++i)
+    if (truth.depth.data()[i / 3] > 0)
+      errors.push_back(std::abs(static_cast<float>(view.reflectance.data()[i]) / truth.reflectance.data()[i] - 1));
+  std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2), errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 0.01);
+}
+
+TEST_F(IntrinsicLumigraphTest, BetweenViewsItIsSharperThanInterpolation) {
+  LumigraphPainter painter(snapshot_);
+  const PosedCamera between = rig().camera_at(0.5, 0);
+  const LightState& light = rig().midway_lights()[3];
+  const ImageF truth = rig().picture(between, light).radiance;
+  EXPECT_GT(psnr(painter.paint(between, light), truth), psnr(painter.paint_interpolated(between, light), truth) + 6);
+}
+
+TEST_F(IntrinsicLumigraphTest, TheRayPainterAndTheQuickOneAgree) {
+  LumigraphPainter quick(snapshot_);
+  const RayPainter rays(snapshot_->mesh());
+  for (const PosedCamera& from : {rig().cameras()[1], rig().camera_at(0.4, 0)}) {
+    const LightState& light = rig().midway_lights()[1];
+    const ImageF by_rays = rays.paint(*snapshot_, from.camera, from.camera_from_object, light).beauty;
+    EXPECT_GT(psnr(quick.paint(from, light), by_rays), 50);
+  }
+}
+
+TEST_F(IntrinsicLumigraphTest, ColouredLightIsTakenOut) {
+  const SmallRig one;
+  IntrinsicLumigraph white(one.mesh, {}), red(one.mesh, {});
+  for (std::size_t l = 0; l < 3; ++l) {
+    Capture capture = one.capture(0, l);
+    white.ingest(capture);
+    LightState dim = one.rig.lights()[l];
+    ImageF radiance = one.rig.picture(one.rig.cameras()[0], dim).radiance;
+    dim.rgb = {1.0f, 0.5f, 0.25f};
+    for (std::size_t i = 0; i < radiance.size(); ++i) radiance.data()[i] *= dim.rgb[static_cast<Eigen::Index>(i % 3)];
+    red.ingest(rig_capture(one.rig.cameras()[0], dim, radiance, l + 1));
+  }
+  const LightState light = one.rig.midway_lights()[1];
+  EXPECT_GT(psnr(LumigraphPainter(SmallRig::snapshot_of(red)).paint(one.rig.cameras()[0], light),
+                 LumigraphPainter(SmallRig::snapshot_of(white)).paint(one.rig.cameras()[0], light)),
+            42);
+}
+
+TEST_F(IntrinsicLumigraphTest, RefusesWhatItCannotUse) {
+  Capture capture = rig_->capture(0, 0);
+  EXPECT_EQ(model_->ingest(capture).reason, "same_view_and_light");
+  capture.light = {};
+  EXPECT_EQ(model_->ingest(capture).reason, "no_light_position");
+  capture.light = {.kind = LightKind::kDirectional, .position = {0, 0, 1}};
+  EXPECT_EQ(model_->ingest(capture).reason, "other_kind_of_light");
+  capture.light = {.kind = LightKind::kPoint, .position = {0, std::nan(""), 1}};
+  EXPECT_EQ(model_->ingest(capture).reason, "broken_light");
+  capture.pose.status = PoseStatus::kNoTags;
+  EXPECT_EQ(model_->ingest(capture).reason, "no_pose");
+  EXPECT_THROW(snapshot_->light_place({.kind = LightKind::kDirectional, .position = {0, 0, 1}}), ConfigError);
+}
+
+TEST_F(IntrinsicLumigraphTest, AnImageTakenBackLeavesNoTrace) {
+  const SmallRig one;
+  IntrinsicLumigraph without(one.mesh, {}), with(one.mesh, {});
+  for (std::size_t l = 0; l < 4; ++l) {
+    without.ingest(one.capture(0, l));
+    with.ingest(one.capture(0, l));
+  }
+  with.snapshot();
+  const Capture more = one.capture(0, 5);
+  with.ingest(more);
+  with.snapshot();
+  EXPECT_TRUE(with.withdraw(more));
+  EXPECT_FALSE(with.withdraw(more));
+  const LightState light = one.rig.midway_lights()[1];
+  const PosedCamera& from = one.rig.cameras()[0];
+  EXPECT_EQ(LumigraphPainter(SmallRig::snapshot_of(with)).paint(from, light),
+            LumigraphPainter(SmallRig::snapshot_of(without)).paint(from, light));
+  EXPECT_EQ(with.figures().images, 4u);
+}
+
+/// A Lambertian plane under a moving point light, all in closed form, in a mesh of its own and HDR pixels.
+TEST(IntrinsicLumigraphPlaneTest, FollowsTheClosedForm) {
+  Mesh square;
+  square.vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const PosedCamera from{{.width = 40, .height = 30, .fx = 40, .fy = 40, .cx = 19.5, .cy = 14.5},
+                         look_at({0, -0.4, 1}, {0, 0, 0}, {0, 0, 1})};
+  const Rigid3 object_from_camera = from.camera_from_object.inverse();
+  const auto picture = [&](const Vector3d& lamp) {
+    ImageF image(40, 30, 3);
+    for (int y = 0; y < 30; ++y)
+      for (int x = 0; x < 40; ++x) {
+        const Vector3d ray = object_from_camera.rotation * *from.camera.ray({double(x), double(y)});
+        const Vector3d point = object_from_camera.translation - ray * (object_from_camera.translation.z() / ray.z());
+        const Vector3d to = lamp - point;
+        for (int c = 0; c < 3; ++c)
+          image.at(x, y, c) = static_cast<float>((0.2 + 0.1 * c + 0.01 * (x % 7)) * to.z() / std::pow(to.norm(), 3));
+      }
+    return image;
+  };
+  const auto lamp = [](double turn) { return Vector3d(std::cos(turn), std::sin(turn), 1.2); };
+  IntrinsicLumigraph model(std::make_shared<const Mesh>(square), {});
+  for (int i = 0; i < 6; ++i) {
+    const LightState light{.kind = LightKind::kPoint, .position = lamp(i)};
+    EXPECT_EQ(model.ingest(rig_capture(from, light, picture(light.position), i + 1)).status, IngestStatus::kAccepted);
+  }
+  LumigraphPainter painter(SmallRig::snapshot_of(model));
+  for (const double turn : {0.5, 2.3, 4.1}) {
+    const LightState light{.kind = LightKind::kPoint, .position = lamp(turn)};
+    EXPECT_GT(psnr(painter.paint(from, light), picture(light.position)), 50);
+  }
+}
+
+}  // namespace
+}  // namespace sheen

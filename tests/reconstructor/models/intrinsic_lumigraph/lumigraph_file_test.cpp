@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/intrinsic_lumigraph/lumigraph_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "reconstructor/models/intrinsic_lumigraph/lumigraph_painter.h"
+#include "tests/reconstructor/models/intrinsic_lumigraph/small_rig.h"
+#include "tests/support/temp_folder.h"
+
+namespace sheen {
+namespace {
+
+class LumigraphFileTest : public ::testing::Test {
+ protected:
+  LumigraphFileTest() {
+    IntrinsicLumigraph model(rig_.mesh, {});
+    for (std::size_t l = 0; l < 3; ++l) model.ingest(rig_.capture(0, l));
+    model.ingest(rig_.capture(1, 1));
+    saved_ = SmallRig::snapshot_of(model);
+    bytes_ = encode_lumigraph(*saved_->data());
+  }
+  const SmallRig rig_;
+  const TempFolder temp_;
+  std::shared_ptr<const IntrinsicLumigraphSnapshot> saved_;
+  std::string bytes_;
+};
+
+TEST_F(LumigraphFileTest, AReopenedModelIsTheSameToTheBit) {
+  saved_->save(temp_.path() / "model", {{"source", "a test"}}, {});
+  const auto again = load_lumigraph(temp_.path() / "model");
+  const LightState& light = rig_.rig.midway_lights()[1];
+  for (const PosedCamera& from : {rig_.rig.cameras()[0], rig_.rig.camera_at(0.5, 0)})
+    EXPECT_EQ(LumigraphPainter(again).paint(from, light), LumigraphPainter(saved_).paint(from, light));
+  EXPECT_EQ(again->cameras().size(), 2u);
+  EXPECT_EQ(again->light_kind(), LightKind::kPoint);
+}
+
+TEST_F(LumigraphFileTest, DamageIsNoticed) {
+  for (const std::size_t at : {std::size_t{3}, std::size_t{9}, bytes_.size() / 3, bytes_.size() - 5}) {
+    std::string broken = bytes_;
+    broken[at] = static_cast<char>(broken[at] ^ 0x20);
+    EXPECT_THROW(decode_lumigraph(broken, "views.ilg"), FileError) << "byte " << at;
+  }
+  for (const std::size_t length : {std::size_t{0}, std::size_t{11}, bytes_.size() / 2, bytes_.size() - 1})
+    EXPECT_THROW(decode_lumigraph(std::string_view(bytes_).substr(0, length), "views.ilg"), FileError) << length;
+}
+
+TEST_F(LumigraphFileTest, WhatCannotBeIsRefused) {
+  const auto refused = [&](const std::function<void(LumigraphData&, LitView&)>& spoil) {
+    LumigraphData data = *saved_->data();
+    LitView view = *data.views[0];
+    spoil(data, view);
+    data.views[0] = std::make_shared<const LitView>(view);
+    EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError);
+  };
+  refused([](LumigraphData& data, LitView&) { data.lights.kind = LightKind::kEnvironment; });
+  refused([](LumigraphData& data, LitView&) { data.lights.places(1, 1) = std::nan(""); });
+  refused([](LumigraphData& data, LitView&) { data.error = -1; });
+  refused([](LumigraphData&, LitView& view) { view.lights[1] = 99; });
+  refused([](LumigraphData&, LitView& view) { view.lights[1] = view.lights[0]; });
+  refused([](LumigraphData&, LitView& view) { view.from.camera.width = 7; });
+  refused([](LumigraphData&, LitView& view) { view.residual_unit = -1; });
+  refused([](LumigraphData&, LitView& view) { view.depth.at(3, 3) = std::nanf(""); });
+  refused([](LumigraphData&, LitView& view) { view.slope.at(3, 3) = Eigen::half(INFINITY); });
+}
+
+}  // namespace
+}  // namespace sheen
