@@ -9,6 +9,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <tuple>
+#include <utility>
 
 #include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
@@ -36,11 +38,14 @@ struct SimulateArguments {
   bool json = false;
 };
 
+std::pair<int, int> size_of(const SimulateArguments& arguments) {
+  const auto [width, height] = parse_image_size("--size", arguments.size, 16);
+  return {width, height};
+}
+
 void render(SimulateArguments arguments) {
   const EndOnStop give_up("sheen-tracker: stopped; what is rendered is kept, the same command renders the rest");
-  const auto [width, height] = parse_image_size("--size", arguments.size, 16);
-  arguments.rig.width = width;
-  arguments.rig.height = height;
+  std::tie(arguments.rig.width, arguments.rig.height) = size_of(arguments);
   const auto start = std::chrono::steady_clock::now();
   const CachedRecording result = [&] {
     Progress progress("rendering", static_cast<std::uint64_t>(std::max(0, arguments.rig.frames)));
@@ -70,10 +75,7 @@ void render(SimulateArguments arguments) {
 void render_lights(const SimulateArguments& arguments) {
   const EndOnStop give_up("sheen-tracker: stopped; the data set is incomplete");
   LightRigOptions options{.lights = arguments.lights, .gloss = arguments.gloss};
-  SimulationOptions size;
-  parse_size(arguments.size, size);
-  options.width = size.width;
-  options.height = size.height;
+  std::tie(options.width, options.height) = size_of(arguments);
   int used = 0;
   if (std::sscanf(arguments.views.c_str(), "%3dx%3d%n", &options.columns, &options.rows, &used) != 2 ||
       used != int(arguments.views.size()))
