@@ -20,6 +20,7 @@
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/radiance/capture_rules.h"
 #include "reconstructor/refinement/mesh_findings.h"
+#include "reconstructor/refinement/mesh_judgement.h"
 #include "reconstructor/refinement/mesh_refinement.h"
 #include "reconstructor/scene/scene_config.h"
 #include "reconstructor/scene/scene_mesh.h"
@@ -46,13 +47,20 @@ RefinementImages training_images(const CaptureSet& captures, int hold_out_every)
   return images;
 }
 
-RefinedMesh refine_with_bar(const Mesh& mesh, const RefinementImages& images) {
+JudgedMesh refine_with_bar(const Mesh& mesh, const RefinementImages& images) {
   std::optional<Progress> bar;
-  return refine_mesh(mesh, images, [&](std::size_t done, std::size_t steps) {
+  return refine_and_judge(mesh, images, [&](std::size_t done, std::size_t steps) {
     if (!bar) bar.emplace("refining", steps);
     if (stop_requested()) throw Error("stopped; no mesh was written");
     bar->update(done);
   });
+}
+
+/// The mesh as it was given, with what is known of it.
+RefinedMesh as_given(const Mesh& given, RefinedMesh refined) {
+  refined.mesh = given;
+  refined.moved.assign(given.vertices.size(), 0);
+  return refined;
 }
 
 nlohmann::json refinement_report(const RefinedMesh& refined, std::size_t images) {
@@ -91,6 +99,11 @@ void print_summary(const nlohmann::json& report) {
   if (report.contains("uncertainty_mm_median"))
     std::printf("uncertainty along the normal: %.3g mm (median of the observed vertices)\n",
                 report["uncertainty_mm_median"].get<double>());
+  const nlohmann::json& left_out = report["left_out"];
+  std::printf("%zu images left out of the fit: %+.2f dB (standard error %.2f)%s\n",
+              left_out["images"].get<std::size_t>(), left_out["gain_db"].get<double>(),
+              left_out["standard_error_db"].get<double>(),
+              left_out["kept_given"].get<bool>() ? "; no gain, so the mesh is written as given" : "");
 }
 
 void refine(const RefineArguments& arguments) {
@@ -104,13 +117,18 @@ void refine(const RefineArguments& arguments) {
   const CaptureSet captures = open_capture_set(arguments.dataset);
   const Mesh mesh = load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
   const RefinementImages images = training_images(captures, settings.hold_out_every);
-  const RefinedMesh refined = refine_with_bar(mesh, images);
+  const JudgedMesh judged = refine_with_bar(mesh, images);
+  const RefinedMesh refined = judged.kept_given() ? as_given(mesh, judged.refined) : judged.refined;
   const VertexValues values[] = {{"moved", refined.moved}, {"uncertainty", refined.uncertainty}};
   save_ply(refined.mesh, arguments.out, values);
   nlohmann::json report = refinement_report(refined, images.cameras.size());
+  report["left_out"] = {{"images", judged.judgement.images},
+                        {"gain_db", judged.judgement.gain_db},
+                        {"standard_error_db", judged.judgement.standard_error},
+                        {"kept_given", judged.kept_given()}};
   print_summary(report);
   report["findings"] = nlohmann::json::array();
-  for (const MeshFinding& finding : findings_of(mesh, refined, images)) {
+  for (const MeshFinding& finding : findings_of(mesh, judged.refined, images)) {
     std::fprintf(stderr, "%s: %s\n", arguments.mesh.c_str(), finding.sentence.c_str());
     report["findings"].push_back({{"kind", finding.kind}, {"sentence", finding.sentence}});
   }
