@@ -37,7 +37,12 @@ struct Quantisation {
 constexpr const char* kPage = R"html(<!doctype html>
 <meta charset="utf-8">
 <title>Sheen</title>
-<style>html, body, #view { margin: 0; height: 100%; background: #222 }</style>
+<style>
+html, body, #view { margin: 0; height: 100%; background: #222 }
+#view { position: relative }
+#view canvas { display: block; width: 100%; height: 100% }
+.openlime-overlay { position: absolute; inset: 0 }
+</style>
 <div id="view"></div>
 <script src="openlime.umd.js"></script>
 <script>
