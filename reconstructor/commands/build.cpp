@@ -17,6 +17,7 @@
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/light_report.h"
 #include "reconstructor/commands/limit_options.h"
+#include "reconstructor/commands/mesh_refining.h"
 #include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
@@ -29,6 +30,7 @@ namespace {
 struct BuildArguments {
   std::string dataset, mesh, out, config, model, json;
   std::optional<int> hold_out;
+  bool refine = false;
   LimitArguments limits;
   SizeArguments size;
 };
@@ -103,6 +105,8 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
 /// That of the scene, or the model's own.
 Mesh mesh_for(const BuildArguments& arguments, const ModelSettings& settings, const CaptureSet& captures) {
   std::optional<Mesh> own = captures.cameras.empty() ? std::nullopt : settings.own_mesh(captures.cameras.front());
+  if (own && arguments.refine)
+    throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
   if (own && !arguments.mesh.empty())
     throw ConfigError(std::string("--mesh: ") + settings.kind() + " makes its own surface; leave it out");
   if (own) return std::move(*own);
@@ -128,7 +132,10 @@ void build(const BuildArguments& arguments) {
   else
     check_model_path(arguments.out, size.has_value());
   const CaptureSet captures = open_capture_set(arguments.dataset);
-  const Mesh mesh = mesh_for(arguments, settings, captures);
+  Mesh mesh = mesh_for(arguments, settings, captures);
+  nlohmann::json refinement;
+  if (arguments.refine)
+    mesh = refine_and_report(captures, mesh, arguments.mesh, settings.hold_out_every, refinement).mesh;
   const std::unique_ptr<Reconstruction> built =
       limits.psnr_db ? build_to_target(arguments, mesh, captures, settings, limits)
                      : build_once(arguments, mesh, captures, settings, limits, scene.measured, 0, true);
@@ -140,6 +147,7 @@ void build(const BuildArguments& arguments) {
   if (!arguments.out.empty() && !small) note_judgement(judged.model, arguments.out);
   nlohmann::json report = reconstruction_report(reconstruction, judged);
   if (small) report["file"] = file_report(arguments.out, *small);
+  if (arguments.refine) report["refinement"] = std::move(refinement);
   print_summary(report);
   if (tolerance) report["lights"] = light_report(*reconstruction.snapshot(), *tolerance);
   json.write(to_text(report));
@@ -156,6 +164,7 @@ void add_build_command(CLI::App& app) {
       ->required();
   command->add_option("--mesh", arguments->mesh,
                       "PLY, OBJ or OFF in the dataset's frame; an irradiance field needs none");
+  command->add_flag("--refine", arguments->refine, "first correct the mesh against the images, as `refine` does");
   command->add_option("--out", arguments->out, "model to write: one small file, or a folder with --loss 0dB");
   command
       ->add_option("--hold-out", arguments->hold_out,
