@@ -104,7 +104,9 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
 
 /// That of the scene, or the model's own.
 Mesh mesh_for(const BuildArguments& arguments, const ModelSettings& settings, const CaptureSet& captures) {
-  std::optional<Mesh> own = captures.cameras.empty() ? std::nullopt : settings.own_mesh(captures.cameras.front());
+  const bool given = settings.takes_mesh() && !arguments.mesh.empty();
+  std::optional<Mesh> own =
+      captures.cameras.empty() || given ? std::nullopt : settings.own_mesh(captures.cameras.front());
   if (own && arguments.refine)
     throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
   if (own && !arguments.mesh.empty())
@@ -162,8 +164,9 @@ void add_build_command(CLI::App& app) {
       ->add_option("dataset", arguments->dataset,
                    "folder with transforms.json, a COLMAP model or a Sheen session, or a list of lights (.lp)")
       ->required();
-  command->add_option("--mesh", arguments->mesh,
-                      "PLY, OBJ or OFF in the dataset's frame; an irradiance field needs none");
+  command->add_option(
+      "--mesh", arguments->mesh,
+      "PLY, OBJ or OFF in the dataset's frame; an irradiance field needs none, an intrinsic lumigraph can do without");
   command->add_flag("--refine", arguments->refine, "first correct the mesh against the images, as `refine` does");
   command->add_option("--out", arguments->out, "model to write: one small file, or a folder with --loss 0dB");
   command

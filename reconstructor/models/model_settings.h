@@ -64,6 +64,8 @@ struct ModelSettings {
   /// What `--tolerance` is of: of the error between the images' lights, in grey levels; else it is a key of the
   /// settings.
   virtual bool tolerance_is_between_lights() const { return false; }
+  /// Whether it takes a mesh where the scene gives one, although it could make its own.
+  virtual bool takes_mesh() const { return false; }
   virtual int effort_levels() const = 0;  ///< at least 1: level 0 is what these settings ask for
   virtual MemoryNeed memory_need(std::size_t vertices, std::size_t triangles) const = 0;
   /// A model of the mesh with these settings, at effort level 0. Throws ConfigError as `require_valid` does.

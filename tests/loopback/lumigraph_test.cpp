@@ -49,6 +49,18 @@ TEST_F(Lumigraph, IsBuiltScoredAndRelit) {
                  {"views rendered"});
 }
 
+TEST_F(Lumigraph, NeedsNoMesh) {
+  const fs::path report = temp_.path() / "build.json";
+  expect_outcome(
+      run_to_end(reconstructor({"build", rig_, "--model", "intrinsic-lumigraph", "--out", model_, "--json", report})),
+      0, {"10 images added to the model"});
+  const Json built = Json::parse(read_file(report));
+  EXPECT_GT(built["held_out"]["psnr_db"], built["held_out"]["constant_psnr_db"]);
+  const fs::path list = temp_.write("test.lp", "1\nnear.png 0.5 -0.6 1\n");
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--lights", list, "--out", out_})), 0,
+                 {"1 pictures rendered"});
+}
+
 TEST_F(Lumigraph, WantsItsLights) {
   Json json = Json::parse(read_file(rig_ / "transforms.json"));
   for (Json& frame : json["frames"]) frame.erase("light_position");

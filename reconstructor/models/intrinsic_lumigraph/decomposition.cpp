@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/intrinsic_lumigraph/decomposition.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
 
 namespace sheen {
 namespace {
@@ -17,7 +17,7 @@ constexpr float kDark = 1e-4f;         // delta of log(I + delta): far below the
 constexpr float kLeastCosine = 0.05f;  // below it a lamp says little of the reflectance
 constexpr float kLeastReflectance = 2e-3f;
 // Weights of what is known beforehand, and of pixels at the edge of a shadow, against an image's.
-constexpr float kHoldNormal = 2e-3f, kHoldAmbient = 1e-2f, kEdgeWeight = 0.1f;
+constexpr float kHoldNormal = 2e-3f, kHoldAmbient = 1e-2f, kHoldGuessedAmbient = 0.3f, kEdgeWeight = 0.1f;
 
 float median(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -41,31 +41,31 @@ float brightness_over(const Vector3f& rgb, const Vector3f& reflectance) {
   return rgb.dot(reflectance) / std::max(reflectance.squaredNorm(), 1e-12f);
 }
 
-/// Calls `visit(pixel, point)` for all pixels whose surface is known, row by row in parallel.
-template <typename Visit>
-void for_each_surface(const CapturedView& view, const Visit& visit) {
-  const Rigid3 object_from_camera = view.from.camera_from_object.inverse();
-  tbb::parallel_for(0, view.depth.height(), [&](int y) {
-    for (int x = 0; x < view.depth.width(); ++x) {
-      const float depth = view.depth.at(x, y);
-      if (depth > 0)
-        visit(std::size_t(y) * view.depth.width() + x, object_point(view.from, object_from_camera, x, y, depth));
-    }
+/// Calls `visit(pixel, point)` for all pixels whose surface is known, in parallel.
+void for_each_surface(const CapturedView& view, const std::function<void(std::size_t, const Vector3f&)>& visit) {
+  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
+    if (view.depth.data()[pixel] > 0) visit(pixel, point);
   });
+}
+
+std::vector<Lamp> lamps_of(const CapturedView& view, const LightSet& lights) {
+  std::vector<Lamp> lamps;
+  for (const int light : view.lights) lamps.push_back(lights.lamp(light));
+  return lamps;
 }
 
 }  // namespace
 
 double ambient_light(const CapturedView& view, const LightSet& lights) {
-  const Rigid3 object_from_camera = view.from.camera_from_object.inverse();
+  const std::vector<Lamp> lamps = lamps_of(view, lights);
+  const DepthPoints points(view.from);
   std::vector<float> found, shadowed;
   constexpr int kStride = 2;  // enough pixels for a median
   for (int y = 0; y < view.depth.height(); y += kStride)
     for (int x = 0; x < view.depth.width(); x += kStride) {
       if (!(view.depth.at(x, y) > 0)) continue;
       const std::size_t pixel = std::size_t(y) * view.depth.width() + x;
-      const Vector3f point = object_point(view.from, object_from_camera, x, y, view.depth.at(x, y)),
-                     normal = rgb_at(view.normals, pixel);
+      const Vector3f point = points.at(x, y, view.depth.at(x, y)), normal = rgb_at(view.normals, pixel);
       shadowed.clear();
       for (std::size_t i = 0; i < view.lights.size(); ++i)
         if (in_shadow(view, i, pixel)) shadowed.push_back(rgb_at(view.radiance[i], pixel).sum());
@@ -74,7 +74,7 @@ double ambient_light(const CapturedView& view, const LightSet& lights) {
       std::vector<float> ratios;  // shadow is R a and light R (a + n.s)
       for (std::size_t i = 0; i < view.lights.size(); ++i) {
         if (!arrives(view, i, pixel)) continue;
-        const float cosine = normal.dot(lights.incidence(lights.places.col(view.lights[i]), point));
+        const float cosine = normal.dot(lamps[i].incidence(point));
         const float more = rgb_at(view.radiance[i], pixel).sum() - dark;
         if (cosine > 4 * kLeastCosine && more > 0) ratios.push_back(dark * cosine / more);
       }
@@ -83,14 +83,24 @@ double ambient_light(const CapturedView& view, const LightSet& lights) {
   return found.empty() ? 0 : median(found);
 }
 
+double ambient_light(const CapturedView& view, const ImageF& reflectance) {
+  std::vector<float> found;
+  for (std::size_t pixel = 0; pixel < view.depth.size(); ++pixel)
+    for (std::size_t i = 0; i < view.lights.size(); ++i)
+      if (in_shadow(view, i, pixel))
+        found.push_back(brightness_over(rgb_at(view.radiance[i], pixel), rgb_at(reflectance, pixel)));
+  return found.empty() ? 0 : median(found);
+}
+
 ImageF known_reflectance(const CapturedView& view, const LightSet& lights, double ambient) {
+  const std::vector<Lamp> lamps = lamps_of(view, lights);
   ImageF reflectance(view.depth.width(), view.depth.height(), 3);
   for_each_surface(view, [&](std::size_t pixel, const Vector3f& point) {
     const Vector3f normal = rgb_at(view.normals, pixel);
     std::array<std::vector<float>, 3> logs;
     for (const bool in_light : {true, false}) {
       for (std::size_t i = 0; i < view.lights.size(); ++i) {
-        const float cosine = normal.dot(lights.incidence(lights.places.col(view.lights[i]), point));
+        const float cosine = normal.dot(lamps[i].incidence(point));
         if (in_light ? !arrives(view, i, pixel) || cosine < kLeastCosine : !in_shadow(view, i, pixel)) continue;
         const float light = static_cast<float>(ambient) + (in_light ? cosine : 0);
         for (int c = 0; c < 3; ++c)
@@ -106,6 +116,7 @@ ImageF known_reflectance(const CapturedView& view, const LightSet& lights, doubl
 }
 
 LitView decompose(const CapturedView& view, const LightSet& lights, const ImageF& reflectance, double ambient) {
+  const std::vector<Lamp> lamps = lamps_of(view, lights);
   const int w = view.from.camera.width, h = view.from.camera.height;
   LitView out{.from = view.from,
               .depth = view.depth,
@@ -120,14 +131,15 @@ LitView decompose(const CapturedView& view, const LightSet& lights, const ImageF
     stored = rgb_at(reflectance, pixel).cast<Eigen::half>();
     const Vector3f albedo = stored.cast<float>();
     // L_i = ambient + V_i b.s_i: four unknowns, held near what the neighbourhood says.
-    Eigen::Matrix4f squares = Eigen::Vector4f(kHoldAmbient, kHoldNormal, kHoldNormal, kHoldNormal).asDiagonal();
+    const float hold_ambient = view.normals.empty() ? kHoldGuessedAmbient : kHoldAmbient;
+    Eigen::Matrix4f squares = Eigen::Vector4f(hold_ambient, kHoldNormal, kHoldNormal, kHoldNormal).asDiagonal();
     Eigen::Vector4f sums = Eigen::Vector4f::Zero();
-    sums[0] = kHoldAmbient * static_cast<float>(ambient);
+    sums[0] = hold_ambient * static_cast<float>(ambient);
     if (!view.normals.empty()) sums.tail<3>() = kHoldNormal * rgb_at(view.normals, pixel);
     for (std::size_t i = 0; i < view.lights.size(); ++i) {
       const float part = static_cast<float>(view.arrives[i].data()[pixel]) / 255;
       const float weight = part == 0 || part == 1 ? 1 : kEdgeWeight;
-      const Vector3f s = lights.incidence(lights.places.col(view.lights[i]), point);
+      const Vector3f s = lamps[i].incidence(point);
       const Eigen::Vector4f row(1, part * s.x(), part * s.y(), part * s.z());
       squares += weight * row * row.transpose();
       sums += weight * brightness_over(rgb_at(view.radiance[i], pixel), albedo) * row;
@@ -140,7 +152,7 @@ LitView decompose(const CapturedView& view, const LightSet& lights, const ImageF
 
     for (std::size_t i = 0; i < view.lights.size(); ++i) {
       if (!arrives(view, i, pixel)) continue;
-      const Vector3f s = lights.incidence(lights.places.col(view.lights[i]), point);
+      const Vector3f s = lamps[i].incidence(point);
       const float light = static_cast<float>(dark) + std::max(0.0f, slope.cast<float>().dot(s));
       Eigen::Map<Vector3f>(unexplained[i].data() + 3 * pixel) = rgb_at(view.radiance[i], pixel) - light * albedo;
     }

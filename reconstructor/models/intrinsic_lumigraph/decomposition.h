@@ -9,6 +9,9 @@ namespace sheen {
 /// images show lit and some in shadow. Needs normals. 0 where nothing says it.
 double ambient_light(const CapturedView& view, const LightSet& lights);
 
+/// The same without normals: the median of I / R over all shadows, in units of what R leaves to the light.
+double ambient_light(const CapturedView& view, const ImageF& reflectance);
+
 /// Reflectance of a view whose geometry is known (001 eq. 5 to 7, log domain): the median over the lights that arrive
 /// of log I - log L, where L follows from normals and visibility. Pixels that no light reaches are judged by ambient
 /// light. RGB.

@@ -7,6 +7,7 @@
 #include "common/base/errors.h"
 #include "common/base/stage_clock.h"
 #include "reconstructor/models/intrinsic_lumigraph/decomposition.h"
+#include "reconstructor/models/intrinsic_lumigraph/image_geometry.h"
 #include "reconstructor/radiance/capture_rules.h"
 #include "reconstructor/radiance/radiance_image.h"
 
@@ -36,8 +37,9 @@ ImageF floats(const ImageHalf& image) {
 }  // namespace
 
 IntrinsicLumigraph::IntrinsicLumigraph(std::shared_ptr<const Mesh> mesh, const IntrinsicLumigraphOptions& options)
-    : mesh_(std::move(mesh)), occluders_(std::make_shared<const Occluders>(*mesh_)), options_(options) {
+    : mesh_(std::move(mesh)), options_(options) {
   options_.require_valid();
+  if (!is_view_plane(*mesh_)) occluders_ = std::make_shared<const Occluders>(*mesh_);
 }
 
 std::string IntrinsicLumigraph::refusal(const Capture& capture) const {
@@ -81,7 +83,6 @@ IngestReport IntrinsicLumigraph::ingest(const Capture& capture) {
   LightState light = capture.light;
   if (light.kind == LightKind::kDirectional) light.position.normalize();
   view->images.push_back({capture.source_session, capture.sequence, light, halves(radiance)});
-  view->parts = nullptr;
   newest_ = nullptr;
   clock.done("encode");
   report.status = IngestStatus::kAccepted;
@@ -95,7 +96,6 @@ bool IntrinsicLumigraph::withdraw(const Capture& capture) {
     const bool here = std::erase_if(view.images, [&](const LitImage& image) {
                         return image.source_session == capture.source_session && image.sequence == capture.sequence;
                       }) > 0;
-    if (here) view.parts = nullptr;
     found |= here;
   }
   std::erase_if(views_, [](const View& view) { return view.images.empty(); });
@@ -127,32 +127,42 @@ LightSet IntrinsicLumigraph::light_set() const {
 }
 
 CapturedView IntrinsicLumigraph::captured(const View& view, const LightSet& lights) const {
-  const SeenSurface surface(*occluders_, view.from);
-  CapturedView out{.from = view.from, .depth = surface.depth(), .normals = surface.normals()};
+  CapturedView out{.from = view.from};
   for (int light = 0; light < lights.size(); ++light)
     for (const LitImage& image : view.images) {
       if (!same_place(image.light.position, lights.places.col(light))) continue;
       out.lights.push_back(light);
       out.radiance.push_back(floats(image.radiance));
-      out.arrives.push_back(surface.reached(lights, lights.places.col(light)));
     }
   return out;
 }
 
+LumigraphData IntrinsicLumigraph::on_mesh(const LightSet& lights) const {
+  LumigraphData data{.lights = lights};
+  for (const View& view : views_) {
+    CapturedView images = captured(view, lights);
+    const SeenSurface surface(*occluders_, view.from);
+    images.depth = surface.depth();
+    images.normals = surface.normals();
+    for (const int light : images.lights) images.arrives.push_back(surface.reached(lights.lamp(light)));
+    double ambient = ambient_light(images, lights);
+    if (!(ambient > 0)) ambient = kGuessedAmbient;
+    data.views.push_back(std::make_shared<const LitView>(
+        decompose(images, lights, known_reflectance(images, lights, ambient), ambient)));
+  }
+  return data;
+}
+
 std::shared_ptr<const ModelSnapshot> IntrinsicLumigraph::snapshot() {
   if (newest_) return newest_;
+  const LightSet lights = light_set();
   auto data = std::make_shared<LumigraphData>();
-  data->lights = light_set();
-  // Ambient light is one for the scene, and found anew in each view that has changed.
-  for (View& view : views_) {
-    if (!view.parts || view.parts->lights.size() != view.images.size()) {
-      const CapturedView images = captured(view, data->lights);
-      double ambient = ambient_light(images, data->lights);
-      if (!(ambient > 0)) ambient = kGuessedAmbient;
-      view.parts = std::make_shared<const LitView>(
-          decompose(images, data->lights, known_reflectance(images, data->lights, ambient), ambient));
-    }
-    data->views.push_back(view.parts);
+  if (occluders_) {
+    *data = on_mesh(lights);
+  } else {
+    std::vector<CapturedView> images;
+    for (const View& view : views_) images.push_back(captured(view, lights));
+    *data = lumigraph_of_images(std::move(images), lights);
   }
   newest_ = std::make_shared<IntrinsicLumigraphSnapshot>(mesh_, occluders_, std::move(data), ++version_);
   return newest_;

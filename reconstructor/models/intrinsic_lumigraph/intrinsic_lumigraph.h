@@ -12,7 +12,8 @@
 namespace sheen {
 
 /// The intrinsic lumigraph as it is built (001): a few lights, each seen by the same grid or path of cameras. It keeps
-/// all images; they are taken apart when a snapshot is asked for, those of a view when one of its images has changed.
+/// all images; they are taken apart when a snapshot is asked for. With a mesh it says where the surface is and what
+/// hides the lamps; without one (`view_plane`) the images do.
 class IntrinsicLumigraph : public AppearanceModel {
  public:
   IntrinsicLumigraph(std::shared_ptr<const Mesh> mesh, const IntrinsicLumigraphOptions& options);
@@ -43,16 +44,16 @@ class IntrinsicLumigraph : public AppearanceModel {
   struct View {
     PosedCamera from;
     std::vector<LitImage> images;
-    std::shared_ptr<const LitView> parts;  ///< null where an image came or went since
   };
   std::string refusal(const Capture& capture) const;
   View* view_of(const Capture& capture);
   LightSet light_set() const;
-  /// A view's images, where its surface lies and which lights arrive.
+  /// A view's images, not yet where its surface lies and which lights arrive.
   CapturedView captured(const View& view, const LightSet& lights) const;
+  LumigraphData on_mesh(const LightSet& lights) const;
 
   std::shared_ptr<const Mesh> mesh_;
-  std::shared_ptr<const Occluders> occluders_;
+  std::shared_ptr<const Occluders> occluders_;  ///< null without a mesh
   IntrinsicLumigraphOptions options_;
   std::vector<View> views_;
   std::pair<std::string, std::uint64_t> first_{};  ///< session and sequence of the first image

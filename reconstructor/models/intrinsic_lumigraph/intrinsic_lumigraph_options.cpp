@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph_options.h"
 
+#include "reconstructor/models/intrinsic_lumigraph/image_geometry.h"
 #include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph.h"
 
 namespace sheen {
@@ -29,6 +30,10 @@ class CapturedImages : public Peers {
 };
 
 }  // namespace
+
+std::optional<Mesh> IntrinsicLumigraphOptions::own_mesh(const PosedCamera& camera) const {
+  return view_plane(camera);
+}
 
 std::unique_ptr<AppearanceModel> IntrinsicLumigraphOptions::make_model(std::shared_ptr<const Mesh> mesh) const {
   return std::make_unique<IntrinsicLumigraph>(std::move(mesh), *this);

@@ -21,12 +21,17 @@ Vector3f point_of(const Mesh& mesh, std::uint32_t triangle, float u, float v) {
 
 class BlendShader : public ViewShader {
  public:
-  BlendShader(const IntrinsicLumigraphSnapshot& model, ViewBlend blend)
-      : model_(model), data_(model.data()), blend_(std::move(blend)) {}
+  BlendShader(const IntrinsicLumigraphSnapshot& model, ViewBlend blend, const Eigen::Vector3d& eye)
+      : model_(model), data_(model.data()), blend_(std::move(blend)), eye_(eye.cast<float>()) {}
 
   SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
     if (blend_.empty()) return {};
-    const Vector3f point = point_of(model_.mesh(), triangle, u, v);
+    Vector3f point = point_of(model_.mesh(), triangle, u, v);
+    if (data_->of_images) {
+      const auto seen = blend_.along(eye_, point);
+      if (!seen) return {};
+      point = *seen;
+    }
     const ViewBlend::Colours colours = blend_.at(point);
     const float part = part_reached(point);
     return {colours.dark + part * (colours.lit - colours.dark),
@@ -43,14 +48,15 @@ class BlendShader : public ViewShader {
   const IntrinsicLumigraphSnapshot& model_;
   std::shared_ptr<const LumigraphData> data_;
   ViewBlend blend_;
+  Vector3f eye_;
 };
 
 /// Visibility by rays, over the footprint of a pixel of the nearest view.
 class RayShadowShader : public BlendShader {
  public:
   RayShadowShader(const IntrinsicLumigraphSnapshot& model, ViewBlend blend, const Eigen::Vector3d& eye,
-                  const Eigen::Vector3d& place)
-      : BlendShader(model, std::move(blend)), eye_(eye.cast<float>()), place_(place) {
+                  const Lamp& lamp)
+      : BlendShader(model, std::move(blend), eye), lamp_(lamp) {
     if (blend_.empty()) return;
     const PosedCamera& near = blend_.nearest().from;
     object_from_camera_ = near.camera_from_object.rotation.conjugate().toRotationMatrix().cast<float>();
@@ -68,8 +74,7 @@ class RayShadowShader : public BlendShader {
       const Hit hit = model_.occluders().rays().intersect(ray);
       if (!hit) return false;
       const Occluders::Place seen = model_.occluders().place(ray, hit);
-      const LightSet& lights = data_->lights;
-      return model_.occluders().reached(seen, lights.towards(place_, seen.point), lights.kind);
+      return model_.occluders().reached(seen, lamp_);
     };
     int corners = 0;
     for (const float y : {-0.5f, 0.5f})
@@ -83,8 +88,7 @@ class RayShadowShader : public BlendShader {
   }
 
  private:
-  Vector3f eye_;
-  Eigen::Vector3d place_;
+  Lamp lamp_;
   Eigen::Matrix3f object_from_camera_ = Eigen::Matrix3f::Identity();
   Eigen::Vector2f pixel_{0, 0};
 };
@@ -116,16 +120,19 @@ Eigen::Vector3d IntrinsicLumigraphSnapshot::light_place(const LightState& light)
   return lights.places.col(nearest);
 }
 
+RelitView IntrinsicLumigraphSnapshot::relit(const LitView& view, const LightState& light) const {
+  const Eigen::Vector3d place = light_place(light);
+  RelitView relit = relight(view, data_->lights, place);
+  scale(relit, light.rgb);
+  if (!data_->of_images) return relit;
+  return {shadowed(relit, predicted_arrival(*data_, view, place)), {}};
+}
+
 std::unique_ptr<ViewShader> IntrinsicLumigraphSnapshot::shader_for(const ViewQuery& query) const {
-  const Eigen::Vector3d place = light_place(query.light);
-  return std::make_unique<RayShadowShader>(*this,
-                                           ViewBlend(data_, query.eye,
-                                                     [&](const LitView& view) {
-                                                       RelitView relit = relight(view, data_->lights, place);
-                                                       scale(relit, query.light.rgb);
-                                                       return relit;
-                                                     }),
-                                           query.eye, place);
+  const Lamp lamp = data_->lights.lamp(light_place(query.light));
+  ViewBlend blend(data_, query.eye, [&](const LitView& view) { return relit(view, query.light); });
+  if (data_->of_images) return std::make_unique<PlainShader>(*this, std::move(blend), query.eye);
+  return std::make_unique<RayShadowShader>(*this, std::move(blend), query.eye, lamp);
 }
 
 SnapshotFigures IntrinsicLumigraphSnapshot::figures() const {
@@ -164,12 +171,17 @@ void IntrinsicLumigraphSnapshot::save(const std::filesystem::path& folder, const
 std::unique_ptr<ViewShader> InterpolatedImages::shader_for(const ViewQuery& query) const {
   const std::shared_ptr<const LumigraphData>& data = model_->data();
   const Eigen::Vector3d place = model_->light_place(query.light);
-  return std::make_unique<PlainShader>(*model_, ViewBlend(data, query.eye, [&](const LitView& view) {
-    RelitView relit;
-    relit.lit = every_light_ ? mean_image(view, data->lights) : interpolated_images(view, data->lights, place);
-    scale(relit, every_light_ ? Eigen::Vector3f::Ones() : query.light.rgb);
-    return relit;
-  }));
+  return std::make_unique<PlainShader>(
+      *model_,
+      ViewBlend(data, query.eye,
+                [&](const LitView& view) {
+                  RelitView relit;
+                  relit.lit =
+                      every_light_ ? mean_image(view, data->lights) : interpolated_images(view, data->lights, place);
+                  scale(relit, every_light_ ? Eigen::Vector3f::Ones() : query.light.rgb);
+                  return relit;
+                }),
+      query.eye);
 }
 
 }  // namespace sheen

@@ -14,7 +14,7 @@ namespace sheen {
 /// as `ViewQuery::light`; a fixed light is the captured one nearest to the middle of all.
 class IntrinsicLumigraphSnapshot : public ModelSnapshot {
  public:
-  /// `occluders`: of the mesh.
+  /// `occluders`: of the mesh; null where the data are of images, and the mesh their `view_plane`.
   IntrinsicLumigraphSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const Occluders> occluders,
                              std::shared_ptr<const LumigraphData> data, std::uint64_t version);
 
@@ -22,6 +22,10 @@ class IntrinsicLumigraphSnapshot : public ModelSnapshot {
   const Occluders& occluders() const { return *occluders_; }
   /// Of a query. Throws ConfigError for a light of another kind than those of the images.
   Eigen::Vector3d light_place(const LightState& light) const;
+
+  /// Colours of a view in a light, its brightness included; where there is no mesh shadow has fallen on them, and
+  /// `dark` is empty.
+  RelitView relit(const LitView& view, const LightState& light) const;
 
   std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
   const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }

@@ -13,7 +13,6 @@ namespace sheen {
 namespace {
 
 using Eigen::Vector3d;
-using Eigen::Vector3f;
 
 constexpr std::size_t kNearest = 6;   // lights that are tried as neighbours
 constexpr double kSpreadCost = 1e-3;  // of the squared distances to the neighbours: prefers near ones
@@ -37,21 +36,9 @@ Eigen::VectorXd simplex_weights(const Eigen::Matrix3Xd& lights, const Vector3d& 
 
 }  // namespace
 
-double LightSet::mean_square_distance() const {
-  if (kind != LightKind::kPoint || size() == 0) return 1;
-  return places.colwise().squaredNorm().mean();
-}
-
-Vector3f LightSet::towards(const Vector3d& place, const Vector3f& point) const {
-  const Vector3f to = place.cast<float>();
-  return kind == LightKind::kPoint ? Vector3f(to - point) : to;
-}
-
-Vector3f LightSet::incidence(const Vector3d& place, const Vector3f& point) const {
-  const Vector3f to = towards(place, point);
-  if (kind != LightKind::kPoint) return to;
-  const float distance = std::max(to.norm(), 1e-6f);
-  return to * (static_cast<float>(mean_square_distance()) / (distance * distance * distance));
+Lamp LightSet::lamp(const Vector3d& place) const {
+  const bool point = kind == LightKind::kPoint && size() > 0;
+  return {kind, place.cast<float>(), point ? static_cast<float>(places.colwise().squaredNorm().mean()) : 1};
 }
 
 Vector3d LightSet::place_of(const LightState& light) const {

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "common/camera/posed_camera.h"
@@ -49,13 +48,5 @@ struct LitView {
     return {value(0), value(1), value(2)};
   }
 };
-
-/// A point of the object by its pixel and depth.
-inline Eigen::Vector3f object_point(const PosedCamera& from, const Rigid3& object_from_camera, double x, double y,
-                                    double depth) {
-  const auto ray = from.camera.ray({x, y});
-  if (!ray) return Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
-  return (object_from_camera * (*ray * (depth / ray->z()))).cast<float>();
-}
 
 }  // namespace sheen

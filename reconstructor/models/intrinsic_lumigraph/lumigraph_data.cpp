@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
 
 namespace sheen {
 namespace {
@@ -27,32 +27,21 @@ LightWeights lights_between(const LitView& view, const LightSet& lights, const E
   return out;
 }
 
-/// Calls `visit(pixel, point)` row by row in parallel; where no surface is known the point is the origin.
-template <typename Visit>
-void for_each_pixel(const LitView& view, const Visit& visit) {
-  const Rigid3 object_from_camera = view.from.camera_from_object.inverse();
-  tbb::parallel_for(0, view.depth.height(), [&](int y) {
-    for (int x = 0; x < view.depth.width(); ++x) {
-      const float depth = view.depth.at(x, y);
-      visit(std::size_t(y) * view.depth.width() + x,
-            depth > 0 ? object_point(view.from, object_from_camera, x, y, depth) : Vector3f(Vector3f::Zero()));
-    }
-  });
-}
-
 float cosine_at(const LitView& view, std::size_t pixel, const Vector3f& incidence) {
   return std::max(0.0f, half_rgb(view.slope, pixel).dot(incidence));
 }
 
 /// The weighted sum of a view's images.
 ImageF weighted_images(const LitView& view, const LightSet& lights, const LightWeights& weights) {
+  std::vector<Lamp> lamps;
+  for (const int light : view.lights) lamps.push_back(lights.lamp(light));
   ImageF out(view.depth.width(), view.depth.height(), 3);
-  for_each_pixel(view, [&](std::size_t pixel, const Vector3f& point) {
+  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
     const Vector3f reflectance = half_rgb(view.reflectance, pixel);
     const auto ambient = static_cast<float>(view.ambient.data()[pixel]);
     Vector3f sum = Vector3f::Zero();
     for (const auto& [light, weight] : weights) {
-      const Vector3f s = lights.incidence(lights.places.col(view.lights[light]), point);
+      const Vector3f s = lamps[light].incidence(point);
       const float part = static_cast<float>(view.arrives[light].data()[pixel]) / 255;
       sum += weight * (reflectance * (ambient + part * cosine_at(view, pixel, s)) + view.residual_at(light, pixel));
     }
@@ -65,11 +54,12 @@ ImageF weighted_images(const LitView& view, const LightSet& lights, const LightW
 
 RelitView relight(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place) {
   const auto between = lights_between(view, lights, place);
+  const Lamp lamp = lights.lamp(place);
   RelitView out{ImageF(view.depth.width(), view.depth.height(), 3), ImageF(view.depth.width(), view.depth.height(), 3)};
-  for_each_pixel(view, [&](std::size_t pixel, const Vector3f& point) {
+  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
     const Vector3f reflectance = half_rgb(view.reflectance, pixel),
                    dark = reflectance * static_cast<float>(view.ambient.data()[pixel]);
-    Vector3f lit = dark + reflectance * cosine_at(view, pixel, lights.incidence(place, point));
+    Vector3f lit = dark + reflectance * cosine_at(view, pixel, lamp.incidence(point));
     for (const auto& [light, weight] : between) lit += weight * view.residual_at(light, pixel);
     Vector3f::Map(out.dark.data() + 3 * pixel) = dark;
     Vector3f::Map(out.lit.data() + 3 * pixel) = lit.cwiseMax(0);
@@ -95,6 +85,18 @@ ImageF interpolated_visibility(const LitView& view, const LightSet& lights, cons
   for (const auto& [light, weight] : lights_between(view, lights, place))
     for (std::size_t i = 0; i < out.size(); ++i)
       out.data()[i] += weight * static_cast<float>(view.arrives[light].data()[i / 3]) / 255;
+  return out;
+}
+
+ImageU8 predicted_arrival(const LumigraphData& data, const LitView& view, const Eigen::Vector3d& place) {
+  const LightWeights between = lights_between(view, data.lights, place);
+  if (between.size() == 1 && same_place(data.lights.places.col(view.lights[between[0].first]), place))
+    return view.arrives[between[0].first];
+  ImageU8 out = reached_past(data.hull, view, data.lights.lamp(place));
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (std::all_of(between.begin(), between.end(),
+                    [&](const auto& neighbour) { return view.arrives[neighbour.first].data()[i] <= 128; }))
+      out.data()[i] = 0;
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/geometry/mesh.h"
 #include "reconstructor/models/intrinsic_lumigraph/lit_view.h"
+#include "reconstructor/models/intrinsic_lumigraph/shadow_hull.h"
 
 namespace sheen {
 
@@ -13,6 +14,8 @@ namespace sheen {
 struct LumigraphData {
   LightSet lights;
   std::vector<std::shared_ptr<const LitView>> views;
+  bool of_images = false;  ///< there is no mesh: depth is by stereo, visibility by the hull
+  ShadowHull hull;         ///< empty where there is a mesh
   double error =
       0.14;  ///< RMS of encoded values, 0..1, of predicting an image in a light that was left out; 0.14: a guess
 };
@@ -24,6 +27,10 @@ struct RelitView {
 /// `place`: of the light, see `LightSet::place_of`. What a Lambertian surface does not explain is taken from the lights
 /// between which it lies.
 RelitView relight(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place);
+
+/// Without a mesh: part of each pixel of a view that a light reaches, 0..255. Of a captured light it is the mask of its
+/// image; between lights what the hull lets through, but what is in shadow in all of the neighbours stays so.
+ImageU8 predicted_arrival(const LumigraphData& data, const LitView& view, const Eigen::Vector3d& place);
 
 /// Multiplies by the colour of a light.
 void scale(RelitView& relit, const Eigen::Vector3f& rgb);

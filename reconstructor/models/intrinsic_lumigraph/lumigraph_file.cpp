@@ -22,7 +22,8 @@ constexpr ChunkFormat kFormat{.magic = "sheenILG", .version = 1, .title = "intri
 constexpr const char *kViewsFile = "views.ilg", *kMeshFile = "mesh.ply";
 // More than anybody honest asks for.
 constexpr std::size_t kMostViews = 100000, kMostLights = 4096;
-constexpr int kMostSide = 1 << 15;
+constexpr int kMostSide = 1 << 15, kMostCellsOnASide = 1 << 14;
+constexpr std::size_t kMostCells = std::size_t{1} << 27;
 
 OrderedJson describe(const LumigraphData& data) {
   std::vector<PosedCamera> cameras;
@@ -36,9 +37,32 @@ OrderedJson describe(const LumigraphData& data) {
   return {{"light_kind", static_cast<int>(data.lights.kind)},
           {"lights", std::vector<double>(places.data(), places.data() + places.size())},
           {"error", data.error},
+          {"of_images", data.of_images},
+          {"hull",
+           {{"origin", {data.hull.origin().x(), data.hull.origin().y(), data.hull.origin().z()}},
+            {"cell", data.hull.cell()},
+            {"size", {data.hull.size().x(), data.hull.size().y(), data.hull.size().z()}}}},
           {"cameras", cameras_to_json(cameras)},
           {"view_lights", lights},
           {"residual_units", units}};
+}
+
+std::size_t cells_in(const Eigen::Vector3i& size) {
+  return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
+}
+
+/// Throws std::exception.
+ShadowHull described_hull(const Json& json) {
+  const std::vector<double> origin = json_numbers(json.at("origin"), "hull: origin ", 3),
+                            size = json_numbers(json.at("size"), "hull: size ", 3);
+  const double cell = json.at("cell");
+  for (const double side : size)
+    if (!(side >= 0 && side <= kMostCellsOnASide && side == std::floor(side)))
+      throw std::invalid_argument("hull: size cannot be");
+  const Eigen::Vector3i cells = Eigen::Map<const Eigen::Vector3d>(size.data()).cast<int>();
+  if (cells_in(cells) > kMostCells || !(cell >= 0 && cell < 1e6) || (cells_in(cells) > 0 && !(cell > 0)))
+    throw std::invalid_argument("hull: cells cannot be");
+  return {Eigen::Map<const Eigen::Vector3d>(origin.data()).cast<float>(), static_cast<float>(cell), cells, {}};
 }
 
 /// A view with its camera and lights, its pictures still to be read. Throws std::exception.
@@ -55,6 +79,8 @@ std::vector<LitView> read_description(std::string_view bytes, LumigraphData& dat
       Eigen::Map<const Eigen::Matrix3Xd>(places.data(), 3, static_cast<Eigen::Index>(places.size() / 3));
   data.error = json.at("error");
   if (!(data.error >= 0 && data.error < 1e6)) throw std::invalid_argument("error cannot be");
+  data.of_images = json.at("of_images");
+  data.hull = described_hull(json.at("hull"));
   const std::vector<PosedCamera> cameras = cameras_from_json(json.at("cameras"));
   const Json &lights = json.at("view_lights"), &units = json.at("residual_units");
   if (!lights.is_array() || !units.is_array() || lights.size() != cameras.size() || units.size() != cameras.size() ||
@@ -105,6 +131,24 @@ bool all_finite(const ImageHalf& image) {
                      [](Eigen::half v) { return std::isfinite(static_cast<float>(v)); });
 }
 
+/// Eight cells a byte, the first in the lowest bit.
+std::string bits_of(const ShadowHull& hull) {
+  std::string out((hull.cells().size() + 7) / 8, '\0');
+  for (std::size_t i = 0; i < hull.cells().size(); ++i)
+    if (hull.cells()[i]) out[i / 8] = static_cast<char>(out[i / 8] | 1 << i % 8);
+  return out;
+}
+
+/// `hull` has its place and size as the description says them, and no cells.
+ShadowHull read_hull(std::string_view packed_bytes, const ShadowHull& hull) {
+  const std::string bits = unpacked(packed_bytes);
+  const std::size_t count = cells_in(hull.size());
+  if (bits.size() != (count + 7) / 8) throw std::invalid_argument("has not as many cells as its description says");
+  std::vector<std::uint8_t> cells(count);
+  for (std::size_t i = 0; i < count; ++i) cells[i] = static_cast<unsigned char>(bits[i / 8]) >> i % 8 & 1;
+  return {hull.origin(), hull.cell(), hull.size(), std::move(cells)};
+}
+
 std::string planes_of(const LitView& view) {
   std::string out;
   append_plane(out, view.depth);
@@ -153,6 +197,7 @@ void read_planes_of_light(std::string_view packed_bytes, LitView& view) {
 std::string encode_lumigraph(const LumigraphData& data, const StepsDone& progress) {
   std::string out = start_of_file(kFormat, {});
   append_chunk(out, "DESC", packed(describe(data).dump()));
+  append_chunk(out, "HULL", packed(bits_of(data.hull), kQuickPacking));
   for (std::size_t v = 0; v < data.views.size(); ++v) {
     const LitView& view = *data.views[v];
     append_chunk(out, "VIEW", packed(planes_of(view), kQuickPacking));
@@ -171,6 +216,8 @@ LumigraphData decode_lumigraph(std::string_view bytes, const std::string& file) 
     chunks.required(reading);
     reading = "DESC";
     std::vector<LitView> views = read_description(chunks.required(reading), data);
+    reading = "HULL";
+    data.hull = read_hull(chunks.required(reading), data.hull);
     for (LitView& view : views) {
       reading = "VIEW";
       read_planes(chunks.required(reading), view);
@@ -206,7 +253,7 @@ std::shared_ptr<const IntrinsicLumigraphSnapshot> load_lumigraph(const fs::path&
   const fs::path file = folder / kViewsFile;
   auto data = std::make_shared<const LumigraphData>(decode_lumigraph(read_file(file), file.string()));
   auto mesh = std::make_shared<const Mesh>(load_mesh_unchanged(folder / kMeshFile));
-  auto occluders = std::make_shared<const Occluders>(*mesh);
+  auto occluders = data->of_images ? nullptr : std::make_shared<const Occluders>(*mesh);
   return std::make_shared<IntrinsicLumigraphSnapshot>(std::move(mesh), std::move(occluders), std::move(data), 1);
 }
 

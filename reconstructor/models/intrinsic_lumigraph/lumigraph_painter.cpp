@@ -3,7 +3,10 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
+
+#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
 
 namespace sheen {
 namespace {
@@ -13,12 +16,20 @@ bool same_camera(const PosedCamera& a, const PosedCamera& b) {
          a.camera_from_object.rotation.coeffs() == b.camera_from_object.rotation.coeffs();
 }
 
+ImageU8 in_bytes(const ImageF& parts) {
+  ImageU8 out(parts.width(), parts.height(), 1);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out.data()[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(parts.data()[3 * i], 0.0f, 1.0f)));
+  return out;
+}
+
 }  // namespace
 
 void LumigraphPainter::look_from(const PosedCamera& from) {
   if (from_ && same_camera(*from_, from)) return;
   from_ = from;
-  surface_.emplace(model_->occluders(), from);
+  surface_.reset();
+  if (!model_->data()->of_images) surface_.emplace(model_->occluders(), from);
   captured_ = nullptr;
   for (const auto& view : model_->data()->views)
     if (same_camera(view->from, from)) captured_ = view;
@@ -29,9 +40,11 @@ RelitView LumigraphPainter::blended(const std::function<RelitView(const LitView&
   const ViewBlend blend(model_->data(), camera_centre(from_->camera_from_object), relit);
   const int w = from_->camera.width, h = from_->camera.height;
   RelitView out{ImageF(w, h, 3), ImageF(w, h, 3)};
+  const DepthPoints rays(*from_);
+  const float guess = static_cast<float>(std::max(1e-3, from_->camera_from_object.translation.z()));
   tbb::parallel_for(0, h, [&](int y) {
     for (int x = 0; x < w; ++x) {
-      const auto point = surface_->point(x, y);
+      const auto point = surface_ ? surface_->point(x, y) : blend.along(rays.eye(), rays.at(x, y, guess));
       if (!point) continue;
       const ViewBlend::Colours colours = blend.at(*point);
       Eigen::Vector3f::Map(out.lit.pixel(x, y)) = colours.lit;
@@ -43,16 +56,25 @@ RelitView LumigraphPainter::blended(const std::function<RelitView(const LitView&
 
 ImageF LumigraphPainter::paint(const PosedCamera& from, const LightState& light) {
   look_from(from);
-  const LightSet& lights = model_->data()->lights;
-  const Eigen::Vector3d place = model_->light_place(light);
-  RelitView relit = blended([&](const LitView& view) { return relight(view, lights, place); });
-  scale(relit, light.rgb);
-  return shadowed(relit, surface_->reached(lights, place));
+  RelitView relit = blended([&](const LitView& view) { return model_->relit(view, light); });
+  if (!surface_) return std::move(relit.lit);
+  return shadowed(relit, surface_->reached(lamp_of(light)));
+}
+
+Lamp LumigraphPainter::lamp_of(const LightState& light) const {
+  return model_->data()->lights.lamp(model_->light_place(light));
 }
 
 ImageU8 LumigraphPainter::arrives(const PosedCamera& from, const LightState& light) {
   look_from(from);
-  return surface_->reached(model_->data()->lights, model_->light_place(light));
+  if (surface_) return surface_->reached(lamp_of(light));
+  return in_bytes(blended([&](const LitView& view) {
+                    const ImageU8 reached = predicted_arrival(*model_->data(), view, model_->light_place(light));
+                    ImageF parts(reached.width(), reached.height(), 3);
+                    for (std::size_t i = 0; i < parts.size(); ++i)
+                      parts.data()[i] = static_cast<float>(reached.data()[i / 3]) / 255;
+                    return RelitView{std::move(parts), {}};
+                  }).lit);
 }
 
 ImageF LumigraphPainter::paint_interpolated(const PosedCamera& from, const LightState& light) {
@@ -68,13 +90,9 @@ ImageF LumigraphPainter::paint_interpolated(const PosedCamera& from, const Light
 ImageU8 LumigraphPainter::interpolated_arrives(const PosedCamera& from, const LightState& light) {
   look_from(from);
   const Eigen::Vector3d place = model_->light_place(light);
-  const RelitView relit = blended([&](const LitView& view) {
-    return RelitView{interpolated_visibility(view, model_->data()->lights, place), {}};
-  });
-  ImageU8 out(from.camera.width, from.camera.height, 1);
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out.data()[i] = static_cast<std::uint8_t>(std::lround(255 * relit.lit.data()[3 * i]));
-  return out;
+  return in_bytes(blended([&](const LitView& view) {
+                    return RelitView{interpolated_visibility(view, model_->data()->lights, place), {}};
+                  }).lit);
 }
 
 }  // namespace sheen

@@ -27,6 +27,7 @@ class LumigraphPainter {
   const std::shared_ptr<const IntrinsicLumigraphSnapshot>& model() const { return model_; }
 
  private:
+  Lamp lamp_of(const LightState& light) const;
   void look_from(const PosedCamera& from);
   /// Colours of the views as `relit` makes them, seen from there.
   RelitView blended(const std::function<RelitView(const LitView&)>& relit) const;

@@ -26,9 +26,11 @@ Occluders::Place Occluders::place(const Ray& ray, const Hit& hit) const {
   return {ray.origin + hit.distance * ray.direction, normal.dot(ray.direction) > 0 ? Vector3f(-normal) : normal};
 }
 
-bool Occluders::reached(const Place& place, const Vector3f& towards, LightKind kind) const {
+bool Occluders::reached(const Place& place, const Lamp& lamp) const {
+  const Vector3f towards = lamp.towards(place.point);
   if (place.facing.dot(towards) <= 0) return false;
-  return !rays_.occluded({place.point + clearance_ * place.facing, towards, 0, kind == LightKind::kPoint ? 1 : far_});
+  return !rays_.occluded(
+      {place.point + clearance_ * place.facing, towards, 0, lamp.kind == LightKind::kPoint ? 1 : far_});
 }
 
 SeenSurface::SeenSurface(const Occluders& occluders, const PosedCamera& from)
@@ -76,10 +78,10 @@ ImageF SeenSurface::normals() const {
   return normals;
 }
 
-ImageU8 SeenSurface::reached(const LightSet& lights, const Eigen::Vector3d& place) const {
+ImageU8 SeenSurface::reached(const Lamp& lamp) const {
   const int w = from_.camera.width, h = from_.camera.height;
   const auto reached_at = [&](const Occluders::Place& seen) {
-    return !seen.facing.isZero() && occluders_->reached(seen, lights.towards(place, seen.point), lights.kind);
+    return !seen.facing.isZero() && occluders_->reached(seen, lamp);
   };
   std::vector<std::uint8_t> at_corner(corners_.size());
   tbb::parallel_for(std::size_t{0}, corners_.size(), [&](std::size_t i) { at_corner[i] = reached_at(corners_[i]); });

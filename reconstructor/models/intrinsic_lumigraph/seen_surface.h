@@ -22,7 +22,7 @@ class Occluders {
   const RayScene& rays() const { return rays_; }
   Place place(const Ray& ray, const Hit& hit) const;
   /// Whether a lamp's light arrives: it is on the side that is seen, and nothing stands before it.
-  bool reached(const Place& place, const Eigen::Vector3f& towards, LightKind kind) const;
+  bool reached(const Place& place, const Lamp& lamp) const;
 
  private:
   Mesh mesh_;
@@ -42,7 +42,7 @@ class SeenSurface {
   std::optional<Eigen::Vector3f> point(int x, int y) const;
 
   /// Part of each pixel that a lamp's light reaches, 0..255. An edge of the shadow is resolved by 4 x 4 rays per pixel.
-  ImageU8 reached(const LightSet& lights, const Eigen::Vector3d& place) const;
+  ImageU8 reached(const Lamp& lamp) const;
 
  private:
   Ray ray_at(double x, double y) const;

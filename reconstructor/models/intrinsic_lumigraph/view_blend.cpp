@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
+
 namespace sheen {
 namespace {
 
@@ -30,6 +32,26 @@ ViewBlend::ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eig
     views_.push_back({view, near.weight, relit(*view)});
   }
   std::stable_sort(views_.begin(), views_.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
+}
+
+std::optional<Eigen::Vector3f> ViewBlend::along(const Eigen::Vector3f& eye, const Eigen::Vector3f& guess) const {
+  constexpr int kSteps = 8;
+  if (views_.empty()) return std::nullopt;
+  const LitView& view = *views_.front().view;
+  const DepthPoints surface(view.from);
+  const Eigen::Vector3f direction = (guess - eye).normalized();
+  Eigen::Vector3f point = guess;
+  for (int step = 0; step < kSteps; ++step) {
+    const auto pixel = view.from.camera.project(view.from.camera_from_object * point.cast<double>());
+    if (!pixel || !view.from.camera.contains(*pixel, -0.5)) return std::nullopt;
+    const int x = std::clamp(static_cast<int>(std::lround(pixel->x())), 0, view.depth.width() - 1),
+              y = std::clamp(static_cast<int>(std::lround(pixel->y())), 0, view.depth.height() - 1);
+    const Eigen::Vector3f seen = surface.at(pixel->x(), pixel->y(), view.depth.at(x, y));
+    const float before = (point - eye).norm();
+    point = eye + direction * direction.dot(seen - eye);
+    if (std::abs((point - eye).norm() - before) < 1e-4f * before) break;
+  }
+  return point;
 }
 
 ViewBlend::Colours ViewBlend::at(const Eigen::Vector3f& point) const {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
@@ -23,6 +24,9 @@ class ViewBlend {
   };
   /// A view counts where its depth agrees with the point's.
   Colours at(const Eigen::Vector3f& point) const;
+
+  /// Where a ray first meets what the heaviest view shows, by its depth map; `guess`: a point of the ray.
+  std::optional<Eigen::Vector3f> along(const Eigen::Vector3f& eye, const Eigen::Vector3f& guess) const;
 
   bool empty() const { return views_.empty(); }
   const LitView& nearest() const { return *views_.front().view; }

@@ -62,9 +62,9 @@ TEST(LightSetTest, OutsideTheNearestAreTaken) {
 TEST(LightSetTest, PointLightFallsWithTheSquareOfTheDistance) {
   const LightSet lights = half_circle(3);  // all sqrt(2) from the origin
   const Vector3f above(0, 0, 0);
-  EXPECT_NEAR(lights.incidence({0, 0, std::sqrt(2.0)}, above).norm(), 1, 1e-6);
-  EXPECT_NEAR(lights.incidence({0, 0, 2 * std::sqrt(2.0)}, above).norm(), 0.25, 1e-6);
-  EXPECT_LT((lights.incidence({0, 3, 0}, above).normalized() - Vector3f::UnitY()).norm(), 1e-6);
+  EXPECT_NEAR(lights.lamp(Vector3d(0, 0, std::sqrt(2.0))).incidence(above).norm(), 1, 1e-6);
+  EXPECT_NEAR(lights.lamp(Vector3d(0, 0, 2 * std::sqrt(2.0))).incidence(above).norm(), 0.25, 1e-6);
+  EXPECT_LT((lights.lamp(Vector3d(0, 3, 0)).incidence(above).normalized() - Vector3f::UnitY()).norm(), 1e-6);
 }
 
 TEST(LightSetTest, AnotherKindOfLightIsRefused) {

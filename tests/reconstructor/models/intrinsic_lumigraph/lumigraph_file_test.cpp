@@ -39,6 +39,23 @@ TEST_F(LumigraphFileTest, AReopenedModelIsTheSameToTheBit) {
   EXPECT_EQ(again->light_kind(), LightKind::kPoint);
 }
 
+TEST_F(LumigraphFileTest, AModelOfImagesKeepsItsHull) {
+  LumigraphData data = *saved_->data();
+  data.of_images = true;
+  data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {3, 2, 2}, {1, 0, 0, 1, 1, 0, 1, 0, 1, 0, 0, 1});
+  const LumigraphData again = decode_lumigraph(encode_lumigraph(data), "views.ilg");
+  EXPECT_TRUE(again.of_images);
+  EXPECT_EQ(again.hull.cells(), data.hull.cells());
+  EXPECT_EQ(again.hull.size(), data.hull.size());
+  EXPECT_EQ(again.hull.origin(), data.hull.origin());
+  EXPECT_EQ(again.hull.cell(), data.hull.cell());
+
+  data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {30, 2, 2}, {1, 0, 0, 1});
+  EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "fewer cells than it says";
+  data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {1 << 13, 1 << 13, 1 << 13}, {});
+  EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "more than any honest file";
+}
+
 TEST_F(LumigraphFileTest, DamageIsNoticed) {
   for (const std::size_t at : {std::size_t{3}, std::size_t{9}, bytes_.size() / 3, bytes_.size() - 5}) {
     std::string broken = bytes_;

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/intrinsic_lumigraph/image_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "common/base/errors.h"
+#include "common/image/color.h"
+#include "reconstructor/models/intrinsic_lumigraph/decomposition.h"
+#include "reconstructor/models/intrinsic_lumigraph/plane_sweep.h"
+#include "reconstructor/models/intrinsic_lumigraph/shadow_masks.h"
+#include "reconstructor/models/intrinsic_lumigraph/weiss.h"
+
+namespace sheen {
+namespace {
+
+constexpr double kNearest = 0.6, kFarthest = 1.7;  // of the distance of the object's origin
+constexpr std::size_t kMostHullViews = 9;
+constexpr double kGuessedAmbient = 0.1;  // where no image shows shadow
+
+double distance_of_object(const PosedCamera& camera) {
+  const double z = camera.camera_from_object.translation.z();
+  return z > 0 ? z : 1;
+}
+
+ImageF encoded_brightness(const ImageF& radiance) {
+  ImageF grey(radiance.width(), radiance.height(), 1);
+  for (std::size_t i = 0; i < grey.size(); ++i) grey.data()[i] = luminance(radiance.data() + 3 * i);
+  srgb_encode_fast({grey.data(), grey.size()});
+  return grey;
+}
+
+std::vector<PosedCamera> cameras_of(std::span<const CapturedView> views) {
+  std::vector<PosedCamera> cameras;
+  for (const CapturedView& view : views) cameras.push_back(view.from);
+  return cameras;
+}
+
+const ImageF* radiance_in(const CapturedView& view, int light) {
+  const auto found = std::find(view.lights.begin(), view.lights.end(), light);
+  return found == view.lights.end() ? nullptr : &view.radiance[static_cast<std::size_t>(found - view.lights.begin())];
+}
+
+/// Costs of the planes before a view in one light; none where no neighbour has it. The planes are those of all its
+/// neighbours, whichever have the light.
+std::optional<SweepCosts> costs_in_light(std::span<const CapturedView> views, std::size_t view, int light) {
+  const std::vector<PosedCamera> cameras = cameras_of(views);
+  const ImageF* radiance = radiance_in(views[view], light);
+  if (!radiance) return std::nullopt;
+  std::vector<SweepImage> beside, others;
+  std::vector<ImageF> greys;
+  greys.reserve(cameras.size());
+  for (const std::size_t n : spread_neighbours(cameras, view)) {
+    beside.push_back({cameras[n], nullptr});
+    const ImageF* image = radiance_in(views[n], light);
+    if (!image) continue;
+    greys.push_back(encoded_brightness(*image));
+    others.push_back({cameras[n], &greys.back()});
+  }
+  if (others.empty()) return std::nullopt;
+  const ImageF grey = encoded_brightness(*radiance);
+  const double z = distance_of_object(cameras[view]);
+  return SweepCosts({cameras[view], &grey}, others, sweep_planes(cameras[view], beside, kNearest * z, kFarthest * z));
+}
+
+ImageF flat_depth(const CapturedView& view) {
+  return ImageF(view.from.camera.width, view.from.camera.height, 1, static_cast<float>(distance_of_object(view.from)));
+}
+
+/// Some of the views, evenly taken.
+std::vector<const LitView*> some_views(const LumigraphData& data) {
+  std::vector<const LitView*> some;
+  const std::size_t n = data.views.size(), count = std::min(n, kMostHullViews);
+  for (std::size_t k = 0; k < count; ++k) some.push_back(data.views[(2 * k + 1) * n / (2 * count)].get());
+  return some;
+}
+
+}  // namespace
+
+Mesh view_plane(const PosedCamera& camera) {
+  if (camera.camera.has_distortion() || camera.camera.lens != LensModel::kOpenCv)
+    throw ConfigError(
+        "an intrinsic lumigraph without a mesh needs images without lens distortion; undistort them, or "
+        "give --mesh");
+  const double depth = distance_of_object(camera);
+  const Rigid3 object_from_camera = camera.camera_from_object.inverse();
+  const double w = camera.camera.width, h = camera.camera.height;
+  Mesh mesh;
+  for (const auto& [x, y] : {std::pair{-w, -h}, {2 * w, -h}, {2 * w, 2 * h}, {-w, 2 * h}})
+    mesh.vertices.push_back(
+        (object_from_camera * (depth * Eigen::Vector3d((x - camera.camera.cx) / camera.camera.fx,
+                                                       (y - camera.camera.cy) / camera.camera.fy, 1)))
+            .cast<float>());
+  mesh.triangles = {{0, 3, 2}, {0, 2, 1}};
+  return mesh;
+}
+
+bool is_view_plane(const Mesh& mesh) {
+  return mesh.vertices.size() == 4 && mesh.triangles.size() == 2 && mesh.triangles[0] == Triangle{0, 3, 2} &&
+         mesh.triangles[1] == Triangle{0, 2, 1};
+}
+
+ImageF swept_depth(std::span<const CapturedView> views, std::size_t view) {
+  std::optional<SweepCosts> sum;
+  for (const int light : views[view].lights) {
+    std::optional<SweepCosts> costs = costs_in_light(views, view, light);
+    if (!costs) continue;
+    if (sum)
+      *sum += *costs;
+    else
+      sum = std::move(costs);
+  }
+  return sum ? smoothed_depth(sum->depth()) : flat_depth(views[view]);
+}
+
+DepthInLight swept_depth_in_light(std::span<const CapturedView> views, std::size_t view, int light) {
+  const std::optional<SweepCosts> costs = costs_in_light(views, view, light);
+  const Camera& camera = views[view].from.camera;
+  if (!costs) return {flat_depth(views[view]), ImageF(camera.width, camera.height, 1)};
+  return {costs->depth(), costs->confidence()};
+}
+
+LumigraphData lumigraph_of_images(std::vector<CapturedView> views, const LightSet& lights) {
+  LumigraphData data{.lights = lights, .of_images = true};
+  std::vector<ImageF> depths;
+  for (std::size_t v = 0; v < views.size(); ++v) depths.push_back(swept_depth(views, v));
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    CapturedView& view = views[v];
+    view.depth = std::move(depths[v]);
+    const ImageF reflectance = estimate_reflectance(view.radiance);
+    view.arrives = shadow_masks(view, lights);
+    const double ambient = ambient_light(view, reflectance);
+    data.views.push_back(
+        std::make_shared<const LitView>(decompose(view, lights, reflectance, ambient > 0 ? ambient : kGuessedAmbient)));
+    view = {.from = view.from};  // its images are no longer needed
+  }
+  data.hull = ShadowHull(some_views(data), lights);
+  return data;
+}
+
+}  // namespace sheen

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "reconstructor/models/intrinsic_lumigraph/lit_view.h"
+
+namespace sheen {
+
+/// The space that can hide a lamp, where no mesh is known: cells that neither a camera looks through (its depth map
+/// lies behind them) nor the light of a lamp crosses on its way to a pixel that is lit. What is left holds all that
+/// casts the shadows of all captured lights together, and so the shadows of the lights between.
+class ShadowHull {
+ public:
+  ShadowHull() = default;
+  /// Of views with depth and masks of where each light arrives.
+  ShadowHull(std::span<const LitView* const> views, const LightSet& lights);
+  /// As it was stored. `cells`: one byte each, x fastest; 1 where it is solid.
+  ShadowHull(const Eigen::Vector3f& origin, float cell, const Eigen::Vector3i& size, std::vector<std::uint8_t> cells);
+
+  /// Whether a cell on the way from a point to a lamp is solid, but for those that the point lies in or touches.
+  bool hides(const Eigen::Vector3f& point, const Lamp& lamp) const;
+
+  bool empty() const { return cells_.empty(); }
+  const Eigen::Vector3f& origin() const { return origin_; }
+  float cell() const { return cell_; }
+  const Eigen::Vector3i& size() const { return size_; }
+  const std::vector<std::uint8_t>& cells() const { return cells_; }
+
+ private:
+  /// Calls `visit(cell)` along the way until it says false or the way leaves the grid.
+  template <typename Visit>
+  void walk(const Eigen::Vector3f& from, const Eigen::Vector3f& direction, float length, const Visit& visit) const;
+  void place_grid(std::span<const LitView* const> views);
+  void look_through(std::span<const LitView* const> views);
+  void shine_through(const LitView& view, const LightSet& lights, std::uint8_t enough,
+                     std::vector<std::uint8_t>& crossings) const;
+
+  Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();  ///< corner of the first cell
+  float cell_ = 0;                                    ///< metres along a side
+  Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
+  std::vector<std::uint8_t> cells_;
+};
+
+/// Part of each pixel of a view that a lamp reaches, 0..255, by a hull; edges are smoothed over a pixel.
+ImageU8 reached_past(const ShadowHull& hull, const LitView& view, const Lamp& lamp);
+
+}  // namespace sheen
