@@ -109,7 +109,7 @@ LightRig::Seen LightRig::look(const Ray& ray, const LightState& light) const {
   return seen;
 }
 
-LitPicture LightRig::picture(const PosedCamera& from, const LightState& light) const {
+SimulatedPicture LightRig::picture(const PosedCamera& from, const LightState& light) const {
   const int w = from.camera.width, h = from.camera.height;
   const Rigid3 object_from_camera = from.camera_from_object.inverse();
   const Eigen::Matrix3f turn = object_from_camera.rotation.toRotationMatrix().cast<float>();
@@ -119,7 +119,7 @@ LitPicture LightRig::picture(const PosedCamera& from, const LightState& light) c
         eye,
         turn * Vector3d((x - from.camera.cx) / from.camera.fx, (y - from.camera.cy) / from.camera.fy, 1).cast<float>()};
   };
-  LitPicture out{ImageF(w, h, 3), ImageF(w, h, 1), ImageU8(w, h, 1), ImageF(w, h, 3)};
+  SimulatedPicture out{ImageF(w, h, 3), ImageF(w, h, 1), ImageU8(w, h, 1), ImageF(w, h, 3)};
   tbb::parallel_for(tbb::blocked_range<int>(0, h, 8), [&](const tbb::blocked_range<int>& rows) {
     std::vector<Seen> above(w + 1), below(w + 1);
     const auto corners = [&](int y, std::vector<Seen>& seen) {

@@ -22,7 +22,7 @@ struct LightRigOptions {
 };
 
 /// A picture and what it shows, exact. Depth, shadow and reflectance belong to the rays through the pixels' centres.
-struct LitPicture {
+struct SimulatedPicture {
   ImageF radiance;     ///< RGB, as a box filter over each pixel sees it
   ImageF depth;        ///< z in camera coordinates, metres; 0 where there is nothing
   ImageU8 shadow;      ///< 255 where no light of the lamp arrives: it is hidden, or behind the surface
@@ -49,7 +49,7 @@ class LightRig {
   PosedCamera camera_at(double column, double row) const;
   PosedCamera central_camera() const { return cameras_[cameras_.size() / 2]; }
 
-  LitPicture picture(const PosedCamera& from, const LightState& light) const;
+  SimulatedPicture picture(const PosedCamera& from, const LightState& light) const;
 
  private:
   struct Seen;

@@ -57,7 +57,7 @@ ImageF as_float(const ImageU8& mask) {
   return out;
 }
 
-void write_truth(const LitPicture& picture, const fs::path& file) {
+void write_truth(const SimulatedPicture& picture, const fs::path& file) {
   write_exr(file, ExrFile{.parts = {{.name = "radiance", .channels = {"R", "G", "B"}, .image = picture.radiance},
                                     {.name = "reflectance", .channels = {"R", "G", "B"}, .image = picture.reflectance},
                                     {.name = "depth", .channels = {"Z"}, .image = picture.depth},
@@ -75,7 +75,7 @@ void write_light_rig(const LightRig& rig, const fs::path& folder, bool truth,
   const std::vector<Shot> shots = shots_of(rig);
   std::vector<DatasetView> views;
   for (const Shot& shot : shots) {
-    const LitPicture picture = rig.picture(shot.from, shot.light);
+    const SimulatedPicture picture = rig.picture(shot.from, shot.light);
     const std::string name = "images/" + shot.name + ".png";
     write_png(folder / name, to_srgb8(picture.radiance));
     if (truth && shot.truth) write_truth(picture, folder / "truth" / (shot.name + ".exr"));

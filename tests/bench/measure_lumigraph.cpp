@@ -67,7 +67,7 @@ struct Linear {
 Linear interpolated(const LightRig& rig, const PosedCamera& from, std::size_t midway) {
   Linear out;
   for (const std::size_t l : {midway, midway + 1}) {
-    const LitPicture picture = rig.picture(from, rig.lights()[l]);
+    const SimulatedPicture picture = rig.picture(from, rig.lights()[l]);
     if (out.radiance.empty()) {
       out.radiance = ImageF(picture.radiance.width(), picture.radiance.height(), 3);
       out.arrives = ImageF(picture.radiance.width(), picture.radiance.height(), 1);
@@ -113,7 +113,7 @@ Midway judge_midway(const LightRig& rig, const PosedCamera& from, LumigraphPaint
   Midway result;
   for (std::size_t m = 0; m < rig.midway_lights().size(); ++m) {
     const LightState& light = rig.midway_lights()[m];
-    const LitPicture truth = rig.picture(from, light);
+    const SimulatedPicture truth = rig.picture(from, light);
     const ImageU8 expected = to_srgb8(truth.radiance), picture = to_srgb8(painter.paint(from, light));
     const Linear linear_parts = interpolated(rig, from, m);
     const ImageU8 linear = to_srgb8(linear_parts.radiance);
@@ -221,7 +221,7 @@ void report_depth(GoalReport& report, const LightRig& rig, const std::vector<Cap
 /// How well Otsu's masks of the captured images agree with their shadows.
 void report_masks(GoalReport& report, const LightRig& rig, const Model& model) {
   Overlap overlap;
-  const LitView& view = *model->data()->views[rig.cameras().size() / 2];
+  const IntrinsicView& view = *model->data()->views[rig.cameras().size() / 2];
   for (std::size_t l = 0; l < view.lights.size(); ++l) {
     const ImageU8 truth = rig.picture(view.from, rig.lights()[l]).shadow;
     for (std::size_t i = 0; i < truth.size(); ++i) overlap.add(view.arrives[l].data()[i] < 128, truth.data()[i] != 0);

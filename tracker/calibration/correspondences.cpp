@@ -27,8 +27,8 @@ double unit_of(const JsonFields& fields, const Json& file) {
   fields.fail("stage_unit", "must be \"m\", \"cm\" or \"mm\"");
 }
 
-Correspondence read_point(const JsonFields& fields, const Json& entry, const std::string& where, double unit) {
-  Correspondence point;
+PickedPoint read_point(const JsonFields& fields, const Json& entry, const std::string& where, double unit) {
+  PickedPoint point;
   point.name = fields.text(fields.member(entry, "name", where), where + "name");
   point.mesh = vector3(fields, fields.member(entry, "mesh", where), where + "mesh", 1);
   const bool on_stage = entry.contains("stage"), in_images = entry.contains("pixels");

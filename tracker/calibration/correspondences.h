@@ -16,7 +16,7 @@ struct PickedPixel {
 };
 
 /// A point of the mesh that a person found again on the stage or in images.
-struct Correspondence {
+struct PickedPoint {
   std::string name;
   Eigen::Vector3d mesh;                  ///< in the mesh file's own numbers
   std::optional<Eigen::Vector3d> stage;  ///< metres
@@ -24,7 +24,7 @@ struct Correspondence {
 };
 
 struct Correspondences {
-  std::vector<Correspondence> points;
+  std::vector<PickedPoint> points;
   /// Standard deviations of a coordinate, where the file says them; else they follow from the residuals.
   std::optional<double> stage_uncertainty_m, pixel_uncertainty_px;
 };

@@ -49,7 +49,7 @@ const PosedCamera& view_named(const std::map<std::string, PosedCamera>& views, c
 }
 
 /// Where the rays of the pixels meet: the middle between them, then the least squares of the pixels.
-PointPair intersect(const Correspondence& point, const std::map<std::string, PosedCamera>& views, double sigma_px) {
+PointPair intersect(const PickedPoint& point, const std::map<std::string, PosedCamera>& views, double sigma_px) {
   std::vector<const PosedCamera*> cameras;
   Eigen::Matrix3d across = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -186,7 +186,7 @@ void check_surface(const Mesh& mesh, PointRegistration& result) {
                100 * point.from_surface / radius));
 }
 
-double rms_px(const Correspondence& point, const std::map<std::string, PosedCamera>& views,
+double rms_px(const PickedPoint& point, const std::map<std::string, PosedCamera>& views,
               const Eigen::Vector3d& stage_point) {
   if (point.pixels.empty()) return 0;
   double squares = 0;
@@ -209,7 +209,7 @@ PointRegistration register_points(const Correspondences& picked, const Mesh& mes
   PointRegistration result;
   std::vector<PointPair> pairs;
   bool known = true;
-  for (const Correspondence& point : picked.points) {
+  for (const PickedPoint& point : picked.points) {
     const auto& sigma = point.stage ? picked.stage_uncertainty_m : picked.pixel_uncertainty_px;
     known &= sigma.has_value();
     const double deviation = sigma.value_or(point.stage ? kStagePrior_m : kPixelPrior_px);

@@ -115,16 +115,16 @@ ImageF known_reflectance(const CapturedView& view, const LightSet& lights, doubl
   return reflectance;
 }
 
-LitView decompose(const CapturedView& view, const LightSet& lights, const ImageF& reflectance, double ambient) {
+IntrinsicView decompose(const CapturedView& view, const LightSet& lights, const ImageF& reflectance, double ambient) {
   const std::vector<Lamp> lamps = lamps_of(view, lights);
   const int w = view.from.camera.width, h = view.from.camera.height;
-  LitView out{.from = view.from,
-              .depth = view.depth,
-              .reflectance = ImageHalf(w, h, 3),
-              .slope = ImageHalf(w, h, 3),
-              .ambient = ImageHalf(w, h, 1),
-              .lights = view.lights,
-              .arrives = view.arrives};
+  IntrinsicView out{.from = view.from,
+                    .depth = view.depth,
+                    .reflectance = ImageHalf(w, h, 3),
+                    .slope = ImageHalf(w, h, 3),
+                    .ambient = ImageHalf(w, h, 1),
+                    .lights = view.lights,
+                    .arrives = view.arrives};
   std::vector<ImageF> unexplained(view.lights.size(), ImageF(w, h, 3));
   for_each_surface(view, [&](std::size_t pixel, const Vector3f& point) {
     Eigen::Map<Eigen::Matrix<Eigen::half, 3, 1>> stored(out.reflectance.data() + 3 * pixel);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "reconstructor/models/intrinsic_lumigraph/lit_view.h"
+#include "reconstructor/models/intrinsic_lumigraph/intrinsic_view.h"
 
 namespace sheen {
 
@@ -19,6 +19,6 @@ ImageF known_reflectance(const CapturedView& view, const LightSet& lights, doubl
 
 /// All of a view's terms but the reflectance, which is given. Ambient light and b are found by
 /// least squares over all images, held near `ambient` and the normal where these say too little.
-LitView decompose(const CapturedView& view, const LightSet& lights, const ImageF& reflectance, double ambient);
+IntrinsicView decompose(const CapturedView& view, const LightSet& lights, const ImageF& reflectance, double ambient);
 
 }  // namespace sheen

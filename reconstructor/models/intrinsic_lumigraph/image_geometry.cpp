@@ -69,8 +69,8 @@ ImageF flat_depth(const CapturedView& view) {
 }
 
 /// Some of the views, evenly taken.
-std::vector<const LitView*> some_views(const LumigraphData& data) {
-  std::vector<const LitView*> some;
+std::vector<const IntrinsicView*> some_views(const LumigraphData& data) {
+  std::vector<const IntrinsicView*> some;
   const std::size_t n = data.views.size(), count = std::min(n, kMostHullViews);
   for (std::size_t k = 0; k < count; ++k) some.push_back(data.views[(2 * k + 1) * n / (2 * count)].get());
   return some;
@@ -131,8 +131,8 @@ LumigraphData lumigraph_of_images(std::vector<CapturedView> views, const LightSe
     const ImageF reflectance = estimate_reflectance(view.radiance);
     view.arrives = shadow_masks(view, lights);
     const double ambient = ambient_light(view, reflectance);
-    data.views.push_back(
-        std::make_shared<const LitView>(decompose(view, lights, reflectance, ambient > 0 ? ambient : kGuessedAmbient)));
+    data.views.push_back(std::make_shared<const IntrinsicView>(
+        decompose(view, lights, reflectance, ambient > 0 ? ambient : kGuessedAmbient)));
     view = {.from = view.from};  // its images are no longer needed
   }
   data.hull = ShadowHull(some_views(data), lights);

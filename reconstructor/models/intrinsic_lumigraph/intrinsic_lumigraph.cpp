@@ -147,7 +147,7 @@ LumigraphData IntrinsicLumigraph::on_mesh(const LightSet& lights) const {
     for (const int light : images.lights) images.arrives.push_back(surface.reached(lights.lamp(light)));
     double ambient = ambient_light(images, lights);
     if (!(ambient > 0)) ambient = kGuessedAmbient;
-    data.views.push_back(std::make_shared<const LitView>(
+    data.views.push_back(std::make_shared<const IntrinsicView>(
         decompose(images, lights, known_reflectance(images, lights, ambient), ambient)));
   }
   return data;

@@ -120,7 +120,7 @@ Eigen::Vector3d IntrinsicLumigraphSnapshot::light_place(const LightState& light)
   return lights.places.col(nearest);
 }
 
-RelitView IntrinsicLumigraphSnapshot::relit(const LitView& view, const LightState& light) const {
+RelitView IntrinsicLumigraphSnapshot::relit(const IntrinsicView& view, const LightState& light) const {
   const Eigen::Vector3d place = light_place(light);
   RelitView relit = relight(view, data_->lights, place);
   scale(relit, light.rgb);
@@ -130,7 +130,7 @@ RelitView IntrinsicLumigraphSnapshot::relit(const LitView& view, const LightStat
 
 std::unique_ptr<ViewShader> IntrinsicLumigraphSnapshot::shader_for(const ViewQuery& query) const {
   const Lamp lamp = data_->lights.lamp(light_place(query.light));
-  ViewBlend blend(data_, query.eye, [&](const LitView& view) { return relit(view, query.light); });
+  ViewBlend blend(data_, query.eye, [&](const IntrinsicView& view) { return relit(view, query.light); });
   if (data_->of_images) return std::make_unique<PlainShader>(*this, std::move(blend), query.eye);
   return std::make_unique<RayShadowShader>(*this, std::move(blend), query.eye, lamp);
 }
@@ -174,7 +174,7 @@ std::unique_ptr<ViewShader> InterpolatedImages::shader_for(const ViewQuery& quer
   return std::make_unique<PlainShader>(
       *model_,
       ViewBlend(data, query.eye,
-                [&](const LitView& view) {
+                [&](const IntrinsicView& view) {
                   RelitView relit;
                   relit.lit =
                       every_light_ ? mean_image(view, data->lights) : interpolated_images(view, data->lights, place);

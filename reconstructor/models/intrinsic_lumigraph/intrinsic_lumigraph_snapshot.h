@@ -25,7 +25,7 @@ class IntrinsicLumigraphSnapshot : public ModelSnapshot {
 
   /// Colours of a view in a light, its brightness included; where there is no mesh shadow has fallen on them, and
   /// `dark` is empty.
-  RelitView relit(const LitView& view, const LightState& light) const;
+  RelitView relit(const IntrinsicView& view, const LightState& light) const;
 
   std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
   const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }

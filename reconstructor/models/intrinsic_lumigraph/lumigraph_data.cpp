@@ -18,7 +18,7 @@ Vector3f half_rgb(const ImageHalf& image, std::size_t pixel) {
 /// Those of a set's lights that a view has, with their weights; again between its own lights where one is missing.
 using LightWeights = std::vector<std::pair<std::size_t, float>>;  // which of a view's lights, and its weight
 
-LightWeights lights_between(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+LightWeights lights_between(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
   LightSet own{.kind = lights.kind, .places = Eigen::Matrix3Xd(3, static_cast<Eigen::Index>(view.lights.size()))};
   for (std::size_t i = 0; i < view.lights.size(); ++i)
     own.places.col(static_cast<Eigen::Index>(i)) = lights.places.col(view.lights[i]);
@@ -27,12 +27,12 @@ LightWeights lights_between(const LitView& view, const LightSet& lights, const E
   return out;
 }
 
-float cosine_at(const LitView& view, std::size_t pixel, const Vector3f& incidence) {
+float cosine_at(const IntrinsicView& view, std::size_t pixel, const Vector3f& incidence) {
   return std::max(0.0f, half_rgb(view.slope, pixel).dot(incidence));
 }
 
 /// The weighted sum of a view's images.
-ImageF weighted_images(const LitView& view, const LightSet& lights, const LightWeights& weights) {
+ImageF weighted_images(const IntrinsicView& view, const LightSet& lights, const LightWeights& weights) {
   std::vector<Lamp> lamps;
   for (const int light : view.lights) lamps.push_back(lights.lamp(light));
   ImageF out(view.depth.width(), view.depth.height(), 3);
@@ -52,7 +52,7 @@ ImageF weighted_images(const LitView& view, const LightSet& lights, const LightW
 
 }  // namespace
 
-RelitView relight(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+RelitView relight(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
   const auto between = lights_between(view, lights, place);
   const Lamp lamp = lights.lamp(place);
   RelitView out{ImageF(view.depth.width(), view.depth.height(), 3), ImageF(view.depth.width(), view.depth.height(), 3)};
@@ -76,11 +76,11 @@ ImageF shadowed(const RelitView& relit, const ImageU8& arrives) {
   return out;
 }
 
-ImageF interpolated_images(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+ImageF interpolated_images(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
   return weighted_images(view, lights, lights_between(view, lights, place));
 }
 
-ImageF interpolated_visibility(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+ImageF interpolated_visibility(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
   ImageF out(view.depth.width(), view.depth.height(), 3);
   for (const auto& [light, weight] : lights_between(view, lights, place))
     for (std::size_t i = 0; i < out.size(); ++i)
@@ -88,7 +88,7 @@ ImageF interpolated_visibility(const LitView& view, const LightSet& lights, cons
   return out;
 }
 
-ImageU8 predicted_arrival(const LumigraphData& data, const LitView& view, const Eigen::Vector3d& place) {
+ImageU8 predicted_arrival(const LumigraphData& data, const IntrinsicView& view, const Eigen::Vector3d& place) {
   const LightWeights between = lights_between(view, data.lights, place);
   if (between.size() == 1 && same_place(data.lights.places.col(view.lights[between[0].first]), place))
     return view.arrives[between[0].first];
@@ -100,7 +100,7 @@ ImageU8 predicted_arrival(const LumigraphData& data, const LitView& view, const 
   return out;
 }
 
-ImageF mean_image(const LitView& view, const LightSet& lights) {
+ImageF mean_image(const IntrinsicView& view, const LightSet& lights) {
   LightWeights all;
   for (std::size_t i = 0; i < view.lights.size(); ++i)
     all.emplace_back(i, 1.0f / static_cast<float>(view.lights.size()));
@@ -113,12 +113,12 @@ void scale(RelitView& relit, const Vector3f& rgb) {
     for (std::size_t i = 0; i < image->size(); ++i) image->data()[i] *= rgb[static_cast<Eigen::Index>(i % 3)];
 }
 
-std::size_t bytes_of(const LitView& view) {
+std::size_t bytes_of(const IntrinsicView& view) {
   const std::size_t pixels = view.depth.size();
   return pixels * (sizeof(float) + 7 * sizeof(Eigen::half) + 4 * view.lights.size());
 }
 
-std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const LitView>>& views,
+std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const IntrinsicView>>& views,
                                      const Eigen::Vector3d& eye) {
   constexpr std::size_t kMost = 4;
   constexpr double kThere = 1e-6;  // of the distance of the next view

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/geometry/mesh.h"
-#include "reconstructor/models/intrinsic_lumigraph/lit_view.h"
+#include "reconstructor/models/intrinsic_lumigraph/intrinsic_view.h"
 #include "reconstructor/models/intrinsic_lumigraph/shadow_hull.h"
 
 namespace sheen {
@@ -13,7 +13,7 @@ namespace sheen {
 /// All that an intrinsic lumigraph knows.
 struct LumigraphData {
   LightSet lights;
-  std::vector<std::shared_ptr<const LitView>> views;
+  std::vector<std::shared_ptr<const IntrinsicView>> views;
   bool of_images = false;  ///< there is no mesh: depth is by stereo, visibility by the hull
   ShadowHull hull;         ///< empty where there is a mesh
   double error =
@@ -26,11 +26,11 @@ struct RelitView {
 };
 /// `place`: of the light, see `LightSet::place_of`. What a Lambertian surface does not explain is taken from the lights
 /// between which it lies.
-RelitView relight(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place);
+RelitView relight(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place);
 
 /// Without a mesh: part of each pixel of a view that a light reaches, 0..255. Of a captured light it is the mask of its
 /// image; between lights what the hull lets through, but what is in shadow in all of the neighbours stays so.
-ImageU8 predicted_arrival(const LumigraphData& data, const LitView& view, const Eigen::Vector3d& place);
+ImageU8 predicted_arrival(const LumigraphData& data, const IntrinsicView& view, const Eigen::Vector3d& place);
 
 /// Multiplies by the colour of a light.
 void scale(RelitView& relit, const Eigen::Vector3f& rgb);
@@ -39,15 +39,15 @@ void scale(RelitView& relit, const Eigen::Vector3f& rgb);
 ImageF shadowed(const RelitView& relit, const ImageU8& arrives);
 
 /// The picture of a view that linear interpolation of its images gives: what everything is compared with.
-ImageF interpolated_images(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place);
+ImageF interpolated_images(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place);
 
 /// The same of its visibility, 0..1 in three equal channels.
-ImageF interpolated_visibility(const LitView& view, const LightSet& lights, const Eigen::Vector3d& place);
+ImageF interpolated_visibility(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place);
 
 /// The mean of a view's images.
-ImageF mean_image(const LitView& view, const LightSet& lights);
+ImageF mean_image(const IntrinsicView& view, const LightSet& lights);
 
-std::size_t bytes_of(const LitView& view);
+std::size_t bytes_of(const IntrinsicView& view);
 
 /// A view to be blended and its weight; the weights sum to 1.
 struct WeightedView {
@@ -56,7 +56,7 @@ struct WeightedView {
 };
 /// The views nearest to an eye, up to four; weights fall to zero at the distance of the next one (as Buehler et al.
 /// 2001 do with angles). One view alone where the eye is at its place.
-std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const LitView>>& views,
+std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const IntrinsicView>>& views,
                                      const Eigen::Vector3d& eye);
 
 /// Linear interpolation between pixels, clamped at the border; 3 channels.

@@ -66,7 +66,7 @@ ShadowHull described_hull(const Json& json) {
 }
 
 /// A view with its camera and lights, its pictures still to be read. Throws std::exception.
-std::vector<LitView> read_description(std::string_view bytes, LumigraphData& data) {
+std::vector<IntrinsicView> read_description(std::string_view bytes, LumigraphData& data) {
   const Json json = Json::parse(unpacked(bytes));
   const int kind = json.at("light_kind");
   if (kind != static_cast<int>(LightKind::kDirectional) && kind != static_cast<int>(LightKind::kPoint))
@@ -86,7 +86,7 @@ std::vector<LitView> read_description(std::string_view bytes, LumigraphData& dat
   if (!lights.is_array() || !units.is_array() || lights.size() != cameras.size() || units.size() != cameras.size() ||
       cameras.size() > kMostViews)
     throw std::invalid_argument("must have lights and a unit for each camera");
-  std::vector<LitView> views(cameras.size());
+  std::vector<IntrinsicView> views(cameras.size());
   for (std::size_t v = 0; v < views.size(); ++v) {
     views[v].from = cameras[v];
     if (cameras[v].camera.width > kMostSide || cameras[v].camera.height > kMostSide)
@@ -149,7 +149,7 @@ ShadowHull read_hull(std::string_view packed_bytes, const ShadowHull& hull) {
   return {hull.origin(), hull.cell(), hull.size(), std::move(cells)};
 }
 
-std::string planes_of(const LitView& view) {
+std::string planes_of(const IntrinsicView& view) {
   std::string out;
   append_plane(out, view.depth);
   append_plane(out, view.reflectance);
@@ -158,7 +158,7 @@ std::string planes_of(const LitView& view) {
   return out;
 }
 
-std::string planes_of_light(const LitView& view, std::size_t light) {
+std::string planes_of_light(const IntrinsicView& view, std::size_t light) {
   std::string out;
   append_plane(out, view.arrives[light]);
   append_plane(out, view.residual[light]);
@@ -169,7 +169,7 @@ void require_end(std::string_view rest) {
   if (!rest.empty()) throw std::invalid_argument("is too long for its camera's pictures");
 }
 
-void read_planes(std::string_view packed_bytes, LitView& view) {
+void read_planes(std::string_view packed_bytes, IntrinsicView& view) {
   const std::string planes = unpacked(packed_bytes);
   std::string_view rest = planes;
   const Camera& camera = view.from.camera;
@@ -184,7 +184,7 @@ void read_planes(std::string_view packed_bytes, LitView& view) {
     throw std::invalid_argument("holds numbers that cannot be");
 }
 
-void read_planes_of_light(std::string_view packed_bytes, LitView& view) {
+void read_planes_of_light(std::string_view packed_bytes, IntrinsicView& view) {
   const std::string planes = unpacked(packed_bytes);
   std::string_view rest = planes;
   read_plane(rest, view.arrives.emplace_back(), view.from.camera, 1);
@@ -199,7 +199,7 @@ std::string encode_lumigraph(const LumigraphData& data, const StepsDone& progres
   append_chunk(out, "DESC", packed(describe(data).dump()));
   append_chunk(out, "HULL", packed(bits_of(data.hull), kQuickPacking));
   for (std::size_t v = 0; v < data.views.size(); ++v) {
-    const LitView& view = *data.views[v];
+    const IntrinsicView& view = *data.views[v];
     append_chunk(out, "VIEW", packed(planes_of(view), kQuickPacking));
     for (std::size_t i = 0; i < view.lights.size(); ++i)
       append_chunk(out, "LAMP", packed(planes_of_light(view, i), kQuickPacking));
@@ -215,15 +215,15 @@ LumigraphData decode_lumigraph(std::string_view bytes, const std::string& file) 
   try {
     chunks.required(reading);
     reading = "DESC";
-    std::vector<LitView> views = read_description(chunks.required(reading), data);
+    std::vector<IntrinsicView> views = read_description(chunks.required(reading), data);
     reading = "HULL";
     data.hull = read_hull(chunks.required(reading), data.hull);
-    for (LitView& view : views) {
+    for (IntrinsicView& view : views) {
       reading = "VIEW";
       read_planes(chunks.required(reading), view);
       reading = "LAMP";
       for (std::size_t i = 0; i < view.lights.size(); ++i) read_planes_of_light(chunks.required(reading), view);
-      data.views.push_back(std::make_shared<const LitView>(std::move(view)));
+      data.views.push_back(std::make_shared<const IntrinsicView>(std::move(view)));
     }
     return data;
   } catch (const FileError&) {

@@ -35,7 +35,7 @@ void LumigraphPainter::look_from(const PosedCamera& from) {
     if (same_camera(view->from, from)) captured_ = view;
 }
 
-RelitView LumigraphPainter::blended(const std::function<RelitView(const LitView&)>& relit) const {
+RelitView LumigraphPainter::blended(const std::function<RelitView(const IntrinsicView&)>& relit) const {
   if (captured_) return relit(*captured_);
   const ViewBlend blend(model_->data(), camera_centre(from_->camera_from_object), relit);
   const int w = from_->camera.width, h = from_->camera.height;
@@ -56,7 +56,7 @@ RelitView LumigraphPainter::blended(const std::function<RelitView(const LitView&
 
 ImageF LumigraphPainter::paint(const PosedCamera& from, const LightState& light) {
   look_from(from);
-  RelitView relit = blended([&](const LitView& view) { return model_->relit(view, light); });
+  RelitView relit = blended([&](const IntrinsicView& view) { return model_->relit(view, light); });
   if (!surface_) return std::move(relit.lit);
   return shadowed(relit, surface_->reached(lamp_of(light)));
 }
@@ -68,7 +68,7 @@ Lamp LumigraphPainter::lamp_of(const LightState& light) const {
 ImageU8 LumigraphPainter::arrives(const PosedCamera& from, const LightState& light) {
   look_from(from);
   if (surface_) return surface_->reached(lamp_of(light));
-  return in_bytes(blended([&](const LitView& view) {
+  return in_bytes(blended([&](const IntrinsicView& view) {
                     const ImageU8 reached = predicted_arrival(*model_->data(), view, model_->light_place(light));
                     ImageF parts(reached.width(), reached.height(), 3);
                     for (std::size_t i = 0; i < parts.size(); ++i)
@@ -80,7 +80,7 @@ ImageU8 LumigraphPainter::arrives(const PosedCamera& from, const LightState& lig
 ImageF LumigraphPainter::paint_interpolated(const PosedCamera& from, const LightState& light) {
   look_from(from);
   const Eigen::Vector3d place = model_->light_place(light);
-  RelitView relit = blended([&](const LitView& view) {
+  RelitView relit = blended([&](const IntrinsicView& view) {
     return RelitView{interpolated_images(view, model_->data()->lights, place), {}};
   });
   scale(relit, light.rgb);
@@ -90,7 +90,7 @@ ImageF LumigraphPainter::paint_interpolated(const PosedCamera& from, const Light
 ImageU8 LumigraphPainter::interpolated_arrives(const PosedCamera& from, const LightState& light) {
   look_from(from);
   const Eigen::Vector3d place = model_->light_place(light);
-  return in_bytes(blended([&](const LitView& view) {
+  return in_bytes(blended([&](const IntrinsicView& view) {
                     return RelitView{interpolated_visibility(view, model_->data()->lights, place), {}};
                   }).lit);
 }

@@ -30,12 +30,12 @@ class LumigraphPainter {
   Lamp lamp_of(const LightState& light) const;
   void look_from(const PosedCamera& from);
   /// Colours of the views as `relit` makes them, seen from there.
-  RelitView blended(const std::function<RelitView(const LitView&)>& relit) const;
+  RelitView blended(const std::function<RelitView(const IntrinsicView&)>& relit) const;
 
   std::shared_ptr<const IntrinsicLumigraphSnapshot> model_;
   std::optional<PosedCamera> from_;
-  std::optional<SeenSurface> surface_;       ///< from there
-  std::shared_ptr<const LitView> captured_;  ///< the view that was taken from there, if any
+  std::optional<SeenSurface> surface_;             ///< from there
+  std::shared_ptr<const IntrinsicView> captured_;  ///< the view that was taken from there, if any
 };
 
 }  // namespace sheen

@@ -30,14 +30,14 @@ constexpr float kClearance = 3.5f;  // cells: what a way to a lamp begins with, 
 
 }  // namespace
 
-ShadowHull::ShadowHull(std::span<const LitView* const> views, const LightSet& lights) {
+ShadowHull::ShadowHull(std::span<const IntrinsicView* const> views, const LightSet& lights) {
   if (views.empty()) return;
   place_grid(views);
   look_through(views);
   const auto enough = static_cast<std::uint8_t>(
       std::clamp(std::ceil(kCrossingsPerView * static_cast<double>(views.size())), 2.0, 100.0));
   std::vector<std::uint8_t> crossings(cells_.size());
-  for (const LitView* view : views) shine_through(*view, lights, enough, crossings);
+  for (const IntrinsicView* view : views) shine_through(*view, lights, enough, crossings);
   for (std::size_t i = 0; i < cells_.size(); ++i)
     if (crossings[i] >= enough) cells_[i] = 0;
 }
@@ -72,11 +72,11 @@ void ShadowHull::walk(const Vector3f& from, const Vector3f& direction, float len
   }
 }
 
-void ShadowHull::place_grid(std::span<const LitView* const> views) {
+void ShadowHull::place_grid(std::span<const IntrinsicView* const> views) {
   std::array<std::vector<float>, 3> places;
   double footprint = 0;
   std::size_t points = 0;
-  for (const LitView* view : views) {
+  for (const IntrinsicView* view : views) {
     const DepthPoints surface(view->from);
     constexpr int kStride = 3;
     for (int y = 0; y < view->depth.height(); y += kStride)
@@ -106,7 +106,7 @@ void ShadowHull::place_grid(std::span<const LitView* const> views) {
       1);
 }
 
-void ShadowHull::look_through(std::span<const LitView* const> views) {
+void ShadowHull::look_through(std::span<const IntrinsicView* const> views) {
   tbb::parallel_for(0, size_.z(), [&](int z) {
     std::size_t i =
         static_cast<std::size_t>(z) * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.x());
@@ -114,7 +114,7 @@ void ShadowHull::look_through(std::span<const LitView* const> views) {
       for (int x = 0; x < size_.x(); ++x, ++i) {
         const Vector3f centre = origin_ + cell_ * (Vector3f(float(x), float(y), float(z)).array() + 0.5f).matrix();
         std::size_t in_view = 0, looked_through = 0;
-        for (const LitView* view : views) {
+        for (const IntrinsicView* view : views) {
           const Eigen::Vector3d in_camera = view->from.camera_from_object * centre.cast<double>();
           const auto pixel = view->from.camera.project(in_camera);
           if (!pixel || !view->from.camera.contains(*pixel)) continue;
@@ -128,7 +128,7 @@ void ShadowHull::look_through(std::span<const LitView* const> views) {
   });
 }
 
-void ShadowHull::shine_through(const LitView& view, const LightSet& lights, std::uint8_t enough,
+void ShadowHull::shine_through(const IntrinsicView& view, const LightSet& lights, std::uint8_t enough,
                                std::vector<std::uint8_t>& crossings) const {
   for (std::size_t l = 0; l < view.lights.size(); ++l) {
     const Lamp lamp = lights.lamp(view.lights[l]);
@@ -156,7 +156,7 @@ bool ShadowHull::hides(const Vector3f& point, const Lamp& lamp) const {
   return hidden;
 }
 
-ImageU8 reached_past(const ShadowHull& hull, const LitView& view, const Lamp& lamp) {
+ImageU8 reached_past(const ShadowHull& hull, const IntrinsicView& view, const Lamp& lamp) {
   const int w = view.depth.width(), h = view.depth.height();
   ImageU8 sharp(w, h, 1, 255);
   for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "reconstructor/models/intrinsic_lumigraph/lit_view.h"
+#include "reconstructor/models/intrinsic_lumigraph/intrinsic_view.h"
 
 namespace sheen {
 
@@ -17,7 +17,7 @@ class ShadowHull {
  public:
   ShadowHull() = default;
   /// Of views with depth and masks of where each light arrives.
-  ShadowHull(std::span<const LitView* const> views, const LightSet& lights);
+  ShadowHull(std::span<const IntrinsicView* const> views, const LightSet& lights);
   /// As it was stored. `cells`: one byte each, x fastest; 1 where it is solid.
   ShadowHull(const Eigen::Vector3f& origin, float cell, const Eigen::Vector3i& size, std::vector<std::uint8_t> cells);
 
@@ -34,9 +34,9 @@ class ShadowHull {
   /// Calls `visit(cell)` along the way until it says false or the way leaves the grid.
   template <typename Visit>
   void walk(const Eigen::Vector3f& from, const Eigen::Vector3f& direction, float length, const Visit& visit) const;
-  void place_grid(std::span<const LitView* const> views);
-  void look_through(std::span<const LitView* const> views);
-  void shine_through(const LitView& view, const LightSet& lights, std::uint8_t enough,
+  void place_grid(std::span<const IntrinsicView* const> views);
+  void look_through(std::span<const IntrinsicView* const> views);
+  void shine_through(const IntrinsicView& view, const LightSet& lights, std::uint8_t enough,
                      std::vector<std::uint8_t>& crossings) const;
 
   Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();  ///< corner of the first cell
@@ -46,6 +46,6 @@ class ShadowHull {
 };
 
 /// Part of each pixel of a view that a lamp reaches, 0..255, by a hull; edges are smoothed over a pixel.
-ImageU8 reached_past(const ShadowHull& hull, const LitView& view, const Lamp& lamp);
+ImageU8 reached_past(const ShadowHull& hull, const IntrinsicView& view, const Lamp& lamp);
 
 }  // namespace sheen

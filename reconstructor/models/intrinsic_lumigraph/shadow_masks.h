@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "reconstructor/models/intrinsic_lumigraph/lit_view.h"
+#include "reconstructor/models/intrinsic_lumigraph/intrinsic_view.h"
 
 namespace sheen {
 

@@ -26,7 +26,7 @@ bool shows(const ImageF& depth, const Eigen::Vector2d& pixel, double z) {
 }  // namespace
 
 ViewBlend::ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eigen::Vector3d& eye,
-                     const std::function<RelitView(const LitView&)>& relit) {
+                     const std::function<RelitView(const IntrinsicView&)>& relit) {
   for (const WeightedView& near : views_near(data->views, eye)) {
     const auto& view = data->views[near.view];
     views_.push_back({view, near.weight, relit(*view)});
@@ -37,7 +37,7 @@ ViewBlend::ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eig
 std::optional<Eigen::Vector3f> ViewBlend::along(const Eigen::Vector3f& eye, const Eigen::Vector3f& guess) const {
   constexpr int kSteps = 8;
   if (views_.empty()) return std::nullopt;
-  const LitView& view = *views_.front().view;
+  const IntrinsicView& view = *views_.front().view;
   const DepthPoints surface(view.from);
   const Eigen::Vector3f direction = (guess - eye).normalized();
   Eigen::Vector3f point = guess;

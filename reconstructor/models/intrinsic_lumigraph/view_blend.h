@@ -16,7 +16,7 @@ class ViewBlend {
  public:
   /// `relit`: makes the colours of a view; what it leaves empty in `dark` is as `lit`.
   ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eigen::Vector3d& eye,
-            const std::function<RelitView(const LitView&)>& relit);
+            const std::function<RelitView(const IntrinsicView&)>& relit);
 
   struct Colours {
     Eigen::Vector3f lit = Eigen::Vector3f::Zero(), dark = Eigen::Vector3f::Zero();
@@ -29,11 +29,11 @@ class ViewBlend {
   std::optional<Eigen::Vector3f> along(const Eigen::Vector3f& eye, const Eigen::Vector3f& guess) const;
 
   bool empty() const { return views_.empty(); }
-  const LitView& nearest() const { return *views_.front().view; }
+  const IntrinsicView& nearest() const { return *views_.front().view; }
 
  private:
   struct Prepared {
-    std::shared_ptr<const LitView> view;
+    std::shared_ptr<const IntrinsicView> view;
     float weight = 1;
     RelitView relit;
   };

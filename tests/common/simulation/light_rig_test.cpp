@@ -37,7 +37,7 @@ class LightRigTest : public ::testing::Test {
 TEST_F(LightRigTest, TheGroundIsAPlaneInMovingLight) {
   const PosedCamera from = rig_.cameras().front();
   const LightState& light = rig_.lights()[1];
-  const LitPicture picture = rig_.picture(from, light);
+  const SimulatedPicture picture = rig_.picture(from, light);
   std::size_t lit = 0, shadowed = 0;
   for (int y = 1; y + 1 < 180; ++y)
     for (int x = 1; x + 1 < 240; ++x) {
@@ -64,7 +64,7 @@ TEST_F(LightRigTest, TheGroundIsAPlaneInMovingLight) {
 TEST_F(LightRigTest, TheRodsShadowIsWhereItMustBe) {
   const PosedCamera from = rig_.central_camera();
   const Vector3d lamp = rig_.lights()[2].position;
-  const LitPicture picture = rig_.picture(from, rig_.lights()[2]);
+  const SimulatedPicture picture = rig_.picture(from, rig_.lights()[2]);
   std::size_t inside = 0, beside = 0;
   for (int y = 0; y < 180; ++y)
     for (int x = 0; x < 240; ++x) {

@@ -108,7 +108,7 @@ double mean_nees(int runs, int points, bool free_scale, double noise_m, std::opt
   for (int run = 0; run < runs; ++run) {
     const Similarity truth = random_place(rng);
     Correspondences picked = exact_points(mesh, points, truth, rng);
-    for (Correspondence& point : picked.points) *point.stage += random_vector(rng, noise_m);
+    for (PickedPoint& point : picked.points) *point.stage += random_vector(rng, noise_m);
     picked.stage_uncertainty_m = told;
     const PointRegistration found = by_points(picked, mesh, {.free_scale = free_scale});
     const PlacementStep error = step_between(found.placement.stage_from_mesh, truth, found.placement.centre);
@@ -143,7 +143,7 @@ TEST(RegisterPoints, NamesTheOutlierAndLeavesItOut) {
   for (int run = 0; run < 50; ++run) {
     const Similarity truth = random_place(rng);
     Correspondences picked = octahedron(truth);
-    for (Correspondence& point : picked.points) *point.stage += random_vector(rng, 0.3e-3);
+    for (PickedPoint& point : picked.points) *point.stage += random_vector(rng, 0.3e-3);
     *picked.points[2].stage += random_vector(rng, 1).normalized() * 0.02;
     const PointRegistration found = by_points(picked, mesh);
     for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(found.points[i].used, i != 2) << run << " " << i;
@@ -156,7 +156,7 @@ TEST(RegisterPoints, NamesTheOutlierAndLeavesItOut) {
 TEST(RegisterPoints, TwoThatAreMixedUpAreBothNamed) {
   std::mt19937 rng(5);
   Correspondences picked = exact_points(ball(), 8, random_place(rng), rng);
-  for (Correspondence& point : picked.points) *point.stage += random_vector(rng, 0.3e-3);
+  for (PickedPoint& point : picked.points) *point.stage += random_vector(rng, 0.3e-3);
   std::swap(picked.points[1].stage, picked.points[5].stage);
   const PointRegistration found = by_points(picked, ball());
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(found.points[i].used, i != 1 && i != 5) << i;
@@ -168,7 +168,7 @@ TEST(RegisterPoints, CleanPointsHaveNoOutlier) {
   int named = 0;
   for (int run = 0; run < 200; ++run) {
     Correspondences picked = exact_points(mesh, 6, random_place(rng), rng);
-    for (Correspondence& point : picked.points) *point.stage += random_vector(rng, run % 2 ? 0.3e-3 : 2e-3);
+    for (PickedPoint& point : picked.points) *point.stage += random_vector(rng, run % 2 ? 0.3e-3 : 2e-3);
     for (const RegisteredPoint& point : by_points(picked, mesh).points) named += !point.used;
   }
   EXPECT_LE(named, 4);
@@ -188,7 +188,7 @@ TEST(RegisterPoints, PixelsInTwoImagesPlaceAPoint) {
   for (int run = 0; run < 100; ++run) {
     Correspondences picked = octahedron(truth);
     picked.pixel_uncertainty_px = 0.5;
-    for (Correspondence& point : picked.points) {
+    for (PickedPoint& point : picked.points) {
       for (const auto& [name, view] : views) {
         const Eigen::Vector2d pixel = *view.camera.project(view.camera_from_object * *point.stage);
         point.pixels.push_back({run % 2 ? name : name.substr(7), pixel + random_vector(rng, 0.5).head<2>()});
@@ -220,21 +220,21 @@ TEST(RegisterPoints, NamesWhatCannotBeRegistered) {
   expect_error<ConfigError>([&] { by_points(line, mesh); }, {"on one line"});
 
   Correspondences one_place = good;
-  for (Correspondence& point : one_place.points) point.mesh = Eigen::Vector3d(0.08, 0, 0);
+  for (PickedPoint& point : one_place.points) point.mesh = Eigen::Vector3d(0.08, 0, 0);
   expect_error<ConfigError>([&] { by_points(one_place, mesh); }, {"at one place"});
 
   Correspondences mirrored = exact_points(mesh, 8, random_place(rng), rng);
-  for (Correspondence& point : mirrored.points) point.mesh.x() = -point.mesh.x();
+  for (PickedPoint& point : mirrored.points) point.mesh.x() = -point.mesh.x();
   expect_error<ConfigError>([&] { by_points(mirrored, mesh); }, {"mirrored", "wrong sign"});
 
   Correspondences millimetres = good;
-  for (Correspondence& point : millimetres.points) point.mesh *= 1000;
+  for (PickedPoint& point : millimetres.points) point.mesh *= 1000;
   Mesh large = mesh;
   for (Eigen::Vector3f& v : large.vertices) v *= 1000;
   expect_error<ConfigError>([&] { by_points(millimetres, large); }, {"millimetres", "--unit mm"});
 
   Correspondences other_size = good;
-  for (Correspondence& point : other_size.points) point.mesh *= 3;
+  for (PickedPoint& point : other_size.points) point.mesh *= 3;
   Mesh thrice = mesh;
   for (Eigen::Vector3f& v : thrice.vertices) v *= 3;
   expect_error<ConfigError>([&] { by_points(other_size, thrice); }, {"as far apart", "--free-scale"});

@@ -59,7 +59,7 @@ class ShadowTest : public ::testing::Test {
     lights_ = new LightSet{.kind = LightKind::kPoint, .places = Eigen::Matrix3Xd(3, 7)};
     shadows_ = new std::vector<ImageU8>;
     for (int l = 0; l < 7; ++l) {
-      const LitPicture picture = rig_->picture(view_->from, rig_->lights()[l]);
+      const SimulatedPicture picture = rig_->picture(view_->from, rig_->lights()[l]);
       lights_->places.col(l) = rig_->lights()[l].position;
       view_->lights.push_back(l);
       view_->radiance.push_back(picture.radiance);
@@ -100,8 +100,8 @@ TEST_F(ShadowTest, TheHullCastsTheShadowsOfLightsBetween) {
   view.arrives = *shadows_;
   for (ImageU8& mask : view.arrives)
     for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = mask.data()[i] ? 0 : 255;
-  const LitView lit = decompose(view, *lights_, estimate_reflectance(view.radiance), 0.2);
-  const std::vector<const LitView*> views{&lit};
+  const IntrinsicView lit = decompose(view, *lights_, estimate_reflectance(view.radiance), 0.2);
+  const std::vector<const IntrinsicView*> views{&lit};
   const ShadowHull hull(views, *lights_);
   for (const std::size_t m : {1u, 2u, 3u}) {
     const LightState& light = rig_->midway_lights()[m];

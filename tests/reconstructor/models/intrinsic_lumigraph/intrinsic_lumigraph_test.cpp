@@ -43,7 +43,7 @@ TEST_F(IntrinsicLumigraphTest, MidwayPicturesAreTheTruth) {
   LumigraphPainter painter(snapshot_);
   for (const std::size_t m : {0u, 2u, 5u}) {
     const LightState& light = rig().midway_lights()[m];
-    const LitPicture truth = rig().picture(rig().cameras()[0], light);
+    const SimulatedPicture truth = rig().picture(rig().cameras()[0], light);
     const double ours = psnr(painter.paint(rig().cameras()[0], light), truth.radiance),
                  linear = psnr(painter.paint_interpolated(rig().cameras()[0], light), truth.radiance);
     EXPECT_GT(ours, 45);
@@ -65,8 +65,8 @@ TEST_F(IntrinsicLumigraphTest, ShadowsFallWhereTheyMust) {
 }
 
 TEST_F(IntrinsicLumigraphTest, ReflectanceIsThatOfTheScene) {
-  const LitView& view = *snapshot_->data()->views[0];
-  const LitPicture truth = rig().picture(rig().cameras()[0], rig().lights()[0]);
+  const IntrinsicView& view = *snapshot_->data()->views[0];
+  const SimulatedPicture truth = rig().picture(rig().cameras()[0], rig().lights()[0]);
   std::vector<double> errors;
   for (std::size_t i = 0; i < truth.reflectance.size(); ++i)
     if (truth.depth.data()[i / 3] > 0)

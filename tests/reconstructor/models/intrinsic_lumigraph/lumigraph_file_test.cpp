@@ -67,22 +67,22 @@ TEST_F(LumigraphFileTest, DamageIsNoticed) {
 }
 
 TEST_F(LumigraphFileTest, WhatCannotBeIsRefused) {
-  const auto refused = [&](const std::function<void(LumigraphData&, LitView&)>& spoil) {
+  const auto refused = [&](const std::function<void(LumigraphData&, IntrinsicView&)>& spoil) {
     LumigraphData data = *saved_->data();
-    LitView view = *data.views[0];
+    IntrinsicView view = *data.views[0];
     spoil(data, view);
-    data.views[0] = std::make_shared<const LitView>(view);
+    data.views[0] = std::make_shared<const IntrinsicView>(view);
     EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError);
   };
-  refused([](LumigraphData& data, LitView&) { data.lights.kind = LightKind::kEnvironment; });
-  refused([](LumigraphData& data, LitView&) { data.lights.places(1, 1) = std::nan(""); });
-  refused([](LumigraphData& data, LitView&) { data.error = -1; });
-  refused([](LumigraphData&, LitView& view) { view.lights[1] = 99; });
-  refused([](LumigraphData&, LitView& view) { view.lights[1] = view.lights[0]; });
-  refused([](LumigraphData&, LitView& view) { view.from.camera.width = 7; });
-  refused([](LumigraphData&, LitView& view) { view.residual_unit = -1; });
-  refused([](LumigraphData&, LitView& view) { view.depth.at(3, 3) = std::nanf(""); });
-  refused([](LumigraphData&, LitView& view) { view.slope.at(3, 3) = Eigen::half(INFINITY); });
+  refused([](LumigraphData& data, IntrinsicView&) { data.lights.kind = LightKind::kEnvironment; });
+  refused([](LumigraphData& data, IntrinsicView&) { data.lights.places(1, 1) = std::nan(""); });
+  refused([](LumigraphData& data, IntrinsicView&) { data.error = -1; });
+  refused([](LumigraphData&, IntrinsicView& view) { view.lights[1] = 99; });
+  refused([](LumigraphData&, IntrinsicView& view) { view.lights[1] = view.lights[0]; });
+  refused([](LumigraphData&, IntrinsicView& view) { view.from.camera.width = 7; });
+  refused([](LumigraphData&, IntrinsicView& view) { view.residual_unit = -1; });
+  refused([](LumigraphData&, IntrinsicView& view) { view.depth.at(3, 3) = std::nanf(""); });
+  refused([](LumigraphData&, IntrinsicView& view) { view.slope.at(3, 3) = Eigen::half(INFINITY); });
 }
 
 }  // namespace

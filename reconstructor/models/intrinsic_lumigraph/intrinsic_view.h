@@ -29,7 +29,7 @@ struct CapturedView {
 ///   R (ambient + V_i b.s_i) + e_i
 /// with the reflectance R (001 eq. 5), visibility V_i, the incidence s_i (`LightSet::incidence`) and what a Lambertian
 /// surface does not explain, e_i. b stands for the normal, times what R leaves to it.
-struct LitView {
+struct IntrinsicView {
   PosedCamera from;
   ImageF depth;             ///< as in `CapturedView`
   ImageHalf reflectance;    ///< RGB
