@@ -94,6 +94,19 @@ TEST(Png, AlphaIsDroppedNotBlended) {
       {"c.png", "16 bits"});
 }
 
+TEST(Png, ColoursAreWrittenBesideAlphaAsTheyAre) {
+  const TempFolder folder;
+  const auto path = folder.path() / "a.png";
+  const ImageU8 image = noise(7, 5, 4);
+  write_png(path, image);
+  const std::string bytes = read_file(path);
+  constexpr std::size_t kColourType = 25;  // of IHDR: 8 bytes of signature, 8 of the chunk, width, height, depth
+  EXPECT_EQ(bytes.at(kColourType), 6) << "RGB and alpha";
+  const RawImage read = read_image(path);
+  for (int i = 0; i < 7 * 5; ++i)
+    for (int c = 0; c < 3; ++c) ASSERT_EQ(read.bytes[3 * i + c], image.data()[4 * i + c]) << "also where alpha is low";
+}
+
 TEST(Jpeg, KeepsAPictureWithinItsQuality) {
   const TempFolder folder;
   for (const int channels : {1, 3}) {
@@ -154,7 +167,7 @@ TEST(ImageFiles, MissingEmptyAndUnknown) {
   expect_error([&] { read_image(folder.write("text.png", "hello")); }, {"text.png", "neither JPEG nor PNG nor EXR"});
   expect_error([&] { read_image(folder.path()); }, {"regular file"});
   expect_error([&] { write_png("/dev/full/a.png", waves(4, 4, 1)); }, {"a.png", "cannot be written"});
-  expect_error([&] { write_png(folder.path() / "a.png", ImageU8(4, 4, 2)); }, {"a.png", "1 or 3 channels"});
+  expect_error([&] { write_png(folder.path() / "a.png", ImageU8(4, 4, 2)); }, {"a.png", "1, 3 or 4 channels"});
 }
 
 TEST(ExrImages, LinearFloatsOfTheFirstPart) {
