@@ -52,7 +52,9 @@ std::vector<LitPicture> pictures_of(const ModelSnapshot& snapshot, const std::fi
   }
   const std::string& file = request.luminaires.empty() ? request.environment : request.luminaires;
   const std::vector<LightState> known = snapshot.lights();
-  if (known.empty()) throw ConfigError(model.string() + " is a model of one fixed light: it cannot be lit by " + file);
+  if (known.empty())
+    throw ConfigError(model.string() + " cannot be lit by " + file +
+                      ": only pictures of an irradiance field can be added up");
   if (!request.luminaires.empty()) return load_luminaires(request.luminaires, known);
   return {load_environment(request.environment, known)};
 }

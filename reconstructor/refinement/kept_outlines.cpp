@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/geometry/ray_scene.h"
-#include "reconstructor/refinement/silhouette_rims.h"
+#include "common/registration/silhouette.h"
 
 namespace sheen {
 namespace {

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "common/geometry/ray_scene.h"
+#include "common/registration/silhouette.h"
 #include "reconstructor/refinement/grey_pyramid.h"
-#include "reconstructor/refinement/silhouette_rims.h"
 
 namespace sheen {
 namespace {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "common/base/format.h"
 #include "common/image/color.h"
 #include "common/simulation/point_lit_scene.h"
 #include "common/simulation/test_object.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common/registration/silhouette.h"
 #include "reconstructor/refinement/mesh_judgement.h"
 
 #include <gtest/gtest.h>
 
 #include "reconstructor/refinement/kept_outlines.h"
-#include "reconstructor/refinement/silhouette_rims.h"
 #include "tests/reconstructor/refinement/ball_photographs.h"
 
 namespace sheen {
