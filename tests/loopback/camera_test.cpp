@@ -157,6 +157,21 @@ TEST_F(CameraOnTheWire, EveryFrameIsAccountedForAndNoKeyframeIsLost) {
   expect_true_captures(0, captures.size());
 }
 
+TEST_F(CameraOnTheWire, ThePersonWhoHoldsItIsToldWhyFramesAreRefused) {
+  const std::filesystem::path strict = recording_->folder / "strict.toml";  // beside the stage that it names
+  std::string text = read_file(config());
+  text.replace(text.find("max_blur_px = 1000.0"), 20, "max_blur_px = 0.01");
+  std::ofstream(strict) << text;
+  Process camera(serve_camera() + Words{"--loop"});
+  ASSERT_TRUE(camera.prints("serves", kPatience)) << camera.output();
+  Process rig(tracker({"run", "--config", strict, "--endpoint", free_address(), "--linger", "0"}));
+  EXPECT_TRUE(rig.prints("TOO FAST: MOTION BLUR", kPatience)) << rig.output();
+  rig.signal(SIGINT);
+  wait_to_end(rig);
+  camera.signal(SIGINT);
+  expect_outcome(wait_to_end(camera), 0, {});
+}
+
 TEST_F(CameraOnTheWire, PreviewNeedsNoCalibration) {
   Process camera(serve_camera() + Words{"--loop"});
   ASSERT_TRUE(camera.prints("serves", kPatience)) << camera.output();

@@ -103,7 +103,7 @@ void OverlayPainter::line(const Eigen::Vector2f& from, const Eigen::Vector2f& to
          {d.x(), d.y(), -1, -1, color}}});
 }
 
-void OverlayPainter::text(float x, float y, std::string_view text, Rgba color) {
+void OverlayPainter::text(float x, float y, std::string_view text, Rgba color, float scale) {
   x = std::round(x);  // glyphs are drawn pixel for pixel
   y = std::round(y);
   const float w = advance(), h = line_height();
@@ -114,10 +114,10 @@ void OverlayPainter::text(float x, float y, std::string_view text, Rgba color) {
     const float v = h * static_cast<float>(cell / GlyphAtlas::kColumns);
     if (character != ' ')
       quad({{{x, y, u, v, color},
-             {x + w, y, u + w, v, color},
-             {x + w, y + h, u + w, v + h, color},
-             {x, y + h, u, v + h, color}}});
-    x += w;
+             {x + scale * w, y, u + w, v, color},
+             {x + scale * w, y + scale * h, u + w, v + h, color},
+             {x, y + scale * h, u, v + h, color}}});
+    x += scale * w;
   }
 }
 
