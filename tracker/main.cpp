@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   sheen::add_simulate_command(app);
   sheen::add_calibrate_command(app);
   sheen::add_stage_command(app);
+  sheen::add_preview_command(app);
   sheen::add_register_command(app);
   sheen::add_cameras_command(app);
   sheen::add_doctor_command(app);

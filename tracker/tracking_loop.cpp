@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <deque>
 #include <exception>
 #include <thread>
 
@@ -10,6 +11,7 @@
 #include "common/base/clock.h"
 #include "common/base/errors.h"
 #include "common/base/format.h"
+#include "common/capture/frame_advice.h"
 
 namespace sheen {
 namespace {
@@ -21,6 +23,8 @@ constexpr milliseconds kKeepWait{100};
 constexpr int kLiveKeepWaits = 10;  ///< a camera's keyframe waits a second for room, a file's for ever
 constexpr std::int64_t kPublishEvery_ns = 200'000'000;
 constexpr std::size_t kTimesKept = 4096;
+constexpr std::size_t kLatest =
+    12;  ///< frames that say whether something is wrong now: one that is kept, and nothing is
 
 /// Adds the time until its destruction to a stage of the report.
 class StageTimer {
@@ -50,6 +54,17 @@ std::string calibration_hash(const Camera& c) {
   return format("%016llx", static_cast<unsigned long long>(hash));
 }
 
+/// What the latest frames were refused for most often, where none of them was kept and half have such a reason.
+std::string trouble_of(const std::deque<FrameVerdict>& latest) {
+  if (latest.size() < kLatest) return {};
+  std::map<FrameVerdict, std::size_t> counts;
+  for (const FrameVerdict verdict : latest) ++counts[verdict];
+  if (counts.contains(FrameVerdict::kKeyframe)) return {};
+  const auto most =
+      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return 2 * most->second >= kLatest ? advice(most->first) : "";
+}
+
 }  // namespace
 
 struct TrackingLoop::Impl {
@@ -68,6 +83,7 @@ struct TrackingLoop::Impl {
   TrackingReport report;
   std::int64_t published_ns = 0;
   std::string last_verdict;
+  std::deque<FrameVerdict> latest;  ///< verdicts, the newest last
 
   Impl(FrameSource& s, CaptureSink& k, std::optional<Rig> r, const TrackingOptions& o)
       : source(s),
@@ -176,6 +192,9 @@ void TrackingLoop::Impl::send(Capture capture, const Hooks& hooks) {
   ++report.verdicts[capture.verdict];
   ++report.poses[capture.pose.status];
   last_verdict = to_string(capture.verdict);
+  latest.push_back(capture.verdict);
+  if (latest.size() > kLatest) latest.pop_front();
+  report.trouble = trouble_of(latest);
   if (capture.verdict == FrameVerdict::kIncomplete) return;  // part of the picture is missing: nothing to look at
   if (capture.verdict != FrameVerdict::kKeyframe) {
     ++report.live;
@@ -200,13 +219,18 @@ bool TrackingLoop::Impl::keep(const Capture& capture, const Hooks& hooks) {
 
 void TrackingLoop::Impl::publish(const Hooks& hooks) {
   const std::int64_t now = steady_now_ns();
-  if (!hooks.publish || now - published_ns < kPublishEvery_ns) return;
+  if (now - published_ns < kPublishEvery_ns) return;
   published_ns = now;
+  report.grabbed = grabbed_count;
+  report.overrun = overrun_count;
+  if (hooks.progress) hooks.progress(report);
+  if (!hooks.publish) return;
   Status status{.role = "tracker",
                 .source_session = options.source_session,
                 .clock_ns = now,
                 .state = source.state(),
                 .message = source.message()};
+  if (!report.trouble.empty()) status.message += "; " + report.trouble;
   if (!last_verdict.empty()) status.message += "; last frame: " + last_verdict;
   status.gauges = {{"frames_grabbed", double(grabbed_count)}, {"frames_overrun", double(overrun_count)},
                    {"frames_kept", double(report.kept)},      {"frames_live", double(report.live)},

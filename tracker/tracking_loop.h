@@ -40,8 +40,9 @@ struct TrackingOptions {
 class TrackingLoop {
  public:
   struct Hooks {
-    std::function<bool()> stop;                  ///< asked at least ten times per second
-    std::function<void(const Status&)> publish;  ///< called about five times per second; may be empty
+    std::function<bool()> stop;                           ///< asked at least ten times per second
+    std::function<void(const Status&)> publish;           ///< called about five times per second; may be empty
+    std::function<void(const TrackingReport&)> progress;  ///< so far; as often; may be empty
   };
 
   /// `rig` may be empty for a source whose images come with poses. Throws ConfigError otherwise.

@@ -67,6 +67,13 @@ std::string to_json(const TrackingReport& report, const std::map<std::string, st
   return document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+TrackerFrames frames_for_link(const TrackingReport& report) {
+  TrackerFrames frames{.judged = report.judged, .trouble = report.trouble};
+  for (const auto& [verdict, count] : report.verdicts)
+    if (verdict != FrameVerdict::kKeyframe) frames.refused[to_string(verdict)] = count;
+  return frames;
+}
+
 std::string summary(const TrackingReport& report) {
   std::string text = std::to_string(report.grabbed) + " frames, " + std::to_string(report.kept) + " keyframes sent";
   for (const auto& [verdict, count] : report.verdicts)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/capture/capture.h"
+#include "common/link/wire_messages.h"
 #include "tracker/sources/frame_source.h"
 
 namespace sheen {
@@ -23,6 +24,7 @@ struct TrackingReport {
   std::uint64_t kept = 0;    ///< keyframes handed to the link
   std::uint64_t unsent = 0;  ///< keyframes for which the link had no room
   std::uint64_t live = 0;    ///< frames sent to look at only
+  std::string trouble;       ///< for a person: why most of the latest frames were refused; empty while some are kept
   SourceStats source;
   std::exception_ptr failure;  ///< what ended the run before its time; empty when the source ended or was told to
   std::map<std::string, std::vector<float>> stage_ms;  ///< the latest times of each stage of the pipeline
@@ -35,6 +37,9 @@ struct TrackingReport {
 /// n}}, poses, source, stage_ms, failure (null when there is none). camera = received + lost, and received = refused +
 /// what a receiver has acknowledged.
 std::string to_json(const TrackingReport& report, const std::map<std::string, std::uint64_t>& link);
+
+/// What the link tells of it.
+TrackerFrames frames_for_link(const TrackingReport& report);
 
 /// One line for a person.
 std::string summary(const TrackingReport& report);

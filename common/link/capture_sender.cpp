@@ -105,6 +105,7 @@ struct CaptureSender::Impl {
   Message newest_live;
   bool finishing = false, end_seen = false;
   std::string failure;  ///< said with the end
+  TrackerFrames frames;
   std::uint64_t refused_by_zap = 0, refused_without_zap = 0;
   std::optional<Peer> peer;
   RefusalLog refusals;
@@ -232,7 +233,8 @@ Welcome CaptureSender::Impl::make_welcome(std::int64_t hello_clock_ns) const {
   return {.source_session = options.source_session,
           .first_sequence = retained.empty() ? std::max(last_sequence, durable) + 1 : retained.front().sequence,
           .hello_clock_ns = hello_clock_ns,
-          .clock_ns = steady_now_ns()};
+          .clock_ns = steady_now_ns(),
+          .frames = frames};
 }
 
 /// Nobody holds what was never sent.
@@ -294,6 +296,8 @@ bool CaptureSender::Impl::send_live() {
 
 bool CaptureSender::Impl::send_end() {
   if (!finishing || !peer || peer->end_sent || peer->next <= last_sequence) return true;
+  if (frames.judged > 0) check_peer_is_there();  // the last counts, before the end
+  if (!peer) return false;
   const End end{options.source_session, last_sequence, failure};
   if (send(peer->routing_id, MessageType::kEnd, encode(end)) != Sent::kYes) return false;
   peer->end_sent = true;
@@ -400,6 +404,11 @@ bool CaptureSender::finish(milliseconds timeout, const std::string& failure) {
   impl_->finishing = true;
   impl_->wake.notify();
   return impl_->changed.wait_for(lock, timeout, [&] { return impl_->retained.empty() && impl_->end_seen; });
+}
+
+void CaptureSender::report(const TrackerFrames& frames) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->frames = frames;
 }
 
 std::string CaptureSender::endpoint() const {

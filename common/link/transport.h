@@ -13,6 +13,7 @@
 #include "common/capture/capture.h"
 #include "common/link/clock_comparison.h"
 #include "common/link/wire.h"
+#include "common/link/wire_messages.h"
 
 namespace sheen {
 
@@ -65,6 +66,8 @@ class CaptureSender {
   /// Tells the receiver that nothing more comes, and waits until it has acknowledged that and all kept captures.
   /// `failure` says why the source ended before its time; empty when it came to its end.
   bool finish(std::chrono::milliseconds timeout, const std::string& failure = {});
+  /// What the next welcome tells of the frames that the tracker has judged.
+  void report(const TrackerFrames& frames);
   /// The address in use, with the port that the system chose if `options.endpoint` left it open (":*").
   std::string endpoint() const;
   SenderStats stats() const;
@@ -92,6 +95,7 @@ struct ReceiverStats {
   std::uint64_t kept = 0, live = 0, duplicates = 0, rejected_messages = 0, bytes = 0;
   std::uint64_t missing = 0;  ///< kept captures that the sender no longer has because another receiver took them
   std::map<std::string, std::uint64_t> rejected_by_reason;
+  TrackerFrames tracker;             ///< the sender's frames, as it told about a second ago
   std::optional<ClockOffset> clock;  ///< the sender's steady clock against this one; measured again every second
   bool connected = false;
   bool ended = false;  ///< the sender said that its source has ended, and `next` has returned everything it kept

@@ -17,7 +17,7 @@ constexpr std::array<std::uint8_t, 4> kMagic{'S', 'H', 'E', 'N'};
 constexpr std::size_t kMaxMessageBytes = std::size_t(1) << 20;
 constexpr std::uint32_t kMaxCredits = 1024;
 constexpr std::uint64_t kMaxSequence = std::numeric_limits<std::int64_t>::max();
-constexpr int kMaxSessions = 16384, kMaxGauges = 1024;
+constexpr int kMaxSessions = 16384, kMaxGauges = 1024, kMaxReasons = 64;
 constexpr std::size_t kMaxIdBytes = 128;
 
 const std::string& checked(const std::string& text, std::size_t max_bytes, const char* field) {
@@ -40,6 +40,19 @@ std::uint64_t checked_sequence(std::uint64_t value, const char* field) {
     throw ProtocolError(std::string(field) + ": " + std::to_string(value) +
                         " is larger than any sequence that can be reached");
   return value;
+}
+
+TrackerFrames checked_frames(const v1::TrackerFrames& in) {
+  TrackerFrames frames{.judged = in.judged(),
+                       .trouble = checked(in.trouble(), kMaxTextBytes, "welcome.frames.trouble")};
+  if (in.refused_size() > kMaxReasons) throw ProtocolError("welcome.frames.refused: too many reasons");
+  std::uint64_t refused = 0;
+  for (const v1::Refused& entry : in.refused()) {
+    frames.refused[checked(entry.reason(), kMaxIdBytes, "welcome.frames.refused.reason")] = entry.frames();
+    if (entry.frames() > frames.judged - refused) throw ProtocolError("welcome.frames.refused: more than were judged");
+    refused += entry.frames();
+  }
+  return frames;
 }
 
 }  // namespace
@@ -106,6 +119,16 @@ Bytes encode(const Welcome& message) {
   out.set_first_sequence(message.first_sequence);
   out.set_hello_clock_ns(message.hello_clock_ns);
   out.set_clock_ns(message.clock_ns);
+  if (message.frames.judged > 0) {
+    v1::TrackerFrames& frames = *out.mutable_frames();
+    frames.set_judged(message.frames.judged);
+    frames.set_trouble(message.frames.trouble);
+    for (const auto& [reason, count] : message.frames.refused) {
+      v1::Refused& entry = *frames.add_refused();
+      entry.set_reason(reason);
+      entry.set_frames(count);
+    }
+  }
   return serialize(out);
 }
 
@@ -116,7 +139,8 @@ Welcome decode_welcome(std::span<const std::uint8_t> bytes) {
   return {.source_session = checked(in.source_session(), kMaxIdBytes, "welcome.source_session"),
           .first_sequence = checked_sequence(in.first_sequence(), "welcome.first_sequence"),
           .hello_clock_ns = in.hello_clock_ns(),
-          .clock_ns = in.clock_ns()};
+          .clock_ns = in.clock_ns(),
+          .frames = checked_frames(in.frames())};
 }
 
 Bytes encode(const Credit& message) {

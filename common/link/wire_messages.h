@@ -37,11 +37,19 @@ struct Hello {
   std::map<std::string, HeldCaptures> held;  ///< by source session
   std::int64_t clock_ns = 0;
 };
+/// What became of the camera's frames on the tracker, since its start: most are never sent.
+struct TrackerFrames {
+  std::uint64_t judged = 0;
+  std::map<std::string, std::uint64_t> refused;  ///< by reason; judged less these were kept
+  std::string trouble;                           ///< for a person, while most frames are refused; else empty
+};
+
 struct Welcome {
   std::string source_session;
   std::uint64_t first_sequence = 1;  ///< the oldest capture that the sender can still send
   std::int64_t hello_clock_ns = 0;
   std::int64_t clock_ns = 0;
+  TrackerFrames frames;
 };
 struct Credit {
   std::uint32_t captures = 0;

@@ -175,6 +175,10 @@ std::string pdf(const Sheet& sheet) {
 
 }  // namespace
 
+BoardSize board_for_paper(double longer_m, double shorter_m) {
+  return {longer_m - 2e-3 * kPageMargin, shorter_m - 1e-3 * (2 * kPageMargin + kFooter)};
+}
+
 void write_stage_sheet(const StageLayout& stage, const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
   if (ending != ".pdf" && ending != ".svg")

@@ -56,6 +56,12 @@ std::string message_of(const LoopStatus& status, TrackerLink link, const std::st
   return status.link.last_error;
 }
 
+/// What the tracker finds wrong with what the camera sees now.
+std::string trouble_of(const LoopStatus& status, const EndProgress& end) {
+  const bool running = status.link.connected && !status.link.ended && end.stage == EndStage::kCapturing;
+  return running ? status.link.tracker.trouble : "";
+}
+
 /// The mesh lit from the eye, where there is no model yet; as the window has it.
 ImageU8 plain_picture(const RayPainter& painter, const Mesh& mesh, const Camera& camera,
                       const Rigid3& camera_from_object) {
@@ -147,6 +153,8 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
                          .frames_refused = status.counts.refused,
                          .frames_withdrawn = status.counts.withdrawn,
                          .frames_waiting = status.waiting(),
+                         .tracker_judged = status.link.tracker.judged,
+                         .tracker_refused = status.link.tracker.refused,
                          .images_per_s = status.images_per_s};
   if (status.counts.accepted > 0) figures.residual = status.last.relative_residual;
   if (std::isfinite(status.last.predicted_psnr_db)) figures.predicted_psnr_db = status.last.predicted_psnr_db;
@@ -161,7 +169,8 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
                  .link = link,
                  .next_view = next_view_,
                  .work = work_of(end),
-                 .message = message_of(status, link, names_.tracker_command)});
+                 .message = message_of(status, link, names_.tracker_command),
+                 .trouble = trouble_of(status, end)});
 }
 
 MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgress& end) {
@@ -193,6 +202,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.journaled = status.journaled;
   state.sequence_gaps = status.link.missing;
   state.refused = status.counts.refused;
+  state.tracker = {status.link.tracker.judged, status.link.tracker.refused, trouble_of(status, end)};
   state.images_per_s = status.images_per_s;
   state.queues["ingest"] = {status.waiting(), 0};
   state.stage_s = status.stage_s;

@@ -21,6 +21,7 @@
 #include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
+#include "reconstructor/scene/placement_watch.h"
 #include "reconstructor/scene/scene_config.h"
 #include "reconstructor/scene/scene_mesh.h"
 
@@ -45,9 +46,14 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
   if (effort_level > 0) reconstruction->begin_at(effort_level);
   {
     Progress progress("building", captures.size);
+    PlacementWatch placement(mesh, [&](const std::string& warning) {
+      const ProgressPause pause;
+      std::fprintf(stderr, "%s: %s\n", arguments.mesh.c_str(), warning.c_str());
+    });
     for (std::size_t i = 0; i < captures.size; ++i) {
       if (stop_requested()) throw Error("stopped after " + std::to_string(i) + " images; no model was written");
       const Capture capture = captures.read(i);
+      if (first && !arguments.mesh.empty()) placement.look(capture);
       const IngestReport report = reconstruction->ingest(capture);
       if (first && report.status == IngestStatus::kRefused) {
         const ProgressPause pause;

@@ -34,6 +34,7 @@
 #include "reconstructor/monitor/monitor_token.h"
 #include "reconstructor/render/gl/viewer_window.h"
 #include "reconstructor/scene/mesh_scale.h"
+#include "reconstructor/scene/placement_watch.h"
 #include "reconstructor/scene/scene_config.h"
 #include "reconstructor/scene/scene_mesh.h"
 
@@ -284,7 +285,10 @@ void serve(const ServeArguments& arguments) {
   observer.on_link = [&link_log](const ReceiverStats& stats) { link_log.look(stats); };
   observer.on_snapshot(reconstruction.snapshot());  // the mesh, to be shown before the first image
   observer.on_capture = [show = observer.on_capture,
+                         placement = std::make_shared<PlacementWatch>(
+                             reconstruction.mesh(), [](const std::string& warning) { log_warning("mesh", warning); }),
                          scale = ScaleWatch(reconstruction.mesh())](const Capture& capture) mutable {
+    placement->look(capture);
     if (const std::string finding = scale.look(capture); !finding.empty()) log_warning("mesh", finding);
     if (show) show(capture);
   };

@@ -74,6 +74,13 @@ void frames(const MonitorState& state, Exposition& out) {
              static_cast<double>(state.waiting));
   out.family("frames_rejected_total", "counter", "Captures that were not used, by reason.");
   for (const auto& [reason, n] : state.refused) out.sample(static_cast<double>(n), {{"reason", reason}});
+  out.single("tracker_frames_total", "counter", "Frames of the camera that the tracker has judged.",
+             static_cast<double>(state.tracker.judged));
+  out.family("tracker_frames_refused_total", "counter",
+             "Frames of the camera that the tracker did not keep, by reason.");
+  for (const auto& [reason, n] : state.tracker.refused) out.sample(static_cast<double>(n), {{"reason", reason}});
+  out.single("tracker_trouble", "gauge", "1 while the tracker refuses most frames.",
+             state.tracker.trouble.empty() ? 0 : 1);
   out.single("sequence_gaps_total", "counter", "Captures that the tracker sent and nobody received.",
              static_cast<double>(state.sequence_gaps));
 }

@@ -64,6 +64,13 @@ struct MonitorState {
   std::optional<Clock::time_point> last_frame;  ///< when a capture last arrived
   /// received = accepted + held out + refused + withdrawn + waiting
   std::uint64_t received = 0, accepted = 0, held_out = 0, withdrawn = 0, waiting = 0, journaled = 0;
+  /// What the tracker says of its camera's frames: judged = kept + refused, most of which are never sent.
+  struct Tracker {
+    std::uint64_t judged = 0;
+    std::map<std::string, std::uint64_t> refused;
+    std::string trouble;  ///< why most of the latest were refused, for a person; else empty
+  };
+  Tracker tracker;
   std::uint64_t sequence_gaps = 0;               ///< captures that the tracker sent and nobody received
   std::map<std::string, std::uint64_t> refused;  ///< by reason
   double images_per_s = 0;                       ///< that the model ingests

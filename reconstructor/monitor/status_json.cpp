@@ -64,6 +64,8 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
   json["frames"] = {{"received", state.received}, {"journaled", state.journaled},        {"accepted", state.accepted},
                     {"held_out", state.held_out}, {"withdrawn", state.withdrawn},        {"waiting", state.waiting},
                     {"refused", state.refused},   {"sequence_gaps", state.sequence_gaps}};
+  json["tracker"] = {
+      {"judged", state.tracker.judged}, {"refused", state.tracker.refused}, {"trouble", state.tracker.trouble}};
   json["ingest_images_per_s"] = json_number(state.images_per_s);
   json["update_s"] = to_json(state.update);
   json["latency_s"] = to_json(state.latency);

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "common/base/files.h"
+#include "common/image/image_io.h"
 #include "common/link/monitor_socket.h"
 #include "common/session/session.h"
 #include "common/simulation/simulated_rig.h"
@@ -154,6 +155,40 @@ TEST_F(CameraOnTheWire, EveryFrameIsAccountedForAndNoKeyframeIsLost) {
     EXPECT_EQ(captures[i].second, i + 1);
   }
   expect_true_captures(0, captures.size());
+}
+
+TEST_F(CameraOnTheWire, ThePersonWhoHoldsItIsToldWhyFramesAreRefused) {
+  const std::filesystem::path strict = recording_->folder / "strict.toml";  // beside the stage that it names
+  std::string text = read_file(config());
+  text.replace(text.find("max_blur_px = 1000.0"), 20, "max_blur_px = 0.01");
+  std::ofstream(strict) << text;
+  Process camera(serve_camera() + Words{"--loop"});
+  ASSERT_TRUE(camera.prints("serves", kPatience)) << camera.output();
+  Process rig(tracker({"run", "--config", strict, "--endpoint", free_address(), "--linger", "0"}));
+  EXPECT_TRUE(rig.prints("TOO FAST: MOTION BLUR", kPatience)) << rig.output();
+  rig.signal(SIGINT);
+  wait_to_end(rig);
+  camera.signal(SIGINT);
+  expect_outcome(wait_to_end(camera), 0, {});
+}
+
+TEST_F(CameraOnTheWire, PreviewNeedsNoCalibration) {
+  Process camera(serve_camera() + Words{"--loop"});
+  ASSERT_TRUE(camera.prints("serves", kPatience)) << camera.output();
+  const std::filesystem::path grabbed = temp_.path() / "frame.png", report = temp_.path() / "preview.json";
+  expect_outcome(run_to_end(tracker({"preview", "--source", "aravis:127.0.0.1", "--frames", "3", "--grab", grabbed,
+                                     "--json", report})),
+                 0, {"focus", "clipped", "tags", "frame.png"});
+  camera.signal(SIGINT);
+  expect_outcome(wait_to_end(camera), 0, {});
+  const auto said = nlohmann::json::parse(read_file(report));
+  EXPECT_EQ(said["frames"], 3);
+  EXPECT_EQ(said["width"], 480);
+  EXPECT_GE(said["tags"], 4);
+  EXPECT_GT(said["focus"], 0.01);
+  const RawImage picture = read_image(grabbed);
+  EXPECT_EQ(picture.width, 480);
+  EXPECT_EQ(picture.height, 360);
 }
 
 TEST_F(CameraOnTheWire, ATrackerThatWasKilledComesBackToTheCamera) {

@@ -57,6 +57,30 @@ TEST_F(CommandLineUse, JsonOnStandardOutputIsOneDocument) {
       document(tracker({"keygen", "--out", temp_.path(), "--name", "desk", "--json"}), 0).contains("public_key"));
 }
 
+TEST_F(CommandLineUse, AStageFitsItsPaperAndKeepsItsLayout) {
+  const fs::path a4 = temp_.path() / "a4.svg", layout = temp_.path() / "a4.json";
+  expect_outcome(run_to_end(tracker({"stage", "--out", a4, "--paper", "A4"})), 0, {"a4.json", "25 mm"});
+  EXPECT_THAT(read_file(a4), HasSubstr("width=\"297"));
+  EXPECT_THAT(read_file(a4), HasSubstr("height=\"210"));
+  const std::string before = read_file(layout);
+  expect_outcome(run_to_end(tracker({"stage", "--out", a4, "--paper", "A4"})), 0, {});
+  expect_outcome(run_to_end(tracker({"stage", "--out", a4, "--paper", "letter"})), 1, {"a4.json", "another layout"});
+  EXPECT_EQ(read_file(layout), before);
+  expect_outcome(run_to_end(tracker({"stage", "--out", a4, "--paper", "A4", "--size", "400x300"})), 2, {});
+}
+
+TEST_F(CommandLineUse, AStageIsSurveyedByACommandOfItsOwn) {
+  expect_outcome(run_to_end(tracker({"stage", "survey", "--help"})), 0, {"--length", "--camera"});
+  expect_outcome(run_to_end(tracker({"stage"})), 2, {"--out is required"});
+}
+
+TEST_F(CommandLineUse, DoctorDoesNotPassTheExamplesNumbers) {
+  const fs::path rig = temp_.write("example.toml",
+                                   "[camera]\nwidth = 1024\nheight = 768\nfx = 1200.0\nfy = 1200.0\ncx = 511.5\n"
+                                   "cy = 383.5\n\n[source]\nuri = \"aravis:CAMERA\"\n");
+  expect_outcome(run_to_end(tracker({"doctor", "--config", rig})), 1, {"calibrate", "placeholder"});
+}
+
 TEST_F(CommandLineUse, AFullDiskIsAFailure) {
   for (const Words& command : {build({"--json", "-"}), tracker({"stage", "--out", temp_.path() / "s.svg", "--json"}),
                                tracker({"--version"}), reconstructor({"build", "--help"})})

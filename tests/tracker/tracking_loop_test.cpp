@@ -9,6 +9,7 @@
 
 #include "common/base/errors.h"
 #include "tests/tracker/synthetic_stage.h"
+#include "tracker/commands/live_line.h"
 
 namespace sheen {
 namespace {
@@ -155,6 +156,28 @@ TEST_F(TrackedStage, FastMotionIsRefusedAsBlur) {
   RecordingSink sink;
   const TrackingReport report = TrackingLoop(source, sink, rig(), {}).run(kNoHooks);
   EXPECT_EQ(report.verdicts.at(FrameVerdict::kMotionBlur), 1u);
+}
+
+TEST_F(TrackedStage, SaysWhatIsWrongWhileItRefusesWhatComes) {
+  ScriptedSource source(false);
+  for (std::uint64_t i = 0; i < 16; ++i) {  // to and fro within a tenth of a second each
+    source.frames.push_back(frame(pictures[i % 2], i + 1));
+    source.frames.back().times.device_ns = std::int64_t(i) * 100'000'000;
+    source.frames.back().exposure.exposure_s = i == 0 ? 0.001 : 0.01;
+  }
+  RecordingSink sink;
+  TrackingLoop::Hooks hooks = kNoHooks;
+  std::string told;
+  hooks.progress = [&](const TrackingReport& so_far) { told = so_far.trouble; };
+  const TrackingReport report = TrackingLoop(source, sink, rig(), {}).run(hooks);
+  EXPECT_EQ(report.verdicts.at(FrameVerdict::kMotionBlur), 15u);
+  EXPECT_EQ(report.trouble, "too fast: motion blur");
+  EXPECT_EQ(told, report.trouble);
+  const TrackerFrames sent = frames_for_link(report);
+  EXPECT_EQ(sent.judged, 16u);
+  EXPECT_EQ(sent.refused.at("motion_blur"), 15u);
+  EXPECT_EQ(sent.refused.count("keyframe"), 0u);
+  EXPECT_EQ(live_line(report), "TOO FAST: MOTION BLUR  16 frames, 1 kept, 15 refused (15 motion_blur)");
 }
 
 TEST_F(TrackedStage, ACameraFasterThanTheTrackerLosesCountedFrames) {

@@ -13,6 +13,7 @@ void add_run_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_calibrate_command(CLI::App& app);
 void add_stage_command(CLI::App& app);
+void add_preview_command(CLI::App& app);
 void add_register_command(CLI::App& app);
 void add_cameras_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);

@@ -76,6 +76,15 @@ SetupCheck check_key(const std::filesystem::path& file) {
       "keys", [&] { return load_keys(file), file.string(); }, "`sheen-tracker keygen` makes keys");
 }
 
+/// No calibrated camera has its principal point exactly in the middle and no distortion at all.
+void check_camera(const Camera& camera, std::vector<SetupCheck>& checks) {
+  const bool in_the_middle = camera.cx == (camera.width - 1) / 2.0 && camera.cy == (camera.height - 1) / 2.0;
+  if (camera.has_distortion() || !in_the_middle || camera.fx != camera.fy) return;
+  checks.push_back({"camera", Finding::kFail,
+                    "its numbers are an example's or a guess (principal point exactly in the middle, no distortion): "
+                    "`sheen-tracker calibrate` finds the true ones"});
+}
+
 void check_config(const std::filesystem::path& file, std::vector<SetupCheck>& checks) {
   RigConfig config;
   checks.push_back(check_loading("configuration", [&] {
@@ -83,6 +92,10 @@ void check_config(const std::filesystem::path& file, std::vector<SetupCheck>& ch
     return file.string();
   }));
   if (checks.back().finding == Finding::kFail) return;
+  if (config.camera) check_camera(*config.camera, checks);
+  if (config.source_uri == "aravis:CAMERA")
+    checks.push_back({"source", Finding::kFail,
+                      "\"aravis:CAMERA\" is the example's placeholder; `sheen-tracker cameras` lists the IDs"});
   if (!config.camera)
     checks.push_back({"camera", Finding::kWarn, "no [camera]: only data sets can be run; calibrate the camera"});
   if (config.stage_file)

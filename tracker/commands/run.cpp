@@ -20,6 +20,7 @@
 #include "common/link/monitor_socket.h"
 #include "common/link/transport.h"
 #include "tracker/commands/commands.h"
+#include "tracker/commands/live_line.h"
 #include "tracker/rig_config.h"
 #include "tracker/tracking_loop.h"
 
@@ -153,7 +154,13 @@ void run(const RunArguments& arguments) {
       with_link.gauges["link_connected"] = link.peer_connected;
       publisher->publish(std::move(with_link));
     };
+  std::optional<LiveLine> line(std::in_place);
+  hooks.progress = [&](const TrackingReport& so_far) {
+    sender.report(frames_for_link(so_far));
+    line->show(so_far);
+  };
   const TrackingReport report = loop.run(hooks);
+  line.reset();
   const std::string failure = report.failure_text();
   if (!failure.empty()) std::cerr << "sheen-tracker: the source failed: " << failure << '\n';
   drain(sender, arguments.linger_s, failure);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -16,11 +18,35 @@ namespace {
 
 struct StageArguments {
   std::filesystem::path out;
-  std::string size_mm = "400x300";
+  std::string size_mm = "400x300", paper;
   double tag_mm = 36;
+  bool tag_given = false;
   int first_id = 0;
   bool json = false;
 };
+
+struct Paper {
+  double longer_m, shorter_m;
+};
+const std::map<std::string, Paper> kPapers{
+    {"A4", {0.297, 0.210}}, {"A3", {0.420, 0.297}}, {"letter", {0.2794, 0.2159}}};
+
+/// The largest board of the paper, its tags in proportion where no size was asked for.
+void fit_to_paper(const StageArguments& arguments, StageOptions& options) {
+  constexpr double kTagOfWidth = 0.09;
+  const Paper& paper = kPapers.at(arguments.paper);
+  const BoardSize board = board_for_paper(paper.longer_m, paper.shorter_m);
+  options.width_m = board.width_m;
+  options.height_m = board.height_m;
+  if (!arguments.tag_given) options.tag_m = std::round(1e3 * kTagOfWidth * board.width_m) / 1e3;
+}
+
+/// A layout belongs to a sheet that may be glued down already: it is not written over by that of another one.
+void check_not_another(const std::filesystem::path& layout, const StageLayout& stage) {
+  if (!std::filesystem::exists(layout)) return;
+  if (load_stage(layout).hash() != stage.hash())
+    throw FileError(layout.string(), "holds another layout; give --out another name, or move it away");
+}
 
 void make(const StageArguments& arguments) {
   StageOptions options;
@@ -32,9 +58,11 @@ void make(const StageArguments& arguments) {
   options.width_m = width / 1e3;
   options.height_m = height / 1e3;
   options.tag_m = arguments.tag_mm / 1e3;
+  if (!arguments.paper.empty()) fit_to_paper(arguments, options);
   options.first_id = arguments.first_id;
   const StageLayout stage = make_stage(options);
-  const std::filesystem::path layout = arguments.out.parent_path() / "stage.json";
+  const std::filesystem::path layout = std::filesystem::path(arguments.out).replace_extension(".json");
+  check_not_another(layout, stage);
   write_stage_sheet(stage, arguments.out);
   save_stage(stage, layout);
   if (arguments.json) {
@@ -48,7 +76,7 @@ void make(const StageArguments& arguments) {
   }
   std::printf(
       "%s: %zu tags of %g mm. Print at 100 %% and check the 100 mm bar with a ruler.\n%s: where the tags are.\n",
-      arguments.out.c_str(), stage.tags.size(), arguments.tag_mm, layout.c_str());
+      arguments.out.c_str(), stage.tags.size(), 1e3 * options.tag_m, layout.c_str());
 }
 
 }  // namespace
@@ -56,16 +84,27 @@ void make(const StageArguments& arguments) {
 void add_stage_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("stage", "Makes a stage of tags to print, and its layout file.");
   const auto arguments = std::make_shared<StageArguments>();
-  command->add_option("--out", arguments->out, "stage.pdf or stage.svg; stage.json is written beside it");
+  command->add_option("--out", arguments->out, "stage.pdf or stage.svg; the layout beside it has the same name, .json");
   command->add_option("--size", arguments->size_mm, "size of the board, WIDTHxHEIGHT in mm")->capture_default_str();
-  command->add_option("--tag", arguments->tag_mm, "side of a tag's black square in mm")
-      ->check(number_in(1, 10000))
-      ->capture_default_str();
+  command
+      ->add_option("--paper", arguments->paper,
+                   "A4, A3 or letter: the largest board that fits on it; in place of --size")
+      ->check(CLI::IsMember(std::vector<std::string>{"A4", "A3", "letter"}))
+      ->excludes("--size");
+  CLI::Option* tag = command->add_option("--tag", arguments->tag_mm, "side of a tag's black square in mm")
+                         ->check(number_in(1, 10000))
+                         ->capture_default_str();
   command->add_option("--first-id", arguments->first_id, "id of the first tag")
       ->check(whole_number_in(0, 586))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "print JSON");
-  command->callback([arguments] { make(*arguments); });
+  add_stage_survey_command(*command);
+  command->callback([command, arguments, tag] {
+    if (!command->get_subcommands().empty()) return;  // that was its work
+    if (arguments->out.empty()) throw ConfigError("--out is required: stage.pdf or stage.svg");
+    arguments->tag_given = !tag->empty();
+    make(*arguments);
+  });
 }
 
 }  // namespace sheen

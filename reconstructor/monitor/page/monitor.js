@@ -140,6 +140,8 @@ function show(s) {
   $("next-view").classList.toggle("done", s.well_known);
   $("hint").hidden = !s.hint; $("hint").firstElementChild.textContent = s.hint;
 
+  $("trouble").hidden = !s.tracker.trouble; text("trouble", s.tracker.trouble);
+
   const f = s.frames, curve = s.held_out_curve, last = curve[curve.length - 1];
   const refused = Object.entries(f.refused), allRefused = refused.reduce((sum, r) => sum + r[1], 0);
   text("accepted", f.accepted);
@@ -166,6 +168,8 @@ function show(s) {
     {name: "waiting", value: f.waiting, shown: f.waiting, tone: "idle"},
     ...refused.sort((a, b) => b[1] - a[1]).map(([reason, n]) => (
       {name: reason.replaceAll("_", " "), value: n, shown: n, tone: "warn"})),
+    ...Object.entries(s.tracker.refused).sort((a, b) => b[1] - a[1]).map(([reason, n]) => (
+      {name: "tracker: " + reason.replaceAll("_", " "), value: n, shown: n + " of " + s.tracker.judged, tone: "warn"})),
     {name: "lost on the way", value: f.sequence_gaps, shown: f.sequence_gaps, tone: "bad"},
   ]);
   bars("queues", Object.entries(s.queues).map(([name, q]) => ({

@@ -95,6 +95,13 @@ std::vector<Line> frame_lines(const CaptureFigures& f) {
                                            count(f.frames_accepted), count(f.frames_held_out), count(refused))}};
   for (const auto& [reason, n] : f.frames_refused)
     lines.push_back({"", print("  %s %llu", reason.c_str(), count(n)), kDim});
+  if (f.tracker_judged > 0) {
+    std::uint64_t there = 0;
+    for (const auto& [reason, n] : f.tracker_refused) there += n;
+    lines.push_back({"camera", print("%llu frames, tracker refused %llu", count(f.tracker_judged), count(there))});
+    for (const auto& [reason, n] : f.tracker_refused)
+      lines.push_back({"", print("  %s %llu", reason.c_str(), count(n)), kDim});
+  }
   if (f.frames_withdrawn > 0) lines.push_back({"", print("taken back %llu", count(f.frames_withdrawn))});
   lines.push_back(f.frames_waiting > 0 && f.images_per_s > 0
                       ? Line{"rate",
@@ -185,6 +192,18 @@ void Hud::draw_work(OverlayPainter& overlay) const {
   overlay.fill(x + pad, y, (width - 2 * pad) * static_cast<float>(std::clamp(state.work->share, 0.0, 1.0)), bar,
                kGreen);
   overlay.text(x + pad, y + bar + pad / 2, state.work->way_out, kDim);
+}
+
+/// In the middle of the upper half, in the largest letters that fit.
+void Hud::draw_trouble(OverlayPainter& overlay) const {
+  if (state.trouble.empty()) return;
+  const auto letters = static_cast<float>(state.trouble.size());
+  const float window = static_cast<float>(overlay.width());
+  const float scale = std::clamp(0.9f * window / ((letters + 2) * overlay.advance()), 1.0f, 3.0f);
+  const float width = (letters + 2) * scale * overlay.advance(), height = 1.6f * scale * overlay.line_height();
+  const float x = std::max(0.0f, (window - width) / 2), y = 0.28f * static_cast<float>(overlay.height());
+  overlay.fill(x, y, width, height, {150, 20, 16, 235});
+  overlay.text(x + scale * overlay.advance(), y + 0.3f * scale * overlay.line_height(), state.trouble, kText, scale);
 }
 
 void Hud::draw_legend(OverlayPainter& overlay) const {
@@ -285,6 +304,7 @@ void Hud::draw(OverlayPainter& overlay) const {
     draw_work(overlay);
   else
     draw_guidance(overlay);
+  draw_trouble(overlay);
   draw_legend(overlay);
   draw_notes(overlay);
   if (controls.help)

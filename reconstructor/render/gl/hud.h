@@ -26,6 +26,7 @@ struct Hud {
   void draw_figures(OverlayPainter& overlay) const;
   void draw_guidance(OverlayPainter& overlay) const;
   void draw_work(OverlayPainter& overlay) const;
+  void draw_trouble(OverlayPainter& overlay) const;
   void draw_legend(OverlayPainter& overlay) const;
   void draw_notes(OverlayPainter& overlay) const;
   void draw_help(OverlayPainter& overlay) const;

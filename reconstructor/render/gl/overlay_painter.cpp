@@ -120,7 +120,7 @@ void OverlayPainter::line(const Eigen::Vector2f& from, const Eigen::Vector2f& to
   box((from + to) / 2, along / length, length / 2, width / 2, color);
 }
 
-void OverlayPainter::text(float x, float y, std::string_view text, Rgba color) {
+void OverlayPainter::text(float x, float y, std::string_view text, Rgba color, float scale) {
   x = std::round(x);  // glyphs are drawn pixel for pixel
   y = std::round(y);
   const float w = advance(), h = line_height();
@@ -131,10 +131,10 @@ void OverlayPainter::text(float x, float y, std::string_view text, Rgba color) {
     const float v = h * static_cast<float>(cell / GlyphAtlas::kColumns);
     if (character != ' ')
       quad({{{x, y, u, v, -1, -1, color},
-             {x + w, y, u + w, v, -1, -1, color},
-             {x + w, y + h, u + w, v + h, -1, -1, color},
-             {x, y + h, u, v + h, -1, -1, color}}});
-    x += w;
+             {x + scale * w, y, u + w, v, -1, -1, color},
+             {x + scale * w, y + scale * h, u + w, v + h, -1, -1, color},
+             {x, y + scale * h, u, v + h, -1, -1, color}}});
+    x += scale * w;
   }
 }
 

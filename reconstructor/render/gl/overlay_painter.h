@@ -25,8 +25,8 @@ class OverlayPainter {
   void fill(float x, float y, float width, float height, Rgba color);
   void triangle(const Eigen::Vector2f& a, const Eigen::Vector2f& b, const Eigen::Vector2f& c, Rgba color);
   void line(const Eigen::Vector2f& from, const Eigen::Vector2f& to, float width, Rgba color);
-  /// Top left corner at (x, y). What is not printable ASCII is shown as '?'.
-  void text(float x, float y, std::string_view text, Rgba color);
+  /// Top left corner at (x, y). What is not printable ASCII is shown as '?'. `scale`: of the letters.
+  void text(float x, float y, std::string_view text, Rgba color, float scale = 1);
   /// Draws what was collected, clipped to the panel.
   void flush(const Panel& panel);
 

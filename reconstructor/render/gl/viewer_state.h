@@ -29,6 +29,8 @@ struct CaptureFigures {
   std::map<std::string, std::uint64_t> frames_refused;
   std::uint64_t frames_withdrawn = 0;
   std::uint64_t frames_waiting = 0;  ///< kept, and not in the model yet
+  std::uint64_t tracker_judged = 0;  ///< frames of the camera, as the tracker says; most are never sent
+  std::map<std::string, std::uint64_t> tracker_refused;
   double images_per_s = 0;
   std::optional<double> residual;           ///< relative, of the last image: 0..1
   std::optional<double> predicted_psnr_db;  ///< of the last image, from those before it
@@ -59,6 +61,7 @@ struct ViewerState {
   std::optional<NextView> next_view;
   std::optional<WorkInHand> work;
   std::string message;  ///< one line for the person at the screen
+  std::string trouble;  ///< shown large: why the tracker refuses what the camera sees; else empty
 };
 
 }  // namespace sheen

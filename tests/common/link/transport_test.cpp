@@ -55,6 +55,20 @@ class Process {
   pid_t pid_;
 };
 
+TEST(Transport, TheReceiverLearnsWhatTheTrackerRefuses) {
+  CaptureSender sender(sender_options());
+  CaptureReceiver receiver(receiver_options(sender.endpoint()));
+  sender.report({56, {{"motion_blur", 55}}, "too fast: motion blur"});
+  EXPECT_TRUE(eventually([&] { return receiver.stats().tracker.judged == 56; }));
+  EXPECT_EQ(receiver.stats().tracker.refused.at("motion_blur"), 55u);
+  EXPECT_EQ(receiver.stats().tracker.trouble, "too fast: motion blur");
+  // The last counts come before the end.
+  sender.report({60, {{"motion_blur", 55}}, ""});
+  EXPECT_TRUE(sender.finish(kLong));
+  EXPECT_EQ(receiver.stats().tracker.judged, 60u);
+  EXPECT_EQ(receiver.stats().tracker.trouble, "");
+}
+
 TEST(Transport, CapturesArriveInOrderUnharmedAndAreAcknowledged) {
   CaptureSender sender(sender_options());
   CaptureReceiver receiver(receiver_options(sender.endpoint()));

@@ -265,6 +265,11 @@ TEST(LinkMessages, ComeBackAsTheyWent) {
   EXPECT_EQ(welcome.first_sequence, 9u);
   EXPECT_EQ(welcome.hello_clock_ns, 1);
   EXPECT_EQ(welcome.clock_ns, 2);
+  EXPECT_EQ(welcome.frames.judged, 0u);
+  const Welcome told = decode_welcome(encode(Welcome{"a", 9, 1, 2, {56, {{"motion_blur", 55}}, "too fast"}}));
+  EXPECT_EQ(told.frames.judged, 56u);
+  EXPECT_EQ(told.frames.refused.at("motion_blur"), 55u);
+  EXPECT_EQ(told.frames.trouble, "too fast");
   EXPECT_EQ(decode_credit(encode(Credit{4})).captures, 4u);
   const Ack ack = decode_ack(encode(Ack{"a", 6, true}));
   EXPECT_EQ(ack.source_session, "a");
@@ -278,6 +283,9 @@ TEST(LinkMessages, NonsenseIsRefused) {
   EXPECT_THROW(decode_hello(encode(Hello{"reconstructor", 5000, {}, 0})), ProtocolError);
   EXPECT_THROW(decode_welcome(encode(Welcome{"", 1, 0, 0})), ProtocolError);
   EXPECT_THROW(decode_welcome(encode(Welcome{"a", 0, 0, 0})), ProtocolError);
+  EXPECT_THROW(decode_welcome(encode(Welcome{"a", 1, 0, 0, {5, {{"too_near", 4}, {"no_pose", 2}}, ""}})),
+               ProtocolError);
+  EXPECT_THROW(decode_welcome(encode(Welcome{"a", 1, 0, 0, {5, {}, "\x1b[2J"}})), ProtocolError);
   EXPECT_THROW(decode_refuse(encode(Refuse{"\x1b[2J"})), ProtocolError);
   const Bytes garbage(40, 0xFF);
   EXPECT_THROW(decode_ack(garbage), ProtocolError);

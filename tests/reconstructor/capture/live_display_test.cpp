@@ -45,7 +45,14 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   LoopStatus status;
   status.link.connected = true;
   EXPECT_EQ(display.monitor_state(status).hint, "");
+  status.link.tracker = {56, {{"motion_blur", 55}}, "too fast: motion blur"};
+  EXPECT_EQ(display.monitor_state(status).tracker.trouble, "too fast: motion blur");
+  EXPECT_EQ(display.monitor_state(status).tracker.refused.at("motion_blur"), 55u);
+  display.publish_to_window(status);
+  EXPECT_EQ(display.feed().latest()->trouble, "too fast: motion blur");
+  EXPECT_EQ(display.feed().latest()->figures->tracker_judged, 56u);
   status.link.connected = false;
+  EXPECT_EQ(display.monitor_state(status).tracker.trouble, "") << "what was wrong when it was last heard of";
   EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kDisconnected);
 }
 

@@ -27,6 +27,9 @@ TEST(Metrics, SayWhatTheStateSays) {
   EXPECT_EQ(metrics.value("sheen_frames_journaled_total"), 159);
   EXPECT_EQ(metrics.value("sheen_frames_rejected_total", {{"reason", "object_not_in_view"}}), 17);
   EXPECT_EQ(metrics.value("sheen_frames_rejected_total", {{"reason", "exposure_unknown"}}), 9);
+  EXPECT_EQ(metrics.value("sheen_tracker_frames_total"), 731);
+  EXPECT_EQ(metrics.value("sheen_tracker_frames_refused_total", {{"reason", "motion_blur"}}), 422);
+  EXPECT_EQ(metrics.value("sheen_tracker_trouble"), 1);
   EXPECT_EQ(metrics.value("sheen_ingest_images_per_second"), 8.4);
   EXPECT_EQ(metrics.value("sheen_update_duration_seconds_count"), 121);
   EXPECT_NEAR(metrics.value("sheen_update_duration_seconds_sum"), 0.001 * (60 * 121 + 121 * 61), 1e-9);

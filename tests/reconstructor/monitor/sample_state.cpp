@@ -20,6 +20,7 @@ MonitorState sample_monitor_state() {
   state.waiting = 6;
   state.journaled = 159;
   state.refused = {{"object_not_in_view", 17}, {"exposure_unknown", 9}};
+  state.tracker = {731, {{"motion_blur", 422}, {"too_near", 139}}, "too fast: motion blur"};
   state.images_per_s = 8.4;
   state.queues = {{"journal", {5, 0}}, {"send", {31, 64}}};
   state.stage_s = {{"visibility", 0.031}, {"resample", 0.027}, {"factorize", 0.0445}};

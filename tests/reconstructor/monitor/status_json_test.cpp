@@ -22,6 +22,9 @@ TEST(StatusJson, SaysWhatTheStateSays) {
   EXPECT_EQ(json["frames"]["accepted"], 121);
   EXPECT_EQ(json["frames"]["refused"]["object_not_in_view"], 17);
   EXPECT_EQ(json["frames"]["waiting"], 6);
+  EXPECT_EQ(json["tracker"]["judged"], 731);
+  EXPECT_EQ(json["tracker"]["refused"]["motion_blur"], 422);
+  EXPECT_EQ(json["tracker"]["trouble"], "too fast: motion blur");
   EXPECT_TRUE(json["ending"].is_null());
   EXPECT_EQ(json["queues"]["send"]["capacity"], 64);
   EXPECT_EQ(json["links"][0]["endpoint"], "tcp://127.0.0.1:7410");

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracker/commands/live_line.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace sheen {
+namespace {
+
+constexpr std::chrono::seconds kQuiet{3};  // between two lines where there is no terminal
+constexpr std::size_t kWidth = 100;        // of a line that is written over
+
+}  // namespace
+
+std::string live_line(const TrackingReport& report) {
+  std::string text = report.trouble;
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+  if (!text.empty()) text += "  ";
+  std::string reasons;
+  std::uint64_t refused = 0;
+  for (const auto& [verdict, count] : report.verdicts) {
+    if (verdict == FrameVerdict::kKeyframe) continue;
+    refused += count;
+    reasons += (reasons.empty() ? "" : ", ") + std::to_string(count) + " " + to_string(verdict);
+  }
+  text += std::to_string(report.judged) + " frames, " + std::to_string(report.kept) + " kept, " +
+          std::to_string(refused) + " refused";
+  return reasons.empty() ? text : text + " (" + reasons + ")";
+}
+
+LiveLine::LiveLine(std::FILE* stream) : stream_(stream), terminal_(::isatty(::fileno(stream)) == 1) {}
+
+LiveLine::~LiveLine() {
+  if (terminal_) std::fputs("\r\033[K", stream_);
+}
+
+void LiveLine::show(const TrackingReport& report) {
+  if (report.judged == 0) return;
+  if (terminal_) {
+    std::fprintf(stream_, "\r\033[K%s", live_line(report).substr(0, kWidth).c_str());
+    std::fflush(stream_);
+    return;
+  }
+  const auto now = std::chrono::steady_clock::now();
+  if (report.trouble == told_ || (told_at_ && now - *told_at_ < kQuiet)) return;
+  told_ = report.trouble;
+  told_at_ = now;
+  std::fprintf(stream_, "sheen-tracker: %s%s\n", told_.empty() ? "frames are kept again: " : "",
+               live_line(report).c_str());
+}
+
+}  // namespace sheen

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/base/command_line.h"
+#include "common/base/end_on_stop.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/report_file.h"
+#include "common/base/stop_signal.h"
+#include "common/image/image_io.h"
+#include "tracker/commands/commands.h"
+#include "tracker/preview.h"
+#include "tracker/rig_config.h"
+
+namespace sheen {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kPoll{50};
+constexpr std::chrono::seconds kNothingComes{5};
+
+struct PreviewArguments {
+  std::filesystem::path config, grab, json;
+  std::string source;
+  double exposure_us = 0;
+  std::uint64_t frames = 0;
+};
+
+/// Of all frames that were looked at.
+struct PreviewReport {
+  std::uint64_t frames = 0, incomplete = 0;
+  int width = 0, height = 0;
+  std::string format;
+  double exposure_s = 0;
+  ImageLook last;
+  double best_focus = 0;
+};
+
+std::string line_of(const PreviewReport& report) {
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "frame %llu  focus %.3f (best %.3f)  mean %.0f %%  clipped %.2f %%  dark %.1f %%  %zu tags",
+                static_cast<unsigned long long>(report.frames), report.last.focus, report.best_focus,
+                100 * report.last.mean, 100 * report.last.clipped, 100 * report.last.dark, report.last.tags);
+  std::string line = text;
+  if (report.exposure_s > 0) line += "  " + std::to_string(std::lround(1e6 * report.exposure_s)) + " us";
+  if (const std::string what = advice(report.last); !what.empty()) line += "  " + what;
+  return line;
+}
+
+std::string json_of(const PreviewReport& report) {
+  return nlohmann::json{{"frames", report.frames},      {"incomplete", report.incomplete},
+                        {"width", report.width},        {"height", report.height},
+                        {"format", report.format},      {"exposure_us", 1e6 * report.exposure_s},
+                        {"focus", report.last.focus},   {"best_focus", report.best_focus},
+                        {"mean", report.last.mean},     {"clipped", report.last.clipped},
+                        {"dark", report.last.dark},     {"tags", report.last.tags},
+                        {"advice", advice(report.last)}}
+             .dump(2) +
+         "\n";
+}
+
+/// The next frame whose image is whole; nothing when the person or the source has had enough.
+std::optional<Frame> next_whole(FrameSource& source, PreviewReport& report) {
+  const auto begin = std::chrono::steady_clock::now();
+  while (!stop_requested() && !source.ended()) {
+    std::optional<Frame> frame = source.next(kPoll);
+    if (frame && frame->given) frame->image = std::move(frame->given->image);
+    if (frame && frame->complete) return frame;
+    if (frame) ++report.incomplete;
+    if (!frame && report.frames == 0 && std::chrono::steady_clock::now() - begin > kNothingComes)
+      throw DeviceError("no frame came within 5 s: " + source.message());
+  }
+  return std::nullopt;
+}
+
+void preview(const PreviewArguments& arguments) {
+  ReportFile json(arguments.json);
+  if (!arguments.grab.empty()) check_writable(arguments.grab);
+  RigConfig config = arguments.config.empty() ? RigConfig{} : load_rig_config(arguments.config);
+  if (!arguments.source.empty()) config.source_uri = arguments.source;
+  if (arguments.exposure_us > 0) config.source.exposure_us = arguments.exposure_us;
+  if (!config.source_uri) throw ConfigError("no source; give --source URI or a --config whose [source] has a uri");
+  std::optional<EndOnStop> opening("sheen-tracker: stopped before the source was open");
+  const auto source = open_source(parse_source_uri(*config.source_uri), config.source);
+  opening.reset();
+
+  const bool terminal = ::isatty(::fileno(stdout)) == 1;
+  TagDetector detector;
+  PreviewReport report;
+  RawImage newest;
+  while (arguments.frames == 0 || report.frames < arguments.frames) {
+    std::optional<Frame> frame = next_whole(*source, report);
+    if (!frame) break;
+    if (bytes_per_pixel(frame->image.format) > 3) throw ConfigError("preview looks at 8-bit images only");
+    ++report.frames;
+    report.width = frame->image.width;
+    report.height = frame->image.height;
+    report.format = pfnc_name(frame->image.format);
+    report.exposure_s = frame->exposure.exposure_s;
+    report.last = inspect(frame->image, detector);
+    report.best_focus = std::max(report.best_focus, report.last.focus);
+    newest = std::move(frame->image);
+    std::printf(terminal ? "\r\033[K%s" : "%s\n", line_of(report).c_str());
+    std::fflush(stdout);
+  }
+  if (terminal) std::printf("\n");
+  if (report.frames == 0) throw Error("no whole frame came: " + source->message());
+  if (!arguments.grab.empty()) {
+    write_png(arguments.grab, viewable(newest));
+    std::printf("%s: the last frame\n", arguments.grab.c_str());
+  }
+  if (json.wanted()) json.write(json_of(report));
+}
+
+}  // namespace
+
+void add_preview_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "preview", "Shows focus, exposure and tags of a camera, before anything is calibrated, and saves a frame.");
+  const auto arguments = std::make_shared<PreviewArguments>();
+  command->add_option("--source", arguments->source, "aravis:ID, video:PATH or dataset:DIR");
+  command->add_option("--config", arguments->config, "rig.toml; only its [source] counts");
+  command->add_option("--exposure-us", arguments->exposure_us, "exposure to set, microseconds")
+      ->check(number_in(0.001, 1e8));
+  command->add_option("--frames", arguments->frames, "end after so many frames; 0: with Ctrl-C")
+      ->check(whole_number_in(0, 1'000'000'000))
+      ->capture_default_str();
+  command->add_option("--grab", arguments->grab, "PNG file of the last frame");
+  command->add_option("--json", arguments->json, "report of the last frame; - for standard output");
+  command->callback([arguments] { preview(*arguments); });
+}
+
+}  // namespace sheen
