@@ -73,8 +73,9 @@ void render(const RenderArguments& arguments) {
   std::size_t predicted_views = 0;
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const SmoothView painted = painter.paint_smooth(*saved.snapshot, outlines, cameras[i].camera,
-                                                    cameras[i].camera_from_object, light_of(cameras[i], *saved.snapshot));
+    const SmoothView painted =
+        painter.paint_smooth(*saved.snapshot, outlines, cameras[i].camera, cameras[i].camera_from_object,
+                             light_of(cameras[i], *saved.snapshot));
     if (const double db = predicted_psnr_db(painted, painted.coverage); std::isfinite(db)) {
       predicted_db += db;
       ++predicted_views;
@@ -102,8 +103,9 @@ void add_render_command(CLI::App& app) {
   command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
   CLI::Option* cameras =
       command->add_option("--cameras", arguments->cameras, "transforms.json with the cameras to render");
-  CLI::Option* lights = command->add_option(
-      "--lights", arguments->light.list, "list of lights (.lp) to render a model of moving light in, one after the other");
+  CLI::Option* lights =
+      command->add_option("--lights", arguments->light.list,
+                          "list of lights (.lp) to render a model of moving light in, one after the other");
   CLI::Option* luminaires = command->add_option("--luminaires", arguments->light.luminaires,
                                                 "file (JSON) of pictures in lamps that are on together, far and large");
   CLI::Option* environment =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/registration/silhouette.h"
 #include "reconstructor/refinement/mesh_judgement.h"
+#include "common/registration/silhouette.h"
 
 #include <gtest/gtest.h>
 
