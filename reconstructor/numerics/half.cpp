@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/numerics/half.h"
 
-#if defined(__F16C__)
-#include <immintrin.h>
-#endif
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -18,7 +14,7 @@ static_assert(sizeof(Half) == sizeof(std::uint16_t) && std::is_trivially_copyabl
 template <typename Scalar>
 void to_half(const Scalar* from, Eigen::Index count, Half* to) {
   Eigen::Index i = 0;
-#if defined(__F16C__)
+#if defined(__F16C__) && defined(EIGEN_VECTORIZE_AVX)  // for which Eigen includes the intrinsics
   if constexpr (std::is_same_v<Scalar, float>)
     for (; i + 8 <= count; i += 8)
       _mm_storeu_si128(reinterpret_cast<__m128i*>(to + i),
@@ -30,7 +26,7 @@ void to_half(const Scalar* from, Eigen::Index count, Half* to) {
 template <typename Scalar>
 void from_half(const Half* from, Eigen::Index count, Scalar* to) {
   Eigen::Index i = 0;
-#if defined(__F16C__)
+#if defined(__F16C__) && defined(EIGEN_VECTORIZE_AVX)  // for which Eigen includes the intrinsics
   if constexpr (std::is_same_v<Scalar, float>)
     for (; i + 8 <= count; i += 8)
       _mm256_storeu_ps(to + i, _mm256_cvtph_ps(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from + i))));
