@@ -63,7 +63,7 @@ std::array<int, 2> parse_image_size(const std::string& option, const std::string
 }
 
 std::string gigabytes(double bytes) {
-  return format("%.1f GB", bytes / 1e9);
+  return format("%.3g GB", bytes / 1e9);
 }
 
 }  // namespace sheen

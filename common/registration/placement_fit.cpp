@@ -11,7 +11,7 @@
 namespace sheen {
 namespace {
 
-constexpr double kUndetermined = 1e-2;  // curvature of a direction, of the best known one: less is chance of the pixels
+constexpr double kUndetermined = 5e-3;  // curvature of a direction, of the best known one: less is chance of the pixels
 constexpr double kRidge = 1e-6;         // keeps such directions where they are
 constexpr double kLeastDamping = 1e-4, kMostDamping = 1e4;
 constexpr double kFewGroups = 10;    // what a covariance from hardly more groups than parameters is multiplied by

@@ -33,7 +33,7 @@ std::size_t number_bytes(const RingModelOptions& options) {
 
 RingFactorOptions factor_options(const RingModelOptions& options) {
   RingFactorOptions factor = ring_factor_options(options.factor);
-  factor.rests_in_half = options.in_half;
+  factor.rests_in_half = options.bases_in_half;
   return factor;
 }
 
@@ -280,7 +280,7 @@ double RingModel::largest_bytes(double samples, const RingModelOptions& options)
   const double rows = 3 * samples, views = options.max_views + factor.block;
   return sizeof(RingModel) + sizeof(std::uint16_t) * samples + views * ViewSet::bytes_for(1) +
          RingFactor::bytes_for(rows, factor.terms_kept(), factor.block, views, factor.witnesses(static_cast<int>(rows)),
-                               options.in_half);
+                               options.bases_in_half);
 }
 
 double RingModel::largest_snapshot_bytes(double samples, const RingModelOptions& options) {

@@ -26,9 +26,11 @@ struct RingModelOptions {
   /// A term that adds less than this to what is displayed, RMS over a ring's values and views, is not worth its memory:
   /// half a grey level. 0 = all that the tolerance asks for.
   double least_displayed = 0.5 / 255;
-  /// Columns that wait, the basis between folds and the maps of snapshots are kept in half precision, which takes half
-  /// of the memory: less than a tenth of a grey level. For studies of it there is single precision.
+  /// Columns that wait and the maps of snapshots are kept in half precision, which takes half of their memory: less
+  /// than a tenth of a grey level. For studies of it there is single precision.
   bool in_half = true;
+  /// The bases between folds, too: for studies, since the quality heuristic then stays higher where there is no noise.
+  bool bases_in_half = false;
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
 };
 

@@ -38,9 +38,9 @@ TEST(Quantity, AnImageSizeOfNoImageIsRefused) {
                               {"--size", "WIDTHxHEIGHT", "64..16384 pixels"});
 }
 
-TEST(Quantity, GigabytesHaveOneDecimal) {
+TEST(Quantity, GigabytesHaveThreeDigits) {
   EXPECT_EQ(gigabytes(12.34e9), "12.3 GB");
-  EXPECT_EQ(gigabytes(0), "0.0 GB");
+  EXPECT_EQ(gigabytes(24e9), "24 GB");
 }
 
 }  // namespace
