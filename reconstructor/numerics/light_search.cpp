@@ -58,7 +58,9 @@ class Exposure {
   std::optional<Derivatives> derivatives(const Element& element) const {
     if (element.light.z() < 2 * step_) return std::nullopt;
     const auto [u, v] = tangents_of(element.light);
-    const auto f = [&](double a, double b) { return at(element.light + step_ * (a * u + b * v), element.eye); };
+    const auto f = [&, &u = u, &v = v](double a, double b) {  // clang 14 does not capture bindings by itself
+      return at(element.light + step_ * (a * u + b * v), element.eye);
+    };
     const double here = f(0, 0), right = f(1, 0), left = f(-1, 0), up = f(0, 1), down = f(0, -1);
     const double r = std::sqrt(0.5), diagonal = f(r, r) + f(-r, -r) - 2 * here;
     Derivatives d;

@@ -23,14 +23,12 @@ struct RingModelOptions {
   double min_visible = 0.1;      ///< fraction of a ring's samples that an image must show
   double repeat_angle = 0.0175;  ///< rad from a kept view within which an image may be a repetition of it; 0 = none is
   ViewInterpolationOptions interpolation;
-  /// A term that adds less than this to what is displayed, RMS over a ring's values and views, is not worth its memory:
-  /// half a grey level. 0 = all that the tolerance asks for.
-  double least_displayed = 0.5 / 255;
-  /// Columns that wait and the maps of snapshots are kept in half precision, which takes half of their memory: less
-  /// than a tenth of a grey level. For studies of it there is single precision.
-  bool in_half = true;
-  /// The bases between folds, too: for studies, since the quality heuristic then stays higher where there is no noise.
-  bool bases_in_half = false;
+  /// A term that adds less than this to what is displayed, RMS over a ring's values and views, is let go: 0.5 / 255 is
+  /// half a grey level. 0 = all terms that the tolerance asks for. For studies, as the next two: the quality heuristic
+  /// does not yet bear them where there is no noise (docs/decisions/small_models.md).
+  double least_displayed = 0;
+  bool in_half = false;        ///< columns that wait and the maps of snapshots in half precision: half of their memory
+  bool bases_in_half = false;  ///< the bases between folds, too
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
 };
 

@@ -37,18 +37,23 @@ RingModel ring_of(float noise, float second, RingModelOptions options) {
   return ring;
 }
 
+/// Terms of half a grey level or more.
+RingModelOptions what_shows() {
+  RingModelOptions options;
+  options.least_displayed = 0.5f * kGreyLevel;
+  return options;
+}
+
 TEST(RingTerms, NoiseCostsNoneButTheReserve) {
-  RingModelOptions all;
-  all.least_displayed = 0;
-  EXPECT_GE(ring_of(2 * kGreyLevel, 0, all).rank(), 20);
+  EXPECT_GE(ring_of(2 * kGreyLevel, 0, {}).rank(), 20) << "with all terms";
   // What smoothing over some ten views leaves of two grey levels of noise is spread over as many terms.
-  const RingModel ring = ring_of(2 * kGreyLevel, 0, {});
+  const RingModel ring = ring_of(2 * kGreyLevel, 0, what_shows());
   EXPECT_LE(ring.rank(), 3);
   EXPECT_LE(ring.factor().rank(), 7);
 }
 
 TEST(RingTerms, WhatShowsIsKept) {
-  const RingModel ring = ring_of(2 * kGreyLevel, 8 * kGreyLevel, {});
+  const RingModel ring = ring_of(2 * kGreyLevel, 8 * kGreyLevel, what_shows());
   EXPECT_GE(ring.rank(), 2);
   EXPECT_LE(ring.rank(), 4);
   // The second term is in the leading ones: the pattern lies in what they span.
@@ -58,8 +63,7 @@ TEST(RingTerms, WhatShowsIsKept) {
 }
 
 TEST(RingTerms, ARingOfOneColourHasOneTerm) {
-  RingModelOptions options;
-  const RingModel ring = ring_of(0, 0, options);
+  const RingModel ring = ring_of(0, 0, what_shows());
   EXPECT_EQ(ring.rank(), 1);
 }
 
