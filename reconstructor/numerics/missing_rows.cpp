@@ -51,10 +51,7 @@ bool SeenRows::any_but(const RowBits& hidden) const {
 
 template <typename Scalar>
 MissingRows<Scalar>::MissingRows(int rows, const RingFactorOptions& options)
-    : imputation_(options.imputation),
-      in_half_(options.rests_in_half),
-      witnesses_(rows, options.channels, options.witnesses(rows)),
-      seen_(rows) {}
+    : imputation_(options.imputation), witnesses_(rows, options.channels, options.witnesses(rows)), seen_(rows) {}
 
 /// B_known^T r of views that hide rows, a column each, where r is what B y misses of the witness rows that they showed.
 template <typename Scalar>
@@ -65,14 +62,14 @@ typename MissingRows<Scalar>::Matrix MissingRows<Scalar>::missed_projections(con
   std::vector<int> rows;
   rows.reserve(static_cast<std::size_t>(witnesses_.count()));
   witnesses_.visit([&](int row) { rows.push_back(row); });
+  const auto whole = basis.leading(basis.rank());
   for (int k = 0; k < basis.rank(); ++k)
-    for (int w = 0; w < witnesses_.count(); ++w) witness_basis(w, k) = basis.columns().column(k)[rows[w]];
+    for (int w = 0; w < witnesses_.count(); ++w) witness_basis(w, k) = whole(rows[w], k);
   for (Eigen::Index j = 0; j < count; ++j) y.col(j) = views.coefficients().col(of[j]);
   Matrix missed = -witness_basis * y;
   for (Eigen::Index j = 0; j < count; ++j) {
     const Shown& shown = *views.shown(of[j]);
-    const std::vector<Scalar> sketch = shown.sketch.values();
-    auto value = sketch.begin();
+    auto value = shown.sketch.begin();
     for (int w = 0; w < witnesses_.count(); ++w)
       missed(w, j) = has_row(shown.hidden, rows[w]) ? 0 : missed(w, j) + *value++;
   }
@@ -269,7 +266,7 @@ std::shared_ptr<const ShownRows<Scalar>> MissingRows<Scalar>::shown_by(const Pen
   const RowBits& hidden = pending.hidden(column);
   if (hidden.empty() || imputation_ == Imputation::kLeastSquares) return nullptr;
   return std::make_shared<const Shown>(
-      shown_rows<Scalar>(witnesses_, hidden, in_half_, [&](int row) { return pending.value(column, row); }));
+      shown_rows<Scalar>(witnesses_, hidden, [&](int row) { return pending.value(column, row); }));
 }
 
 template <typename Scalar>

@@ -42,7 +42,7 @@ class SeenRows {
 ///
 /// with B and G of the ring's basis and `noise` the variance of a known row. That takes B_known^T B_known of all
 /// columns at once (known_grams.h) and B_known^T c_known; with r terms each column costs r^3 for the solution and r^2
-/// for each group of rows that are hidden together. The basis must be awake.
+/// for each group of rows that are hidden together.
 template <typename Scalar>
 class MissingRows {
  public:
@@ -101,7 +101,6 @@ class MissingRows {
                            std::uint64_t& guessed) const;
 
   Imputation imputation_;
-  bool in_half_;  ///< what is remembered of columns
   WitnessRows witnesses_;
   SeenRows seen_;
   std::int64_t imputed_at_ = 0;  ///< columns folded when hidden rows were last imputed again

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <type_traits>
 #include <utility>
 
 #include "reconstructor/numerics/row_panels.h"
@@ -14,17 +13,10 @@ namespace sheen {
 namespace {
 
 /// The rows one after the other; those of runs without values are 0. Returns where they end.
-template <typename Stored, typename Scalar>
-Scalar* copy_rows(const std::vector<SharedRows<Stored>>& runs, Scalar* to) {
-  for (const SharedRows<Stored>& run : runs) {
-    if (!run.values)
-      std::fill_n(to, run.rows, Scalar{0});
-    else if constexpr (std::is_same_v<Stored, Half>)
-      from_half(run.values.get(), run.rows, to);
-    else
-      std::copy_n(run.values.get(), run.rows, to);
-    to += run.rows;
-  }
+template <typename Scalar>
+Scalar* copy_rows(const std::vector<SharedRows<Scalar>>& runs, Scalar* to) {
+  for (const SharedRows<Scalar>& run : runs)
+    to = run.values ? std::copy_n(run.values.get(), run.rows, to) : std::fill_n(to, run.rows, Scalar{0});
   return to;
 }
 
@@ -36,7 +28,7 @@ void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::sp
   auto values = std::make_shared_for_overwrite<Scalar[]>(static_cast<std::size_t>(rows_));
   Scalar peak = copy_and_peak(column.data(), rows_, values.get());
   if (std::isfinite(peak) && (known.empty() || !std::memchr(known.data(), 0, known.size())))
-    return add(std::vector<SharedRows<Scalar>>{{std::move(values), rows_, peak}}, {}, weight);
+    return add({{std::move(values), rows_, peak}}, {}, weight);
   std::vector<std::uint8_t> finite_and_known(static_cast<std::size_t>(rows_));
   peak = 0;
   for (int row = 0; row < rows_; ++row) {
@@ -44,15 +36,14 @@ void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::sp
     if (!finite_and_known[row]) values[row] = 0;
     peak = std::max(peak, std::abs(values[row]));
   }
-  add(std::vector<SharedRows<Scalar>>{{std::move(values), rows_, peak}}, finite_and_known, weight);
+  add({{std::move(values), rows_, peak}}, finite_and_known, weight);
 }
 
 template <typename Scalar>
-template <typename Stored>
-void PendingColumns<Scalar>::add(std::vector<SharedRows<Stored>> runs, std::span<const std::uint8_t> known,
+void PendingColumns<Scalar>::add(std::vector<SharedRows<Scalar>> runs, std::span<const std::uint8_t> known,
                                  double weight) {
-  typename SharedRows<Stored>::Peak peak = 0;
-  for (const SharedRows<Stored>& run : runs) {
+  Scalar peak = 0;
+  for (const SharedRows<Scalar>& run : runs) {
     if (!std::isfinite(run.peak)) {
       Vector column(rows_);
       copy_rows(runs, column.data());
@@ -78,16 +69,11 @@ void PendingColumns<Scalar>::erase(int column) {
 
 template <typename Scalar>
 Scalar PendingColumns<Scalar>::value(int column, int row) const {
-  return std::visit(
-      [row](const auto& runs) {
-        int left = row;
-        for (const auto& run : runs) {
-          if (left < run.rows) return run.values ? static_cast<Scalar>(run.values[left]) : Scalar{0};
-          left -= run.rows;
-        }
-        return Scalar{0};
-      },
-      columns_[column].runs);
+  for (const SharedRows<Scalar>& run : columns_[column].runs) {
+    if (row < run.rows) return run.values ? run.values[row] : 0;
+    row -= run.rows;
+  }
+  return 0;
 }
 
 template <typename Scalar>
@@ -99,7 +85,7 @@ typename PendingColumns<Scalar>::Columns PendingColumns<Scalar>::gathered() cons
   Scalar* to = buffer.data();
   for (const Column& column : columns_) {
     Scalar* const end = to + length;
-    std::fill(std::visit([to](const auto& runs) { return copy_rows(runs, to); }, column.runs), end, Scalar{0});
+    std::fill(copy_rows(column.runs, to), end, Scalar{0});
     if (column.exponent != 0)
       std::transform(end - length, end, end - length, [&](Scalar x) { return std::ldexp(x, -column.exponent); });
     to = end;
@@ -137,20 +123,12 @@ std::size_t PendingColumns<Scalar>::bytes() const {
   std::size_t bytes = sizeof(Column) * columns_.capacity();
   for (const Column& column : columns_) {
     bytes += sizeof(std::uint64_t) * column.hidden.capacity();
-    std::visit(
-        [&](const auto& runs) {
-          for (const auto& run : runs) bytes += run.bytes();
-        },
-        column.runs);
+    for (const SharedRows<Scalar>& run : column.runs) bytes += run.bytes();
   }
   return bytes;
 }
 
 template class PendingColumns<float>;
 template class PendingColumns<double>;
-template void PendingColumns<float>::add(std::vector<SharedRows<float>>, std::span<const std::uint8_t>, double);
-template void PendingColumns<float>::add(std::vector<SharedRows<Half>>, std::span<const std::uint8_t>, double);
-template void PendingColumns<double>::add(std::vector<SharedRows<double>>, std::span<const std::uint8_t>, double);
-template void PendingColumns<double>::add(std::vector<SharedRows<Half>>, std::span<const std::uint8_t>, double);
 
 }  // namespace sheen

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "reconstructor/numerics/row_bits.h"
@@ -32,9 +31,7 @@ class PendingColumns {
   /// `known`: for each row; empty when all are. Rows that are not finite count as unknown.
   void add(const Eigen::Ref<const Vector>& column, std::span<const std::uint8_t> known, double weight);
   /// The runs of a column, one after the other; `known` as above, and true to them.
-  /// In Scalar or in half precision.
-  template <typename Stored>
-  void add(std::vector<SharedRows<Stored>> runs, std::span<const std::uint8_t> known, double weight);
+  void add(std::vector<SharedRows<Scalar>> runs, std::span<const std::uint8_t> known, double weight);
   void erase(int column);  ///< those behind it move up by one
   void clear() { columns_.clear(); }
 
@@ -60,7 +57,7 @@ class PendingColumns {
     double weight;
     int exponent;
     RowBits hidden;
-    std::variant<std::vector<SharedRows<Scalar>>, std::vector<SharedRows<Half>>> runs;
+    std::vector<SharedRows<Scalar>> runs;
   };
 
   int rows_;

@@ -74,36 +74,6 @@ struct RingBasis<Scalar>::Rotation {
 };
 
 template <typename Scalar>
-RingBasis<Scalar>::RingBasis(int rows, bool rests_in_half) : rows_(rows), rests_in_half_(rests_in_half) {
-  basis_.resize(row_panels::padded(rows), 0);
-}
-
-template <typename Scalar>
-void RingBasis<Scalar>::wake() {
-  if (!rests_) return;
-  basis_ = resting_.get<Scalar>();
-  rests_ = false;  // what rests stays where it is: there it will be written again
-}
-
-template <typename Scalar>
-void RingBasis<Scalar>::rest() {
-  if (rests_ || !rests_in_half_) return;
-  resting_.put(basis_);
-  basis_.resize(basis_.rows(), 0);
-  rests_ = true;
-}
-
-template <typename Scalar>
-typename RingBasis<Scalar>::Matrix RingBasis<Scalar>::leading(int terms) const {
-  return rests_ ? Matrix(resting_.get<Scalar>(terms).topRows(rows_)) : Matrix(basis_.topLeftCorner(rows_, terms));
-}
-
-template <typename Scalar>
-Scalar RingBasis<Scalar>::value(int row, const Vector& coefficients) const {
-  return rests_ ? resting_.dot(row, coefficients) : this->row(row).dot(coefficients);
-}
-
-template <typename Scalar>
 double RingBasis<Scalar>::displayed_error() const {
   const double all = energy();
   double unshown = lost_;
@@ -113,7 +83,7 @@ double RingBasis<Scalar>::displayed_error() const {
 
 template <typename Scalar>
 std::size_t RingBasis<Scalar>::bytes() const {
-  return sizeof(Scalar) * basis_.size() + resting_.bytes() + sizeof(double) * (gram_.size() + spectrum_.size());
+  return sizeof(Scalar) * basis_.size() + sizeof(double) * (gram_.size() + spectrum_.size());
 }
 
 template <typename Scalar>

@@ -8,7 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "reconstructor/numerics/half.h"
 #include "reconstructor/numerics/ring_factor_options.h"
 #include "reconstructor/numerics/row_bits.h"
 #include "reconstructor/numerics/row_panels.h"
@@ -61,29 +60,17 @@ template <typename Scalar>
 class RingBasis {
  public:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
   using Columns = row_panels::Columns<Scalar>;
 
-  explicit RingBasis(int rows, bool rests_in_half = false);
-
-  /// B, and all that needs it (those functions say so), is there while it is awake. One that does not rest in half
-  /// precision always is.
-  bool awake() const { return !rests_; }
-  void wake();
-  /// Rounds B to half precision until it wakes. That costs a unit vector about 2e-4 of itself, in all directions alike:
-  /// of B^T B - I, it is 2e-4 over the root of the rows. B^T B - I is measured where the basis rotates, so it does not
-  /// grow.
-  void rest();
+  explicit RingBasis(int rows) : rows_(rows) { basis_.resize(row_panels::padded(rows), 0); }
 
   int rows() const { return rows_; }
   int rank() const { return rank_; }
   int displayed() const { return displayed_; }
-  Matrix leading(int terms) const;
-  /// What these coefficients stand for in a row.
-  Scalar value(int row, const Vector& coefficients) const;
-  auto row(int row) const { return basis_.row(row).head(rank_); }                                   ///< awake
-  row_panels::Columns<const Scalar> columns() const { return row_panels::columns(basis_, rank_); }  ///< awake
-  Eigen::Index padded_rows() const { return row_panels::padded(rows_); }
+  auto leading(int terms) const { return basis_.topLeftCorner(rows_, terms); }
+  auto row(int row) const { return basis_.row(row).head(rank_); }
+  row_panels::Columns<const Scalar> columns() const { return row_panels::columns(basis_, rank_); }
+  Eigen::Index padded_rows() const { return basis_.rows(); }
   const Eigen::MatrixXd& gram() const { return gram_; }
   const Eigen::VectorXd& spectrum() const { return spectrum_; }  ///< squared singular values, descending
   double lost() const { return lost_; }
@@ -91,7 +78,7 @@ class RingBasis {
   double displayed_error() const;  ///< root of the fraction of the energy that the displayed terms do not hold
   std::size_t bytes() const;
 
-  /// B^T of columns that are as long as the padded rows: rank x columns. Awake, as for all that follows.
+  /// B^T of columns that are as long as the padded rows: rank x columns.
   Eigen::MatrixXd project(const row_panels::Columns<const Scalar>& columns) const;
 
   /// Folds a block in. `columns`: of padded length; the fold leaves nothing of use in them.
@@ -132,9 +119,7 @@ class RingBasis {
   int rank_ = 0, displayed_ = 0;
   int rotations_ = 0;  ///< of the basis since the last polish, that one included
   double lost_ = 0;    ///< energy of the folded columns that B does not hold
-  bool rests_in_half_, rests_ = false;
-  Matrix basis_;           ///< padded rows x rank; without columns while it rests
-  RestingMatrix resting_;  ///< the same, while it rests
+  Matrix basis_;       ///< padded rows x rank
   Eigen::MatrixXd gram_;
   Eigen::VectorXd spectrum_;
 };

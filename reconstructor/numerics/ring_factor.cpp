@@ -26,31 +26,7 @@ const RingFactorOptions& valid(const RingFactorOptions& options, int rows) {
 
 template <typename Scalar>
 BasicRingFactor<Scalar>::BasicRingFactor(int rows, const RingFactorOptions& options, unsigned phase)
-    : options_(valid(options, rows)),
-      phase_(phase),
-      basis_(rows, options.rests_in_half),
-      missing_(rows, options),
-      pending_(rows) {}
-
-/// Keeps the basis awake while something changes it.
-template <typename Scalar>
-struct BasicRingFactor<Scalar>::Awake {
-  explicit Awake(RingBasis<Scalar>& of) : basis(of) { basis.wake(); }
-  ~Awake() { basis.rest(); }
-  Awake(const Awake&) = delete;
-  Awake& operator=(const Awake&) = delete;
-  RingBasis<Scalar>& basis;
-};
-
-/// use(basis), which is awake.
-template <typename Scalar>
-template <typename Use>
-auto BasicRingFactor<Scalar>::with_basis(Use use) const {
-  if (basis_.awake()) return use(basis_);
-  RingBasis<Scalar> copy = basis_;
-  copy.wake();
-  return use(copy);
-}
+    : options_(valid(options, rows)), phase_(phase), basis_(rows), missing_(rows, options), pending_(rows) {}
 
 /// Single columns at first, for what is imputed leans on the columns before; then folds a block apart, at counts that
 /// differ with the phase.
@@ -88,11 +64,10 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(const Con
 }
 
 template <typename Scalar>
-template <typename Stored>
-typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(std::vector<SharedRows<Stored>> column,
+typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(std::vector<SharedRows<Scalar>> column,
                                                                        std::span<const std::uint8_t> known,
                                                                        double weight) {
-  const auto add_rows = [](int sum, const SharedRows<Stored>& run) { return sum + run.rows; };
+  const auto add_rows = [](int sum, const SharedRows<Scalar>& run) { return sum + run.rows; };
   require(std::accumulate(column.begin(), column.end(), 0, add_rows) == rows(),
           "ring factor: a column must have as many values as the factor has rows");
   return add_column(std::move(column), known, weight);
@@ -102,7 +77,6 @@ template <typename Scalar>
 typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
   Reports reports;
   if (pending_.empty()) return reports;
-  const Awake awake(basis_);
   missing_.impute_again_when_due(basis_, views_, columns_folded_, row_noise());
   const Eigen::VectorXd weights = pending_.scaled_weights();
   const HiddenPatterns hidden = pending_.hidden_patterns();
@@ -115,7 +89,7 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
   const std::uint64_t guessed = missing_.reveal(basis_, views_, pending_, columns, weights, hidden, row_noise());
   const Eigen::MatrixXd y = missing_.project(basis_, views_, pending_, columns, hidden, row_noise());
   const bool first = rank() == 0;
-  const Fold fold = basis_.fold(columns, weights, y, hidden, wanted_terms());
+  const Fold fold = basis_.fold(columns, weights, y, hidden, options_);
   views_.follow(fold.rotation);
   views_.append(fold, std::move(arrivals));
 
@@ -152,24 +126,6 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::limit(int max
 }
 
 template <typename Scalar>
-void BasicRingFactor<Scalar>::aim_for(int displayed, int kept) {
-  require(displayed >= 1 && kept >= displayed, "ring factor: an aim must be positive, and kept at least displayed");
-  aim_ = {displayed, kept};
-}
-
-/// The options, as far as they are aimed for.
-template <typename Scalar>
-RingFactorOptions BasicRingFactor<Scalar>::wanted_terms() const {
-  return options_.limited_to(aim_.displayed, aim_.kept, options_.block);
-}
-
-template <typename Scalar>
-typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::displayed_coefficients() const {
-  return with_basis(
-      [&](const RingBasis<Scalar>& basis) { return missing_.displayed_coefficients(basis, views_, row_noise()); });
-}
-
-template <typename Scalar>
 BasicRingFactor<Scalar> BasicRingFactor<Scalar>::settled() const {
   BasicRingFactor copy = *this;
   copy.fold();
@@ -185,10 +141,8 @@ Scalar BasicRingFactor<Scalar>::pending_value(int column, int row) const {
 
 template <typename Scalar>
 typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::pending_coefficients() const {
-  if (pending_.empty()) return Matrix(rank(), 0);
-  Eigen::MatrixXd y = with_basis([&](const RingBasis<Scalar>& basis) {
-    return missing_.project(basis, views_, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
-  });
+  Eigen::MatrixXd y =
+      missing_.project(basis_, views_, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
   for (int j = 0; j < pending(); ++j) y.col(j) *= std::ldexp(1.0, pending_.exponent(j));
   return stored<Scalar>(y);
 }
@@ -197,17 +151,14 @@ template <typename Scalar>
 typename BasicRingFactor<Scalar>::Vector BasicRingFactor<Scalar>::estimate(const ConstVectorRef& column,
                                                                            std::span<const std::uint8_t> known,
                                                                            double noise) const {
-  return with_basis(
-      [&](const RingBasis<Scalar>& basis) { return missing_.estimate(basis, views_, column, known, noise); });
+  return missing_.estimate(basis_, views_, column, known, noise);
 }
 
 template <typename Scalar>
 void BasicRingFactor<Scalar>::merge_views(int kept, int removed) {
   require(kept >= 0 && kept < folded_views() && removed >= 0 && removed < folded_views() && kept != removed,
           "ring factor: only two different folded views can be merged");
-  views_.merge(kept, removed, with_basis([&](const RingBasis<Scalar>& basis) {
-                 return missing_.shown_by_both(basis, views_, kept, removed);
-               }));
+  views_.merge(kept, removed, missing_.shown_by_both(basis_, views_, kept, removed));
 }
 
 template <typename Scalar>
@@ -242,8 +193,7 @@ void BasicRingFactor<Scalar>::rediagonalise() {
 
 template <typename Scalar>
 void BasicRingFactor<Scalar>::turn_to_singular_order() {
-  const Awake awake(basis_);
-  views_.follow(basis_.restore_order(wanted_terms()));
+  views_.follow(basis_.restore_order(options_));
 }
 
 template <typename Scalar>
@@ -252,25 +202,17 @@ std::size_t BasicRingFactor<Scalar>::bytes() const {
 }
 
 template <typename Scalar>
-double BasicRingFactor<Scalar>::bytes_for(double rows, double terms, double columns, double views, double sketched,
-                                          bool rests_in_half) {
+double BasicRingFactor<Scalar>::bytes_for(double rows, double terms, double columns, double views, double sketched) {
   constexpr double kViewEntry = 124;  // its line in the ledger, and the head of what it showed
   constexpr double kRuns =
       6 * (sizeof(SharedRows<Scalar>) + 32.0 / 3);    // of a column: six triangles, each in three rings
   const double padded = rows + row_panels::kPadding;  // to whole vectors
-  const double number = rests_in_half ? sizeof(Half) : sizeof(Scalar);
-  const double view = kViewEntry + padded / 8 + number * sketched;
-  return number * padded * (terms + columns) + sizeof(Scalar) * terms * views + kRuns * columns +
+  const double view = kViewEntry + padded / 8 + sizeof(Scalar) * sketched;
+  return sizeof(Scalar) * (padded * (terms + columns) + terms * views) + kRuns * columns +
          2 * sizeof(double) * terms * terms + padded / 8 + views * view;
 }
 
 template class BasicRingFactor<float>;
 template class BasicRingFactor<double>;
-template RingFactor::Reports RingFactor::add(std::vector<SharedRows<float>>, std::span<const std::uint8_t>, double);
-template RingFactor::Reports RingFactor::add(std::vector<SharedRows<Half>>, std::span<const std::uint8_t>, double);
-template RingFactorDouble::Reports RingFactorDouble::add(std::vector<SharedRows<double>>, std::span<const std::uint8_t>,
-                                                         double);
-template RingFactorDouble::Reports RingFactorDouble::add(std::vector<SharedRows<Half>>, std::span<const std::uint8_t>,
-                                                         double);
 
 }  // namespace sheen

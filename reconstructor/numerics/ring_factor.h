@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,11 +15,6 @@
 #include "reconstructor/numerics/ring_factor_options.h"
 
 namespace sheen {
-
-/// How many terms are wanted, of those that the options allow.
-struct TermAim {
-  int displayed = std::numeric_limits<int>::max(), kept = std::numeric_limits<int>::max();
-};
 
 /// What folding one column in did. In the order in which the columns were added.
 struct ColumnReport {
@@ -57,9 +51,8 @@ struct ColumnReport {
 ///
 /// Views are numbered 0 .. views() - 1, in the order of their arrival: first the folded, then the pending ones. Folds
 /// depend on how many columns were added and on nothing else: looking (`settled`, `pending_coefficients`) never changes
-/// what comes later. With `rests_in_half` the basis is rounded to half precision after whatever changed it, so that
-/// accessors show what the next fold starts from. Zero columns are kept (y = 0). Rows that are not finite count as
-/// unknown. Any scale from denormals to 1e36 will do.
+/// what comes later. Zero columns are kept (y = 0). Rows that are not finite count as unknown. Any scale from denormals
+/// to 1e36 will do.
 ///
 ///   RingFactor factor(rows, {.max_rank = 12, .tolerance = 0.01}, phase);
 ///   for (...) reports = factor.add(column, known, weight);   // reports of the block, when this column filled it
@@ -85,14 +78,12 @@ class BasicRingFactor {
   int pending() const { return pending_.count(); }
   std::int64_t columns_added() const { return columns_added_; }
 
-  Matrix basis() const { return basis_.leading(rank()); }
+  auto basis() const { return basis_.leading(rank()); }
   const Matrix& coefficients() const { return views_.coefficients(); }  ///< rank x folded_views()
-  Matrix displayed_basis() const { return basis_.leading(displayed_rank()); }
-  /// What coefficients in the basis stand for in a row.
-  Scalar value(int row, const Vector& coefficients) const { return basis_.value(row, coefficients); }
+  auto displayed_basis() const { return basis_.leading(displayed_rank()); }
   /// displayed_rank() x folded_views(). A view that hides rows has the coefficients that are most probable given what
   /// it showed and that only these terms will explain it: the terms behind the displayed ones are noise then.
-  Matrix displayed_coefficients() const;
+  Matrix displayed_coefficients() const { return missing_.displayed_coefficients(basis_, views_, row_noise()); }
   const Eigen::MatrixXd& gram() const { return basis_.gram(); }
   /// Squared singular values of the folded columns (each times the root of its weight), descending.
   const Eigen::VectorXd& spectrum() const { return basis_.spectrum(); }
@@ -108,8 +99,7 @@ class BasicRingFactor {
   /// Upper bound of `bytes` for a factor of so many rows that holds so many terms, so many columns in its buffer and so
   /// many views, whatever columns come. Fractions are means over factors. `sketched`: rows of which views that hide
   /// rows remember what they showed (RingFactorOptions::witnesses).
-  static double bytes_for(double rows, double terms, double columns, double views, double sketched,
-                          bool rests_in_half = false);
+  static double bytes_for(double rows, double terms, double columns, double views, double sketched);
 
   /// Adds a column (`rows` values) as a new view with a weight > 0. Not empty when the column filled its block, which
   /// is then folded: a report for each column of the block.
@@ -117,20 +107,14 @@ class BasicRingFactor {
   /// `known`: for each row; 0 where the column does not show it and its value means nothing. Empty: all are known.
   Reports add(const ConstVectorRef& column, std::span<const std::uint8_t> known, double weight = 1);
 
-  /// The same, of a column whose rows other factors may hold too: all runs have as many rows as the factor. In Scalar
-  /// or in half precision.
-  template <typename Stored>
-  Reports add(std::vector<SharedRows<Stored>> column, std::span<const std::uint8_t> known, double weight);
+  /// The same, of a column whose rows other factors may hold too: all runs have as many rows as the factor.
+  Reports add(std::vector<SharedRows<Scalar>> column, std::span<const std::uint8_t> known, double weight);
 
   /// Folds the pending columns now, and so moves later folds: for benchmarks and for a factor that is complete.
   Reports fold();
 
   /// Folds the pending columns and lets go of all terms beyond lower limits at once; they hold from now on.
   Reports limit(int max_rank, int internal_rank, int block);
-
-  /// Of the terms that the options allow, so many are displayed and so many kept at most, from the next fold on.
-  /// Later calls may ask for more again; what is no longer in the basis then comes from later columns alone.
-  void aim_for(int displayed, int kept);
 
   /// A copy with all columns folded.
   BasicRingFactor settled() const;
@@ -163,17 +147,12 @@ class BasicRingFactor {
  private:
   template <typename Column>
   Reports add_column(Column&& column, std::span<const std::uint8_t> known, double weight);
-  struct Awake;
-  template <typename Use>
-  auto with_basis(Use use) const;
-  RingFactorOptions wanted_terms() const;
   int block_size() const;
   ColumnReport report(const Fold& fold, int column, bool first);
   void turn_to_singular_order();
   void rediagonalise();
 
   RingFactorOptions options_;
-  TermAim aim_;
   unsigned phase_;
   int block_due_ = 1;       ///< columns that the block will have
   bool predicted_ = false;  ///< any column, which `row_noise` follows

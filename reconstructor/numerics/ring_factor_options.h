@@ -18,9 +18,6 @@ struct RingFactorOptions {
   int channels = 1;            ///< rows i, i + channels, ... hold the same quantity at different places
   double sensor_variance = 0;  ///< of a known row, in squared units of the columns: imputation never trusts one more
   Imputation imputation = Imputation::kMostProbable;
-  /// Between folds the basis, and what is remembered of columns that hide rows, is kept in half precision: half of the
-  /// memory, at 2e-4 of each value per fold (docs/decisions/online_svd.md).
-  bool rests_in_half = false;
   double residual_memory = 0.8;  ///< of the running mean of what the basis leaves unexplained per row (`row_noise`)
 
   int terms_kept() const;

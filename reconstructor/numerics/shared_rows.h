@@ -10,25 +10,21 @@
 #include <memory>
 #include <type_traits>
 
-#include "reconstructor/numerics/half.h"
-
 namespace sheen {
 
 /// A run of a column's rows that several factors may hold at once: what an image shows of a triangle is part of a
 /// column of three rings, and waits for the folds of all three in one place. Null values: the column shows none of the
-/// rows. Values are 0 where it does not show a row. They are as the factor works with them, or in half precision.
-template <typename Stored>
+/// rows. Values are 0 where it does not show a row.
+template <typename Scalar>
 struct SharedRows {
-  using Peak = std::conditional_t<std::is_same_v<Stored, Half>, float, Stored>;
-
-  std::shared_ptr<const Stored[]> values;
+  std::shared_ptr<const Scalar[]> values;
   int rows = 0;
-  Peak peak = 0;  ///< largest magnitude; not finite where a value is not
+  Scalar peak = 0;  ///< largest magnitude; not finite where a value is not
 
   /// Of memory, divided among all who hold the values.
   std::size_t bytes() const {
     constexpr std::size_t kCounters = 32;  // beside the values, with what the allocator needs
-    const auto held = sizeof(Stored) * static_cast<std::size_t>(rows) + kCounters;
+    const auto held = sizeof(Scalar) * static_cast<std::size_t>(rows) + kCounters;
     return sizeof(*this) + (values ? held / static_cast<std::size_t>(values.use_count()) : 0);
   }
 };
@@ -44,14 +40,6 @@ Scalar copy_and_peak(const Scalar* from, Eigen::Index count, Scalar* to) {
     to[i] = from[i];
   }
   return std::bit_cast<Scalar>(peak);
-}
-
-/// The same, rounded to half precision. The peak is not finite where it is beyond that.
-inline float copy_and_peak(const float* from, Eigen::Index count, Half* to) {
-  const float peak = Eigen::Map<const Eigen::VectorXf>(from, count).cwiseAbs().template maxCoeff<Eigen::PropagateNaN>();
-  to_half(from, count, to);
-  constexpr float kLargest = 65504;
-  return peak <= kLargest ? peak : std::numeric_limits<float>::infinity();
 }
 
 /// A copy of values of which none is hidden.

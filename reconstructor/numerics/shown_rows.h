@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "reconstructor/numerics/half.h"
 #include "reconstructor/numerics/row_bits.h"
 
 namespace sheen {
@@ -14,10 +13,12 @@ namespace sheen {
 /// in it later, and few enough to keep.
 template <typename Scalar>
 struct ShownRows {
-  RowBits hidden;             ///< one of its columns hides the row
-  KeptValues<Scalar> sketch;  ///< values of the witness rows that it showed, in their order
+  RowBits hidden;              ///< one of its columns hides the row
+  std::vector<Scalar> sketch;  ///< values of the witness rows that it showed, in their order
 
-  std::size_t bytes() const { return sizeof(*this) + sizeof(std::uint64_t) * hidden.capacity() + sketch.bytes(); }
+  std::size_t bytes() const {
+    return sizeof(*this) + sizeof(std::uint64_t) * hidden.capacity() + sizeof(Scalar) * sketch.capacity();
+  }
 };
 
 /// The rows whose values sketches keep: groups of `channels` neighbouring rows, evenly spread over all.
@@ -45,12 +46,13 @@ class WitnessRows {
 
 /// Of what shows all but the `hidden` rows, with value(row).
 template <typename Scalar, typename Value>
-ShownRows<Scalar> shown_rows(const WitnessRows& witnesses, const RowBits& hidden, bool in_half, Value value) {
-  std::vector<Scalar> sketch;
+ShownRows<Scalar> shown_rows(const WitnessRows& witnesses, const RowBits& hidden, Value value) {
+  ShownRows<Scalar> shown{.hidden = hidden, .sketch = {}};
   witnesses.visit([&](int row) {
-    if (!has_row(hidden, row)) sketch.push_back(value(row));
+    if (!has_row(hidden, row)) shown.sketch.push_back(value(row));
   });
-  return {.hidden = hidden, .sketch = {sketch, in_half}};
+  shown.sketch.shrink_to_fit();
+  return shown;
 }
 
 /// Of the weighted mean of two. One of them may be null: it shows all rows, and explained_a(row) or explained_b(row) is
@@ -59,9 +61,6 @@ template <typename Scalar, typename ExplainedA, typename ExplainedB>
 ShownRows<Scalar> shown_by_both(const WitnessRows& witnesses, const ShownRows<Scalar>* a, ExplainedA explained_a,
                                 const ShownRows<Scalar>* b, ExplainedB explained_b, Scalar share) {
   ShownRows<Scalar> both;
-  std::vector<Scalar> sketch;
-  const std::vector<Scalar> of_a = a ? a->sketch.values() : std::vector<Scalar>(),
-                            of_b = b ? b->sketch.values() : std::vector<Scalar>();
   both.hidden.resize((a ? a : b)->hidden.size());
   for (std::size_t word = 0; word < both.hidden.size(); ++word)
     both.hidden[word] = (a ? a->hidden[word] : 0) | (b ? b->hidden[word] : 0);
@@ -69,12 +68,12 @@ ShownRows<Scalar> shown_by_both(const WitnessRows& witnesses, const ShownRows<Sc
   witnesses.visit([&](int row) {
     const bool in_a = !a || !has_row(a->hidden, row), in_b = !b || !has_row(b->hidden, row);
     if (in_a && in_b)
-      sketch.push_back((1 - share) * (a ? of_a[next_a] : explained_a(row)) +
-                       share * (b ? of_b[next_b] : explained_b(row)));
+      both.sketch.push_back((1 - share) * (a ? a->sketch[next_a] : explained_a(row)) +
+                            share * (b ? b->sketch[next_b] : explained_b(row)));
     next_a += in_a;
     next_b += in_b;
   });
-  both.sketch = {sketch, (a ? a : b)->sketch.in_half()};
+  both.sketch.shrink_to_fit();
   return both;
 }
 
@@ -82,14 +81,14 @@ ShownRows<Scalar> shown_by_both(const WitnessRows& witnesses, const ShownRows<Sc
 template <typename Scalar, typename Value>
 ShownRows<Scalar> shown_without(const WitnessRows& witnesses, const ShownRows<Scalar>& mean, Value value,
                                 Scalar share) {
-  std::vector<Scalar> sketch = mean.sketch.values();
-  auto kept = sketch.begin();
+  ShownRows<Scalar> left = mean;
+  auto kept = left.sketch.begin();
   witnesses.visit([&](int row) {
-    if (has_row(mean.hidden, row)) return;
+    if (has_row(left.hidden, row)) return;
     *kept += share * (*kept - value(row));
     ++kept;
   });
-  return {.hidden = mean.hidden, .sketch = {sketch, mean.sketch.in_half()}};
+  return left;
 }
 
 }  // namespace sheen

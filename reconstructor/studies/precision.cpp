@@ -79,8 +79,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> terms_in_half(const SurfaceLigh
       continue;
     }
     auto rounded = std::make_shared<RingSnapshot>(*ring);
-    rounded->basis = SurfaceMaps::in_half(ring->basis.values());
-    rounded->weights = ring->weights.cast<Eigen::half>().cast<float>();
+    for (Eigen::MatrixXf* m : {&rounded->basis, &rounded->weights}) *m = m->cast<Eigen::half>().cast<float>();
     rings.push_back(std::move(rounded));
   }
   return std::make_shared<SurfaceLightFieldSnapshot>(whole.shared_mesh(), whole.shared_rings(), std::move(rings),

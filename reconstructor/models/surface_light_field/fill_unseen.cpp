@@ -21,12 +21,11 @@ std::shared_ptr<const RingSnapshot> guess_from(const RingSnapshot& seen, int sam
 }  // namespace
 
 Eigen::MatrixXf mean_seen_rows(const RingSnapshot& ring) {
-  const Eigen::MatrixXf values = ring.basis.values();
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, ring.rank());
   int seen = 0;
   for (std::size_t s = 0; s < ring.shown.size(); ++s)
     if (ring.shown[s]) {
-      mean += values.middleRows<3>(static_cast<Eigen::Index>(3 * s));
+      mean += ring.basis.middleRows<3>(static_cast<Eigen::Index>(3 * s));
       ++seen;
     }
   return mean / static_cast<float>(std::max(seen, 1));
@@ -35,7 +34,6 @@ Eigen::MatrixXf mean_seen_rows(const RingSnapshot& ring) {
 void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution) {
   if (ring.rank() == 0 || std::find(ring.shown.begin(), ring.shown.end(), 0) == ring.shown.end()) return;
   const Eigen::MatrixXf mean = mean_seen_rows(ring);
-  Eigen::MatrixXf values = ring.basis.values();
   int first = 0;
   for (const int n : resolution) {
     for (int i = 0; i < n; ++i)
@@ -49,17 +47,16 @@ void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution) {
           if (a < 0 || b < 0 || a + b >= n) continue;
           const int neighbour = first + lattice_index(n, a, b);
           if (!ring.shown[neighbour]) continue;
-          sum += values.middleRows<3>(3 * neighbour);
+          sum += ring.basis.middleRows<3>(3 * neighbour);
           ++seen;
         }
         if (seen > 0)
-          values.middleRows<3>(3 * sample) = sum / static_cast<float>(seen);
+          ring.basis.middleRows<3>(3 * sample) = sum / static_cast<float>(seen);
         else
-          values.middleRows<3>(3 * sample) = mean;
+          ring.basis.middleRows<3>(3 * sample) = mean;
       }
     first += lattice_samples(n);
   }
-  ring.basis = values;
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightFieldSnapshot& snapshot) {

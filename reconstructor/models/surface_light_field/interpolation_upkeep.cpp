@@ -89,8 +89,6 @@ void InterpolationUpkeep::choose(std::span<const std::uint32_t> undecided, Frame
   });
   for (std::size_t i = 0; i < undecided.size(); ++i) choice_.count(undecided[i], errors[i]);
   for (const std::uint32_t v : undecided) rings[v]->set_interpolation(choice_.choose(v));
-  tbb::parallel_for(std::size_t{0}, undecided.size(),
-                    [&](std::size_t i) { rings[undecided[i]]->choose_terms(frames[undecided[i]].row(2)); });
 }
 
 }  // namespace sheen

@@ -46,7 +46,7 @@ class LightFieldShader : public ViewShader {
       Eigen::Vector3f value = Eigen::Vector3f::Zero();
       for (int k = 0; k < 3; ++k) {
         const int sample = static_cast<int>(corner.first_sample) + stencil.index[k];
-        value += stencil.weight[k] * patch->basis.colour(sample, h);
+        value.noalias() += stencil.weight[k] * (patch->basis.middleRows<3>(3 * sample) * h);
         if (stencil.weight[k] > 0.25f) state = std::max(state, patch->state(sample));
       }
       encoded += beta[c] * value;

@@ -39,9 +39,8 @@ bool gather(const VertexRings& rings, std::size_t vertex, const Eigen::Vector3f&
   return true;
 }
 
-template <typename Stored>
-TriangleRuns<Stored> triangle_runs(const VertexRings& rings, const SurfaceView& view, const Eigen::Matrix3Xf& encoded) {
-  TriangleRuns<Stored> runs(view.visible_in_triangle.size());
+TriangleRuns triangle_runs(const VertexRings& rings, const SurfaceView& view, const Eigen::Matrix3Xf& encoded) {
+  TriangleRuns runs(view.visible_in_triangle.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, runs.size(), 128), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       const int samples = lattice_samples(rings.resolution(t));
@@ -49,8 +48,8 @@ TriangleRuns<Stored> triangle_runs(const VertexRings& rings, const SurfaceView& 
       if (view.visible_in_triangle[t] == 0) continue;
       const auto first = static_cast<Eigen::Index>(rings.first_sample(t));
       // Other threads let go of it, of thousands at once: the allocator is for that.
-      const auto values = std::allocate_shared_for_overwrite<Stored[]>(tbb::scalable_allocator<Stored>(),
-                                                                       static_cast<std::size_t>(runs[t].rows));
+      const auto values = std::allocate_shared_for_overwrite<float[]>(tbb::scalable_allocator<float>(),
+                                                                      static_cast<std::size_t>(runs[t].rows));
       if (view.visible_in_triangle[t] == samples) {
         runs[t].peak = copy_and_peak(encoded.col(first).data(), runs[t].rows, values.get());
       } else {
@@ -65,18 +64,11 @@ TriangleRuns<Stored> triangle_runs(const VertexRings& rings, const SurfaceView& 
   return runs;
 }
 
-template <typename Stored>
-std::vector<SharedRows<Stored>> runs_of(const VertexRings& rings, std::size_t vertex,
-                                        const TriangleRuns<Stored>& triangles) {
-  std::vector<SharedRows<Stored>> runs;
+std::vector<SharedRows<float>> runs_of(const VertexRings& rings, std::size_t vertex, const TriangleRuns& triangles) {
+  std::vector<SharedRows<float>> runs;
   runs.reserve(rings.ring(vertex).size());
   for (const RingTriangle& member : rings.ring(vertex)) runs.push_back(triangles[member.triangle]);
   return runs;
 }
-
-template TriangleRuns<float> triangle_runs(const VertexRings&, const SurfaceView&, const Eigen::Matrix3Xf&);
-template TriangleRuns<Half> triangle_runs(const VertexRings&, const SurfaceView&, const Eigen::Matrix3Xf&);
-template std::vector<SharedRows<float>> runs_of(const VertexRings&, std::size_t, const TriangleRuns<float>&);
-template std::vector<SharedRows<Half>> runs_of(const VertexRings&, std::size_t, const TriangleRuns<Half>&);
 
 }  // namespace sheen

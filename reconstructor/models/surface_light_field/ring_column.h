@@ -32,14 +32,10 @@ bool gather(const VertexRings& rings, std::size_t vertex, const Eigen::Vector3f&
             const Eigen::Matrix3Xf& encoded, RingColumn& column);
 
 /// What an image shows of each triangle, encoded: the runs that columns of rings are made of. Without values where it
-/// shows nothing. In half precision they are exact to a tenth of a grey level.
-template <typename Stored>
-using TriangleRuns = std::vector<SharedRows<Stored>>;
-template <typename Stored>
-TriangleRuns<Stored> triangle_runs(const VertexRings& rings, const SurfaceView& view, const Eigen::Matrix3Xf& encoded);
+/// shows nothing.
+using TriangleRuns = std::vector<SharedRows<float>>;
+TriangleRuns triangle_runs(const VertexRings& rings, const SurfaceView& view, const Eigen::Matrix3Xf& encoded);
 /// The column of a ring.
-template <typename Stored>
-std::vector<SharedRows<Stored>> runs_of(const VertexRings& rings, std::size_t vertex,
-                                        const TriangleRuns<Stored>& triangles);
+std::vector<SharedRows<float>> runs_of(const VertexRings& rings, std::size_t vertex, const TriangleRuns& triangles);
 
 }  // namespace sheen

@@ -50,14 +50,6 @@ ViewInterpolant RingInterpolation::krige(const ViewSet& views, const Eigen::Matr
                       chosen_.drift ? drift_of(views, normal) : Eigen::VectorXf());
 }
 
-/// y_j = h(d_j) + w_j nugget / reliability_j, with the dual weights w.
-Eigen::MatrixXf RingInterpolation::displayed(const ViewSet& views, const Eigen::MatrixXf& coefficients,
-                                             const Eigen::Vector3f& normal) const {
-  const ViewInterpolant interpolant = krige(views, coefficients, normal);
-  const Eigen::VectorXf kept_back = chosen_.kernel.nugget * views.reliability().cwiseInverse();
-  return coefficients - interpolant.weights * kept_back.asDiagonal();
-}
-
 Eigen::VectorXf RingInterpolation::at(const ViewInterpolant& interpolant, const ViewSet& views,
                                       const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const {
   Eigen::VectorXf h = interpolate(interpolant, views.direction_matrix(), chosen_.kernel, direction);

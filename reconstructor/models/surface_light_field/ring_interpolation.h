@@ -32,9 +32,6 @@ class RingInterpolation {
                              const Eigen::Vector3f& normal) const;
 
   ViewInterpolant krige(const ViewSet& views, const Eigen::MatrixXf& coefficients, const Eigen::Vector3f& normal) const;
-  /// What is displayed in the views themselves: the nugget keeps noise from it.
-  Eigen::MatrixXf displayed(const ViewSet& views, const Eigen::MatrixXf& coefficients,
-                            const Eigen::Vector3f& normal) const;
   /// The coefficients of an interpolant of these views as seen from a direction.
   Eigen::VectorXf at(const ViewInterpolant& interpolant, const ViewSet& views, const Eigen::Vector3f& direction,
                      const Eigen::Vector3f& normal) const;

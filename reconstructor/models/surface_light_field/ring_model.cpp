@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
-#include "reconstructor/numerics/symmetric_eigen.h"
 
 namespace sheen {
 namespace {
@@ -26,17 +25,6 @@ std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std:
   return known;
 }
 
-/// Of what a surface map has per value.
-std::size_t number_bytes(const RingModelOptions& options) {
-  return options.in_half ? sizeof(Half) : sizeof(float);
-}
-
-RingFactorOptions factor_options(const RingModelOptions& options) {
-  RingFactorOptions factor = ring_factor_options(options.factor);
-  factor.rests_in_half = options.bases_in_half;
-  return factor;
-}
-
 }  // namespace
 
 RingFactorOptions ring_factor_options(RingFactorOptions options) {
@@ -51,7 +39,7 @@ double image_weight(const RingFactorOptions& options, double share_shown) {
 
 RingModel::RingModel(int samples, const RingModelOptions& options, unsigned phase)
     : options_(options),
-      factor_(3 * samples, factor_options(options), phase),
+      factor_(3 * samples, ring_factor_options(options.factor), phase),
       interpolation_(phase),
       shown_(static_cast<std::size_t>(samples), 0) {}
 
@@ -64,10 +52,8 @@ bool RingModel::shows_enough(std::size_t shown, std::size_t samples) const {
   return shown > 0 && static_cast<double>(shown) >= options_.min_visible * static_cast<double>(samples);
 }
 
-template <typename Stored>
-RingModel::Absorbed RingModel::absorb_column(std::vector<SharedRows<Stored>> column,
-                                             std::span<const std::uint8_t> visible, const Eigen::Vector3f& direction,
-                                             float cosine, float reliability) {
+RingModel::Absorbed RingModel::absorb(std::vector<SharedRows<float>> column, std::span<const std::uint8_t> visible,
+                                      const Eigen::Vector3f& direction, float cosine, float reliability) {
   Absorbed result;
   const auto shown = static_cast<std::size_t>(std::count(visible.begin(), visible.end(), 1));
   if (!shows_enough(shown, visible.size())) return result;
@@ -85,11 +71,6 @@ RingModel::Absorbed RingModel::absorb_column(std::vector<SharedRows<Stored>> col
   result.wants_interpolation = can_choose_interpolation() && interpolation_.due(images_);
   return result;
 }
-
-template RingModel::Absorbed RingModel::absorb_column(std::vector<SharedRows<float>>, std::span<const std::uint8_t>,
-                                                      const Eigen::Vector3f&, float, float);
-template RingModel::Absorbed RingModel::absorb_column(std::vector<SharedRows<Half>>, std::span<const std::uint8_t>,
-                                                      const Eigen::Vector3f&, float, float);
 
 void RingModel::fold_pending() {
   Absorbed unused;
@@ -134,7 +115,7 @@ bool RingModel::repeats(const Eigen::VectorXf& column, std::span<const std::uint
   const int waiting = view - factor_.folded_views();  // < 0: folded
   const Eigen::VectorXf coefficients = waiting < 0 ? factor_.coefficients().col(view) : Eigen::VectorXf();
   const auto kept = [&](Eigen::Index row) -> float {
-    return waiting < 0 ? factor_.value(static_cast<int>(row), coefficients)
+    return waiting < 0 ? factor_.basis().row(row).dot(coefficients)
                        : factor_.pending_value(waiting, static_cast<int>(row));
   };
   double unexplained = 0;
@@ -187,10 +168,9 @@ RingModel::Prediction RingModel::predict(const Eigen::VectorXf& column, std::spa
   const ViewInterpolant interpolant =
       interpolation_.krige(views_, with_pending(factor_.displayed_coefficients()), normal);
   const Eigen::VectorXf h = interpolation_.at(interpolant, views_, direction, normal);
-  const Eigen::MatrixXf displayed = factor_.displayed_basis();
   for (std::size_t s = 0; s < visible.size(); ++s) {
     const auto row = static_cast<Eigen::Index>(3 * s);
-    const auto basis = displayed.middleRows<3>(row);
+    const auto basis = factor_.displayed_basis().middleRows<3>(row);
     if (!visible[s] || basis.isZero(0)) continue;
     predicted.squared_error += (column.segment<3>(row) - basis * h).squaredNorm();
     predicted.values += 3;
@@ -202,10 +182,10 @@ bool RingModel::can_choose_interpolation() const {
   return RingInterpolation::can_choose(views());
 }
 
-/// Those of the folded views, and of the pending ones: as many terms as are given.
+/// Those of the folded views, and of the pending ones: rank x views.
 Eigen::MatrixXf RingModel::with_pending(const Eigen::Ref<const Eigen::MatrixXf>& folded) const {
-  Eigen::MatrixXf coefficients(folded.rows(), views());
-  coefficients << folded, factor_.pending_coefficients().topRows(folded.rows());
+  Eigen::MatrixXf coefficients(rank(), views());
+  coefficients << folded, factor_.pending_coefficients().topRows(rank());
   return coefficients;
 }
 
@@ -225,25 +205,6 @@ void RingModel::set_interpolation(const ViewInterpolation& interpolation) {
   if (!same) snapshot_.reset();
 }
 
-/// The displayed columns are B D; they have so many singular values above the least that a term must add.
-int RingModel::terms_that_show(const Eigen::Vector3f& normal) const {
-  const Eigen::MatrixXd displayed =
-      interpolation_.displayed(views_, with_pending(factor_.coefficients()), normal).cast<double>();
-  const Eigen::VectorXd energies = symmetric_eigen(displayed * displayed.transpose()).values;
-  const double values = static_cast<double>(factor_.rows()) * static_cast<double>(displayed.cols());
-  const double least = options_.least_displayed * options_.least_displayed * values;
-  return static_cast<int>((energies.array() > least).count());
-}
-
-void RingModel::choose_terms(const Eigen::Vector3f& normal) {
-  // Displayed are the terms with most energy before the smoothing, whose order is another; and what comes may show
-  // more.
-  constexpr int kSpareDisplayed = 2, kSpareKept = 4;
-  if (options_.least_displayed == 0 || options_.interpolation.method == ViewMethod::kDelaunay || rank() == 0) return;
-  const int displayed = terms_that_show(normal) + kSpareDisplayed;
-  factor_.aim_for(displayed, displayed + kSpareKept);
-}
-
 void RingModel::set_reflection(std::shared_ptr<const ReflectionDrift> reflection) {
   interpolation_.share(std::move(reflection));
   if (interpolation_.chosen().drift) snapshot_.reset();
@@ -252,11 +213,10 @@ void RingModel::set_reflection(std::shared_ptr<const ReflectionDrift> reflection
 RingLevels RingModel::levels(const Eigen::Vector3f& normal) const {
   if (rank() == 0) return {normal, {}, {}, {}};  // all is black, or waits to be folded
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, rank());
-  const Eigen::MatrixXf displayed = factor_.displayed_basis();
   int seen = 0;
   for (std::size_t s = 0; s < shown_.size(); ++s)
     if (shown_[s] > 0) {
-      mean += displayed.middleRows<3>(static_cast<Eigen::Index>(3 * s));
+      mean += factor_.displayed_basis().middleRows<3>(static_cast<Eigen::Index>(3 * s));
       ++seen;
     }
   return {normal, views_.direction_matrix(), mean / static_cast<float>(std::max(seen, 1)) * known_coefficients(),
@@ -271,22 +231,21 @@ std::size_t RingModel::snapshot_bytes() const {
   if (images_ == 0) return 0;
   const auto rank = static_cast<std::size_t>(factor_.displayed_rank()),
              views = static_cast<std::size_t>(factor_.views());
-  return sizeof(RingSnapshot) + shown_.size() + number_bytes(options_) * 3 * shown_.size() * rank +
-         sizeof(float) * (views * (4 + rank) + 2 * rank);
+  return sizeof(RingSnapshot) + shown_.size() +
+         sizeof(float) * (3 * shown_.size() * rank + views * (4 + rank) + 2 * rank);
 }
 
 double RingModel::largest_bytes(double samples, const RingModelOptions& options) {
   const RingFactorOptions& factor = options.factor;
   const double rows = 3 * samples, views = options.max_views + factor.block;
   return sizeof(RingModel) + sizeof(std::uint16_t) * samples + views * ViewSet::bytes_for(1) +
-         RingFactor::bytes_for(rows, factor.terms_kept(), factor.block, views, factor.witnesses(static_cast<int>(rows)),
-                               options.bases_in_half);
+         RingFactor::bytes_for(rows, factor.terms_kept(), factor.block, views,
+                               factor.witnesses(static_cast<int>(rows)));
 }
 
 double RingModel::largest_snapshot_bytes(double samples, const RingModelOptions& options) {
   const double rank = options.factor.max_rank, views = options.max_views + options.factor.block;
-  return sizeof(RingSnapshot) + samples + static_cast<double>(number_bytes(options)) * 3.0 * samples * rank +
-         sizeof(float) * (views * (4 + rank) + 2 * rank);
+  return sizeof(RingSnapshot) + samples + sizeof(float) * (3.0 * samples * rank + views * (4 + rank) + 2 * rank);
 }
 
 std::shared_ptr<const RingSnapshot> RingModel::snapshot(const Eigen::Matrix3f& frame, std::span<const int> resolution) {
@@ -318,7 +277,6 @@ std::shared_ptr<const RingSnapshot> RingModel::settled_snapshot(const Eigen::Mat
   snapshot->best_cosine = best_cosine_;
   snapshot->views_folded = images_;
   fill_unseen_samples(*snapshot, resolution);
-  if (options_.in_half) snapshot->basis = SurfaceMaps::in_half(snapshot->basis.values());
   return snapshot;
 }
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
@@ -23,12 +22,6 @@ struct RingModelOptions {
   double min_visible = 0.1;      ///< fraction of a ring's samples that an image must show
   double repeat_angle = 0.0175;  ///< rad from a kept view within which an image may be a repetition of it; 0 = none is
   ViewInterpolationOptions interpolation;
-  /// A term that adds less than this to what is displayed, RMS over a ring's values and views, is let go: 0.5 / 255 is
-  /// half a grey level. 0 = all terms that the tolerance asks for. For studies, as the next two: the quality heuristic
-  /// does not yet bear them where there is no noise (docs/decisions/small_models.md).
-  double least_displayed = 0;
-  bool in_half = false;        ///< columns that wait and the maps of snapshots in half precision: half of their memory
-  bool bases_in_half = false;  ///< the bases between folds, too
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
 };
 
@@ -58,13 +51,7 @@ class RingModel {
   /// Ingests what one image shows. `column`: encoded values of all rows, which other rings may hold too.
   /// `reliability` in (0, 1] weighs the image in the interpolation between views.
   Absorbed absorb(std::vector<SharedRows<float>> column, std::span<const std::uint8_t> visible,
-                  const Eigen::Vector3f& direction, float cosine, float reliability) {
-    return absorb_column(std::move(column), visible, direction, cosine, reliability);
-  }
-  Absorbed absorb(std::vector<SharedRows<Half>> column, std::span<const std::uint8_t> visible,
-                  const Eigen::Vector3f& direction, float cosine, float reliability) {
-    return absorb_column(std::move(column), visible, direction, cosine, reliability);
-  }
+                  const Eigen::Vector3f& direction, float cosine, float reliability);
 
   void fold_pending();  ///< the images that wait to be folded
 
@@ -99,8 +86,6 @@ class RingModel {
   /// `normal`: of the vertex. Errors with the drift are infinite while there is none, and with too few views.
   InterpolationErrors interpolation_errors(const Eigen::Vector3f& normal) const;
   void set_interpolation(const ViewInterpolation& interpolation);
-  /// Lets the factor aim for the terms that show, as interpolated now, and a few in reserve.
-  void choose_terms(const Eigen::Vector3f& normal);
   const ViewInterpolation& interpolation() const { return interpolation_.chosen(); }
   /// What all rings share; a ring takes part in it by its levels.
   void set_reflection(std::shared_ptr<const ReflectionDrift> reflection);
@@ -121,12 +106,8 @@ class RingModel {
   std::shared_ptr<const RingSnapshot> snapshot(const Eigen::Matrix3f& frame, std::span<const int> resolution);
 
  private:
-  template <typename Stored>
-  Absorbed absorb_column(std::vector<SharedRows<Stored>> column, std::span<const std::uint8_t> visible,
-                         const Eigen::Vector3f& direction, float cosine, float reliability);
   std::shared_ptr<const RingSnapshot> settled_snapshot(const Eigen::Matrix3f& frame,
                                                        std::span<const int> resolution) const;
-  int terms_that_show(const Eigen::Vector3f& normal) const;
   Eigen::MatrixXf with_pending(const Eigen::Ref<const Eigen::MatrixXf>& folded) const;
   Eigen::MatrixXf known_coefficients() const;
   void follow(const RingFactor::Reports& reports, Absorbed& result);

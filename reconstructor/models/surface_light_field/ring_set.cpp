@@ -109,16 +109,10 @@ RingModel::Prediction RingSet::predict(Indices asked, const ShownImage& image) c
 }
 
 RingSet::Update RingSet::absorb(Indices chosen, const ShownImage& image) {
-  return options_.in_half ? absorb_as<Half>(chosen, image) : absorb_as<float>(chosen, image);
-}
-
-/// With columns of such numbers.
-template <typename Stored>
-RingSet::Update RingSet::absorb_as(Indices chosen, const ShownImage& image) {
   Update update;
   update.repeated.assign(chosen.size(), 0);
   std::vector<RingModel::Absorbed> absorbed(chosen.size());
-  const auto triangles = triangle_runs<Stored>(*rings_, image.view, image.samples);
+  const TriangleRuns triangles = triangle_runs(*rings_, image.view, image.samples);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chosen.size(), 16), [&](const auto& range) {
     RingColumn column;
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
@@ -131,8 +125,8 @@ RingSet::Update RingSet::absorb_as(Indices chosen, const ShownImage& image) {
         update.repeated[i] = ring->repeats(column.values, column.visible, column.direction);
       }
       if (!update.repeated[i])
-        absorbed[i] = ring->absorb(runs_of<Stored>(*rings_, v, triangles), column.visible, column.direction,
-                                   column.cosine, column.cosine);
+        absorbed[i] = ring->absorb(runs_of(*rings_, v, triangles), column.visible, column.direction, column.cosine,
+                                   column.cosine);
     }
   });
   const auto repeated = static_cast<std::size_t>(std::count(update.repeated.begin(), update.repeated.end(), 1));

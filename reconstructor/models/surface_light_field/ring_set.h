@@ -67,8 +67,6 @@ class RingSet {
   std::vector<std::size_t> rank_histogram() const;
 
  private:
-  template <typename Stored>
-  Update absorb_as(Indices chosen, const ShownImage& image);
   std::shared_ptr<const RingSnapshot> snapshot(std::size_t ring);
   bool gather(std::size_t ring, const ShownImage& image, RingColumn& column) const;
 

@@ -155,8 +155,9 @@ std::shared_ptr<const ModelSnapshot> SurfaceLightFieldSnapshot::filled() const {
 }
 
 std::size_t RingSnapshot::bytes() const {
-  const Eigen::Index values = weights.size() + mean.size() + drift.size() + directions.size() + reliability.size();
-  return basis.bytes() + static_cast<std::size_t>(values) * sizeof(float) + shown.size();
+  const Eigen::Index values =
+      basis.size() + weights.size() + mean.size() + drift.size() + directions.size() + reliability.size();
+  return static_cast<std::size_t>(values) * sizeof(float) + shown.size();
 }
 
 std::size_t SurfaceLightFieldSnapshot::memory_bytes() const {

@@ -161,7 +161,6 @@ TEST(Budget, WhatWasMeasuredOnTheSceneDecides) {
 TEST(Memory, TheBoundHoldsWhateverComes) {
   SurfaceLightFieldOptions options = plain_options();
   options.ring.factor.tolerance = 0;  // all the terms that there may be
-  options.ring.least_displayed = 0;
   const std::vector<Capture> images = glossy_captures(90);
   const Object object = square_object();
   const Mesh& mesh = *object.mesh;

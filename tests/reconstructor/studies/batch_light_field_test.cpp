@@ -17,8 +17,6 @@ using analytic::Scene;
 SurfaceLightFieldOptions exact_options(int rank) {
   SurfaceLightFieldOptions options = plain_options();
   options.ring.factor = {.max_rank = rank, .tolerance = 0};
-  options.ring.in_half = false;
-  options.ring.least_displayed = 0;
   return options;
 }
 
@@ -50,8 +48,7 @@ TEST(BatchLightField, IsTheOnlineOneWhereNothingIsMissingAndTheRankIsFull) {
       ++same_kernel;
       for (const Eigen::Vector3d& eye : eyes(4, 0.5, 0.63, 0.95)) {
         const Eigen::Vector3f direction = (eye.cast<float>() - object.mesh->vertices[9 * j + i]).normalized();
-        const Eigen::VectorXf difference =
-            a.basis.values() * a.coefficients(direction) - b.basis.values() * b.coefficients(direction);
+        const Eigen::VectorXf difference = a.basis * a.coefficients(direction) - b.basis * b.coefficients(direction);
         EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-4) << "ring " << i << ", " << j;
       }
     }

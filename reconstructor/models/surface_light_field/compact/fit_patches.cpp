@@ -224,7 +224,7 @@ class PatchFit {
         const int corner = (c + canonical_.first_corner[triangle]) % 3;
         const auto first =
             static_cast<int>(snapshot_.rings().membership(canonical_.old_triangle[triangle], corner).first_sample);
-        rows[static_cast<std::size_t>(c)] = {source, old_ring(source).basis.middle_rows(3 * first, 3 * samples)};
+        rows[static_cast<std::size_t>(c)] = {source, old_ring(source).basis.middleRows(3 * first, 3 * samples)};
         for (std::size_t s = 0; s < old_sample.size(); ++s)
           state[s] = std::max(state[s], old_ring(source).state(first + old_sample[s]));
       } else {

@@ -205,11 +205,12 @@ class MapsReader {
     if (claimed > kSlack + kDensest * double(fs::file_size(file_)))
       throw FileError(file_.string(), "is too small for the " + std::to_string(std::int64_t(claimed / 1e6)) +
                                           " MB of surface maps that model.json describes");
-    for (const RingEntry& entry : rings_.layout.rings) surfaces_.emplace_back(3 * entry.samples, entry.rank);
+    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
+      const RingEntry& entry = rings_.layout.rings[i];
+      rings_.data[i]->basis.resize(3 * entry.samples, entry.rank);
+    }
     read_exr(
         file_, [&](const std::string& name) { return expected_.contains(name); }, [&](ExrPart&& part) { take(part); });
-    for (std::size_t i = 0; i < rings_.data.size(); ++i)
-      rings_.data[i]->basis = std::exchange(surfaces_[i], Eigen::MatrixXf());
   }
 
  private:
@@ -242,7 +243,7 @@ class MapsReader {
     for (std::size_t i = 0; i < rings_.data.size(); ++i) {
       const RingEntry& entry = rings_.layout.rings[i];
       if (rank < entry.rank)
-        surfaces_[i].col(rank) =
+        rings_.data[i]->basis.col(rank) =
             Eigen::Map<const Eigen::VectorXf>(image.data() + 3 * entry.first_sample, 3 * entry.samples);
     }
   }
@@ -290,7 +291,6 @@ class MapsReader {
 
   fs::path file_;
   Rings& rings_;
-  std::vector<Eigen::MatrixXf> surfaces_;
   std::map<std::string, Expected> expected_;
 };
 

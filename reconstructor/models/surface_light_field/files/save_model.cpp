@@ -99,7 +99,7 @@ std::string id_of(const Json& description, const SurfaceLightFieldSnapshot& mode
   };
   for (const auto& ring : model.ring_data()) {
     if (!ring) continue;
-    add(ring->basis.values());
+    add(ring->basis);
     add(ring->directions);
     add(ring->reliability);
     add(ring->weights);

@@ -81,7 +81,7 @@ void expect_same_rings(const ModelSnapshot& first, const ModelSnapshot& second) 
     const RingSnapshot *p = a.ring_data()[v].get(), *q = b.ring_data()[v].get();
     ASSERT_EQ(p == nullptr, q == nullptr) << "ring " << v;
     if (!p) continue;
-    EXPECT_TRUE(same_bits(p->basis.values(), q->basis.values())) << "ring " << v;
+    EXPECT_TRUE(same_bits(p->basis, q->basis)) << "ring " << v;
     EXPECT_TRUE(same_bits(p->directions, q->directions)) << "ring " << v;
     EXPECT_TRUE(same_bits(p->weights, q->weights)) << "ring " << v;
     EXPECT_TRUE(same_bits(p->mean, q->mean)) << "ring " << v;

@@ -384,7 +384,7 @@ TEST(SurfaceLightFieldSnapshot, FiguresCountWhatImagesShowed) {
   std::vector<std::shared_ptr<const RingSnapshot>> data(4);
   const auto ring = [&](std::size_t v, int rank, std::size_t measured) {
     auto made = std::make_shared<RingSnapshot>();
-    made->basis = Eigen::MatrixXf::Zero(3 * rings->ring_samples(v), rank);
+    made->basis.resize(3 * rings->ring_samples(v), rank);
     made->shown.assign(rings->ring_samples(v), 0);
     std::fill_n(made->shown.begin(), measured, 255);
     if (measured == 2) made->shown[0] = 100;

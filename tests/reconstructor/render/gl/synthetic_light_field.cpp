@@ -59,7 +59,7 @@ SyntheticLightField::SyntheticLightField(const SyntheticOptions& options) : opti
 std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t vertex, int rank) const {
   auto ring = std::make_shared<RingSnapshot>();
   const int samples = rings_->ring_samples(vertex);
-  Eigen::MatrixXf maps(3 * samples, rank);
+  ring->basis.resize(3 * samples, rank);
   ring->shown.resize(samples);
   for (const RingTriangle& member : rings_->ring(vertex)) {
     const int n = rings_->resolution(member.triangle);
@@ -69,12 +69,11 @@ std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t v
         const Eigen::Vector3f p = (1 - u - v) * mesh_->corner(member.triangle, 0) +
                                   u * mesh_->corner(member.triangle, 1) + v * mesh_->corner(member.triangle, 2);
         const int row = 3 * (static_cast<int>(member.first_sample) + lattice_index(n, i, j));
-        for (int r = 0; r < rank; ++r) maps.block<3, 1>(row, r) = pattern(p, r);
+        for (int r = 0; r < rank; ++r) ring->basis.block<3, 1>(row, r) = pattern(p, r);
         const bool side = options_.unseen > 0 && std::abs(p.y()) < 0.02f;
         ring->shown[row / 3] = !side ? 255 : p.x() < 0 ? 0 : 60;
       }
   }
-  ring->basis = std::move(maps);
   constexpr int kViews = 10;
   ring->frame = hemisphere_frame(normals_[vertex]);
   ring->directions.resize(3, kViews);
@@ -109,15 +108,13 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_other
   for (auto& ring : data) {
     if (!ring) continue;
     auto other = std::make_shared<RingSnapshot>(*ring);
-    Eigen::MatrixXf maps = ring->basis.values();
     for (int r = 0; r < ring->rank(); ++r) {
       const int from = ring->rank() - 1 - r;
       const float sign = r % 2 ? -1.0f : 1.0f;
-      maps.col(r) = sign * ring->basis.col(from);
+      other->basis.col(r) = sign * ring->basis.col(from);
       other->mean[r] = sign * ring->mean[from];
       other->weights.row(r) = sign * ring->weights.row(from);
     }
-    other->basis = std::move(maps);
     ring = other;
   }
   return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, std::move(data), snapshot_->version() + 1);
