@@ -78,6 +78,18 @@ TEST(LightIntervals, TheNextLightGoesWhereOneIsMissing) {
   }
 }
 
+TEST(LightIntervals, CloserLightsMissLess) {
+  const LitObject object = LitObject::make(48, 36, 0.5f, 20);
+  // Domes that reach down to 30 degrees alike: lower lights are harder to predict.
+  const auto mean_error = [&](double step_deg) {
+    const LightAdvice advice = *object.field(dome_lights(step_deg))->advise_next_light(16);
+    double sum = 0;
+    for (const LightInterval& interval : advice.intervals) sum += interval.error;
+    return sum / static_cast<double>(advice.intervals.size());
+  };
+  EXPECT_LT(mean_error(10), 0.8 * mean_error(20));
+}
+
 TEST(LightIntervals, FewLightsSayNothing) {
   const LambertianRelief relief;
   const auto model = relief.model({{0, 0, 1}, {0.5, 0, 1}, {-0.4, 0.3, 1}, {0.1, -0.6, 1}});
