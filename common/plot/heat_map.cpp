@@ -2,19 +2,17 @@
 #include "common/plot/heat_map.h"
 
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/plot/gnuplot.h"
 
 namespace sheen {
 namespace {
 
 std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return std::isfinite(value) ? text : "NaN";
+  return std::isfinite(value) ? format("%.6g", value) : "NaN";
 }
 
 double place(int i, int count, int size) {

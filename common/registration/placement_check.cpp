@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "common/base/format.h"
 #include "common/base/median.h"
 #include "common/registration/outline_evidence.h"
 #include "common/registration/texture_evidence.h"
@@ -23,12 +23,6 @@ constexpr int kLevel = 1;
 constexpr double kMargin_px = 2;
 constexpr const char* kRemedy = "; `sheen-tracker register` puts it right";
 
-std::string text(const char* pattern, double a, double b = 0, double c = 0, double d = 0) {
-  char out[240];
-  std::snprintf(out, sizeof out, pattern, a, b, c, d);
-  return out;
-}
-
 std::string below_stage(const Mesh& mesh) {
   float lowest = HUGE_VALF, highest = -HUGE_VALF;
   for (const Eigen::Vector3f& v : mesh.vertices) {
@@ -36,7 +30,7 @@ std::string below_stage(const Mesh& mesh) {
     highest = std::max(highest, v.z());
   }
   if (lowest >= -kBelowStage * (highest - lowest)) return {};
-  return text(
+  return format(
              "the mesh reaches %.3g mm below the stage: it is in another frame than the stage's, whose z points up "
              "(many files have y up)",
              -1e3 * lowest) +
@@ -53,7 +47,7 @@ std::string outlines_off(const Mesh& mesh, const RayScene& scene, std::span<cons
   if (distances.empty()) return std::string("no image shows the mesh's outline, though there are masks") + kRemedy;
   const double off = median(distances);
   if (off < kOutlineOff_px) return {};
-  return text(
+  return format(
              "the mesh's outline is %.1f pixels from that of the masks (median): it does not stand where the object is",
              off) +
          kRemedy;
@@ -85,11 +79,11 @@ std::string texture_off(const Mesh& mesh, const RayScene& scene, std::span<const
     if (best == from) break;
   }
   if (most > here.correlation + kAgreeBetter)
-    return text("the images agree better about the mesh when it is moved by about (%.0f, %.0f, %.0f) mm",
-                1e3 * best.x(), 1e3 * best.y(), 1e3 * best.z()) +
-           text(" (correlation %.2f, as it stands %.2f)", most, here.correlation) + kRemedy;
+    return format("the images agree better about the mesh when it is moved by about (%.0f, %.0f, %.0f) mm",
+                  1e3 * best.x(), 1e3 * best.y(), 1e3 * best.z()) +
+           format(" (correlation %.2f, as it stands %.2f)", most, here.correlation) + kRemedy;
   if (here.correlation < kHardlyAgree)
-    return text(
+    return format(
                "the images hardly agree about the mesh's surface (correlation %.2f): it does not stand where the "
                "object "
                "is, is another object's, or shines like a mirror",

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdio>
 
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/datasets/dataset.h"
 #include "common/image/color.h"
 #include "common/image/exr.h"
@@ -22,12 +22,6 @@ struct Shot {
   bool truth = false;
 };
 
-std::string numbered(const char* pattern, std::size_t a, std::size_t b) {
-  char name[64];
-  std::snprintf(name, sizeof name, pattern, a, b);
-  return name;
-}
-
 /// All images of the grid, then those that judge.
 std::vector<Shot> shots_of(const LightRig& rig) {
   const LightRigOptions& o = rig.options();
@@ -35,16 +29,16 @@ std::vector<Shot> shots_of(const LightRig& rig) {
   std::vector<Shot> shots;
   for (std::size_t v = 0; v < rig.cameras().size(); ++v)
     for (std::size_t l = 0; l < rig.lights().size(); ++l)
-      shots.push_back({numbered("view_%03zu_light_%02zu", v, l), rig.cameras()[v], rig.lights()[l], Purpose::kTraining,
-                       v == centre});
+      shots.push_back(
+          {format("view_%03zu_light_%02zu", v, l), rig.cameras()[v], rig.lights()[l], Purpose::kTraining, v == centre});
   std::vector<std::size_t> judged{centre};
   if (centre != 0) judged.push_back(0);
   for (std::size_t l = 0; l < rig.midway_lights().size(); ++l) {
     for (const std::size_t v : judged)
-      shots.push_back({numbered("view_%03zu_midway_%02zu", v, l), rig.cameras()[v], rig.midway_lights()[l],
-                       Purpose::kHeldOut, true});
+      shots.push_back(
+          {format("view_%03zu_midway_%02zu", v, l), rig.cameras()[v], rig.midway_lights()[l], Purpose::kHeldOut, true});
     if (o.columns > 1)
-      shots.push_back({numbered("between_%03zu_midway_%02zu", centre, l),
+      shots.push_back({format("between_%03zu_midway_%02zu", centre, l),
                        rig.camera_at((o.columns - 1) / 2 + 0.5, (o.rows - 1) / 2 + (o.rows > 1 ? 0.5 : 0.0)),
                        rig.midway_lights()[l], Purpose::kHeldOut, true});
   }

@@ -5,12 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/base/json_fields.h"
 #include "common/stage/tag_pattern.h"
 
@@ -26,9 +26,7 @@ constexpr double kLargestLength = 10, kSmallestBoard = 0.01;  // metres
 constexpr std::size_t kMinTags = 4;                           // fewer do not surround an object
 
 std::string millimetres(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g mm", metres * 1e3);
-  return text;
+  return format("%g mm", metres * 1e3);
 }
 
 void require_length(double value, const char* field, bool zero_allowed = false) {
@@ -86,9 +84,7 @@ std::string StageLayout::hash() const {
     for (const Eigen::Vector3d& corner : tag.corners_object)
       for (const double coordinate : corner) mix(hash, std::bit_cast<std::uint64_t>(coordinate + 0.0));  // -0 is 0
   }
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
+  return format("%016llx", static_cast<unsigned long long>(hash));
 }
 
 StageLayout make_stage(const StageOptions& options) {

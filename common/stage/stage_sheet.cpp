@@ -2,12 +2,12 @@
 #include "common/stage/stage_sheet.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/stage/tag_pattern.h"
 
 namespace sheen {
@@ -43,9 +43,7 @@ struct Sheet {
 };
 
 std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4f", value);
-  return text;
+  return format("%.4f", value);
 }
 
 /// The black cells of a tag: runs of a row, each a little polygon, so that no seam shows inside a run.
@@ -98,9 +96,8 @@ Sheet draw(const StageLayout& stage) {
     sheet.strokes.push_back({foot, foot - Point(0, i % 5 == 0 ? 4 : 2), 0.2, 0});
   }
   sheet.labels.push_back({bar + Point(0, 4), 3, "100 mm between the outer marks: check with a ruler, print at 100 %"});
-  char caption[160];
-  std::snprintf(caption, sizeof caption, "Sheen stage, %s, %zu tags, %g x %g mm, layout %s", stage.family.c_str(),
-                stage.tags.size(), board_width, board_height, stage.hash().c_str());
+  const std::string caption = format("Sheen stage, %s, %zu tags, %g x %g mm, layout %s", stage.family.c_str(),
+                                     stage.tags.size(), board_width, board_height, stage.hash().c_str());
   sheet.labels.push_back({bar + Point(0, 8), 3, caption});
   return sheet;
 }
@@ -108,9 +105,7 @@ Sheet draw(const StageLayout& stage) {
 std::string svg(const Sheet& sheet) {
   const auto grey = [](double g) {
     const int level = static_cast<int>(g * 255 + 0.5);
-    char text[8];
-    std::snprintf(text, sizeof text, "#%02x%02x%02x", level, level, level);
-    return std::string(text);
+    return format("#%02x%02x%02x", level, level, level);
   };
   const std::string w = number(sheet.width), h = number(sheet.height);
   std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w + "mm\" height=\"" + h +
@@ -163,9 +158,7 @@ std::string pdf(const Sheet& sheet) {
   std::string out = "%PDF-1.4\n", table;
   int id = 0;
   for (const std::string& object : objects) {
-    char entry[32];
-    std::snprintf(entry, sizeof entry, "%010zu 00000 n \n", out.size());
-    table += entry;
+    table += format("%010zu 00000 n \n", out.size());
     out += std::to_string(++id) + " 0 obj\n" + object + "\nendobj\n";
   }
   const std::string count = std::to_string(id + 1), start = std::to_string(out.size());

@@ -2,9 +2,10 @@
 #include "reconstructor/commands/light_report.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
+
+#include "common/base/format.h"
 
 namespace sheen {
 namespace {
@@ -12,9 +13,7 @@ namespace {
 constexpr std::size_t kPrinted = 5;
 
 std::string place(const LightState& light) {
-  char text[96];
-  std::snprintf(text, sizeof text, "(%.3f %.3f %.3f)", light.position.x(), light.position.y(), light.position.z());
-  return text;
+  return format("(%.3f %.3f %.3f)", light.position.x(), light.position.y(), light.position.z());
 }
 
 nlohmann::json to_json(const Eigen::Vector3d& v) {

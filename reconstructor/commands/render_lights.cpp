@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/commands/render_lights.h"
 
-#include <cstdio>
 #include <span>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
 #include "common/datasets/light_list.h"
@@ -35,9 +35,7 @@ std::vector<LitPicture> along(const std::vector<LitView>& keys, int frames, cons
   std::vector<LitPicture> pictures;
   for (const LightState& light : light_path(lights, frames)) {
     if (!(light.position.norm() > 1e-9)) throw FileError(list, "its path goes through the object");
-    char name[32];
-    std::snprintf(name, sizeof name, "frame_%05zu", pictures.size() + 1);
-    pictures.push_back({name, {light}});
+    pictures.push_back({format("frame_%05zu", pictures.size() + 1), {light}});
   }
   return pictures;
 }

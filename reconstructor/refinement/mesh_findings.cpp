@@ -5,9 +5,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/imgproc.hpp>
 
+#include "common/base/format.h"
 #include "common/base/median.h"
 #include "common/geometry/ray_scene.h"
 #include "common/registration/silhouette.h"
@@ -26,12 +26,6 @@ constexpr double kShareOfImages = 0.1;  // in which a part must be missing to be
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
-std::string text(const char* pattern, double a, double b = 0, double c = 0) {
-  char out[160];
-  std::snprintf(out, sizeof out, pattern, a, b, c);
-  return out;
-}
-
 /// How far a vertex moves along its normal when scale, offset and rotation about `centre` change.
 Vector7 lever(const Eigen::Vector3d& from_centre, const Eigen::Vector3d& normal) {
   Vector7 row;
@@ -43,7 +37,7 @@ MeshFinding missing_part(const UncoveredRegion& region, const std::string& image
   return {"missing part",
           "the masks show a part of the object that the mesh has not: in " + std::to_string(in) + " of " +
               std::to_string(of) + " images, most of it in " + image +
-              text(", %.0f pixels round (%.0f, %.0f)", region.pixels, region.centre_x, region.centre_y) +
+              format(", %.0f pixels round (%.0f, %.0f)", region.pixels, region.centre_x, region.centre_y) +
               "; complete the mesh, or mask the part out"};
 }
 
@@ -117,18 +111,18 @@ std::vector<MeshFinding> findings_of(const Mesh& given, const RefinedMesh& refin
   if (common.explained > kExplained) {
     if (std::abs(common.scale) * radius > least)
       found.push_back(
-          {"scale", text("the mesh is %.2f %% too ", 100 * std::abs(1 / (1 + common.scale) - 1)) +
+          {"scale", format("the mesh is %.2f %% too ", 100 * std::abs(1 / (1 + common.scale) - 1)) +
                         (common.scale < 0 ? "large" : "small") +
-                        text(": scale it by %.4f, or check the units of mesh and poses", 1 + common.scale)});
+                        format(": scale it by %.4f, or check the units of mesh and poses", 1 + common.scale)});
     if (common.offset.norm() > least)
       found.push_back({"offset", "the mesh is in the wrong place: move it by " +
-                                     text("(%.3g, %.3g, %.3g) mm, or register it again", 1e3 * common.offset.x(),
-                                          1e3 * common.offset.y(), 1e3 * common.offset.z())});
+                                     format("(%.3g, %.3g, %.3g) mm, or register it again", 1e3 * common.offset.x(),
+                                            1e3 * common.offset.y(), 1e3 * common.offset.z())});
     if (common.rotation.norm() * radius > least) {
       const Eigen::Vector3d axis = common.rotation.normalized();
       found.push_back(
-          {"rotation", text("the mesh is turned: turn it by %.3g degrees", common.rotation.norm() * 180 / M_PI) +
-                           text(" about (%.2f, %.2f, %.2f), or register it again", axis.x(), axis.y(), axis.z())});
+          {"rotation", format("the mesh is turned: turn it by %.3g degrees", common.rotation.norm() * 180 / M_PI) +
+                           format(" about (%.2f, %.2f, %.2f), or register it again", axis.x(), axis.y(), axis.z())});
     }
   }
 

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 #include "common/base/errors.h"
+#include "common/base/format.h"
 #include "common/base/median.h"
 #include "tracker/calibration/point_fit.h"
 
@@ -28,12 +28,6 @@ constexpr double kWorthSaying = 0.005;
 constexpr double kMirrored = 0.25;              // residual of the mirror image, of the residual itself
 constexpr double kSpreadOfTriangulation = 0.2;  // standard deviation of a place, of its distance: more is no place
 constexpr double kOffSurface = 0.03;            // of the mesh's radius
-
-std::string text(const char* pattern, double a, double b = 0, double c = 0) {
-  char out[200];
-  std::snprintf(out, sizeof out, pattern, a, b, c);
-  return out;
-}
 
 const PosedCamera& view_named(const std::map<std::string, PosedCamera>& views, const std::string& name,
                               const std::string& point) {
@@ -124,9 +118,9 @@ void check_unit(double ratio, const PointOptions& options) {
       throw ConfigError(std::string("the mesh's points are in ") + unit.name + ": give --unit " + unit.option);
   if (options.free_scale) return;
   throw ConfigError(
-      text("the points are %.4g times as far apart on the stage as on the mesh: they are of another unit, "
-           "or not the same points; where the mesh's size is not known, give --free-scale",
-           ratio / options.scale));
+      format("the points are %.4g times as far apart on the stage as on the mesh: they are of another unit, "
+             "or not the same points; where the mesh's size is not known, give --free-scale",
+             ratio / options.scale));
 }
 
 double rms(std::span<const PointPair> pairs, const Similarity& fit) {
@@ -145,9 +139,9 @@ void check_not_mirrored(std::span<const PointPair> pairs, const ScaleRule& rule)
   const double in_mirror = rms(mirrored, fit_points(mirrored, all, rule).stage_from_mesh);
   if (as_given > 3 * kStagePrior_m && in_mirror < kMirrored * as_given)
     throw ConfigError(
-        text("the points are mirrored: they fit a mirror image of the mesh to %.2g mm, and the mesh to "
-             "%.3g mm; one axis of the mesh or of the stage's coordinates has the wrong sign",
-             1e3 * in_mirror, 1e3 * as_given));
+        format("the points are mirrored: they fit a mirror image of the mesh to %.2g mm, and the mesh to "
+               "%.3g mm; one axis of the mesh or of the stage's coordinates has the wrong sign",
+               1e3 * in_mirror, 1e3 * as_given));
 }
 
 double distance_from(const Mesh& mesh, const Eigen::Vector3d& point) {
@@ -182,8 +176,8 @@ void check_surface(const Mesh& mesh, PointRegistration& result) {
     if (point.from_surface > kOffSurface * radius)
       result.warnings.push_back(
           "point \"" + point.name +
-          text("\" lies %.1f %% of the mesh's radius off its surface: was it picked on this mesh?",
-               100 * point.from_surface / radius));
+          format("\" lies %.1f %% of the mesh's radius off its surface: was it picked on this mesh?",
+                 100 * point.from_surface / radius));
 }
 
 double rms_px(const PickedPoint& point, const std::map<std::string, PosedCamera>& views,
@@ -257,21 +251,21 @@ PointRegistration register_points(const Correspondences& picked, const Mesh& mes
   for (const RegisteredPoint& point : result.points)
     if (!point.used)
       result.warnings.push_back("point \"" + point.name +
-                                text("\" is an outlier, left out: it is %.3g mm from where the others have it "
-                                     "(%.0f standard deviations); pick it again",
-                                     1e3 * point.residual.norm(), point.sigmas));
+                                format("\" is an outlier, left out: it is %.3g mm from where the others have it "
+                                       "(%.0f standard deviations); pick it again",
+                                       1e3 * point.residual.norm(), point.sigmas));
   if (!options.free_scale && std::abs(ratio / options.scale - 1) > kWorthSaying) {
     const PointFit freely = fit_points(pairs, used, {.free = true});
     const double off = freely.stage_from_mesh.scale / options.scale - 1;
     const double sigma = std::sqrt((known ? 1 : variance_factor(freely, kPrior)) * freely.covariance(6, 6));
     if (std::abs(off) > kWorthSaying && std::abs(off) > 4 * sigma)
-      result.warnings.push_back(text("the mesh is %.2f %% too ", 100 * std::abs(off)) + (off > 0 ? "small" : "large") +
-                                " for these points: measure it, or give --free-scale");
+      result.warnings.push_back(format("the mesh is %.2f %% too ", 100 * std::abs(off)) +
+                                (off > 0 ? "small" : "large") + " for these points: measure it, or give --free-scale");
   }
   if (known && result.degrees_of_freedom > 0 &&
       fit.squares > result.degrees_of_freedom + 5 * std::sqrt(2.0 * result.degrees_of_freedom))
-    result.warnings.push_back(text("the residuals are %.1f times what the file's uncertainty expects",
-                                   std::sqrt(fit.squares / result.degrees_of_freedom)));
+    result.warnings.push_back(format("the residuals are %.1f times what the file's uncertainty expects",
+                                     std::sqrt(fit.squares / result.degrees_of_freedom)));
   return result;
 }
 

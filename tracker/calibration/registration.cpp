@@ -3,7 +3,8 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <cstdio>
+
+#include "common/base/format.h"
 
 namespace sheen {
 namespace {
@@ -12,28 +13,22 @@ constexpr double kOutlineOff_px = 2;       // median distance of outlines that d
 constexpr double kHardlyAgree = 0.3;       // mean correlation of images that do not see what the mesh says
 constexpr double kContradicts_sigmas = 5;  // per parameter, of points and images together
 
-std::string text(const char* pattern, double a, double b = 0) {
-  char out[240];
-  std::snprintf(out, sizeof out, pattern, a, b);
-  return out;
-}
-
 void judge_images(const ImageRegistration& found, bool free_scale, std::vector<std::string>& warnings) {
   if (found.evidence == Evidence::kOutlines && found.after > kOutlineOff_px)
     warnings.push_back(
-        text("the outlines are still %.1f px apart (median): start from picked points (--points), or the "
-             "mesh is not this object",
-             found.after));
+        format("the outlines are still %.1f px apart (median): start from picked points (--points), or the "
+               "mesh is not this object",
+               found.after));
   if (found.evidence == Evidence::kTexture && found.after < kHardlyAgree)
     warnings.push_back(
-        text("the images hardly agree about the surface (correlation %.2f): start from picked points "
-             "(--points), give masks, or the mesh is not this object",
-             found.after));
+        format("the images hardly agree about the surface (correlation %.2f): start from picked points "
+               "(--points), give masks, or the mesh is not this object",
+               found.after));
   if (found.undetermined > 0)
     warnings.push_back(
-        text("%.0f of the %.0f parameters are not determined by the images: the object looks the same "
-             "when it moves so; the mesh stays as it was in these",
-             found.undetermined, free_scale ? 7 : 6));
+        format("%d of the %d parameters are not determined by the images: the object looks the same "
+               "when it moves so; the mesh stays as it was in these",
+               found.undetermined, free_scale ? 7 : 6));
 }
 
 /// Of points and images: the images' word for what they know, and a warning where the two cannot both be right.
@@ -46,9 +41,9 @@ void compare(const PointRegistration& points, const ImageRegistration& images, i
   const Eigen::VectorXd off = step.head(parameters);
   if (std::sqrt(off.dot(both.ldlt().solve(off)) / parameters) > kContradicts_sigmas)
     warnings.push_back(
-        text("the images move the mesh by %.2g mm and %.2g degrees from where the points have it, more "
-             "than the two allow; look at the overlay",
-             1e3 * step.segment<3>(3).norm(), step.head<3>().norm() * 180 / M_PI));
+        format("the images move the mesh by %.2g mm and %.2g degrees from where the points have it, more "
+               "than the two allow; look at the overlay",
+               1e3 * step.segment<3>(3).norm(), step.head<3>().norm() * 180 / M_PI));
 }
 
 }  // namespace

@@ -3,26 +3,16 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
+
+#include "common/base/format.h"
 
 namespace sheen {
 namespace {
 
 using nlohmann::json;
 constexpr double kDegree = M_PI / 180;
-
-void print(std::ostream& out, const char* pattern, ...) __attribute__((format(printf, 2, 3)));
-void print(std::ostream& out, const char* pattern, ...) {
-  char text[512];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(text, sizeof text, pattern, values);
-  va_end(values);
-  out << text;
-}
 
 json vector_json(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
@@ -66,35 +56,35 @@ std::string registration_text(const Registration& registration) {
     out << "point                 residual mm: x      y      z    px   sigmas\n";
     for (const RegisteredPoint& point : registration.points->points) {
       const Eigen::Vector3d mm = 1e3 * point.residual;
-      print(out, "%-28s %6.2f %6.2f %6.2f %5.2f %6.1f%s\n", point.name.c_str(), mm.x(), mm.y(), mm.z(),
-            point.residual_px, point.sigmas, point.used ? "" : "  OUTLIER, left out");
+      out << format("%-28s %6.2f %6.2f %6.2f %5.2f %6.1f%s\n", point.name.c_str(), mm.x(), mm.y(), mm.z(),
+                    point.residual_px, point.sigmas, point.used ? "" : "  OUTLIER, left out");
     }
-    print(out, "RMS %.3g mm; noise of a coordinate %.3g mm (%s)\n", 1e3 * registration.points->rms_m,
-          1e3 * registration.points->noise_m,
-          registration.points->noise_estimated ? "from the residuals" : "as the file says");
+    out << format("RMS %.3g mm; noise of a coordinate %.3g mm (%s)\n", 1e3 * registration.points->rms_m,
+                  1e3 * registration.points->noise_m,
+                  registration.points->noise_estimated ? "from the residuals" : "as the file says");
   }
   if (registration.images) {
     const ImageRegistration& found = *registration.images;
     if (found.evidence == Evidence::kOutlines)
-      print(out, "outlines of %zu masks: median distance %.2f px, before %.2f px\n", found.images, found.after,
-            found.before);
+      out << format("outlines of %zu masks: median distance %.2f px, before %.2f px\n", found.images, found.after,
+                    found.before);
     else
-      print(out, "texture in %zu images: mean correlation %.2f, before %.2f\n", found.images, found.after,
-            found.before);
-    print(out, "the two halves of the images differ by %.3g mm and %.3g degrees\n",
-          1e3 * found.halves.segment<3>(3).norm(), found.halves.head<3>().norm() / kDegree);
+      out << format("texture in %zu images: mean correlation %.2f, before %.2f\n", found.images, found.after,
+                    found.before);
+    out << format("the two halves of the images differ by %.3g mm and %.3g degrees\n",
+                  1e3 * found.halves.segment<3>(3).norm(), found.halves.head<3>().norm() / kDegree);
   }
   const Placement& placement = registration.placement;
   const Eigen::AngleAxisd turn(placement.stage_from_mesh.rotation);
   const Eigen::Vector3d middle = 1e3 * placement.centre;
   const Eigen::VectorXd sigma = placement.covariance.diagonal().cwiseSqrt();
-  print(out, "the mesh's middle stands at (%.2f, %.2f, %.2f) mm +- (%.2g, %.2g, %.2g) mm\n", middle.x(), middle.y(),
-        middle.z(), 1e3 * sigma[3], 1e3 * sigma[4], 1e3 * sigma[5]);
-  print(out, "turned by %.3f degrees about (%.3f, %.3f, %.3f) +- (%.2g, %.2g, %.2g) degrees about x, y, z\n",
-        turn.angle() / kDegree, turn.axis().x(), turn.axis().y(), turn.axis().z(), sigma[0] / kDegree,
-        sigma[1] / kDegree, sigma[2] / kDegree);
-  print(out, "scale %.6g metres per unit of the mesh", placement.stage_from_mesh.scale);
-  if (registration.free_scale) print(out, " +- %.2g %%", 100 * sigma[6]);
+  out << format("the mesh's middle stands at (%.2f, %.2f, %.2f) mm +- (%.2g, %.2g, %.2g) mm\n", middle.x(), middle.y(),
+                middle.z(), 1e3 * sigma[3], 1e3 * sigma[4], 1e3 * sigma[5]);
+  out << format("turned by %.3f degrees about (%.3f, %.3f, %.3f) +- (%.2g, %.2g, %.2g) degrees about x, y, z\n",
+                turn.angle() / kDegree, turn.axis().x(), turn.axis().y(), turn.axis().z(), sigma[0] / kDegree,
+                sigma[1] / kDegree, sigma[2] / kDegree);
+  out << format("scale %.6g metres per unit of the mesh", placement.stage_from_mesh.scale);
+  if (registration.free_scale) out << format(" +- %.2g %%", 100 * sigma[6]);
   out << '\n';
   return out.str();
 }

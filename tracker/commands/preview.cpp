@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
 #include "common/image/image_io.h"
@@ -46,12 +46,10 @@ struct PreviewReport {
 };
 
 std::string line_of(const PreviewReport& report) {
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "frame %llu  focus %.3f (best %.3f)  mean %.0f %%  clipped %.2f %%  dark %.1f %%  %zu tags",
-                static_cast<unsigned long long>(report.frames), report.last.focus, report.best_focus,
-                100 * report.last.mean, 100 * report.last.clipped, 100 * report.last.dark, report.last.tags);
-  std::string line = text;
+  std::string line =
+      sheen::format("frame %llu  focus %.3f (best %.3f)  mean %.0f %%  clipped %.2f %%  dark %.1f %%  %zu tags",
+                    static_cast<unsigned long long>(report.frames), report.last.focus, report.best_focus,
+                    100 * report.last.mean, 100 * report.last.clipped, 100 * report.last.dark, report.last.tags);
   if (report.exposure_s > 0) line += "  " + std::to_string(std::lround(1e6 * report.exposure_s)) + " us";
   if (const std::string what = advice(report.last); !what.empty()) line += "  " + what;
   return line;

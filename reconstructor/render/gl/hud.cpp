@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "common/base/format.h"
 
 namespace sheen {
 namespace {
@@ -15,13 +16,6 @@ struct Line {
   std::string label, value;
   Rgba color = kText;
 };
-
-template <typename... Values>
-std::string print(const char* format, Values... values) {
-  char text[160];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 unsigned long long count(std::uint64_t n) {
   return n;
@@ -84,46 +78,46 @@ Line tracker_line(TrackerLink link) {
 std::vector<Line> pose_lines(const Capture& capture) {
   if (!capture.pose.usable()) return {{"pose", std::string("none: ") + to_string(capture.pose.status), kRed}};
   if (capture.pose.status == PoseStatus::kGiven) return {{"pose", "given with the image"}};
-  return {{"pose", print("%d of %zu tags, error %.2f px", capture.pose.tags_used, capture.tags.size(),
-                         capture.pose.reprojection_rms_px)}};
+  return {{"pose", format("%d of %zu tags, error %.2f px", capture.pose.tags_used, capture.tags.size(),
+                          capture.pose.reprojection_rms_px)}};
 }
 
 std::vector<Line> frame_lines(const CaptureFigures& f) {
   std::uint64_t refused = 0;
   for (const auto& [reason, n] : f.frames_refused) refused += n;
-  std::vector<Line> lines{{"frames", print("%llu, used %llu (%llu held out), refused %llu", count(f.frames_received),
-                                           count(f.frames_accepted), count(f.frames_held_out), count(refused))}};
+  std::vector<Line> lines{{"frames", format("%llu, used %llu (%llu held out), refused %llu", count(f.frames_received),
+                                            count(f.frames_accepted), count(f.frames_held_out), count(refused))}};
   for (const auto& [reason, n] : f.frames_refused)
-    lines.push_back({"", print("  %s %llu", reason.c_str(), count(n)), kDim});
+    lines.push_back({"", format("  %s %llu", reason.c_str(), count(n)), kDim});
   if (f.tracker_judged > 0) {
     std::uint64_t there = 0;
     for (const auto& [reason, n] : f.tracker_refused) there += n;
-    lines.push_back({"camera", print("%llu frames, tracker refused %llu", count(f.tracker_judged), count(there))});
+    lines.push_back({"camera", format("%llu frames, tracker refused %llu", count(f.tracker_judged), count(there))});
     for (const auto& [reason, n] : f.tracker_refused)
-      lines.push_back({"", print("  %s %llu", reason.c_str(), count(n)), kDim});
+      lines.push_back({"", format("  %s %llu", reason.c_str(), count(n)), kDim});
   }
-  if (f.frames_withdrawn > 0) lines.push_back({"", print("taken back %llu", count(f.frames_withdrawn))});
+  if (f.frames_withdrawn > 0) lines.push_back({"", format("taken back %llu", count(f.frames_withdrawn))});
   lines.push_back(f.frames_waiting > 0 && f.images_per_s > 0
                       ? Line{"rate",
-                             print("%.1f images/s; %llu wait, %.0f s", f.images_per_s, count(f.frames_waiting),
-                                   static_cast<double>(f.frames_waiting) / f.images_per_s),
+                             format("%.1f images/s; %llu wait, %.0f s", f.images_per_s, count(f.frames_waiting),
+                                    static_cast<double>(f.frames_waiting) / f.images_per_s),
                              kAmber}
-                      : Line{"rate", print("%.1f images/s", f.images_per_s)});
+                      : Line{"rate", format("%.1f images/s", f.images_per_s)});
   return lines;
 }
 
 std::vector<Line> rank_lines(const SnapshotFigures& ranks) {
-  return {{"rank", print("median %.3g, most %d", ranks.median_rank, ranks.most_rank)},
-          {"surface", print("%.1f %% seen, %.1f %% measured", 100 * ranks.seen, 100 * ranks.measured)}};
+  return {{"rank", format("median %.3g, most %d", ranks.median_rank, ranks.most_rank)},
+          {"surface", format("%.1f %% seen, %.1f %% measured", 100 * ranks.seen, 100 * ranks.measured)}};
 }
 
 std::vector<Line> error_lines(const CaptureFigures& f) {
   std::vector<Line> lines;
-  if (f.predicted_psnr_db) lines.push_back({"predicted", print("%.1f dB of the last image", *f.predicted_psnr_db)});
-  if (f.residual) lines.push_back({"residual", print("%.1f %% of the last image", 100 * *f.residual)});
+  if (f.predicted_psnr_db) lines.push_back({"predicted", format("%.1f dB of the last image", *f.predicted_psnr_db)});
+  if (f.residual) lines.push_back({"residual", format("%.1f %% of the last image", 100 * *f.residual)});
   if (!f.held_out_psnr_db) return lines;
-  std::string value = print("%.1f dB", *f.held_out_psnr_db);
-  if (f.held_out_ssim) value += print(", SSIM %.3f", *f.held_out_ssim);
+  std::string value = format("%.1f dB", *f.held_out_psnr_db);
+  if (f.held_out_ssim) value += format(", SSIM %.3f", *f.held_out_ssim);
   lines.push_back({"held out", value, kGreen});
   return lines;
 }

@@ -200,6 +200,14 @@ struct ViewerWindow::Impl {
     }
   }
 
+  /// Everything of a state that waits for nobody: a picture without a loop round it.
+  void take_in_whole(const ViewerState& state) {
+    if (state.snapshot) controls.frame(*state.snapshot);
+    while (!pictures.update(state)) {
+    }
+    pictures.resize(options.width, options.height);
+  }
+
   /// False: there is nothing to draw into.
   bool fit_pictures() {
     int width = 0, height = 0;
@@ -288,20 +296,14 @@ void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, std:
 
 ImageU8 ViewerWindow::draw_once(const ViewerState& state) {
   Impl& w = *impl_;
-  if (state.snapshot) w.controls.frame(*state.snapshot);
-  while (!w.pictures.update(state)) {
-  }
-  w.pictures.resize(w.options.width, w.options.height);
+  w.take_in_whole(state);
   w.pictures.draw_fine(state, w.controls, w.current_news());
   return w.pictures.target().read();
 }
 
 ImageU8 ViewerWindow::draw_soon(const ViewerState& state) {
   Impl& w = *impl_;
-  if (state.snapshot) w.controls.frame(*state.snapshot);
-  while (!w.pictures.update(state)) {
-  }
-  w.pictures.resize(w.options.width, w.options.height);
+  w.take_in_whole(state);
   w.pictures.draw_soon(state, w.controls, w.current_news());
   return w.pictures.target().read();
 }
