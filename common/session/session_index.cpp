@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <utility>
 
+#include "common/session/index_database.h"
+
 namespace sheen {
 namespace {
 
 constexpr int kApplicationId = 0x5348454E;  // "SHEN"
-/// A program that adds a row or a mark holds the lock for milliseconds. Whoever wants to stop must not wait longer.
-constexpr int kBusyMs = 500;
 
 /// What version 1 has. `idx` counts captures from 0 without a gap.
 const char* const kSchema = R"(
@@ -35,120 +35,6 @@ const char* const kWithdrawals = R"(
     withdrawn INTEGER NOT NULL
   );
 )";
-
-std::string what_failed(sqlite3* db) {
-  const int code = db ? sqlite3_errcode(db) : SQLITE_NOMEM;
-  const bool disk = code == SQLITE_FULL || code == SQLITE_IOERR;
-  return std::string("the session's index: ") + (db ? sqlite3_errmsg(db) : "out of memory") +
-         (disk ? "; check that the disk has room and is healthy, then go on: nothing that was acknowledged is lost"
-               : "");
-}
-
-/// Our statements are fixed: where one does not fit, the tables are not ours.
-[[noreturn]] void fail(const std::filesystem::path& file, sqlite3* db) {
-  const int code = db ? sqlite3_errcode(db) : SQLITE_NOMEM;
-  if (code == SQLITE_BUSY || code == SQLITE_LOCKED)
-    throw SessionBusy(file.string(), "another program keeps it locked (a database browser, a backup); close that");
-  if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR || code == SQLITE_MISMATCH)
-    throw DamagedIndex(file.string(), what_failed(db));
-  throw FileError(file.string(), what_failed(db));
-}
-
-struct Closer {
-  void operator()(sqlite3* db) const { sqlite3_close(db); }
-  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-};
-using Database = std::unique_ptr<sqlite3, Closer>;
-
-Database open_database(const std::filesystem::path& file, const std::string& name, int flags) {
-  sqlite3* raw = nullptr;
-  const int status = sqlite3_open_v2(name.c_str(), &raw, flags | SQLITE_OPEN_NOMUTEX, nullptr);
-  Database db(raw);
-  if (status != SQLITE_OK) fail(file, db.get());
-  sqlite3_busy_timeout(db.get(), kBusyMs);
-  return db;
-}
-
-/// One prepared statement, its parameters bound in the order in which they come.
-class Statement {
- public:
-  Statement(const std::filesystem::path& file, sqlite3* db, const char* sql) : file_(file), db_(db) {
-    sqlite3_stmt* raw = nullptr;
-    if (sqlite3_prepare_v2(db, sql, -1, &raw, nullptr) != SQLITE_OK) fail(file_, db_);
-    statement_.reset(raw);
-  }
-  Statement& bind(std::uint64_t value) {
-    check(sqlite3_bind_int64(statement_.get(), ++bound_, static_cast<sqlite3_int64>(value)));
-    return *this;
-  }
-  Statement& bind(const std::string& value) {
-    check(
-        sqlite3_bind_text(statement_.get(), ++bound_, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT));
-    return *this;
-  }
-  /// True while there is a row.
-  bool step() {
-    const int status = sqlite3_step(statement_.get());
-    if (status != SQLITE_ROW && status != SQLITE_DONE) fail(file_, db_);
-    return status == SQLITE_ROW;
-  }
-  std::uint64_t integer(int column) const {
-    return static_cast<std::uint64_t>(sqlite3_column_int64(statement_.get(), column));
-  }
-  bool is_count(int column) const {
-    return sqlite3_column_type(statement_.get(), column) == SQLITE_INTEGER &&
-           sqlite3_column_int64(statement_.get(), column) >= 0;
-  }
-  std::string text(int column) const {
-    const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
-    return bytes ? std::string(bytes, sqlite3_column_bytes(statement_.get(), column)) : std::string();
-  }
-
- private:
-  void check(int status) {
-    if (status != SQLITE_OK) fail(file_, db_);
-  }
-  const std::filesystem::path& file_;
-  sqlite3* db_;
-  std::unique_ptr<sqlite3_stmt, Closer> statement_;
-  int bound_ = 0;
-};
-
-void execute(const std::filesystem::path& file, sqlite3* db, const std::string& sql) {
-  if (sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail(file, db);
-}
-
-/// Rolled back unless it is committed.
-class Transaction {
- public:
-  Transaction(const std::filesystem::path& file, sqlite3* db) : file_(file), db_(db) {
-    execute(file, db, "BEGIN IMMEDIATE");
-  }
-  ~Transaction() {
-    if (!sqlite3_get_autocommit(db_)) sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
-  }
-  void commit() { execute(file_, db_, "COMMIT"); }
-
- private:
-  const std::filesystem::path& file_;
-  sqlite3* db_;
-};
-
-/// A file name as part of an SQLite address, in which these characters mean something.
-std::string escaped(const std::string& path) {
-  std::string out;
-  for (const char c : path) {
-    if (c == '?')
-      out += "%3f";
-    else if (c == '#')
-      out += "%23";
-    else if (c == '%')
-      out += "%25";
-    else
-      out += c;
-  }
-  return out;
-}
 
 }  // namespace
 

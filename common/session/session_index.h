@@ -17,13 +17,6 @@
 
 namespace sheen {
 
-/// The index itself cannot be used: no database, or one whose tables are not as they must be. What it should hold can
-/// be rebuilt from the capture files.
-class DamagedIndex : public FileError {
- public:
-  using FileError::FileError;
-};
-
 struct IndexRow {
   std::uint64_t index = 0;
   std::string source_session;

@@ -17,6 +17,13 @@ struct Withdrawal {
   bool withdrawn = false;
 };
 
+/// The index itself cannot be used: no database, or one whose tables are not as they must be. What it should hold can
+/// be rebuilt from the capture files.
+class DamagedIndex : public FileError {
+ public:
+  using FileError::FileError;
+};
+
 /// Another program keeps the session's index locked. What was asked for may be asked for again.
 class SessionBusy : public FileError {
  public:

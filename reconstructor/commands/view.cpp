@@ -20,7 +20,7 @@ namespace sheen {
 namespace {
 
 struct ViewArguments {
-  std::string model, screenshot, mode = "light-field", size = "1280x800";
+  std::string model, screenshot, mode = "appearance", size = "1280x800";
   std::vector<double> eye;
   bool reasons = false, states = false;
 };
@@ -69,7 +69,7 @@ class Opening {
 void view(const ViewArguments& arguments) {
   const auto [width, height] = parse_image_size("--size", arguments.size, 64);
   const std::optional<ViewMode> mode = view_mode_from(arguments.mode);
-  if (!mode) throw ConfigError("--mode: '" + arguments.mode + "' is not one of light-field, heuristic, split, camera");
+  if (!mode) throw ConfigError("--mode: '" + arguments.mode + "' is not one of appearance, heuristic, split, camera");
   const bool picture_only = !arguments.screenshot.empty();
   const ModelKind& kind = kind_of_model(arguments.model);
 
@@ -101,7 +101,7 @@ void add_view_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("view", "Shows a saved model in a window; H lists the keys.");
   command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
   command->add_option("--screenshot", arguments->screenshot, "PNG to write instead of opening a window");
-  command->add_option("--mode", arguments->mode, "light-field, heuristic, split or camera")->capture_default_str();
+  command->add_option("--mode", arguments->mode, "appearance, heuristic, split or camera")->capture_default_str();
   command->add_flag("--reasons", arguments->reasons, "colour where images are needed by the reason");
   command->add_flag("--states", arguments->states, "tint what is imputed or unseen");
   command->add_option("--size", arguments->size, "size of the window or the screenshot, pixels")->capture_default_str();

@@ -45,14 +45,15 @@ void draw_box(OverlayPainter& overlay, float x, float y, const std::vector<Line>
   }
 }
 
-const char* title(const ViewControls& controls) {
+std::string title(const ViewControls& controls, const std::string& model) {
+  const char* needs = controls.reasons ? "why images are needed" : "where images are needed";
   switch (controls.mode) {
-    case ViewMode::kLightField:
-      return "light field";
+    case ViewMode::kAppearance:
+      return model;
     case ViewMode::kHeuristic:
-      return controls.reasons ? "why images are needed" : "where images are needed";
+      return needs;
     case ViewMode::kSplit:
-      return controls.reasons ? "light field | why images are needed" : "light field | where images are needed";
+      return model + " | " + needs;
     case ViewMode::kCamera:
       return "camera image, tags, pose";
   }
@@ -131,7 +132,7 @@ float Hud::bottom_margin(const OverlayPainter& overlay) const {
 }
 
 void Hud::draw_figures(OverlayPainter& overlay) const {
-  std::vector<Line> lines{{"Sheen", title(controls)}, tracker_line(state.link)};
+  std::vector<Line> lines{{"Sheen", title(controls, model)}, tracker_line(state.link)};
   const auto add = [&](const std::vector<Line>& more) { lines.insert(lines.end(), more.begin(), more.end()); };
   if (controls.mode == ViewMode::kCamera) {  // the image is the news: little may cover it
     if (state.capture) add(pose_lines(*state.capture));
@@ -225,7 +226,7 @@ void Hud::draw_legend(OverlayPainter& overlay) const {
       if (controls.mode == ViewMode::kSplit && controls.states)
         swatches.insert(swatches.begin(), states.begin(), states.end());
       break;
-    case ViewMode::kLightField:
+    case ViewMode::kAppearance:
       if (controls.states)
         swatches = states;
       else if (ranks && ranks->seen > 0 && ranks->seen < 1)
@@ -271,7 +272,7 @@ void Hud::draw_notes(OverlayPainter& overlay) const {
 }
 
 void Hud::draw_help(OverlayPainter& overlay) const {
-  std::vector<Line> lines{{"1", "light field"},
+  std::vector<Line> lines{{"1", "the object, as the model has it"},
                           {"2", "where images are needed"},
                           {"3", "both, side by side"},
                           {"4", "camera image, tags, pose"},

@@ -16,6 +16,7 @@ namespace sheen {
 struct Hud {
   const ViewerState& state;
   const ViewControls& controls;
+  const char* model;                       ///< what it is called: "surface light field"
   const SnapshotFigures* ranks = nullptr;  ///< null without a model
   const Guidance* guidance = nullptr;      ///< null without a next view
   std::vector<std::string> notes;          ///< warnings and news, a line each

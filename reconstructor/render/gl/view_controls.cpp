@@ -19,8 +19,8 @@ BoundingSphere tight_sphere(const Mesh& mesh) {
 
 const char* to_string(ViewMode mode) {
   switch (mode) {
-    case ViewMode::kLightField:
-      return "light-field";
+    case ViewMode::kAppearance:
+      return "appearance";
     case ViewMode::kHeuristic:
       return "heuristic";
     case ViewMode::kSplit:
@@ -32,7 +32,7 @@ const char* to_string(ViewMode mode) {
 }
 
 std::optional<ViewMode> view_mode_from(std::string_view word) {
-  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera})
+  for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera})
     if (word == to_string(mode)) return mode;
   return std::nullopt;
 }

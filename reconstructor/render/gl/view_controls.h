@@ -13,18 +13,18 @@
 namespace sheen {
 
 enum class ViewMode {
-  kLightField,  ///< what was captured
+  kAppearance,  ///< what was captured
   kHeuristic,   ///< where images are missing
   kSplit,       ///< both, side by side from the same eye
   kCamera,      ///< the camera's image, with tags and pose
 };
 const char* to_string(ViewMode mode);
-/// Of "light-field", "heuristic", "split", "camera"; nothing for any other word.
+/// Of "appearance", "heuristic", "split", "camera"; nothing for any other word.
 std::optional<ViewMode> view_mode_from(std::string_view word);
 
 /// What the person at the window has chosen.
 struct ViewControls {
-  ViewMode mode = ViewMode::kLightField;
+  ViewMode mode = ViewMode::kAppearance;
   bool follow = false;   ///< look through the tracked camera instead of the free one
   bool reasons = false;  ///< the heuristic by its reasons
   bool states = false;   ///< tint what is imputed or unseen

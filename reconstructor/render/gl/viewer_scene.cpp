@@ -60,7 +60,7 @@ std::vector<ViewerScene::SurfacePanel> ViewerScene::surface_panels(const ViewerS
   };
   const int half = std::max(1, width / 2);
   switch (controls.mode) {
-    case ViewMode::kLightField:
+    case ViewMode::kAppearance:
       add({0, 0, width, height}, seen);
       break;
     case ViewMode::kHeuristic:
@@ -193,8 +193,8 @@ void ViewerScene::draw_hud(const ViewerState& state, const ViewControls& control
                                      : controls.orbit.viewpoint(overlay_.width(), overlay_.height()).camera_from_object;
     guidance = guide(here, bounding_sphere(state.snapshot->mesh()).centre, state.next_view->eye);
   }
-  Hud{state, controls, state.snapshot ? &ranks_ : nullptr, guidance ? &*guidance : nullptr, std::move(notes)}.draw(
-      overlay_);
+  Hud{state, controls, model_, state.snapshot ? &ranks_ : nullptr, guidance ? &*guidance : nullptr, std::move(notes)}
+      .draw(overlay_);
 }
 
 }  // namespace sheen

@@ -19,7 +19,8 @@ namespace sheen {
 class ViewerScene {
  public:
   /// Of models of one kind. With a context current.
-  ViewerScene(const ModelKind& kind, const DrawerOptions& options) : surface_(kind.make_drawer(options)) {}
+  ViewerScene(const ModelKind& kind, const DrawerOptions& options)
+      : model_(kind.title()), surface_(kind.make_drawer(options)) {}
 
   /// Brings what is new to the GPU, a bounded part of it per call; true when all of it is there.
   bool update(const ViewerState& state) { return surface_->update(state.snapshot); }
@@ -47,6 +48,7 @@ class ViewerScene {
   void draw_guides(const ViewerState& state, const SurfacePanel& surface);
   void draw_hud(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes);
 
+  const char* model_;  ///< what it is called
   std::unique_ptr<ModelDrawer> surface_;
   CameraPicture camera_;
   OverlayPainter overlay_;

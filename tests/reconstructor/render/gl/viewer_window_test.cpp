@@ -77,7 +77,7 @@ double blurred_difference(const ImageU8& a, const ImageU8& b, int dx, int dy) {
 
 TEST_F(Window, ACoarsePictureIsTheFineOneInPlaceAndColour) {
   const auto snapshot = SyntheticLightField({}).snapshot();
-  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kSplit}) {
+  for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kSplit}) {
     ASSERT_TRUE(open({}));  // the first picture of all is a coarse one
     window_->controls().mode = mode;
     const double pixel = window_->pacer().frame().pixel;
@@ -94,7 +94,7 @@ TEST_F(Window, PiecesMakeTheSamePictureAsTheWhole) {
   const ViewerState state = state_of(SyntheticLightField({}).snapshot());
   ViewControls controls;
   controls.frame(*state.snapshot);
-  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kHeuristic, ViewMode::kSplit}) {
+  for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kHeuristic, ViewMode::kSplit}) {
     controls.mode = mode;
     PictureDrawer drawer(surface_light_field_kind(), {}, 4);
     drawer.resize(kWidth, kHeight);
@@ -139,13 +139,13 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
   ViewControls& controls = window_->controls();
   controls.figures = true;
   std::vector<ImageU8> pictures;
-  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera}) {
+  for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera}) {
     controls.mode = mode;
     pictures.push_back(window_->draw_once(state));
     for (std::size_t i = 0; i + 1 < pictures.size(); ++i)
       EXPECT_GT(largest_difference(pictures[i], pictures.back()), 60) << to_string(mode);
   }
-  controls.mode = ViewMode::kLightField;
+  controls.mode = ViewMode::kAppearance;
   const auto differs = [&](bool ViewControls::*option) {
     controls.*option = true;
     const ImageU8 picture = window_->draw_once(state);
@@ -241,7 +241,7 @@ TEST_F(Window, TheMeshLiesOverTheImageThroughTheLens) {
 TEST_F(Window, EmptyStatesAndOddOnesAreDrawn) {
   window_->controls().figures = true;
   window_->controls().follow = true;
-  for (const ViewMode mode : {ViewMode::kLightField, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera}) {
+  for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera}) {
     window_->controls().mode = mode;
     EXPECT_NO_THROW(window_->draw_once({}));
     EXPECT_NO_THROW(draw(SyntheticLightField({.unseen = 1}).snapshot()));
