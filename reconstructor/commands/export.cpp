@@ -3,10 +3,13 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/json_number.h"
 #include "common/base/progress.h"
+#include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
 #include "common/image/color.h"
 #include "reconstructor/capture/saved_model.h"
@@ -18,7 +21,7 @@ namespace sheen {
 namespace {
 
 struct ExportArguments {
-  std::string model, out;
+  std::string model, out, json;
 };
 
 ImageF encoded_picture(const RayPainter& painter, const SavedModel& saved, const LightState& light) {
@@ -30,6 +33,7 @@ ImageF encoded_picture(const RayPainter& painter, const SavedModel& saved, const
 }
 
 void export_model(const ExportArguments& arguments) {
+  ReportFile json(arguments.json);
   install_stop_signals();
   const SavedModel saved = open_model(arguments.model);
   const std::vector<LightState> lights = saved.snapshot->lights();
@@ -70,8 +74,10 @@ void export_model(const ExportArguments& arguments) {
     write_ptm(out, texture);
   else
     write_relight(out, texture);
+  const double psnr_db = -10 * std::log10(squares);
   std::printf("%s written; its polynomials show the model's %zu lights with %.2f dB\n", out.c_str(), lights.size(),
-              -10 * std::log10(squares));
+              psnr_db);
+  json.write(nlohmann::json{{"lights", lights.size()}, {"psnr_db", json_number(psnr_db)}}.dump(2) + "\n");
 }
 
 }  // namespace
@@ -85,6 +91,7 @@ void add_export_command(CLI::App& app) {
       ->add_option("--out", arguments->out,
                    "FILE.ptm, or a folder in the format of the relight tools, which OpenLIME shows")
       ->required();
+  command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { export_model(*arguments); });
 }
 

@@ -3,11 +3,14 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/json_number.h"
 #include "common/base/progress.h"
+#include "common/base/report_file.h"
 #include "common/datasets/dataset.h"
 #include "common/image/exr.h"
 #include "common/image/image_io.h"
@@ -22,7 +25,7 @@ namespace sheen {
 namespace {
 
 struct RenderArguments {
-  std::string model, cameras, out;
+  std::string model, cameras, out, json;
   LightRequest light;
 };
 
@@ -48,13 +51,23 @@ void print_prediction(double predicted_db, const ErrorCalibration& calibration) 
       calibration.half_width_db);
 }
 
+nlohmann::json prediction_json(double predicted_db, const ErrorCalibration& calibration) {
+  nlohmann::json json = {{"psnr_db", json_number(predicted_db)}, {"held_out_views", calibration.views}};
+  if (calibration.known() && std::isfinite(predicted_db)) {
+    json["calibrated_psnr_db"] = calibration.apply(predicted_db).db;
+    json["half_width_db"] = calibration.half_width_db;
+  }
+  return json;
+}
+
 /// What the camera's light keys say, for a model that knows moving light.
 LightState light_of(const DatasetView& view, const ModelSnapshot& model) {
   return model.light_kind() == LightKind::kFixed ? LightState{} : view.light;
 }
 
 void render(const RenderArguments& arguments) {
-  if (arguments.light.asked()) return render_lights(arguments.model, arguments.light, arguments.out);
+  ReportFile json(arguments.json);
+  if (arguments.light.asked()) return render_lights(arguments.model, arguments.light, arguments.out, json);
   if (arguments.cameras.empty())
     throw ConfigError("--cameras is required: from where to render; or --lights, for a model that knows moving light");
   const SavedModel saved = open_model(arguments.model);
@@ -71,12 +84,14 @@ void render(const RenderArguments& arguments) {
   const ErrorCalibration calibration = calibration_of(saved, arguments.model);
   double predicted_db = 0;
   std::size_t predicted_views = 0;
+  auto pictures = nlohmann::json::array();
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const SmoothView painted =
         painter.paint_smooth(*saved.snapshot, outlines, cameras[i].camera, cameras[i].camera_from_object,
                              light_of(cameras[i], *saved.snapshot));
-    if (const double db = predicted_psnr_db(painted, painted.coverage); std::isfinite(db)) {
+    const double db = predicted_psnr_db(painted, painted.coverage);
+    if (std::isfinite(db)) {
       predicted_db += db;
       ++predicted_views;
     }
@@ -88,10 +103,14 @@ void render(const RenderArguments& arguments) {
     file.parts.push_back({"heuristic", {"Y"}, painted.heuristic, ExrPrecision::kHalf});
     file.parts.push_back(coverage_part(painted));
     write_exr(name + ".exr", file);
+    pictures.push_back({{"file", names[i].string()}, {"predicted_psnr_db", json_number(db)}});
     progress.update(i + 1);
   }
+  predicted_db /= static_cast<double>(predicted_views);  // NaN where none has one
   std::printf("%zu views rendered to %s\n", cameras.size(), out.string().c_str());
-  print_prediction(predicted_db / static_cast<double>(predicted_views), calibration);
+  print_prediction(predicted_db, calibration);
+  json.write(nlohmann::json{{"pictures", pictures}, {"predicted", prediction_json(predicted_db, calibration)}}.dump(2) +
+             "\n");
 }
 
 }  // namespace
@@ -120,6 +139,7 @@ void add_render_command(CLI::App& app) {
       ->capture_default_str()
       ->check(whole_number_in(2, 100'000));
   command->add_option("--out", arguments->out, "folder for the pictures")->required();
+  command->add_option("--json", arguments->json, "report to write; - for standard output");
   command->callback([arguments] { render(*arguments); });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/commands/render_lights.h"
 
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "common/base/errors.h"
@@ -59,7 +60,8 @@ std::vector<LitPicture> pictures_of(const ModelSnapshot& snapshot, const std::fi
 
 }  // namespace
 
-void render_lights(const std::filesystem::path& model, const LightRequest& request, const std::filesystem::path& out) {
+void render_lights(const std::filesystem::path& model, const LightRequest& request, const std::filesystem::path& out,
+                   ReportFile& json) {
   install_stop_signals();
   const SavedModel saved = open_model(model);
   const std::vector<LitPicture> pictures = pictures_of(*saved.snapshot, model, request);
@@ -71,6 +73,7 @@ void render_lights(const std::filesystem::path& model, const LightRequest& reque
   const std::vector<std::filesystem::path> names = picture_names(views);
   const RayPainter painter(saved.snapshot->mesh());
   const PosedCamera& from = saved.snapshot->cameras().front();
+  auto written = nlohmann::json::array();
   Progress progress("rendering", pictures.size());
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     if (stop_requested()) throw Error("stopped after " + std::to_string(i) + " pictures");
@@ -83,9 +86,11 @@ void render_lights(const std::filesystem::path& model, const LightRequest& reque
     ExrFile file;
     file.parts.push_back({"beauty", {"R", "G", "B"}, painted.beauty, ExrPrecision::kHalf});
     write_exr(name + ".exr", file);
+    written.push_back({{"file", names[i].string()}});
     progress.update(i + 1);
   }
   std::printf("%zu pictures rendered to %s\n", pictures.size(), out.c_str());
+  json.write(nlohmann::json{{"pictures", written}}.dump(2) + "\n");
 }
 
 }  // namespace sheen

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "common/base/report_file.h"
+
 namespace sheen {
 
 /// Lights to render in; one of the four is given.
@@ -17,7 +19,8 @@ struct LightRequest {
 };
 
 /// Renders a saved model that knows moving light, seen by its own camera: linear EXR and PNG, named as in the list or
-/// file. Throws ConfigError for a model of fixed light or of another kind of light.
-void render_lights(const std::filesystem::path& model, const LightRequest& request, const std::filesystem::path& out);
+/// file; `json` gets their list. Throws ConfigError for a model of fixed light or of another kind of light.
+void render_lights(const std::filesystem::path& model, const LightRequest& request, const std::filesystem::path& out,
+                   ReportFile& json);
 
 }  // namespace sheen

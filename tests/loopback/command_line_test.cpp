@@ -17,6 +17,7 @@ namespace sheen::testing {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -51,6 +52,14 @@ TEST_F(CommandLineUse, JsonOnStandardOutputIsOneDocument) {
   };
   EXPECT_EQ(document(build({"--out", model, "--json", "-"}), 0)["frames"]["accepted"], 5);
   EXPECT_EQ(document(reconstructor({"evaluate", model, data_.folder, "--json", "-"}), 0)["views"].size(), 1u);
+  const Json rendered = document(reconstructor({"render", model, "--cameras", data_.folder / "transforms.json", "--out",
+                                                temp_.path() / "views", "--json", "-"}),
+                                 0);
+  ASSERT_EQ(rendered["pictures"].size(), 6u);
+  for (const Json& picture : rendered["pictures"]) {
+    EXPECT_TRUE(fs::exists((temp_.path() / "views" / picture["file"].get<std::string>()).string() + ".exr"));
+    EXPECT_GT(picture["predicted_psnr_db"], 10);
+  }
   EXPECT_EQ(document(track({"--json", "-"}), 1)["frames"]["sent"], 6) << "nobody took them";
   EXPECT_TRUE(document(tracker({"stage", "--out", temp_.path() / "s.svg", "--json"}), 0).contains("tags"));
   EXPECT_TRUE(

@@ -82,8 +82,10 @@ TEST_F(Relighting, AListIsBuiltScoredAndRendered) {
   EXPECT_GT(scored["object"]["psnr_db"], 40);
   EXPECT_GT(scored["object"]["psnr_db"].get<double>(), scored["constant"]["psnr_db"].get<double>() + 10);
 
-  expect_outcome(run_to_end(reconstructor({"render", model_, "--lights", test_, "--out", out})), 0,
+  const fs::path list = temp_.path() / "pictures.json";
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--lights", test_, "--out", out, "--json", list})), 0,
                  {"5 pictures rendered"});
+  EXPECT_EQ(Json::parse(read_file(list))["pictures"][3]["file"], "light3");
   const ImageU8 picture = to_srgb8(to_linear_rgb(read_image(out / "light3.png"))),
                 truth = to_srgb8(to_linear_rgb(read_image(temp_.path() / "test/light3.png")));
   ASSERT_EQ(picture.size(), truth.size());
@@ -149,8 +151,11 @@ TEST_F(Relighting, SaysWhichLightsAreTooFarApart) {
 
 TEST_F(Relighting, IsExportedForOtherPrograms) {
   expect_outcome(build({"--out", model_, "--bytes", "40kB"}), 0, {});
-  const fs::path ptm = temp_.path() / "ball.ptm", web = temp_.path() / "web";
-  expect_outcome(run_to_end(reconstructor({"export", model_, "--out", ptm})), 0, {"the model's 24 lights with"});
+  const fs::path ptm = temp_.path() / "ball.ptm", web = temp_.path() / "web", report = temp_.path() / "export.json";
+  expect_outcome(run_to_end(reconstructor({"export", model_, "--out", ptm, "--json", report})), 0,
+                 {"the model's 24 lights with"});
+  EXPECT_EQ(Json::parse(read_file(report))["lights"], 24);
+  EXPECT_GT(Json::parse(read_file(report))["psnr_db"], 20);
   EXPECT_TRUE(read_file(ptm).starts_with("PTM_1.2\nPTM_FORMAT_RGB\n60\n44\n"));
   expect_outcome(run_to_end(reconstructor({"export", model_, "--out", web})), 0, {"the model's 24 lights with"});
   EXPECT_TRUE(fs::exists(web / "info.json") && fs::exists(web / "plane_5.jpg"));
