@@ -18,6 +18,7 @@
 #include "common/base/log.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
+#include "common/base/service_manager.h"
 #include "common/base/stop_signal.h"
 #include "common/link/endpoint.h"
 #include "reconstructor/capture/capture_end.h"
@@ -298,10 +299,12 @@ void serve(const ServeArguments& arguments) {
   if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
   install_stop_signals(2);  // the first begins the end, the second cuts it short
   loop.start();
+  tell_service_is_ready();
   log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}, {"start", tracker_command(link)}});
   const Publisher publisher(loop, end, display, monitor ? &*monitor : nullptr, window != nullptr);
   wait_until([&loop] { return loop.finished() || stop_requested(); }, window, display.feed(),
              [&loop] { return take_back_last(loop); });
+  tell_service_is_stopping();
   const CaptureEnd::Result result = finish(loop, end, window, display.feed(), arguments);
 
   const LoopStatus status = loop.status();

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/evaluation/evaluation_report.h"
 
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/base/format.h"
 #include "common/base/json_number.h"
 
 namespace sheen {
@@ -17,6 +19,10 @@ json means_to_json(const Scores& s) {
           {"psnr_inside_db", json_number(s.psnr_inside_db)},
           {"psnr_pooled_db", json_number(s.psnr_pooled_db)},
           {"psnr_gain_aligned_db", json_number(s.psnr_gain_aligned_db)}};
+}
+
+std::string shown(double value) {
+  return std::isfinite(value) ? format("%.2f", value) : "-";
 }
 
 }  // namespace
@@ -129,12 +135,14 @@ void print_predictions(const Scores& scores, const ErrorRanking& ranking, const 
         all.offset_db, kPercent, all.half_width_db);
   } else {
     std::printf(
-        "predicted PSNR inside the object's edge: %.2f dB, not calibrated (needs %zu held-out views, there are %zu); "
-        "measured %.2f dB\n",
-        check.predicted_db, ErrorCalibration::kFewestViews + 1, check.views.size(), check.measured_db);
+        "predicted PSNR inside the object's edge: %s dB, not calibrated (needs %zu held-out views, there are %zu); "
+        "measured %s dB\n",
+        shown(check.predicted_db).c_str(), ErrorCalibration::kFewestViews + 1, check.views.size(),
+        shown(check.measured_db).c_str());
   }
-  std::printf("rank correlation of predicted and measured errors of triangles: %.2f (%s: %.2f)\n",
-              ranking.rank_correlation, peer_title.c_str(), ranking.peer_rank_correlation);
+  if (std::isfinite(ranking.rank_correlation))
+    std::printf("rank correlation of predicted and measured errors of triangles: %.2f (%s: %s)\n",
+                ranking.rank_correlation, peer_title.c_str(), shown(ranking.peer_rank_correlation).c_str());
 }
 
 void print_scores(double psnr_db, double ssim, double constant_psnr_db) {

@@ -2,6 +2,9 @@
 // What two daemons do when the other one is away, refuses them, or when the disk is full or the person has enough.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -53,6 +56,48 @@ TEST_F(DaemonsMeet, CtrlCEndsAReconstructorThatSawNoTracker) {
   ASSERT_TRUE(waiting.prints("waiting for a tracker", kPatience)) << waiting.output();
   expect_stops(waiting, {"captures=0"});
   EXPECT_EQ(captures_of(session_).size(), 0u);
+}
+
+/// The socket on which systemd hears of its services.
+class ServiceManager {
+ public:
+  explicit ServiceManager(const std::filesystem::path& path) : path_(path) {
+    sockaddr_un address{.sun_family = AF_UNIX};
+    path.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    const timeval patience{.tv_sec = kPatience.count()};
+    if (bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+        setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) != 0)
+      ADD_FAILURE() << path << ": " << std::strerror(errno);
+  }
+  ~ServiceManager() { close(socket_); }
+  ServiceManager(const ServiceManager&) = delete;
+  ServiceManager& operator=(const ServiceManager&) = delete;
+
+  ProcessOptions service() const { return {.environment = {{"NOTIFY_SOCKET", path_.string()}}}; }
+  /// The next message; empty after `kPatience`.
+  std::string hears() const {
+    char text[256];
+    const ssize_t length = recv(socket_, text, sizeof text, 0);
+    return length > 0 ? std::string(text, static_cast<std::size_t>(length)) : "";
+  }
+
+ private:
+  std::filesystem::path path_;
+  int socket_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+};
+
+TEST_F(DaemonsMeet, TheServiceManagerIsToldWhenBothAreReadyAndWhenTheyEnd) {
+  const std::string address = free_address();
+  const ServiceManager of_the_rig(temp_.path() / "rig.notify"), of_the_desk(temp_.path() / "desk.notify");
+  Process rig(track({"--endpoint", address}), of_the_rig.service());
+  EXPECT_EQ(of_the_rig.hears(), "READY=1");
+  Process keeping(desk({"--endpoint", address}), of_the_desk.service());
+  EXPECT_EQ(of_the_desk.hears(), "READY=1");
+  EXPECT_EQ(of_the_rig.hears(), "STOPPING=1");
+  expect_outcome(wait_to_end(rig), 0, {"6 keyframes sent"});
+  keeping.signal(SIGTERM);
+  EXPECT_EQ(of_the_desk.hears(), "STOPPING=1");
+  expect_outcome(wait_to_end(keeping), 0, {"the model is saved"});
 }
 
 TEST_F(DaemonsMeet, ATrackerWithoutAReconstructorSaysThatNothingIsSafe) {

@@ -15,6 +15,7 @@
 #include "common/base/errors.h"
 #include "common/base/log.h"
 #include "common/base/report_file.h"
+#include "common/base/service_manager.h"
 #include "common/base/stop_signal.h"
 #include "common/link/endpoint.h"
 #include "common/link/monitor_socket.h"
@@ -154,12 +155,14 @@ void run(const RunArguments& arguments) {
       with_link.gauges["link_connected"] = link.peer_connected;
       publisher->publish(std::move(with_link));
     };
+  tell_service_is_ready();
   std::optional<LiveLine> line(std::in_place);
   hooks.progress = [&](const TrackingReport& so_far) {
     sender.report(frames_for_link(so_far));
     line->show(so_far);
   };
   const TrackingReport report = loop.run(hooks);
+  tell_service_is_stopping();
   line.reset();
   const std::string failure = report.failure_text();
   if (!failure.empty()) std::cerr << "sheen-tracker: the source failed: " << failure << '\n';

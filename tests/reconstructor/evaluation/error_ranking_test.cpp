@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/models/surface_light_field/paper_heuristic.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
@@ -86,6 +87,11 @@ TEST(ErrorRanking, OfNoViewSaysNothing) {
   const auto snapshot = model.light_field_snapshot();
   const ErrorRanking judged = judge_error_ranking({}, *snapshot, papers(snapshot), RayPainter(*object.mesh));
   EXPECT_TRUE(std::isnan(judged.rank_correlation));
+  ::testing::internal::CaptureStdout();
+  print_predictions({}, judged, "the paper's heuristic");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(),
+            "predicted PSNR inside the object's edge: - dB, not calibrated (needs 5 held-out views, there are 0); "
+            "measured - dB\n");
 }
 
 }  // namespace
