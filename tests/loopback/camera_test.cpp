@@ -179,6 +179,13 @@ TEST_F(CameraOnTheWire, PreviewNeedsNoCalibration) {
   expect_outcome(run_to_end(tracker({"preview", "--source", "aravis:127.0.0.1", "--frames", "3", "--grab", grabbed,
                                      "--json", report})),
                  0, {"focus", "clipped", "tags", "frame.png"});
+  const std::filesystem::path series = temp_.path() / "series";
+  for (const std::size_t there : {3u, 6u}) {  // what is there is not written over
+    expect_outcome(run_to_end(tracker({"preview", "--source", "aravis:127.0.0.1", "--frames", "3", "--grab", series,
+                                       "--every", "0.001"})),
+                   0, {"saved", "3 frames"});
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(series), {}), there);
+  }
   camera.signal(SIGINT);
   expect_outcome(wait_to_end(camera), 0, {});
   const auto said = nlohmann::json::parse(read_file(report));

@@ -31,7 +31,7 @@ constexpr std::chrono::seconds kNothingComes{5};
 struct PreviewArguments {
   std::filesystem::path config, grab, json;
   std::string source;
-  double exposure_us = 0;
+  double exposure_us = 0, every_s = 0;
   std::uint64_t frames = 0;
 };
 
@@ -67,6 +67,35 @@ std::string json_of(const PreviewReport& report) {
          "\n";
 }
 
+/// Pictures for a calibration or a survey: one every so often into a folder, beside what is there.
+class GrabSeries {
+ public:
+  GrabSeries(std::filesystem::path folder, double every_s) : folder_(std::move(folder)), every_(every_s) {
+    make_folder(folder_);
+    check_writable_folder(folder_);
+  }
+  /// True when it took it.
+  bool offer(const RawImage& image) {
+    const auto now = std::chrono::steady_clock::now();
+    if (count_ > 0 && now < next_) return false;
+    next_ = now + std::chrono::duration_cast<std::chrono::steady_clock::duration>(every_);
+    std::filesystem::path file;
+    do file = folder_ / format("frame_%04zu.png", number_++);
+    while (std::filesystem::exists(file));
+    write_png(file, viewable(image));
+    ++count_;
+    return true;
+  }
+  std::size_t count() const { return count_; }
+  const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  std::filesystem::path folder_;
+  std::chrono::duration<double> every_;
+  std::chrono::steady_clock::time_point next_;
+  std::size_t number_ = 1, count_ = 0;
+};
+
 /// The next frame whose image is whole; nothing when the person or the source has had enough.
 std::optional<Frame> next_whole(FrameSource& source, PreviewReport& report) {
   const auto begin = std::chrono::steady_clock::now();
@@ -83,7 +112,11 @@ std::optional<Frame> next_whole(FrameSource& source, PreviewReport& report) {
 
 void preview(const PreviewArguments& arguments) {
   ReportFile json(arguments.json);
-  if (!arguments.grab.empty()) check_writable(arguments.grab);
+  std::optional<GrabSeries> series;
+  if (arguments.every_s > 0)
+    series.emplace(arguments.grab, arguments.every_s);
+  else if (!arguments.grab.empty())
+    check_writable(arguments.grab);
   RigConfig config = arguments.config.empty() ? RigConfig{} : load_rig_config(arguments.config);
   if (!arguments.source.empty()) config.source_uri = arguments.source;
   if (arguments.exposure_us > 0) config.source.exposure_us = arguments.exposure_us;
@@ -108,12 +141,15 @@ void preview(const PreviewArguments& arguments) {
     report.last = inspect(frame->image, detector);
     report.best_focus = std::max(report.best_focus, report.last.focus);
     newest = std::move(frame->image);
-    std::printf(terminal ? "\r\033[K%s" : "%s\n", line_of(report).c_str());
+    const bool saved = series && series->offer(newest);
+    std::printf(terminal ? "\r\033[K%s%s" : "%s%s\n", line_of(report).c_str(), saved ? "  saved" : "");
     std::fflush(stdout);
   }
   if (terminal) std::printf("\n");
   if (report.frames == 0) throw Error("no whole frame came: " + source->message());
-  if (!arguments.grab.empty()) {
+  if (series) {
+    std::printf("%s: %zu frames\n", series->folder().c_str(), series->count());
+  } else if (!arguments.grab.empty()) {
     write_png(arguments.grab, viewable(newest));
     std::printf("%s: the last frame\n", arguments.grab.c_str());
   }
@@ -133,7 +169,11 @@ void add_preview_command(CLI::App& app) {
   command->add_option("--frames", arguments->frames, "end after so many frames; 0: with Ctrl-C")
       ->check(whole_number_in(0, 1'000'000'000))
       ->capture_default_str();
-  command->add_option("--grab", arguments->grab, "PNG file of the last frame");
+  CLI::Option* grab =
+      command->add_option("--grab", arguments->grab, "PNG file of the last frame; with --every, a folder for frames");
+  command->add_option("--every", arguments->every_s, "save a frame every so many seconds")
+      ->check(number_in(0.001, 86400))
+      ->needs(grab);
   command->add_option("--json", arguments->json, "report of the last frame; - for standard output");
   command->callback([arguments] { preview(*arguments); });
 }
