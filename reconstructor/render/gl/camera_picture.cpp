@@ -13,22 +13,6 @@
 namespace sheen {
 namespace {
 
-constexpr const char* kImageVertexShader = R"glsl(#version 330 core
-out vec2 place;
-void main() {
-  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-  place = vec2(corner.x, 1.0 - corner.y);
-  gl_Position = vec4(2.0 * corner - 1.0, 0, 1);
-}
-)glsl";
-
-constexpr const char* kImageFragmentShader = R"glsl(#version 330 core
-uniform sampler2D image;
-in vec2 place;
-out vec4 color;
-void main() { color = vec4(texture(image, place).rgb, 1); }
-)glsl";
-
 // Vertices come projected, as the lens distorts them. A triangle with a corner that has no image is dropped.
 constexpr const char* kMeshVertexShader = R"glsl(#version 330 core
 uniform samplerBuffer corners;
@@ -102,45 +86,17 @@ void draw_axes(const Capture& capture, double length, const Panel& panel, Overla
 
 }  // namespace
 
-Panel fit(const Panel& area, int width, int height) {
-  const double scale = std::min(double(area.width) / width, double(area.height) / height);
-  const int w = std::max(1, static_cast<int>(std::lround(width * scale)));
-  const int h = std::max(1, static_cast<int>(std::lround(height * scale)));
-  return {area.x + (area.width - w) / 2, area.y + (area.height - h) / 2, w, h};
-}
-
 CameraPicture::CameraPicture()
-    : image_program_("camera image", kImageVertexShader, kImageFragmentShader),
-      mesh_program_("mesh over the camera image", kMeshVertexShader, kMeshFragmentShader),
+    : mesh_program_("mesh over the camera image", kMeshVertexShader, kMeshFragmentShader),
       vertex_array_(make_gl_vertex_array()),
-      image_(make_gl_texture()),
       corners_(GL_RGBA32F, 16) {}
 
 void CameraPicture::upload_image(const std::shared_ptr<const Capture>& capture) {
   if (capture == shown_) return;
   const ImageU8 image =
       to_srgb8(to_linear_rgb(capture->image, capture->exposure.black_level, capture->exposure.white_balance.data()));
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, image_.id());
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, image.width(), image.height(), 0, GL_RGB, GL_UNSIGNED_BYTE, image.data());
-  glGenerateMipmap(GL_TEXTURE_2D);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  check_gl("uploading the camera image");
+  image_.upload(image, TexturedPanel::Scaling::kMipmaps);
   shown_ = capture;
-}
-
-void CameraPicture::draw_image(const Panel& panel, int target_height) {
-  image_program_.use();
-  glUniform1i(image_program_.uniform("image"), 0);
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, image_.id());
-  glViewport(panel.x, target_height - panel.y - panel.height, panel.width, panel.height);
-  glBindVertexArray(vertex_array_.id());
-  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
 }
 
 void CameraPicture::draw_mesh(const Capture& capture, const Mesh& mesh, const Panel& panel, int target_height) {
@@ -185,7 +141,7 @@ void CameraPicture::draw_mesh(const Capture& capture, const Mesh& mesh, const Pa
 void CameraPicture::draw(const std::shared_ptr<const Capture>& capture, const Mesh* mesh, const Panel& panel,
                          int target_height) {
   upload_image(capture);
-  draw_image(panel, target_height);
+  image_.draw(panel, target_height);
   if (capture->pose.usable() && mesh) draw_mesh(*capture, *mesh, panel, target_height);
   check_gl("drawing the camera picture");
 }

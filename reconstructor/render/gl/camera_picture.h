@@ -8,11 +8,9 @@
 #include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/gl/model_drawer.h"
 #include "reconstructor/render/gl/overlay_painter.h"
+#include "reconstructor/render/gl/textured_panel.h"
 
 namespace sheen {
-
-/// The largest panel of the camera's shape in the middle of an area.
-Panel fit(const Panel& area, int width, int height);
 
 /// The camera's image with what was found in it and what the pose says: the outlines of the tags (green: the pose rests
 /// on it), the mesh's visible edges and the object's axes, all through the lens distortion.
@@ -26,11 +24,11 @@ class CameraPicture {
 
  private:
   void upload_image(const std::shared_ptr<const Capture>& capture);
-  void draw_image(const Panel& panel, int target_height);
   void draw_mesh(const Capture& capture, const Mesh& mesh, const Panel& panel, int target_height);
 
-  GlProgram image_program_, mesh_program_;
-  GlHandle vertex_array_, image_;
+  TexturedPanel image_;
+  GlProgram mesh_program_;
+  GlHandle vertex_array_;
   BufferTexture corners_;
   std::shared_ptr<const Capture> shown_;
 };

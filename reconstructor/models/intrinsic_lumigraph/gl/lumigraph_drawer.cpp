@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/intrinsic_lumigraph/gl/lumigraph_drawer.h"
 
-#include <epoxy/gl.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,27 +8,6 @@
 
 namespace sheen {
 namespace {
-
-constexpr const char* kVertexShader = R"glsl(#version 330 core
-out vec2 place;
-void main() {
-  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-  place = vec2(corner.x, 1.0 - corner.y);
-  gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
-}
-)glsl";
-
-constexpr const char* kFragmentShader = R"glsl(#version 330 core
-uniform sampler2D picture;
-uniform float need;
-in vec2 place;
-out vec4 pixel;
-void main() {
-  vec3 rgb = texture(picture, place).rgb;
-  if (rgb == vec3(0.0)) discard;
-  pixel = need >= 0.0 ? vec4(need, 0.0, 0.0, 1.0) : vec4(rgb, 1.0);
-}
-)glsl";
 
 bool same_view(const Viewpoint& a, const Viewpoint& b) {
   return a.camera == b.camera && a.camera_from_object.translation == b.camera_from_object.translation &&
@@ -48,11 +25,6 @@ Eigen::Vector3d turned_light(const Eigen::Vector3d& place, const Eigen::Vector2d
 
 }  // namespace
 
-LumigraphDrawer::LumigraphDrawer()
-    : program_("intrinsic lumigraph", kVertexShader, kFragmentShader),
-      vertex_array_(make_gl_vertex_array()),
-      texture_(make_gl_texture()) {}
-
 bool LumigraphDrawer::update(const std::shared_ptr<const ModelSnapshot>& snapshot) {
   const auto model = std::dynamic_pointer_cast<const IntrinsicLumigraphSnapshot>(snapshot);
   if (painter_ && painter_->model() == model) return true;
@@ -68,15 +40,8 @@ std::vector<std::string> LumigraphDrawer::notes() const {
 
 void LumigraphDrawer::refresh(const Viewpoint& viewpoint, const LightState& light) {
   if (shown_from_ && same_view(*shown_from_, viewpoint)) return;
-  const ImageU8 picture = to_srgb8(painter_->paint({viewpoint.camera, viewpoint.camera_from_object}, light));
-  glBindTexture(GL_TEXTURE_2D, texture_.id());
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, picture.width(), picture.height(), 0, GL_RGB, GL_UNSIGNED_BYTE,
-               picture.data());
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  picture_.upload(to_srgb8(painter_->paint({viewpoint.camera, viewpoint.camera_from_object}, light)),
+                  TexturedPanel::Scaling::kNone);
   shown_from_ = viewpoint;
 }
 
@@ -87,17 +52,9 @@ void LumigraphDrawer::draw(const Viewpoint& viewpoint, const DrawArea& area, Sur
   light.position = turned_light(light.position, viewpoint.light_turn);
   refresh(viewpoint, light);
   const bool needs = shading == SurfaceShading::kHeuristic || shading == SurfaceShading::kReasons;
-  program_.use();
-  glUniform1f(program_.uniform("need"), needs ? std::min(1.0f, static_cast<float>(model.data()->error / 0.1)) : -1);
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, texture_.id());
-  glUniform1i(program_.uniform("picture"), 0);
-  const Panel& panel = area.panel;
-  glViewport(panel.x, area.target_height - panel.y - panel.height, panel.width, panel.height);
-  glDisable(GL_DEPTH_TEST);
-  glBindVertexArray(vertex_array_.id());
-  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-  check_gl("drawing an intrinsic lumigraph");
+  TexturedPanel::Look look{.black_is_empty = true};
+  if (needs) look.red = std::min(1.0f, static_cast<float>(model.data()->error / 0.1));
+  picture_.draw(area.panel, area.target_height, look);
 }
 
 }  // namespace sheen

@@ -5,15 +5,14 @@
 #include <optional>
 
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_painter.h"
-#include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/gl/model_drawer.h"
+#include "reconstructor/render/gl/textured_panel.h"
 
 namespace sheen {
 
-/// Draws an intrinsic lumigraph: its picture is made by the processor and shown as it is, its surface with its depth.
+/// Draws an intrinsic lumigraph: its picture is made by the processor and shown as it is.
 class LumigraphDrawer : public ModelDrawer {
  public:
-  LumigraphDrawer();
   bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) override;
   void draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) override;
   std::vector<std::string> notes() const override;
@@ -22,10 +21,9 @@ class LumigraphDrawer : public ModelDrawer {
   /// Paints and uploads, where viewpoint or light have changed.
   void refresh(const Viewpoint& viewpoint, const LightState& light);
 
-  GlProgram program_;
-  GlHandle vertex_array_, texture_;
+  TexturedPanel picture_;
   std::optional<LumigraphPainter> painter_;
-  std::optional<Viewpoint> shown_from_;  ///< what the texture shows; empty: nothing
+  std::optional<Viewpoint> shown_from_;  ///< what the picture shows; empty: nothing
 };
 
 }  // namespace sheen

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "reconstructor/models/irradiance_field/irradiance_field_snapshot.h"
-#include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/gl/model_drawer.h"
+#include "reconstructor/render/gl/textured_panel.h"
 
 namespace sheen {
 
@@ -13,7 +13,6 @@ namespace sheen {
 /// panel, lit from where the eye would be.
 class FieldDrawer : public ModelDrawer {
  public:
-  FieldDrawer();
   bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) override;
   void draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) override;
   std::vector<std::string> notes() const override { return {"the mouse moves the light: the camera stands still"}; }
@@ -21,10 +20,9 @@ class FieldDrawer : public ModelDrawer {
  private:
   void relight(const Eigen::Vector3d& from);
 
-  GlProgram program_;
-  GlHandle vertex_array_, texture_;
+  TexturedPanel picture_;
   std::shared_ptr<const IrradianceFieldSnapshot> shown_;
-  Eigen::Vector3d lit_from_ = Eigen::Vector3d::Zero();  ///< what the texture shows; zero: nothing
+  Eigen::Vector3d lit_from_ = Eigen::Vector3d::Zero();  ///< what the picture shows; zero: nothing
 };
 
 }  // namespace sheen
