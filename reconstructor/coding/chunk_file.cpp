@@ -114,6 +114,21 @@ std::string_view Chunks::required(std::string_view name) {
   return *bytes;
 }
 
+void Chunks::read(std::string_view name, const std::function<void(std::string_view)>& decode) {
+  const std::string_view bytes = required(name);
+  try {
+    decode(bytes);
+  } catch (const FileError&) {
+    throw;
+  } catch (const nlohmann::json::exception& error) {
+    fail(name, std::string("is no such description: ") + error.what());
+  } catch (const std::invalid_argument& error) {
+    fail(name, error.what());
+  } catch (const std::runtime_error& error) {
+    fail(name, error.what());
+  }
+}
+
 void Chunks::fail(std::string_view name, const std::string& what) const {
   throw FileError(file_, "chunk \"" + std::string(name) + "\" " + what);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -46,6 +47,9 @@ class Chunks {
   /// Empty where the file ends before it is whole.
   std::optional<std::string_view> next(std::string_view name);
   std::string_view required(std::string_view name);
+  /// Gives its bytes to `decode`. What that finds wrong (JSON's exceptions, std::invalid_argument, std::runtime_error)
+  /// becomes a FileError that names the chunk.
+  void read(std::string_view name, const std::function<void(std::string_view)>& decode);
   [[noreturn]] void fail(std::string_view name, const std::string& what) const;
 
  private:

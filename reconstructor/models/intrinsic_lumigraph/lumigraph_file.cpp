@@ -211,30 +211,17 @@ std::string encode_lumigraph(const LumigraphData& data, const StepsDone& progres
 LumigraphData decode_lumigraph(std::string_view bytes, const std::string& file) {
   Chunks chunks(kFormat, bytes, file);
   LumigraphData data;
-  std::string_view reading = "META";
-  try {
-    chunks.required(reading);
-    reading = "DESC";
-    std::vector<IntrinsicView> views = read_description(chunks.required(reading), data);
-    reading = "HULL";
-    data.hull = read_hull(chunks.required(reading), data.hull);
-    for (IntrinsicView& view : views) {
-      reading = "VIEW";
-      read_planes(chunks.required(reading), view);
-      reading = "LAMP";
-      for (std::size_t i = 0; i < view.lights.size(); ++i) read_planes_of_light(chunks.required(reading), view);
-      data.views.push_back(std::make_shared<const IntrinsicView>(std::move(view)));
-    }
-    return data;
-  } catch (const FileError&) {
-    throw;
-  } catch (const Json::exception& error) {
-    chunks.fail(reading, std::string("is no such description: ") + error.what());
-  } catch (const std::invalid_argument& error) {
-    chunks.fail(reading, error.what());
-  } catch (const std::runtime_error& error) {
-    chunks.fail(reading, error.what());
+  chunks.required("META");
+  std::vector<IntrinsicView> views;
+  chunks.read("DESC", [&](std::string_view chunk) { views = read_description(chunk, data); });
+  chunks.read("HULL", [&](std::string_view chunk) { data.hull = read_hull(chunk, data.hull); });
+  for (IntrinsicView& view : views) {
+    chunks.read("VIEW", [&](std::string_view chunk) { read_planes(chunk, view); });
+    for (std::size_t i = 0; i < view.lights.size(); ++i)
+      chunks.read("LAMP", [&](std::string_view chunk) { read_planes_of_light(chunk, view); });
+    data.views.push_back(std::make_shared<const IntrinsicView>(std::move(view)));
   }
+  return data;
 }
 
 void save_lumigraph(const IntrinsicLumigraphSnapshot& model, const fs::path& folder, const ModelMetadata& metadata,

@@ -99,32 +99,19 @@ std::shared_ptr<const IrradianceFieldSnapshot> decode_field(std::string_view byt
   Chunks chunks(kFormat, bytes, file);
   LitScene scene;
   QuantisedField field;
-  std::string_view reading = "META";
-  try {
-    chunks.required(reading);
-    reading = "DESC";
-    read_description(chunks.required(reading), scene, field);
-    const std::size_t pixels = tile_grid(field.size).tiles() * kTilePixels;
-    for (std::size_t c = 0; c < kMapChunks.size(); ++c) {
-      reading = kMapChunks[c];
-      const std::string_view map = chunks.required(reading);
+  chunks.required("META");
+  chunks.read("DESC", [&](std::string_view chunk) { read_description(chunk, scene, field); });
+  const std::size_t pixels = tile_grid(field.size).tiles() * kTilePixels;
+  for (std::size_t c = 0; c < kMapChunks.size(); ++c)
+    chunks.read(kMapChunks[c], [&](std::string_view map) {
       const std::size_t coefs = pixels * field.components[c].terms();
       if (coefs > kMostCoefficients || coefs > kCoefficientsPerByte * (map.size() + 1))
-        chunks.fail(reading, "asks for larger maps than such a file can hold");
+        throw std::invalid_argument("asks for larger maps than such a file can hold");
       decode_component(map, field, c);
-    }
-    auto plane = std::make_shared<const Mesh>(picture_plane(scene.camera));
-    return std::make_shared<IrradianceFieldSnapshot>(std::move(plane), std::move(scene), std::move(field), 1,
-                                                     in_one_file);
-  } catch (const FileError&) {
-    throw;
-  } catch (const Json::exception& error) {
-    chunks.fail(reading, std::string("is no such description: ") + error.what());
-  } catch (const std::invalid_argument& error) {
-    chunks.fail(reading, error.what());
-  } catch (const std::runtime_error& error) {
-    chunks.fail(reading, error.what());
-  }
+    });
+  auto plane = std::make_shared<const Mesh>(picture_plane(scene.camera));
+  return std::make_shared<IrradianceFieldSnapshot>(std::move(plane), std::move(scene), std::move(field), 1,
+                                                   in_one_file);
 }
 
 void save_field_file(const std::filesystem::path& file, std::string_view encoded, const ModelMetadata& metadata) {
