@@ -6,6 +6,8 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
+#include <cstdlib>
+#include <iostream>
 #include <mutex>
 
 #include "common/base/progress.h"
@@ -35,5 +37,17 @@ EndOnStop::EndOnStop(std::string message)
         std::fprintf(stderr, "%s\n", message.c_str());
         ::_exit(kFailed);  // no destructors: the work may hold any lock
       }) {}
+
+bool PartsUntilStop::look() {
+  stopped_ = stopped_ || stop_requested();
+  return stopped_;
+}
+
+PartsUntilStop::~PartsUntilStop() {
+  if (!stopped_) return;
+  std::cout.flush();
+  std::fflush(stdout);
+  ::_exit(kFailed);  // what it uses is about to go
+}
 
 }  // namespace sheen

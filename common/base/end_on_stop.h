@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <future>
+#include <optional>
 #include <string>
 #include <thread>
+#include <type_traits>
 
 namespace sheen {
 
@@ -17,6 +21,35 @@ class EndOnStop {
 
  private:
   std::jthread watcher_;
+};
+
+/// For work in parts of which the finished ones are kept. A part that is under way when a stop signal arrives cannot be
+/// ended: it goes on in a thread that nobody waits for, and the process ends with this object, exit status 1. Needs
+/// `install_stop_signals`.
+class PartsUntilStop {
+ public:
+  PartsUntilStop() = default;
+  ~PartsUntilStop();
+  PartsUntilStop(const PartsUntilStop&) = delete;
+  PartsUntilStop& operator=(const PartsUntilStop&) = delete;
+
+  /// What `part` makes; nothing once a signal has arrived. What it refers to must outlive this object.
+  template <typename Part>
+  std::optional<std::invoke_result_t<Part&>> result(Part part) {
+    std::packaged_task<std::invoke_result_t<Part&>()> task(std::move(part));
+    auto made = task.get_future();
+    std::thread(std::move(task)).detach();
+    while (made.wait_for(kLook) != std::future_status::ready)
+      if (look()) return std::nullopt;
+    return made.get();
+  }
+  bool stopped() const { return stopped_; }
+
+ private:
+  static constexpr std::chrono::milliseconds kLook{20};
+  bool look();
+
+  bool stopped_ = false;
 };
 
 }  // namespace sheen

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/format.h"
@@ -86,13 +87,15 @@ void make_figures(const Figures& all, const FiguresArguments& arguments, std::st
   const std::filesystem::path out = arguments.out;
   nlohmann::ordered_json findings = nlohmann::ordered_json::array();
   bool drawn = true;
+  PartsUntilStop parts;
   {
     Progress progress("measuring", all.size());
     std::size_t done = 0;
     for (const auto& [number, run] : all) {
-      if (stop_requested()) break;
       if (arguments.only.empty() || std::count(arguments.only.begin(), arguments.only.end(), number) > 0) {
-        const Figure figure = run();
+        const std::optional<Figure> made = parts.result(run);
+        if (!made) break;
+        const Figure& figure = *made;
         page += publish(figure, out, drawn);
         findings.push_back({{"figure", number},
                             {"title", figure.title},
@@ -110,6 +113,7 @@ void make_figures(const Figures& all, const FiguresArguments& arguments, std::st
   write_file(out / page_name, page);
   if (report.wanted()) report.write(nlohmann::ordered_json{{"figures", findings}}.dump(2) + "\n");
   if (!drawn) std::fprintf(stderr, "%s\n", kInstallGnuplot);
+  if (parts.stopped()) std::fprintf(stderr, "stopped after %zu figures, which are kept\n", findings.size());
 }
 
 /// Those of the reflected irradiance field (002).
@@ -152,7 +156,11 @@ void figures(const FiguresArguments& arguments) {
   Experiment experiment;
   {
     Progress progress("reading", captures.size);
-    experiment = load_experiment(mesh, captures.size, captures.read, {.max_held_out = 8},
+    const auto read = [&](std::size_t i) {
+      if (stop_requested()) throw Error("stopped before anything was measured");
+      return captures.read(i);
+    };
+    experiment = load_experiment(mesh, captures.size, read, {.max_held_out = 8},
                                  [&](std::size_t done) { progress.update(done); });
   }
   FigureOptions options{.quick = arguments.quick};

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/progress.h"
@@ -211,31 +212,36 @@ void tradeoff(const TradeoffArguments& arguments) {
   if (!arguments.parts)
     for (Setting& setting : effort_level_settings(base)) settings.push_back(std::move(setting));
   std::vector<TradeoffPoint> points;
+  PartsUntilStop parts;
   {
     Progress progress("measuring", settings.size());
     for (const Setting& setting : settings) {
-      if (stop_requested()) break;
-      points.push_back(measure_setting(experiment, setting));
+      std::optional<TradeoffPoint> point = parts.result([&] { return measure_setting(experiment, setting); });
+      if (!point) break;
+      points.push_back(*std::move(point));
       progress.update(points.size());
     }
   }
-  if (points.empty()) throw Error("stopped before anything was measured");
-  if (points.size() < settings.size())
-    std::fprintf(stderr, "stopped after %zu of %zu settings\n", points.size(), settings.size());
+  if (parts.stopped()) std::fprintf(stderr, "stopped after %zu of %zu settings\n", points.size(), settings.size());
+  if (points.empty()) return;
 
   const Frontiers frontiers(points);
   print_table(points, frontiers);
   nlohmann::json report{{"training_images", experiment.training.size()},
                         {"held_out_views", experiment.held_out.size()},
                         {"points", nlohmann::json::array()}};
-  if (!stop_requested() && !arguments.parts) {
-    const OnlineRun light_field = build_online(experiment.mesh, experiment.in_order(), base);
-    const PrecisionStudy precision = study_precision(experiment, base, *light_field.model);
-    print_precision(precision);
-    report["precision"] = precision_to_json(precision);
-    const PatchStudy patches = study_patches(experiment, base, light_field);
-    print_patches(patches);
-    report["patches"] = patches_to_json(patches);
+  if (!parts.stopped() && !arguments.parts) {
+    const auto studies = parts.result([&] {
+      const OnlineRun light_field = build_online(experiment.mesh, experiment.in_order(), base);
+      return std::pair(study_precision(experiment, base, *light_field.model),
+                       study_patches(experiment, base, light_field));
+    });
+    if (studies) {
+      print_precision(studies->first);
+      report["precision"] = precision_to_json(studies->first);
+      print_patches(studies->second);
+      report["patches"] = patches_to_json(studies->second);
+    }
   }
   if (!arguments.out.empty()) write_plots(points, frontiers, arguments.dataset, arguments.out);
   if (!arguments.out.empty() && !arguments.parts && points.size() == settings.size()) {

@@ -64,6 +64,21 @@ TEST(Tradeoff, MeasuresPlotsAndChooses) {
                  {"14 images added to the model"});
 }
 
+TEST(Tradeoff, CtrlCEndsItSoonAndKeepsWhatWasMeasured) {
+  const TempFolder temp;
+  const BallDataset data{.folder = temp.path() / "data", .views = 40, .width = 320, .height = 240};
+  data.write();
+  const fs::path report = temp.path() / "report.json";
+  Process study(reconstructor({"tradeoff", data.folder, "--mesh", data.mesh(), "--json", report}));
+  ASSERT_TRUE(study.prints("triangles", kPatience)) << study.output();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  study.signal(SIGINT);
+  const auto end = study.wait(std::chrono::seconds(5));
+  ASSERT_TRUE(end) << "still measures after Ctrl-C";
+  expect_outcome({*end, study.output()}, 1, {"stopped"});
+  if (fs::exists(report)) EXPECT_FALSE(nlohmann::json::parse(read_file(report))["points"].empty());
+}
+
 TEST(Tradeoff, RefusesWordsItDoesNotKnow) {
   expect_outcome(run_to_end(reconstructor({"tradeoff", "nowhere", "--mesh", "none.ply", "--budget", "33"})), 2,
                  {"--budget 33", "33ms"});
