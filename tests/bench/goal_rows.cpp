@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 
 namespace sheen {
@@ -50,7 +51,12 @@ int measure_goals(int argc, char** argv, const std::string& description,
   app.add_option("--json", path, "report to write");
   CLI11_PARSE(app, argc, argv);
   GoalReport report;
-  measure(report);
+  try {
+    measure(report);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
   if (path.empty()) return 0;
   std::ofstream out(path);
   out << report.json().dump(2) << '\n';
