@@ -85,19 +85,59 @@ PathTracer::Surface PathTracer::first_surface(const Vector3f& origin, const Vect
   return surface;
 }
 
+/// Of a surface that has this normal; zero where the lamp does not reach it. `towards`: unit direction to the lamp.
+Array3f PathTracer::lamp_irradiance(const PointLamp& lamp, const Vector3f& place, const Vector3f& normal,
+                                    Vector3f& towards) const {
+  const Vector3f origin = place + kRayOffset * normal, way = lamp.position - origin;
+  const float distance = way.norm();
+  towards = way / distance;
+  const float cosine = normal.dot(towards);
+  if (cosine <= 0 || rays_->occluded({.origin = origin, .direction = way, .far = 1})) return Array3f::Zero();
+  return lamp.power * (cosine / (distance * distance));
+}
+
+/// Radiance that a surface sends back of the lamp's light.
+Array3f PathTracer::shade_by_lamp(const Surface& surface, const Vector3f& direction, const PointLamp& lamp) const {
+  Vector3f towards;
+  if (!surface.object) {
+    if (surface.region == StageSurface::Region::kNothing) return Array3f::Zero();
+    const Array3f irradiance = lamp_irradiance(lamp, surface.position, Vector3f::UnitZ(), towards);
+    return scene_->stage->albedo(surface.region, surface.position.x(), surface.position.y()) * irradiance / float(M_PI);
+  }
+  if (!surface.object.front) return Array3f::Zero();
+  const Vector3f eye = -direction.normalized(), n = shading_normal(surface.object, eye);
+  const Array3f irradiance = lamp_irradiance(lamp, surface.position, n, towards);
+  if (irradiance.maxCoeff() <= 0) return Array3f::Zero();
+  const Material material = scene_->object.material(surface.position);
+  Array3f reflected = material.albedo * (1 - lobe_albedo(material, n.dot(eye))) / float(M_PI);
+  if (material.normal_reflectance.maxCoeff() > 0) {
+    Eigen::Matrix3f object_from_local;
+    object_from_local.col(2) = n;
+    object_from_local.col(0) = n.unitOrthogonal();
+    object_from_local.col(1) = n.cross(object_from_local.col(0));
+    reflected += ggx(material, object_from_local.transpose() * eye, object_from_local.transpose() * towards);
+  }
+  return reflected * irradiance;
+}
+
+/// That of the smooth surface, bent back where it turns away from the eye.
+Vector3f PathTracer::shading_normal(const Hit& hit, const Vector3f& eye) const {
+  const TestObject& object = scene_->object;
+  const Triangle& t = object.mesh.triangles[hit.triangle];
+  const Vector3f n =
+      ((1 - hit.u - hit.v) * object.normals[t[0]] + hit.u * object.normals[t[1]] + hit.v * object.normals[t[2]])
+          .normalized();
+  const float cosine = n.dot(eye);
+  return cosine < kGrazingCosine ? (n + (kGrazingCosine - cosine) * eye).normalized() : n;
+}
+
 Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const Vector3f& direction,
                                  const LobeShare& share) const {
   if (!hit.front) return Array3f::Zero();
-  const TestObject& object = scene_->object;
-  const Triangle& t = object.mesh.triangles[hit.triangle];
-  const Vector3f eye = -direction.normalized();
-  Vector3f n =
-      ((1 - hit.u - hit.v) * object.normals[t[0]] + hit.u * object.normals[t[1]] + hit.v * object.normals[t[2]])
-          .normalized();
-  if (const float cosine = n.dot(eye); cosine < kGrazingCosine) n = (n + (kGrazingCosine - cosine) * eye).normalized();
+  const Vector3f eye = -direction.normalized(), n = shading_normal(hit, eye);
   const float eye_cosine = n.dot(eye);
 
-  const Material material = object.material(position);
+  const Material material = scene_->object.material(position);
   Array3f radiance =
       material.albedo * (1 - lobe_albedo(material, eye_cosine)) * bake_->object_irradiance(hit) / float(M_PI);
   if (material.normal_reflectance.maxCoeff() <= 0 || share.total <= 0) return radiance;
@@ -139,6 +179,11 @@ RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_
   const Vector3f eye = camera_centre(camera_from_object).cast<float>();
   const auto ray_at = [&](float x, float y) -> Vector3f { return object_from_camera * lens.direction(x, y); };
 
+  const auto lit = [&](const Surface& surface, const Vector3f& ray, const LobeShare& share) -> Array3f {
+    const Array3f radiance = options.lighting * shade(surface, ray, share);
+    return options.lamp ? Array3f(radiance + shade_by_lamp(surface, ray, *options.lamp)) : radiance;
+  };
+
   RenderedView view{ImageF(width, height, 3), ImageU8(width, height, 1)};
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 8), [&](const tbb::blocked_range<int>& rows) {
     std::vector<Surface> above(width + 1), below(width + 1);
@@ -157,7 +202,7 @@ RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_
                              middle.same_kind(below[x]) && middle.same_kind(below[x + 1]);
         Eigen::Map<Array3f> pixel(view.radiance.pixel(x, y));
         if (uniform && !middle.object) {
-          pixel = shade(middle, central, {0, 1, 0});
+          pixel = lit(middle, central, {0, 1, 0});
           continue;
         }
         const int count = uniform ? options.object_samples : options.edge_samples;
@@ -165,7 +210,7 @@ RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_
         for (int k = 0; k < count; ++k) {
           const Eigen::Vector2f at = spread_point(k, count);
           const Vector3f ray = ray_at(x - 0.5f + at.x(), y - 0.5f + at.y());
-          sum += shade(first_surface(eye, ray), ray, {k, count, options.lobe_samples});
+          sum += lit(first_surface(eye, ray), ray, {k, count, options.lobe_samples});
         }
         pixel = sum / count;
       }

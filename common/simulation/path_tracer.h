@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/camera/camera.h"
@@ -24,10 +25,19 @@ class LensRays {
   std::vector<Eigen::Vector2f> corners_;  ///< (width + 1) x (height + 1), at half-integer positions
 };
 
+/// A lamp that is a point, beside what lights the scene: so its light arrives with hard shadows, and what one surface
+/// reflects of it to another is left out.
+struct PointLamp {
+  Eigen::Vector3f position;  ///< metres
+  Eigen::Array3f power;      ///< irradiance of a surface that faces it from one metre
+};
+
 struct RenderOptions {
   int object_samples = 4;  ///< primary rays per pixel on the object
   int edge_samples = 16;   ///< primary rays per pixel that an edge crosses
   int lobe_samples = 64;   ///< rays per pixel into the glossy lobe, shared among its primary rays
+  std::optional<PointLamp> lamp;
+  float lighting = 1;  ///< factor of what lights the scene without the lamp
 };
 
 /// Linear radiance (3 channels) as a box filter over each pixel sees it, and the object's silhouette: 255 where the ray
@@ -60,6 +70,10 @@ class PathTracer {
   };
   Surface first_surface(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
   Eigen::Array3f shade(const Surface& surface, const Eigen::Vector3f& direction, const LobeShare& share) const;
+  Eigen::Array3f lamp_irradiance(const PointLamp& lamp, const Eigen::Vector3f& place, const Eigen::Vector3f& normal,
+                                 Eigen::Vector3f& towards) const;
+  Eigen::Array3f shade_by_lamp(const Surface& surface, const Eigen::Vector3f& direction, const PointLamp& lamp) const;
+  Eigen::Vector3f shading_normal(const Hit& hit, const Eigen::Vector3f& eye) const;
   Eigen::Array3f shade_object(const Hit& hit, const Eigen::Vector3f& position, const Eigen::Vector3f& direction,
                               const LobeShare& share) const;
 

@@ -4,8 +4,10 @@
 #include <cstdio>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
+#include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/format.h"
@@ -25,12 +27,20 @@ namespace fs = std::filesystem;
 constexpr int kRendererVersion = 3;  // counts up when the same options give other pixels
 constexpr int kHoldOutEvery = 8;
 constexpr double kExposureSeconds = 0.001;
+constexpr const char* kLightTable = "lights.lp";
+
+/// Of a path that is a file.
+std::string content_of_path(const std::string& path) {
+  return path.ends_with(".lp") ? ' ' + content_hash(read_file(path)) : "";
+}
 
 std::string parameters_hash(const SimulationOptions& o) {
   std::ostringstream text;
   text << kRendererVersion << ' ' << o.object << ' ' << o.frames << ' ' << o.width << 'x' << o.height << ' ' << o.seed
        << ' ' << o.truth << ' ' << o.frame_rate_hz << ' ' << o.bake.sky_directions << ' ' << o.bake.bounce_directions
        << ' ' << o.bake.bounces << ' ' << o.bake.area_light_samples << ' ' << o.bake.stage_cell_m;
+  if (!o.light_path.empty() || o.still_camera)
+    text << " light " << o.light_path << (o.still_camera ? " still" : "") << content_of_path(o.light_path);
   std::uint64_t hash = 0;
   for (const char c : text.str()) hash = mix_bits(hash ^ static_cast<unsigned char>(c));
   return format("%016llx", static_cast<unsigned long long>(hash));
@@ -46,15 +56,28 @@ std::string toml_float(double value) {
 }
 
 /// Configuration with which `sheen-tracker run` tracks this rig through its camera server.
-std::string tracker_config(const Camera& c) {
+std::string tracker_config(const Camera& c, bool still_camera, bool lamp) {
   std::ostringstream toml;
   toml << "# Written with a simulated rig: its exact intrinsics and the stage it stands on.\n"
        << "[camera]\nwidth = " << c.width << "\nheight = " << c.height << "\nfx = " << toml_float(c.fx)
        << "\nfy = " << toml_float(c.fy) << "\ncx = " << toml_float(c.cx) << "\ncy = " << toml_float(c.cy)
        << "\nlens = \"opencv\"\ndistortion = [";
   for (std::size_t i = 0; i < c.distortion.size(); ++i) toml << (i ? ", " : "") << toml_float(c.distortion[i]);
-  toml << "]\n\n[stage]\nfile = \"stage.json\"\n\n[source]\nuri = \"aravis:127.0.0.1\"\n";
+  toml << "]\n";
+  if (still_camera) toml << "still = true\n";
+  toml << "\n[stage]\nfile = \"stage.json\"\n\n[source]\nuri = \"aravis:127.0.0.1\"\n";
+  if (lamp) toml << "\n[light]\ntable = \"" << kLightTable << "\"\nindex = \"sent.csv\"  # serve with --log sent.csv\n";
   return toml.str();
+}
+
+/// Where the lamp is at each frame, in the frame of the object.
+std::string light_table(const std::vector<LightState>& lights) {
+  std::string text = std::to_string(lights.size()) + "\n";
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const Eigen::Vector3d& p = lights[i].position;
+    text += frame_name(i) + format(" %.17g %.17g %.17g\n", p.x(), p.y(), p.z());
+  }
+  return text;
 }
 
 void write_frame(const SimulatedFrame& frame, const fs::path& folder, const std::string& name, bool truth) {
@@ -91,7 +114,8 @@ RigRecording write_recording(const SimulatedRig& rig, const fs::path& folder, co
   if (rig.options().truth) make_folder(folder / "truth");
   save_ply(rig.object().mesh, folder / "mesh.ply");
   save_stage(rig.stage(), folder / "stage.json");
-  write_file(folder / "rig.toml", tracker_config(rig.camera()));
+  write_file(folder / "rig.toml", tracker_config(rig.camera(), rig.options().still_camera, !rig.lights().empty()));
+  if (!rig.lights().empty()) write_file(folder / kLightTable, light_table(rig.lights()));
 
   RigRecording recording{.folder = folder,
                          .camera = rig.camera(),
@@ -111,6 +135,11 @@ RigRecording write_recording(const SimulatedRig& rig, const fs::path& folder, co
     if (progress) progress(done, static_cast<int>(rig.size()));
   });
 
+  // All of a still camera's picture counts, as a model of one camera asks.
+  const auto mask_of = [&](std::size_t i) -> std::optional<fs::path> {
+    if (rig.options().still_camera) return std::nullopt;
+    return folder / "masks" / (frame_name(i) + ".png");
+  };
   std::vector<DatasetView> views;
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     if (recording.frames[i].blur_px > 0) continue;
@@ -118,9 +147,10 @@ RigRecording write_recording(const SimulatedRig& rig, const fs::path& folder, co
     views.push_back(
         {.name = name,
          .image_path = folder / name,
-         .mask_path = folder / "masks" / (frame_name(i) + ".png"),
+         .mask_path = mask_of(i),
          .camera = rig.camera(),
          .camera_from_object = recording.frames[i].camera_from_object,
+         .light = rig.lights().empty() ? LightState{} : rig.lights()[i],
          .purpose = views.size() % kHoldOutEvery == kHoldOutEvery / 2 ? Purpose::kHeldOut : Purpose::kTraining,
          .exposure_s = kExposureSeconds});
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/base/errors.h"
+#include "common/simulation/light_path.h"
 #include "common/simulation/procedural_noise.h"
 
 namespace sheen {
@@ -11,6 +12,8 @@ namespace {
 
 constexpr int kBlurSteps = 9;  // poses that a moving frame averages
 constexpr double kMeterQuantile = 0.9975;
+constexpr float kDimmed = 0.1f;       // the studio beside a lamp
+constexpr float kLampPower = 2;       // irradiance at one metre: about as bright at the object as the studio
 constexpr double kMeterLevel = 0.97;  // of white, at that quantile of the object's pixels
 
 PathTracer make_tracer(const SimulationOptions& options, const StageLayout& stage) {
@@ -22,7 +25,15 @@ Camera checked_camera(const SimulationOptions& options) {
     throw ConfigError("simulation: the size must be 16x16 to 8192x8192 pixels");
   if (options.width % 2 != 0 || options.height % 2 != 0)
     throw ConfigError("simulation: width and height must be even, as a Bayer sensor's are");
-  return simulated_camera(options.width, options.height);
+  Camera camera = simulated_camera(options.width, options.height);
+  if (options.still_camera) camera.distortion = {};
+  return camera;
+}
+
+std::vector<CameraStation> path_of(const SimulationOptions& options, const Camera& camera) {
+  std::vector<CameraStation> path = camera_path({.frames = options.frames, .seed = options.seed}, camera);
+  if (options.still_camera) path.assign(path.size(), CameraStation{path[path.size() / 2].camera_from_object});
+  return path;
 }
 
 }  // namespace
@@ -32,7 +43,8 @@ SimulatedRig::SimulatedRig(const SimulationOptions& options)
       stage_(make_stage({})),
       tracer_(make_tracer(options, stage_)),
       lens_(checked_camera(options)),
-      path_(camera_path({.frames = options.frames, .seed = options.seed}, lens_.camera())),
+      path_(path_of(options, lens_.camera())),
+      lights_(options.light_path.empty() ? std::vector<LightState>() : light_path(options.light_path, options.frames)),
       white_level_(meter()) {}
 
 /// White level at which all but the hottest cores of highlights stay below it, from small views along the path.
@@ -41,9 +53,9 @@ double SimulatedRig::meter() const {
   const LensRays small(simulated_camera(256, 192));
   std::vector<float> brightest;
   for (int i = 0; i < kViews; ++i) {
-    const CameraStation& station = path_[path_.size() * i / kViews];
-    const RenderedView view =
-        tracer_.render(small, station.camera_from_object, {.object_samples = 1, .edge_samples = 4, .lobe_samples = 32});
+    const std::size_t index = path_.size() * i / kViews;
+    const RenderedView view = tracer_.render(small, path_[index].camera_from_object,
+                                             lit({.object_samples = 1, .edge_samples = 4, .lobe_samples = 32}, index));
     for (std::size_t p = 0; p < view.mask.size(); ++p)
       if (view.mask.data()[p]) {
         const float* rgb = view.radiance.data() + 3 * p;
@@ -56,16 +68,25 @@ double SimulatedRig::meter() const {
   return *at / kMeterLevel;
 }
 
+/// With the lamp of a frame.
+RenderOptions SimulatedRig::lit(RenderOptions options, std::size_t index) const {
+  if (lights_.empty()) return options;
+  options.lamp = {lights_[index].position.cast<float>(), Eigen::Array3f::Constant(kLampPower)};
+  options.lighting = kDimmed;
+  return options;
+}
+
 SimulatedFrame SimulatedRig::frame(std::size_t index) const {
   const CameraStation& station = path_.at(index);
   SimulatedFrame frame;
   frame.camera_from_object = station.camera_from_object;
   frame.blur_px = station.streak_px(camera(), bounding_sphere(object().mesh).centre);
-  RenderedView view = tracer_.render(lens_, station.camera_from_object);
+  if (!lights_.empty()) frame.light = lights_[index];
+  RenderedView view = tracer_.render(lens_, station.camera_from_object, lit({}, index));
   frame.mask = std::move(view.mask);
   frame.radiance = std::move(view.radiance);
   if (station.moves()) {
-    const RenderOptions coarse{.object_samples = 1, .edge_samples = 4, .lobe_samples = 8};
+    const RenderOptions coarse = lit({.object_samples = 1, .edge_samples = 4, .lobe_samples = 8}, index);
     frame.radiance = ImageF(camera().width, camera().height, 3);
     for (int i = 0; i < kBlurSteps; ++i) {
       const RenderedView moment = tracer_.render(lens_, station.at((i + 0.5) / kBlurSteps - 0.5), coarse);

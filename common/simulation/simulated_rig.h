@@ -24,7 +24,12 @@ struct SimulationOptions {
   std::uint64_t seed = 1;          ///< of path and noise
   bool truth = false;              ///< also write each frame's linear radiance as EXR
   double frame_rate_hz = 12;       ///< at which the recording is to be served
-  BakeOptions bake;                ///< coarser ones make small rigs for tests quick
+  /// A lamp moves so in the dimmed studio (`light_path`); empty: the studio alone, which does not change.
+  std::string light_path;
+  /// It does not move: all frames are from one of its places. Its lens bends nothing: a picture can be a model's
+  /// surface.
+  bool still_camera = false;
+  BakeOptions bake;  ///< coarser ones make small rigs for tests quick
 };
 
 /// One frame of the rig with its truth. Radiance is as the lens lays it on the sensor, in units of the white level,
@@ -32,6 +37,7 @@ struct SimulationOptions {
 struct SimulatedFrame {
   Rigid3 camera_from_object;  ///< at the middle of the exposure
   double blur_px = 0;         ///< streak of the object's centre
+  LightState light;           ///< the lamp's, exact; fixed without one
   ImageF radiance;
   ImageU8 mask;  ///< 255 on the object's silhouette, at the middle of the exposure
   RawImage raw;  ///< BayerRG8, linear: what the camera sends
@@ -52,15 +58,18 @@ class SimulatedRig {
   const PathTracer& tracer() const { return tracer_; }
   const Camera& camera() const { return lens_.camera(); }
   const std::vector<CameraStation>& path() const { return path_; }
+  const std::vector<LightState>& lights() const { return lights_; }  ///< per frame; empty without a lamp
 
  private:
   double meter() const;
+  RenderOptions lit(RenderOptions options, std::size_t index) const;
 
   SimulationOptions options_;
   StageLayout stage_;
   PathTracer tracer_;
   LensRays lens_;
   std::vector<CameraStation> path_;
+  std::vector<LightState> lights_;
   double white_level_;
 };
 

@@ -157,6 +157,9 @@ void add_simulate_command(CLI::App& app) {
       ->check(whole_number_in(0, std::numeric_limits<std::uint32_t>::max()))
       ->capture_default_str();
   command->add_option("--object", arguments->rig.object, "demo, bronze or sphere")->capture_default_str();
+  command->add_option("--light-path", arguments->rig.light_path,
+                      "a lamp moves in the dimmed studio: dome, plane, or positions of a list of lights (FILE.lp)");
+  command->add_flag("--still-camera", arguments->rig.still_camera, "the camera does not move");
   command->add_flag("--truth", arguments->rig.truth, "also write each frame's linear radiance as OpenEXR");
   command
       ->add_option("--lights", arguments->lights,

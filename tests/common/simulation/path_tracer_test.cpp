@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 
 #include "common/base/errors.h"
 #include "common/simulation/camera_path.h"
@@ -120,6 +121,68 @@ TEST(PathTracer, TheMaskIsTheBallsSilhouetteThroughTheLens) {
       inside += off < kBallRadius;
     }
   EXPECT_GT(inside, 1000);
+}
+
+/// Lambert's law with the inverse square, the ball's own shade and the shadow that it casts, in closed form.
+TEST(PathTracer, ALampLightsAMattBallAndTheStageAsAPointDoes) {
+  constexpr float kAlbedo = 0.6f, kPower = 3;
+  const Vector3d lamp(-0.25, 0.4, 0.35);
+  static const PathTracer tracer({make_sphere({.albedo = Array3f::Constant(kAlbedo)}, kBallRadius, kBall, 5),
+                                  StageSurface(make_stage({})), make_studio()},
+                                 kCoarse);
+  const Camera camera = simulated_camera(320, 240);
+  const Rigid3 pose = pose_from(30, 55, 0.45), object_from_camera = pose.inverse();
+  const Vector3d eye = camera_centre(pose);
+  RenderOptions dark{.lighting = 0};
+  dark.lamp = {lamp.cast<float>(), Array3f::Constant(kPower)};
+  const RenderedView view = tracer.render(LensRays(camera), pose, dark);
+  dark.lamp->position = Eigen::Vector3f(0, 0, 50);  // straight above: what paper and ink reflect, without a shadow
+  dark.lamp->power *= 2500;
+  const RenderedView flat = tracer.render(LensRays(camera), pose, dark);
+  const auto ball_before = [](const Vector3d& from, const Vector3d& way) -> std::optional<double> {
+    const Vector3d to = kBall - from;
+    const double along = to.dot(way.normalized()), off2 = to.squaredNorm() - along * along;
+    if (along < 0 || off2 > kBallRadius * kBallRadius) return std::nullopt;
+    return along - std::sqrt(kBallRadius * kBallRadius - off2);
+  };
+  int lit = 0, dark_side = 0, stage = 0, shadow = 0;
+  for (int y = 2; y < camera.height - 2; ++y)
+    for (int x = 2; x < camera.width - 2; ++x) {
+      const Vector3d ray = object_from_camera.rotation * *camera.ray({double(x), double(y)});
+      const float seen = view.radiance.at(x, y, 1);
+      if (const auto distance = ball_before(eye, ray)) {
+        const Vector3d place = eye + *distance * ray.normalized(), n = (place - kBall) / kBallRadius,
+                       to_lamp = lamp - place;
+        const double cosine = n.dot(to_lamp.normalized());
+        if (n.dot(-ray.normalized()) < 0.6) continue;  // the facets of the rim, and what Fresnel takes there
+        if (cosine < -0.05) {
+          EXPECT_EQ(seen, 0) << x << ' ' << y;
+          ++dark_side;
+        } else if (cosine > 0.1) {
+          EXPECT_NEAR(seen, kAlbedo / M_PI * kPower * cosine / to_lamp.squaredNorm(), 0.02 * seen) << x << ' ' << y;
+          ++lit;
+        }
+        continue;
+      }
+      const Vector3d place = eye - eye.z() / ray.z() * ray, to_lamp = lamp - place;
+      const Vector3d to_ball = kBall - place;
+      const double off = to_ball.cross(to_lamp.normalized()).norm();
+      if (std::hypot(place.x(), place.y()) > 0.12 || to_ball.cross(Vector3d::UnitZ()).norm() < kBallRadius + 0.003 ||
+          to_ball.cross((eye - place).normalized()).norm() < kBallRadius + 0.003)
+        continue;
+      if (off < kBallRadius - 0.004) {
+        EXPECT_EQ(seen, 0) << x << ' ' << y;
+        ++shadow;
+      } else if (off > kBallRadius + 0.004) {
+        const double expected = flat.radiance.at(x, y, 1) * to_lamp.normalized().z() / to_lamp.squaredNorm();
+        EXPECT_NEAR(seen, expected, 0.02 * expected) << x << ' ' << y;
+        ++stage;
+      }
+    }
+  EXPECT_GT(lit, 500);
+  EXPECT_GT(dark_side, 100);
+  EXPECT_GT(stage, 1000);
+  EXPECT_GT(shadow, 100);
 }
 
 TEST(PathTracer, TheSamePictureComesTwice) {
