@@ -46,6 +46,33 @@ Setter text(std::function<void(const std::string&)> take) {
   };
 }
 
+Setter whole_number(std::function<void(int)> take) {
+  return [take = std::move(take)](const toml::node& node) -> std::string {
+    int value = 0;
+    std::string wrong = integer(value)(node);
+    if (wrong.empty()) take(value);
+    return wrong;
+  };
+}
+
+std::string take_flag(const toml::node& node, bool& target) {
+  const auto value = node.value_exact<bool>();
+  if (!value) return "must be true or false";
+  target = *value;
+  return {};
+}
+
+std::string take_vector(const toml::node& node, Eigen::Vector3d& target) {
+  const toml::array* values = node.as_array();
+  if (!values || values->size() != 3) return "must be a list of 3 numbers, metres";
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto value = (*values)[i].value<double>();
+    if (!value || !std::isfinite(*value)) return "must hold numbers only";
+    target[static_cast<Eigen::Index>(i)] = *value;
+  }
+  return {};
+}
+
 std::string take_lens(const toml::node& node, Camera& camera) {
   const auto value = node.value_exact<std::string>();
   if (value == "opencv")
@@ -106,6 +133,7 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
   Camera camera;
   std::filesystem::path camera_file;
   GateOptions& gate = config.gate;
+  LightOptions light;
   const auto path = [&](const std::string& name) { return file.parent_path() / name; };
   const std::map<std::string, Section, std::less<>> sections{
       {"camera",
@@ -117,7 +145,15 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
         {"cx", number(camera.cx)},
         {"cy", number(camera.cy)},
         {"lens", [&](const toml::node& node) { return take_lens(node, camera); }},
-        {"distortion", [&](const toml::node& node) { return take_distortion(node, camera); }}}},
+        {"distortion", [&](const toml::node& node) { return take_distortion(node, camera); }},
+        {"still", [&](const toml::node& node) { return take_flag(node, config.still_camera); }}}},
+      {"light",
+       {{"table", text([&](const std::string& v) { light.table = path(v); })},
+        {"index", text([&](const std::string& v) { light.index = path(v); })},
+        {"first_frame", whole_number([&](int v) { light.first_frame = static_cast<std::uint64_t>(v); })},
+        {"tag", whole_number([&](int v) { light.tag = v; })},
+        {"tag_size_m", number(light.tag_size_m)},
+        {"offset", [&](const toml::node& node) { return take_vector(node, light.offset); }}}},
       {"stage", {{"file", text([&](const std::string& v) { config.stage_file = path(v); })}}},
       {"source",
        {{"uri", text([&](const std::string& v) { config.source_uri = v; })},
@@ -145,12 +181,12 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
     const auto section = sections.find(name.str());
     if (section == sections.end() || !content.is_table())
       throw ConfigError(place(file, content.source()) + "unknown section [" + std::string(name.str()) +
-                        "]; a rig has [camera], [stage], [source], [link], [gate]");
+                        "]; a rig has [camera], [stage], [light], [source], [link], [gate]");
     read_section(file, section->first, *content.as_table(), section->second);
   }
   if (const toml::table* given = document["camera"].as_table()) {
     if (!camera_file.empty()) {
-      if (given->size() > 1)
+      if (given->size() > (given->contains("still") ? 2 : 1))
         throw ConfigError(place(file, given->source()) +
                           "camera.file stands beside other keys of [camera]; the file has them all");
       camera = load_camera(camera_file).camera;
@@ -165,6 +201,11 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
     config.camera = camera;
     config.source.width = camera.width;
     config.source.height = camera.height;
+  }
+  if (const toml::table* given = document["light"].as_table()) {
+    const std::string wrong = validation_error(light);
+    if (!wrong.empty()) throw ConfigError(place(file, given->source()) + "light." + wrong);
+    config.light = light;
   }
   const std::string wrong = validation_error(gate);
   if (!wrong.empty()) throw ConfigError(file.string() + ": gate." + wrong);

@@ -7,6 +7,7 @@
 
 #include "common/camera/camera.h"
 #include "common/stage/stage_layout.h"
+#include "tracker/lights/frame_lights.h"
 #include "tracker/pose/keyframe_gate.h"
 #include "tracker/sources/source_uri.h"
 
@@ -17,13 +18,18 @@ namespace sheen {
 ///   [camera]  file                           what `sheen-tracker calibrate` wrote; or, in its place,
 ///             width height fx fy cx cy       pixels, integer coordinates at pixel centres; all required
 ///             lens = "opencv" | "fisheye"    distortion = [k1, k2, p1, p2, k3] or [k1, k2, k3, k4]
+///             still                          true: the camera does not move; beside either
 ///   [stage]   file                           the layout of the tags
+///   [light]   table index | first_frame      positions of lamps and which lit which frame
+///             tag tag_size_m offset          or a lamp that carries a tag
 ///   [source]  uri frame_rate_hz exposure_us gain_db
 ///   [link]    endpoint keys allow            keys: the .key file; allow: the public keys that may connect
 ///   [gate]    min_tags max_blur_px max_overexposed min_bright min_angle_deg min_distance_m max_uncertainty_px
 struct RigConfig {
   std::optional<Camera> camera;
+  bool still_camera = false;
   std::optional<std::filesystem::path> stage_file;
+  std::optional<LightOptions> light;
   std::optional<std::string> source_uri;
   SourceSettings source;
   std::string endpoint = "tcp://127.0.0.1:7410";

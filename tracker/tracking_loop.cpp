@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <deque>
 #include <exception>
 #include <thread>
@@ -22,6 +23,7 @@ constexpr milliseconds kPoll{50};
 constexpr milliseconds kKeepWait{100};
 constexpr int kLiveKeepWaits = 10;  ///< a camera's keyframe waits a second for room, a file's for ever
 constexpr std::int64_t kPublishEvery_ns = 200'000'000;
+constexpr double kMoved_px = 1;  ///< by which a still camera's tags are elsewhere
 constexpr std::size_t kTimesKept = 4096;
 constexpr std::size_t kLatest =
     12;  ///< frames that say whether something is wrong now: one that is kept, and nothing is
@@ -54,15 +56,37 @@ std::string calibration_hash(const Camera& c) {
   return format("%016llx", static_cast<unsigned long long>(hash));
 }
 
+/// What became of a frame, for a person.
+struct Fate {
+  bool kept = false;
+  std::string trouble;  ///< empty: nothing that a person should know
+};
+
 /// What the latest frames were refused for most often, where none of them was kept and half have such a reason.
-std::string trouble_of(const std::deque<FrameVerdict>& latest) {
+std::string trouble_of(const std::deque<Fate>& latest) {
   if (latest.size() < kLatest) return {};
-  std::map<FrameVerdict, std::size_t> counts;
-  for (const FrameVerdict verdict : latest) ++counts[verdict];
-  if (counts.contains(FrameVerdict::kKeyframe)) return {};
+  std::map<std::string, std::size_t> counts;
+  for (const Fate& fate : latest) {
+    if (fate.kept) return {};
+    ++counts[fate.trouble];
+  }
   const auto most =
       std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return 2 * most->second >= kLatest ? advice(most->first) : "";
+  return 2 * most->second >= kLatest ? most->first : "";
+}
+
+/// RMS, pixels, of the tags that a frame's pose rests on, under another pose.
+double rms_under(const Rigid3& pose, const Capture& capture, const StageLayout& stage) {
+  double sum = 0;
+  int corners = 0;
+  for (const TagObservation& tag : capture.tags) {
+    const StageTag* known = tag.used ? stage.find(tag.id) : nullptr;
+    for (std::size_t k = 0; known && k < tag.corners.size(); ++k, ++corners) {
+      const auto pixel = capture.camera.project(pose * known->corners_object[k]);
+      sum += pixel ? (*pixel - tag.corners[k]).squaredNorm() : INFINITY;
+    }
+  }
+  return corners > 0 ? std::sqrt(sum / corners) : INFINITY;
 }
 
 }  // namespace
@@ -83,7 +107,8 @@ struct TrackingLoop::Impl {
   TrackingReport report;
   std::int64_t published_ns = 0;
   std::string last_verdict;
-  std::deque<FrameVerdict> latest;  ///< verdicts, the newest last
+  std::deque<Fate> latest;  ///< the newest last
+  std::optional<PoseEstimate> still_pose;
 
   Impl(FrameSource& s, CaptureSink& k, std::optional<Rig> r, const TrackingOptions& o)
       : source(s),
@@ -99,11 +124,18 @@ struct TrackingLoop::Impl {
 
   void grab(const std::stop_token& stop);
   void track(const Hooks& hooks);
-  Capture measure(Frame frame);
+  struct Measured {
+    Capture capture;
+    std::string refusal;  ///< by the rig, of what else would be a keyframe; else empty
+  };
+  Measured measure(Frame frame);
+  std::string hold_still(Capture& capture);
+  std::string find_light(Capture& capture);
   void check_size(const Frame& frame) const;
   void find_pose(const Frame& frame, Capture& capture);
   void judge(Frame& frame, Capture& capture);
-  void send(Capture capture, const Hooks& hooks);
+  void send(Measured measured, const Hooks& hooks);
+  void note(const std::string& fate, bool kept, const std::string& trouble);
   bool keep(const Capture& capture, const Hooks& hooks);
   void publish(const Hooks& hooks);
 };
@@ -132,11 +164,11 @@ void TrackingLoop::Impl::track(const Hooks& hooks) {
   }
 }
 
-Capture TrackingLoop::Impl::measure(Frame frame) {
+TrackingLoop::Impl::Measured TrackingLoop::Impl::measure(Frame frame) {
   if (frame.given) {
     Capture capture = std::move(*frame.given);
     capture.times = frame.times;
-    return capture;
+    return {std::move(capture), {}};
   }
   check_size(frame);
   Capture capture;
@@ -149,9 +181,33 @@ Capture TrackingLoop::Impl::measure(Frame frame) {
   capture.calibration_hash = calibration;
   capture.stage_hash = stage_hash;
   if (frame.complete) find_pose(frame, capture);
+  std::string refusal;
+  if (capture.pose.usable() && rig->still) refusal = hold_still(capture);
+  if (capture.pose.usable() && rig->lights && refusal.empty()) refusal = find_light(capture);
   judge(frame, capture);
   capture.image = std::move(frame.image);
-  return capture;
+  if (capture.verdict != FrameVerdict::kKeyframe) refusal.clear();  // it is refused for what it shows
+  if (capture.verdict == FrameVerdict::kKeyframe && refusal.empty() && rig->still && !still_pose)
+    still_pose = capture.pose;
+  return {std::move(capture), std::move(refusal)};
+}
+
+/// Gives a frame the pose that a still camera has; says so where its tags are elsewhere.
+std::string TrackingLoop::Impl::hold_still(Capture& capture) {
+  if (!still_pose) return {};
+  if (rms_under(still_pose->camera_from_object, capture, rig->stage) >
+      std::max(kMoved_px, 2 * capture.pose.reprojection_rms_px))
+    return "camera_moved";
+  capture.pose.camera_from_object = still_pose->camera_from_object;
+  capture.pose.covariance = still_pose->covariance;
+  return {};
+}
+
+std::string TrackingLoop::Impl::find_light(Capture& capture) {
+  const StageTimer timer(report, "light");
+  FrameLights::Answer answer = rig->lights->of(capture);
+  if (answer.light) capture.light = *answer.light;
+  return std::move(answer.refusal);
 }
 
 void TrackingLoop::Impl::check_size(const Frame& frame) const {
@@ -183,18 +239,27 @@ void TrackingLoop::Impl::find_pose(const Frame& frame, Capture& capture) {
 
 void TrackingLoop::Impl::judge(Frame& frame, Capture& capture) {
   const StageTimer timer(report, "gate");
-  capture.verdict = gate.judge(rig->camera, frame.image, frame.complete, capture.pose);
+  capture.verdict = gate.judge(rig->camera, frame.image, frame.complete, capture.pose, capture.light);
 }
 
-void TrackingLoop::Impl::send(Capture capture, const Hooks& hooks) {
-  const StageTimer timer(report, "send");
-  ++report.judged;
-  ++report.verdicts[capture.verdict];
-  ++report.poses[capture.pose.status];
-  last_verdict = to_string(capture.verdict);
-  latest.push_back(capture.verdict);
+void TrackingLoop::Impl::note(const std::string& fate, bool kept, const std::string& trouble) {
+  last_verdict = fate;
+  latest.push_back({kept, trouble});
   if (latest.size() > kLatest) latest.pop_front();
   report.trouble = trouble_of(latest);
+}
+
+void TrackingLoop::Impl::send(Measured measured, const Hooks& hooks) {
+  const StageTimer timer(report, "send");
+  Capture& capture = measured.capture;
+  ++report.judged;
+  ++report.poses[capture.pose.status];
+  if (!measured.refusal.empty()) {
+    ++report.rig_refusals[measured.refusal];
+    return note(measured.refusal, false, "the rig does not bear it out: " + measured.refusal);
+  }
+  ++report.verdicts[capture.verdict];
+  note(to_string(capture.verdict), capture.verdict == FrameVerdict::kKeyframe, advice(capture.verdict));
   if (capture.verdict == FrameVerdict::kIncomplete) return;  // part of the picture is missing: nothing to look at
   if (capture.verdict != FrameVerdict::kKeyframe) {
     ++report.live;
@@ -205,7 +270,7 @@ void TrackingLoop::Impl::send(Capture capture, const Hooks& hooks) {
   if (!keep(capture, hooks)) return;
   --report.unsent;
   ++report.kept;
-  if (rig) gate.remember(capture.pose);
+  if (rig) gate.remember(capture.pose, capture.light);
 }
 
 bool TrackingLoop::Impl::keep(const Capture& capture, const Hooks& hooks) {
@@ -237,6 +302,7 @@ void TrackingLoop::Impl::publish(const Hooks& hooks) {
                    {"frames_unsent", double(report.unsent)},  {"queue_depth", double(grabbed.size())}};
   for (const auto& [verdict, count] : report.verdicts)
     status.gauges[std::string("verdict_") + to_string(verdict)] = double(count);
+  for (const auto& [reason, count] : report.rig_refusals) status.gauges["verdict_" + reason] = double(count);
   for (const auto& [stage, times] : report.stage_ms) status.gauges[stage + "_s"] = report.median_ms(stage) * 1e-3;
   hooks.publish(status);
 }

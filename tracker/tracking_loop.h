@@ -12,6 +12,7 @@
 #include "tracker/capture_sink.h"
 #include "tracker/fiducials/corner_refiner.h"
 #include "tracker/fiducials/tag_detector.h"
+#include "tracker/lights/frame_lights.h"
 #include "tracker/pose/keyframe_gate.h"
 #include "tracker/pose/pose_solver.h"
 #include "tracker/sources/frame_source.h"
@@ -23,6 +24,8 @@ namespace sheen {
 struct Rig {
   Camera camera;
   StageLayout stage;
+  bool still = false;                   ///< the camera does not move: all frames have the pose of the first keyframe
+  std::shared_ptr<FrameLights> lights;  ///< null: the light does not change
 };
 
 struct TrackingOptions {

@@ -8,8 +8,8 @@
 namespace sheen {
 namespace {
 
-nlohmann::json refusals(const TrackingReport& report) {
-  nlohmann::json refused = nlohmann::json::object();
+std::map<std::string, std::uint64_t> refusals(const TrackingReport& report) {
+  std::map<std::string, std::uint64_t> refused = report.rig_refusals;
   for (const auto& [verdict, count] : report.verdicts)
     if (verdict != FrameVerdict::kKeyframe) refused[to_string(verdict)] = count;
   return refused;
@@ -68,16 +68,12 @@ std::string to_json(const TrackingReport& report, const std::map<std::string, st
 }
 
 TrackerFrames frames_for_link(const TrackingReport& report) {
-  TrackerFrames frames{.judged = report.judged, .trouble = report.trouble};
-  for (const auto& [verdict, count] : report.verdicts)
-    if (verdict != FrameVerdict::kKeyframe) frames.refused[to_string(verdict)] = count;
-  return frames;
+  return {.judged = report.judged, .refused = refusals(report), .trouble = report.trouble};
 }
 
 std::string summary(const TrackingReport& report) {
   std::string text = std::to_string(report.grabbed) + " frames, " + std::to_string(report.kept) + " keyframes sent";
-  for (const auto& [verdict, count] : report.verdicts)
-    if (verdict != FrameVerdict::kKeyframe) text += ", " + std::to_string(count) + " " + to_string(verdict);
+  for (const auto& [reason, count] : refusals(report)) text += ", " + std::to_string(count) + " " + reason;
   if (report.source.missed) text += ", " + std::to_string(report.source.missed) + " never seen";
   if (report.overrun) text += ", " + std::to_string(report.overrun) + " overrun";
   if (report.unsent) text += ", " + std::to_string(report.unsent) + " unsent";

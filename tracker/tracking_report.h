@@ -14,12 +14,13 @@
 namespace sheen {
 
 /// What became of every frame that the camera sent: camera = missed + grabbed, grabbed = overrun + judged, judged = the
-/// sum over `verdicts`, verdicts[keyframe] = kept + unsent.
+/// sum over `verdicts` and over `rig_refusals`, verdicts[keyframe] = kept + unsent.
 struct TrackingReport {
   std::uint64_t grabbed = 0;
   std::uint64_t overrun = 0;  ///< not looked at: the camera was faster than the tracker, or the link was full
   std::uint64_t judged = 0;
   std::map<FrameVerdict, std::uint64_t> verdicts;
+  std::map<std::string, std::uint64_t> rig_refusals;  ///< by reason: its light is not known, or the rig has changed
   std::map<PoseStatus, std::uint64_t> poses;
   std::uint64_t kept = 0;    ///< keyframes handed to the link
   std::uint64_t unsent = 0;  ///< keyframes for which the link had no room

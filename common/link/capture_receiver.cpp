@@ -244,6 +244,7 @@ void CaptureReceiver::Impl::deliver(Capture capture, bool live) {
 
 void CaptureReceiver::Impl::take_welcome(const Welcome& welcome) {
   if (welcome.frames.judged > 0 || welcome.source_session != session) stats.tracker = welcome.frames;
+  stats.motion = welcome.motion;
   if (welcome.hello_clock_ns != asked_clock_ns || asked_clock_ns == 0) return;  // not the answer to the latest question
   clock.add(asked_clock_ns, welcome.clock_ns, steady_now_ns());
   stats.clock = clock.best();

@@ -234,7 +234,8 @@ Welcome CaptureSender::Impl::make_welcome(std::int64_t hello_clock_ns) const {
           .first_sequence = retained.empty() ? std::max(last_sequence, durable) + 1 : retained.front().sequence,
           .hello_clock_ns = hello_clock_ns,
           .clock_ns = steady_now_ns(),
-          .frames = frames};
+          .frames = frames,
+          .motion = options.motion};
 }
 
 /// Nobody holds what was never sent.

@@ -37,6 +37,7 @@ struct SenderOptions {
   /// Captures that an earlier run may have sent under the same session, and a receiver may so hold before this run has
   /// sent any: those of a data set that is streamed again. 0 for a source that never comes again.
   std::uint64_t sent_before = 0;
+  RigMotion motion;  ///< told to every receiver
 };
 
 struct SenderStats {
@@ -96,6 +97,7 @@ struct ReceiverStats {
   std::uint64_t missing = 0;  ///< kept captures that the sender no longer has because another receiver took them
   std::map<std::string, std::uint64_t> rejected_by_reason;
   TrackerFrames tracker;             ///< the sender's frames, as it told about a second ago
+  RigMotion motion;                  ///< of the sender's captures, as it says; unspecified before it came
   std::optional<ClockOffset> clock;  ///< the sender's steady clock against this one; measured again every second
   bool connected = false;
   bool ended = false;  ///< the sender said that its source has ended, and `next` has returned everything it kept

@@ -55,6 +55,17 @@ TrackerFrames checked_frames(const v1::TrackerFrames& in) {
   return frames;
 }
 
+Motion checked_motion(int value, const char* field) {
+  if (value < 0 || value > static_cast<int>(Motion::kMoves))
+    throw ProtocolError(std::string(field) + ": unknown value " + std::to_string(value));
+  return static_cast<Motion>(value);
+}
+
+RigMotion checked_motion(const v1::RigMotion& in) {
+  return {.camera = checked_motion(in.camera(), "welcome.motion.camera"),
+          .light = checked_motion(in.light(), "welcome.motion.light")};
+}
+
 }  // namespace
 
 std::array<std::uint8_t, kEnvelopeBytes> encode_envelope(MessageType type) {
@@ -129,6 +140,10 @@ Bytes encode(const Welcome& message) {
       entry.set_frames(count);
     }
   }
+  if (message.motion != RigMotion{}) {
+    out.mutable_motion()->set_camera(static_cast<v1::Motion>(message.motion.camera));
+    out.mutable_motion()->set_light(static_cast<v1::Motion>(message.motion.light));
+  }
   return serialize(out);
 }
 
@@ -140,7 +155,8 @@ Welcome decode_welcome(std::span<const std::uint8_t> bytes) {
           .first_sequence = checked_sequence(in.first_sequence(), "welcome.first_sequence"),
           .hello_clock_ns = in.hello_clock_ns(),
           .clock_ns = in.clock_ns(),
-          .frames = checked_frames(in.frames())};
+          .frames = checked_frames(in.frames()),
+          .motion = checked_motion(in.motion())};
 }
 
 Bytes encode(const Credit& message) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/capture/rig_motion.h"
 #include "common/link/message_type.h"
 #include "common/link/status.h"
 
@@ -50,6 +51,7 @@ struct Welcome {
   std::int64_t hello_clock_ns = 0;
   std::int64_t clock_ns = 0;
   TrackerFrames frames;
+  RigMotion motion;  ///< of all its captures, as far as it knows
 };
 struct Credit {
   std::uint32_t captures = 0;

@@ -7,6 +7,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "reconstructor/capture/capture_storing.h"
 
 namespace sheen {
 namespace {
@@ -16,36 +17,20 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPoll{50};
 constexpr int kLateSnapshotFactor = 5;
+constexpr int kSnapshotsRest = 2;   // times as long as the last snapshot took, before the next
 constexpr int kJudgementsRest = 4;  // times as long as the last live judgement took, before the next
-
-/// Does it again for as long as another program keeps the session's index locked; SessionBusy gets out once it is asked
-/// to stop.
-template <typename Action>
-auto patiently(const std::stop_token& stop, const Action& action) {
-  for (bool told = false;; told = true) {
-    try {
-      return action();
-    } catch (const SessionBusy& error) {
-      if (stop.stop_requested()) throw;
-      if (!told) log_warning("session", std::string("waits, nothing is lost: ") + error.what());
-      std::this_thread::sleep_for(kPoll);
-    }
-  }
-}
 
 }  // namespace
 
-CaptureLoop::CaptureLoop(const std::filesystem::path& session_folder, Session session, ReceiverOptions link,
-                         Reconstruction& reconstruction, const CaptureLoopOptions& options, LoopObserver observer)
+CaptureLoop::CaptureLoop(const std::filesystem::path& session_folder, Session session,
+                         std::unique_ptr<CaptureReceiver> link, Reconstruction& reconstruction,
+                         const CaptureLoopOptions& options, LoopObserver observer)
     : folder_(session_folder),
       session_(std::move(session)),
       reconstruction_(reconstruction),
       options_(options),
       observer_(std::move(observer)),
-      receiver_([&] {
-        link.held = session_.held();
-        return link;
-      }()) {
+      receiver_(std::move(link)) {
   status_.journaled = session_.size();
   effort_record_ = session_.metadata(kEffortKey).value_or("");
 }
@@ -77,7 +62,7 @@ void CaptureLoop::stop() {
 void CaptureLoop::receive(std::stop_token stop) {
   std::uint64_t journaled = status().journaled;
   while (!stop.stop_requested()) {
-    std::optional<Received> received = receiver_.next(kPoll);
+    std::optional<Received> received = receiver_->next(kPoll);
     if (received && !store(*received, journaled, stop)) return;
     report_link(received, journaled);
   }
@@ -86,11 +71,10 @@ void CaptureLoop::receive(std::stop_token stop) {
 /// False where a capture could not be stored: it is not acknowledged, so the tracker keeps it for the next start.
 bool CaptureLoop::store(Received& received, std::uint64_t& journaled, const std::stop_token& stop) {
   Capture& capture = received.capture;
-  capture.times.received_ns = steady_now_ns();
   if (observer_.on_capture) observer_.on_capture(capture);
   if (received.live) return true;
   try {
-    const std::uint64_t index = patiently(stop, [&] { return session_.append(capture); });
+    const std::uint64_t index = store_capture(session_, *receiver_, capture, stop);
     journaled = std::max(journaled, index + 1);
   } catch (const SessionBusy&) {
     return false;  // asked to stop while it waited
@@ -98,12 +82,11 @@ bool CaptureLoop::store(Received& received, std::uint64_t& journaled, const std:
     fail(error.what());
     return false;
   }
-  receiver_.acknowledge(capture.source_session, capture.sequence);
   return true;
 }
 
 void CaptureLoop::report_link(const std::optional<Received>& received, std::uint64_t journaled) {
-  const ReceiverStats link = receiver_.stats();
+  const ReceiverStats link = receiver_->stats();
   if (observer_.on_link) observer_.on_link(link);
   const std::lock_guard lock(mutex_);
   status_.link = link;
@@ -117,7 +100,7 @@ void CaptureLoop::report_link(const std::optional<Received>& received, std::uint
 
 /// What the ingest thread has not shown and not judged yet, and since when.
 struct CaptureLoop::Pending {
-  Clock::duration judge_interval;
+  Clock::duration judge_interval, snapshot_took{};
   bool unshown = false, unjudged = false;  // changes of the model
   Clock::time_point last_change = Clock::now(), last_shown = last_change, last_judged = last_change;
 
@@ -170,13 +153,16 @@ void CaptureLoop::apply_withdrawals(const Session& journal, std::uint64_t& next,
 
 /// Images come first: while some wait (`late`), pictures of the model are rarer.
 void CaptureLoop::show_when_due(bool late, bool ended, Pending& pending) {
-  const auto interval = (late ? kLateSnapshotFactor : 1) * options_.snapshot_interval;
+  const auto interval = std::max<Clock::duration>((late ? kLateSnapshotFactor : 1) * options_.snapshot_interval,
+                                                  kSnapshotsRest * pending.snapshot_took);
   if (pending.unshown && (ended || Clock::now() - pending.last_shown >= interval)) show(pending);
 }
 
 void CaptureLoop::show(Pending& pending) {
+  const auto begun = Clock::now();
   if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
   pending.last_shown = Clock::now();
+  pending.snapshot_took = pending.last_shown - begun;
   pending.unshown = false;
 }
 

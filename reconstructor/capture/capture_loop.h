@@ -60,7 +60,7 @@ struct LoopObserver {
 };
 
 struct CaptureLoopOptions {
-  std::chrono::milliseconds snapshot_interval{400};  ///< at most this often; a snapshot costs about one image's time
+  std::chrono::milliseconds snapshot_interval{400};  ///< at most this often, and less often where one takes long
   std::chrono::milliseconds judge_interval{1500};    ///< at least, between live judgements of a model that changes
   std::chrono::milliseconds pause{2000};  ///< without a capture, after which there is time to rebuild a model
   bool stop_when_source_ends = false;
@@ -76,8 +76,8 @@ struct CaptureLoopOptions {
 /// next pause of the capture the model is rebuilt without it, to the bit, while the last snapshot stays.
 class CaptureLoop {
  public:
-  /// The session's captures so far are ingested first.
-  CaptureLoop(const std::filesystem::path& session_folder, Session session, ReceiverOptions link,
+  /// The session's captures so far are ingested first. `link`: that knows what the session holds.
+  CaptureLoop(const std::filesystem::path& session_folder, Session session, std::unique_ptr<CaptureReceiver> link,
               Reconstruction& reconstruction, const CaptureLoopOptions& options, LoopObserver observer);
   ~CaptureLoop();
 
@@ -121,7 +121,7 @@ class CaptureLoop {
   Reconstruction& reconstruction_;
   CaptureLoopOptions options_;
   LoopObserver observer_;
-  CaptureReceiver receiver_;
+  std::unique_ptr<CaptureReceiver> receiver_;
 
   mutable std::mutex mutex_;
   std::condition_variable_any journaled_changed_;

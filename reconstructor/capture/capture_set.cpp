@@ -5,23 +5,17 @@
 #include <cstdio>
 #include <memory>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "common/base/errors.h"
 #include "common/base/log.h"
-#include "common/datasets/dataset.h"
-#include "common/datasets/light_list.h"
+#include "common/datasets/stored_images.h"
 #include "common/session/session.h"
 
 namespace sheen {
 
 namespace {
-
-std::vector<PosedCamera> cameras_of(const Dataset& dataset) {
-  std::vector<PosedCamera> cameras;
-  for (const DatasetView& view : dataset.views) cameras.push_back({view.camera, view.camera_from_object});
-  return cameras;
-}
 
 /// Of captures spread over the session: each is decoded for it.
 std::vector<PosedCamera> some_cameras(const Session& session, const std::vector<std::uint64_t>& kept) {
@@ -35,6 +29,15 @@ std::vector<PosedCamera> some_cameras(const Session& session, const std::vector<
     }
   }
   return cameras;
+}
+
+RigMotion motion_between(const Session& session, const std::vector<std::uint64_t>& kept) {
+  MotionWatch watch;
+  for (const std::uint64_t index : kept) {
+    const Capture capture = session.read(index);
+    if (capture.pose.usable()) watch.look({capture.camera, capture.pose.camera_from_object}, capture.light);
+  }
+  return watch.motion();
 }
 
 }  // namespace
@@ -60,19 +63,15 @@ CaptureSet open_capture_set(const std::filesystem::path& folder) {
             .withdrawn = withdrawn.size(),
             .damaged = damaged,
             .read = read,
-            .cameras = some_cameras(*session, kept)};
+            .cameras = some_cameras(*session, kept),
+            .motion = [session, kept] { return motion_between(*session, kept); }};
   }
-  if (folder.extension() == ".lp") {
-    auto list = std::make_shared<LightList>(load_light_list(folder));
-    return {.size = list->views.size(),
-            .read = [list](std::size_t i) { return read_capture(*list, i); },
-            .cameras = {list->camera}};
-  }
-  auto dataset = std::make_shared<Dataset>(load_dataset(folder));
-  if (!dataset->warning.empty()) std::fprintf(stderr, "%s\n", dataset->warning.c_str());
-  return {.size = dataset->views.size(),
-          .read = [dataset](std::size_t i) { return read_capture(*dataset, i); },
-          .cameras = cameras_of(*dataset)};
+  StoredImages images = open_stored_images(folder);
+  if (!images.warning.empty()) std::fprintf(stderr, "%s\n", images.warning.c_str());
+  return {.size = images.size,
+          .read = std::move(images.read),
+          .cameras = std::move(images.cameras),
+          .motion = [motion = images.motion] { return motion; }};
 }
 
 }  // namespace sheen

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/capture/capture.h"
+#include "common/capture/rig_motion.h"
 #include "reconstructor/scene/mesh_scale.h"
 
 namespace sheen {
@@ -20,7 +21,8 @@ struct CaptureSet {
   std::size_t withdrawn = 0;
   std::size_t damaged = 0;
   std::function<Capture(std::size_t)> read;
-  std::vector<PosedCamera> cameras;  ///< of a data set all; of a session some
+  std::vector<PosedCamera> cameras;   ///< of a data set all; of a session some
+  std::function<RigMotion()> motion;  ///< what moves between them; of a session it reads all
 };
 
 /// Tells on standard error what is doubtful about a data set. Throws FileError when the folder is neither, naming what

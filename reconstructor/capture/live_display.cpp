@@ -173,6 +173,21 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
                  .trouble = trouble_of(status, end)});
 }
 
+MonitorState state_before_first(const LiveDisplay::Names& names, const ReceiverStats& link) {
+  MonitorState state;
+  state.version = SHEEN_VERSION;
+  state.model = names.model;
+  state.session_folder = names.session_folder;
+  state.links.push_back({.name = "tracker",
+                         .endpoint = names.endpoint,
+                         .connected = link.connected,
+                         .encrypted = names.encrypted,
+                         .last_error = link.last_error,
+                         .came = link.connected});
+  if (!link.connected) state.hint = names.tracker_command;
+  return state;
+}
+
 MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgress& end) {
   const Latest now = latest();
   update_previews(now);
@@ -180,6 +195,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   MonitorState state;
   state.version = SHEEN_VERSION;
   state.model = names_.model;
+  state.model_reason = names_.model_reason;
   state.session_folder = names_.session_folder;
   if (now.capture) state.source_session = now.capture->source_session;
   tracker_came_ |= status.link.connected || now.capture;

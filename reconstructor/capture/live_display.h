@@ -21,7 +21,8 @@ class LiveDisplay {
  public:
   struct Names {
     std::string session_folder, endpoint;
-    std::string model;  ///< its kind
+    std::string model;         ///< its kind; empty while it is not known
+    std::string model_reason;  ///< why it was chosen; empty where the scene names it
     bool encrypted = false;
     std::string tracker_command;  ///< that starts a tracker for us
   };
@@ -59,5 +60,8 @@ class LiveDisplay {
   std::optional<NextView> next_view_;
   bool tracker_came_ = false;
 };
+
+/// What the monitor page shows before the first image, while it is not known what will be modelled.
+MonitorState state_before_first(const LiveDisplay::Names& names, const ReceiverStats& link);
 
 }  // namespace sheen

@@ -21,8 +21,8 @@
 #include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
+#include "reconstructor/scene/model_choice.h"
 #include "reconstructor/scene/placement_watch.h"
-#include "reconstructor/scene/scene_config.h"
 #include "reconstructor/scene/scene_mesh.h"
 
 namespace sheen {
@@ -108,28 +108,23 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
   return best;
 }
 
-/// That of the scene, or the model's own.
-Mesh mesh_for(const BuildArguments& arguments, const ModelSettings& settings, const CaptureSet& captures) {
-  const bool given = settings.takes_mesh() && !arguments.mesh.empty();
-  std::optional<Mesh> own =
-      captures.cameras.empty() || given ? std::nullopt : settings.own_mesh(captures.cameras.front());
-  if (own && arguments.refine)
-    throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
-  if (own && !arguments.mesh.empty())
-    throw ConfigError(std::string("--mesh: ") + settings.kind() + " makes its own surface; leave it out");
-  if (own) return std::move(*own);
-  if (arguments.mesh.empty())
-    throw ConfigError(std::string("--mesh is required: ") + settings.kind() +
-                      " models the surface of a mesh (--model irradiance-field needs none, but a list of lights)");
-  return load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
-}
-
-void build(const BuildArguments& arguments) {
+void build(BuildArguments arguments) {
   install_stop_signals();
   const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
   ReportFile json(arguments.json);
-  const SceneConfig scene =
-      arguments.config.empty() ? default_scene(arguments.model) : load_scene_config(arguments.config);
+  const SceneRequest request(arguments.config, arguments.model);
+  std::optional<CaptureSet> opened;
+  std::string why;
+  SceneConfig scene;
+  if (request.automatic()) {
+    const RigMotion motion = opened.emplace(open_capture_set(arguments.dataset)).motion();
+    why = in_words(motion);
+    scene = request.chosen_by(motion);
+    if (surface_needs_camera(*scene.settings, arguments.mesh)) arguments.mesh.clear();  // it makes its own
+    std::fprintf(stderr, "the model is chosen: %s, because %s\n", scene.kind->name(), why.c_str());
+  } else {
+    scene = request.named();
+  }
   ModelSettings& settings = *scene.settings;
   if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
   const Limits limits = arguments.limits.apply(settings);
@@ -139,8 +134,10 @@ void build(const BuildArguments& arguments) {
     std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
   else
     check_model_path(arguments.out, size.has_value());
-  const CaptureSet captures = open_capture_set(arguments.dataset);
-  Mesh mesh = mesh_for(arguments, settings, captures);
+  const CaptureSet captures = opened ? *std::move(opened) : open_capture_set(arguments.dataset);
+  if (arguments.refine && surface_needs_camera(settings, arguments.mesh))
+    throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
+  Mesh mesh = surface_for(settings, arguments.mesh, captures.cameras);
   nlohmann::json refinement;
   if (arguments.refine)
     mesh = refine_and_report(captures, mesh, arguments.mesh, settings.hold_out_every, refinement).mesh;
@@ -154,6 +151,7 @@ void build(const BuildArguments& arguments) {
   const Reconstruction::Judgement judged = reconstruction.judge();
   if (!arguments.out.empty() && !small) note_judgement(judged.model, arguments.out);
   nlohmann::json report = reconstruction_report(reconstruction, judged);
+  if (request.automatic()) report["model_choice"] = {{"model", scene.kind->name()}, {"why", why}};
   if (small) report["file"] = file_report(arguments.out, *small);
   if (arguments.refine) report["refinement"] = std::move(refinement);
   print_summary(report);
@@ -182,7 +180,8 @@ void add_build_command(CLI::App& app) {
   CLI::Option* config = command->add_option("--config", arguments->config, "scene file (TOML)");
   command
       ->add_option("--model", arguments->model,
-                   "kind of model, without a scene file: surface-light-field, irradiance-field, intrinsic-lumigraph")
+                   "kind of model, without a scene file: surface-light-field, irradiance-field, intrinsic-lumigraph; "
+                   "or auto: by what moves between the images, camera or light or both")
       ->excludes(config);
   arguments->limits.add_to(
       *command, "PSNR that held-out views must reach, such as 35dB; the cheapest setting that reaches it is searched");

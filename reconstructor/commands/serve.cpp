@@ -9,7 +9,9 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <thread>
+#include <utility>
 
 #include "common/base/content_hash.h"
 #include "common/base/end_on_stop.h"
@@ -24,19 +26,19 @@
 #include "reconstructor/capture/capture_end.h"
 #include "reconstructor/capture/capture_loop.h"
 #include "reconstructor/capture/capture_report.h"
+#include "reconstructor/capture/first_capture.h"
 #include "reconstructor/capture/live_display.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/limit_options.h"
+#include "reconstructor/commands/serve_watch.h"
 #include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/monitor/monitor_server.h"
 #include "reconstructor/monitor/monitor_token.h"
 #include "reconstructor/render/gl/viewer_window.h"
-#include "reconstructor/scene/mesh_scale.h"
-#include "reconstructor/scene/placement_watch.h"
-#include "reconstructor/scene/scene_config.h"
+#include "reconstructor/scene/model_choice.h"
 #include "reconstructor/scene/scene_mesh.h"
 
 namespace sheen {
@@ -47,9 +49,10 @@ constexpr std::chrono::milliseconds kMonitorInterval{1000};
 constexpr std::chrono::milliseconds kPoll{50};
 constexpr std::chrono::milliseconds kEarlyEndPatience{700};
 constexpr const char* kMeshHashKey = "mesh_hash";
+constexpr const char* kNoMesh = "none";
 
 struct ServeArguments {
-  std::string mesh, session, config, endpoint = ReceiverOptions{}.endpoint, keys, tracker_key, json;
+  std::string mesh, session, config, model, endpoint = ReceiverOptions{}.endpoint, keys, tracker_key, json;
   std::string monitor_host = MonitorOptions{}.host, monitor_token, monitor_token_file;
   int monitor_port = MonitorOptions{}.port;
   LimitArguments limits;
@@ -57,9 +60,9 @@ struct ServeArguments {
   bool headless = false, once = false, no_monitor = false;
 };
 
-/// A session belongs to one mesh: with another one its captures would make nonsense.
-Session open_session(const std::filesystem::path& folder, const std::filesystem::path& mesh) {
-  const std::string hash = content_hash(read_file(mesh));
+/// A session belongs to one mesh, if any: with another one its captures would make nonsense.
+Session open_session(const std::filesystem::path& folder, const std::string& mesh) {
+  const std::string hash = mesh.empty() ? kNoMesh : content_hash(read_file(mesh));
   if (!Session::exists(folder)) {
     Session session = Session::create(folder);
     session.set_metadata(kMeshHashKey, hash);
@@ -67,8 +70,11 @@ Session open_session(const std::filesystem::path& folder, const std::filesystem:
   }
   Session session = Session::open(folder);
   if (const auto known = session.metadata(kMeshHashKey); known && *known != hash)
-    throw ConfigError(folder.string() + " was started with another mesh than " + mesh.string() +
-                      "; give that mesh, or a new --session folder");
+    throw ConfigError(folder.string() + " was started " +
+                      (*known == kNoMesh
+                           ? "without a mesh; leave out --mesh"
+                           : "with another mesh than " + (mesh.empty() ? "none" : mesh) + "; give that mesh") +
+                      ", or a new --session folder");
   session.set_metadata(kMeshHashKey, hash);
   return session;
 }
@@ -84,32 +90,6 @@ ReceiverOptions link_options(const ServeArguments& arguments) {
   }
   return link;
 }
-
-/// Without a display there is no window; without asking, there is no capture that nobody sees either.
-void open_window(std::optional<ViewerWindow>& window, const ModelKind& kind,
-                 const std::filesystem::path& screenshot_folder) {
-  try {
-    window.emplace(kind, ViewerOptions{.screenshot_folder = screenshot_folder});
-  } catch (const DeviceError& error) {
-    throw DeviceError(std::string(error.what()) + "; --headless captures without a window");
-  }
-}
-
-/// Tells the log when the tracker comes and goes, why it refuses, and when its source has ended.
-class LinkLog {
- public:
-  void look(const ReceiverStats& link) {
-    if (link.connected && !link_.connected) log_info("link", "connected to the tracker");
-    if (link.ended && !link_.ended) log_info("link", "the tracker's source has ended");
-    if (!link.connected && link_.connected)
-      log_info("link", link.ended ? "the tracker has ended and is disconnected" : "the tracker is disconnected");
-    if (!link.last_error.empty() && link.last_error != link_.last_error) log_warning("link", link.last_error);
-    link_ = link;
-  }
-
- private:
-  ReceiverStats link_;
-};
 
 /// What starts a tracker that this reconstructor finds.
 std::string tracker_command(const ReceiverOptions& link) {
@@ -183,23 +163,10 @@ class EndBar {
   std::optional<Progress> bar_;
 };
 
-/// Until `over` or, where there is a window, the person closes it. A window that is lost is set to null.
-void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const ViewerFeed& feed,
-                const std::function<std::string()>& take_back = {}) {
-  std::stop_source done;
-  std::jthread look([&](const std::stop_token& closed) {
-    while (!closed.stop_requested() && !over()) std::this_thread::sleep_for(kPoll);
-    done.request_stop();
-  });
-  if (window) {
-    try {
-      return window->run(feed, done.get_token(), take_back);
-    } catch (const Error& error) {
-      log_warning("window", "the capture continues without it: " + std::string(error.what()));
-      window = nullptr;
-    }
-  }
-  look.join();
+/// Which model `build` would be asked for.
+std::string words_of_model(const ServeArguments& arguments) {
+  if (!arguments.config.empty()) return " --config " + arguments.config;
+  return arguments.model.empty() ? "" : " --model " + arguments.model;
 }
 
 /// Nothing is lost by an end without the model.
@@ -208,8 +175,9 @@ std::string words_of_an_early_end(const ServeArguments& arguments, const LoopSta
     return "ended before the report was made; the model is saved in " + arguments.session + "/" + kSessionModel;
   return "ended before the model was finished; nothing is lost: " + std::to_string(status.journaled) +
          " captures are kept in " + arguments.session +
-         ". The same command continues with them; `sheen-reconstructor build " + arguments.session + " --mesh " +
-         arguments.mesh + " --out " + arguments.session + "/model` builds their model";
+         ". The same command continues with them; `sheen-reconstructor build " + arguments.session +
+         (arguments.mesh.empty() ? "" : " --mesh " + arguments.mesh) + words_of_model(arguments) + " --out " +
+         arguments.session + "/model` builds their model";
 }
 
 /// The model and the report of what was captured. A signal, or the window's closing, ends it within a second: then
@@ -243,34 +211,84 @@ CaptureEnd::Result finish(CaptureLoop& loop, CaptureEnd& end, ViewerWindow*& win
   throw Error(words_of_an_early_end(arguments, loop.status(), end.progress().stage));
 }
 
-void serve(const ServeArguments& arguments) {
-  install_stop_signals();
-  std::signal(SIGPIPE, SIG_IGN);  // the reader of our messages may be gone before the model is saved
-  ReportFile json(arguments.json);
-  const SceneConfig scene = arguments.config.empty() ? default_scene() : load_scene_config(arguments.config);
-  const Limits limits = arguments.limits.apply(*scene.settings);
-  if (arguments.limits.between_lights(*scene.settings))
+/// What is to be modelled, and within which limits.
+struct Plan {
+  SceneConfig scene;
+  Limits limits;
+  std::optional<CompressionTarget> size;
+};
+
+Plan plan_for(const ServeArguments& arguments, SceneConfig scene) {
+  Plan plan{std::move(scene), {}, {}};
+  ModelSettings& settings = *plan.scene.settings;
+  plan.limits = arguments.limits.apply(settings);
+  if (arguments.limits.between_lights(settings))
     throw ConfigError("--tolerance: only `build` judges the lights of such a model");
   // Which maps and terms reach a PSNR shows when all images are there, or was measured: until then all that the target
   // needs is kept.
-  if (limits.psnr_db && scene.measured.empty()) {
+  if (plan.limits.psnr_db && plan.scene.measured.empty()) {
     if (!arguments.limits.tolerance.empty())
       throw ConfigError("--target and --tolerance exclude each other: the target sets the tolerance");
-    set(*scene.settings, "tolerance", tolerance_of(*limits.psnr_db));
+    set(settings, "tolerance", tolerance_of(*plan.limits.psnr_db));
   }
-  const std::optional<CompressionTarget> size = arguments.size.target(*scene.kind);
+  plan.size = arguments.size.target(*plan.scene.kind);
   const std::filesystem::path model = std::filesystem::path(arguments.session) / kSessionModel;
-  if (std::filesystem::exists(model)) check_model_path(model, size.has_value());
-  const ReceiverOptions link = link_options(arguments);
-  std::optional<EndOnStop> starting("sheen-reconstructor: stopped before the capture began");
-  Reconstruction reconstruction(load_mesh_and_warn(arguments.mesh, *scene.settings, {}), *scene.settings);
-  starting.reset();
+  if (std::filesystem::exists(model)) check_model_path(model, plan.size.has_value());
+  return plan;
+}
+
+/// `cameras`: the first image's, where there is one already.
+std::unique_ptr<Reconstruction> reconstruction_for(const ServeArguments& arguments, const Plan& plan,
+                                                   std::span<const PosedCamera> cameras) {
+  const EndOnStop starting("sheen-reconstructor: stopped before the capture began");
+  const ModelSettings& settings = *plan.scene.settings;
+  return std::make_unique<Reconstruction>(surface_for(settings, arguments.mesh, cameras), settings);
+}
+
+/// Nothing when a signal, or the window's closing, ended the wait. Throws Error where the only source ended without an
+/// image.
+std::optional<FirstCapture::Found> wait_for_first(const ServeArguments& arguments, Session& session,
+                                                  CaptureReceiver& link, LinkLog& log, MonitorServer* monitor,
+                                                  ViewerWindow*& window, const LiveDisplay::Names& names) {
+  FirstCapture first(session, link, arguments.once, [&log](const ReceiverStats& stats) { log.look(stats); });
+  ViewerFeed feed;
+  feed.publish({.message = "the first image begins the model; start a tracker: " + names.tracker_command});
+  auto publish_at = std::chrono::steady_clock::now();
+  wait_until(
+      [&] {
+        if (const auto now = std::chrono::steady_clock::now(); monitor && now >= publish_at) {
+          publish_at = now + kMonitorInterval;
+          monitor->publish(state_before_first(names, link.stats()));
+        }
+        return first.over() || stop_requested();
+      },
+      window, feed);
+  const bool over = first.over();
+  std::optional<FirstCapture::Found> found = first.take();
+  if (!found && over)
+    throw Error(arguments.session + ": the source has ended without an image that could begin a model");
+  return over ? std::move(found) : std::nullopt;
+}
+
+void serve(ServeArguments arguments) {
+  install_stop_signals();
+  std::signal(SIGPIPE, SIG_IGN);  // the reader of our messages may be gone before the model is saved
+  ReportFile json(arguments.json);
+  const SceneRequest request(arguments.config, arguments.model);
+  ReceiverOptions link = link_options(arguments);
+  std::optional<Plan> plan;
+  if (!request.automatic()) plan = plan_for(arguments, request.named());
+  const bool waits = !plan || (arguments.mesh.empty() && surface_needs_camera(*plan->scene.settings, arguments.mesh));
+  std::unique_ptr<Reconstruction> reconstructed = waits ? nullptr : reconstruction_for(arguments, *plan, {});
   Session session = open_session(arguments.session, arguments.mesh);
-  reconstruction.keep_within(limits, session.metadata(kEffortKey).value_or(""), session.size(), scene.measured);
   if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
 
-  LiveDisplay display(reconstruction.painter(), {arguments.session, link.endpoint, scene.kind->name(),
-                                                 link.keys.has_value(), tracker_command(link)});
+  LiveDisplay::Names names{.session_folder = arguments.session,
+                           .endpoint = link.endpoint,
+                           .model = plan ? plan->scene.kind->name() : "",
+                           .model_reason = "",
+                           .encrypted = link.keys.has_value(),
+                           .tracker_command = tracker_command(link)};
   std::optional<MonitorServer> monitor;
   if (!arguments.no_monitor) {
     const std::string token = monitor_token(arguments.monitor_token, arguments.monitor_token_file);
@@ -278,29 +296,50 @@ void serve(const ServeArguments& arguments) {
     log_info("monitor", "watch at " + monitor->url());
   }
   std::optional<ViewerWindow> screen;
-  if (!arguments.headless) open_window(screen, *scene.kind, arguments.session);
+  if (!arguments.headless && plan) open_window(screen, *plan->scene.kind, {.screenshot_folder = arguments.session});
+  if (!arguments.headless && !plan) require_display();
   ViewerWindow* window = screen ? &*screen : nullptr;
 
+  link.held = session.held();
+  auto receiver = std::make_unique<CaptureReceiver>(link);
+  log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}, {"start", tracker_command(link)}});
   LinkLog link_log;
+  if (waits) {
+    tell_service_is_ready();
+    const std::optional<FirstCapture::Found> first =
+        wait_for_first(arguments, session, *receiver, link_log, monitor ? &*monitor : nullptr, window, names);
+    if (!first) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
+    if (!plan) {
+      names.model_reason = in_words(first->motion);
+      plan = plan_for(arguments, request.chosen_by(first->motion));
+      names.model = plan->scene.kind->name();
+      log_info("model", "chosen: " + names.model + ", because " + names.model_reason);
+      if (!arguments.mesh.empty() && surface_needs_camera(*plan->scene.settings, arguments.mesh)) {
+        log_info("model", "it makes its own surface: the mesh is not used", {{"mesh", arguments.mesh}});
+        arguments.mesh.clear();
+      }
+      if (!arguments.headless) open_window(screen, *plan->scene.kind, {.screenshot_folder = arguments.session});
+      window = screen ? &*screen : nullptr;
+    }
+    const Capture& capture = first->capture;
+    reconstructed = reconstruction_for(arguments, *plan, {{{capture.camera, capture.pose.camera_from_object}}});
+  }
+  Reconstruction& reconstruction = *reconstructed;
+  reconstruction.keep_within(plan->limits, session.metadata(kEffortKey).value_or(""), session.size(),
+                             plan->scene.measured);
+  LiveDisplay display(reconstruction.painter(), names);
   LoopObserver observer = display.observer();
   observer.on_link = [&link_log](const ReceiverStats& stats) { link_log.look(stats); };
   observer.on_snapshot(reconstruction.snapshot());  // the mesh, to be shown before the first image
-  observer.on_capture = [show = observer.on_capture,
-                         placement = std::make_shared<PlacementWatch>(
-                             reconstruction.mesh(), [](const std::string& warning) { log_warning("mesh", warning); }),
-                         scale = ScaleWatch(reconstruction.mesh())](const Capture& capture) mutable {
-    placement->look(capture);
-    if (const std::string finding = scale.look(capture); !finding.empty()) log_warning("mesh", finding);
-    if (show) show(capture);
-  };
-  CaptureLoop loop(arguments.session, std::move(session), link, reconstruction,
+  if (!surface_needs_camera(*plan->scene.settings, arguments.mesh)) watch_mesh(reconstruction.mesh(), observer);
+  watch_motion(*plan->scene.kind, observer);
+  CaptureLoop loop(arguments.session, std::move(session), std::move(receiver), reconstruction,
                    {.stop_when_source_ends = arguments.once}, std::move(observer));
-  CaptureEnd end(loop, reconstruction, arguments.session, size);
+  CaptureEnd end(loop, reconstruction, arguments.session, plan->size);
   if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
   install_stop_signals(2);  // the first begins the end, the second cuts it short
   loop.start();
-  tell_service_is_ready();
-  log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}, {"start", tracker_command(link)}});
+  if (!waits) tell_service_is_ready();
   const Publisher publisher(loop, end, display, monitor ? &*monitor : nullptr, window != nullptr);
   wait_until([&loop] { return loop.finished() || stop_requested(); }, window, display.feed(),
              [&loop] { return take_back_last(loop); });
@@ -313,14 +352,20 @@ void serve(const ServeArguments& arguments) {
   else
     log_info("session", "no model: no image was accepted",
              {{"folder", arguments.session}, {"captures", status.journaled}});
-  print_summary(*result.report);
+  nlohmann::json report = *result.report;
+  if (request.automatic()) report["model_choice"] = {{"model", names.model}, {"why", names.model_reason}};
+  print_summary(report);
   if (!status.link.source_failure.empty()) log_warning("link", "the source failed: " + status.link.source_failure);
-  json.write(to_text(*result.report));
+  json.write(to_text(report));
   if (status.ingested > status.counts.withdrawn &&
       reconstruction.account().counts().accepted + reconstruction.account().counts().held_out == 0)
-    throw FileError(arguments.mesh, "none of the session's " + std::to_string(status.ingested) +
-                                        " captures shows this mesh; they are kept; check that mesh and stage are in "
-                                        "the same frame and units");
+    throw surface_needs_camera(*plan->scene.settings, arguments.mesh)
+        ? FileError(arguments.session, "none of its " + std::to_string(status.ingested) +
+                                           " captures can be used; they are kept; a model of moving light "
+                                           "needs a light in each")
+        : FileError(arguments.mesh, "none of the session's " + std::to_string(status.ingested) +
+                                        " captures shows this mesh; they are kept; check that mesh and stage "
+                                        "are in the same frame and units");
 }
 
 }  // namespace
@@ -329,9 +374,17 @@ void add_serve_command(CLI::App& app) {
   auto a = std::make_shared<ServeArguments>();
   CLI::App* command =
       app.add_subcommand("serve", "Receives images from a tracker, stores them, and adds them to the model.");
-  command->add_option("--mesh", a->mesh, "PLY, OBJ or OFF of the object, in the stage's frame")->required();
+  command->add_option(
+      "--mesh", a->mesh,
+      "PLY, OBJ or OFF of the object, in the stage's frame; an irradiance field needs none, an intrinsic lumigraph can "
+      "do without");
   command->add_option("--session", a->session, "folder of the session; continued if it exists")->required();
-  command->add_option("--config", a->config, "scene file (TOML)");
+  CLI::Option* config = command->add_option("--config", a->config, "scene file (TOML)");
+  command
+      ->add_option("--model", a->model,
+                   "kind of model, without a scene file: surface-light-field, irradiance-field, intrinsic-lumigraph; "
+                   "or auto: by what moves, camera or light or both, as the tracker announces it")
+      ->excludes(config);
   a->limits.add_to(*command,
                    "PSNR that held-out views must reach, such as 35dB; no patch is kept more exactly than that");
   a->size.add_to(*command);

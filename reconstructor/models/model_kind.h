@@ -6,6 +6,7 @@
 #include <memory>
 #include <string_view>
 
+#include "common/capture/rig_motion.h"
 #include "reconstructor/models/model_settings.h"
 #include "reconstructor/models/model_snapshot.h"
 
@@ -22,8 +23,11 @@ using ShowModel = std::function<void(std::shared_ptr<const ModelSnapshot>)>;
 class ModelKind {
  public:
   virtual ~ModelKind() = default;
-  virtual const char* name() const = 0;         ///< in scene files and reports: "surface_light_field"
-  virtual const char* title() const = 0;        ///< for a person: "surface light field"
+  virtual const char* name() const = 0;   ///< in scene files and reports: "surface_light_field"
+  virtual const char* title() const = 0;  ///< for a person: "surface light field"
+  /// What moves between the images that it is a model of: what `model = "auto"` chooses by. What stands still for it
+  /// may not move.
+  virtual RigMotion motion() const { return {.camera = Motion::kMoves, .light = Motion::kStill}; }
   virtual const char* file_format() const = 0;  ///< "format" in a saved model's model.json
   virtual std::unique_ptr<ModelSettings> default_settings() const = 0;
   /// Opens what `ModelSnapshot::save` wrote: it renders as the one that was saved, bit for bit. Throws FileError that

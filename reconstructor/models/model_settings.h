@@ -64,6 +64,8 @@ struct ModelSettings {
   /// What `--tolerance` is of: of the error between the images' lights, in grey levels; else it is a key of the
   /// settings.
   virtual bool tolerance_is_between_lights() const { return false; }
+  /// Whether `own_mesh` makes one.
+  virtual bool makes_mesh() const { return false; }
   /// Whether it takes a mesh where the scene gives one, although it could make its own.
   virtual bool takes_mesh() const { return false; }
   virtual int effort_levels() const = 0;  ///< at least 1: level 0 is what these settings ask for

@@ -39,7 +39,8 @@ struct MonitorState {
   using Clock = std::chrono::steady_clock;
 
   std::string version;
-  std::string model;  ///< its kind, for a person
+  std::string model;         ///< its kind, for a person
+  std::string model_reason;  ///< why it was chosen; empty where the scene names it
   std::string session_folder;
   std::string source_session;  ///< the tracker's name for what it sends
 

@@ -44,6 +44,7 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
                {"state", to_string(capture)},
                {"error", state.error},
                {"model", state.model},
+               {"model_reason", state.model_reason},
                {"session_folder", state.session_folder},
                {"source_session", state.source_session},
                {"published_age_s", json_number(published_age_s)},

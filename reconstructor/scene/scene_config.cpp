@@ -94,18 +94,37 @@ const ModelKind* kind_named(std::string_view name) {
   return nullptr;
 }
 
+constexpr const char* kAuto = "auto";
+
 std::string names_of_kinds() {
   std::string list;
   for (const ModelKind* kind : model_kinds()) list += (list.empty() ? "\"" : ", \"") + std::string(kind->name()) + '"';
   return list;
 }
 
-/// The kind that the file names, else the first one.
-const ModelKind& kind_in(const toml::table& document, const std::filesystem::path& file) {
+toml::table parse_document(std::string_view text, const std::filesystem::path& file) {
+  try {
+    return toml::parse(text, file.string());
+  } catch (const toml::parse_error& error) {
+    throw ConfigError(place(file, error.source()) + std::string(error.description()));
+  }
+}
+
+bool is_auto(const toml::table& document) {
+  return document["model"].value_or(std::string()) == kAuto;
+}
+
+/// The kind that the file names, or leaves to be chosen, else the first one.
+const ModelKind& kind_in(const toml::table& document, const std::filesystem::path& file, const ModelKind* chosen) {
   const toml::node* named = document.get("model");
   if (!named) return *model_kinds().front();
+  if (is_auto(document) && chosen) return *chosen;
+  if (is_auto(document))
+    throw ConfigError(place(file, named->source()) +
+                      "model: only `build` and `serve` choose it (\"auto\"); for this command name one of " +
+                      names_of_kinds());
   if (const ModelKind* kind = kind_named(named->value_or(std::string()))) return *kind;
-  throw ConfigError(place(file, named->source()) + "model must be one of " + names_of_kinds());
+  throw ConfigError(place(file, named->source()) + "model must be one of " + names_of_kinds() + ", or \"auto\"");
 }
 
 /// All effort levels, as `tradeoff` measured them.
@@ -135,7 +154,7 @@ SceneConfig default_scene(const std::string& model) {
     std::string name = model;
     std::replace(name.begin(), name.end(), '-', '_');
     scene.kind = kind_named(name);
-    if (!scene.kind) throw ConfigError("--model must be one of " + names_of_kinds() + ", not " + model);
+    if (!scene.kind) throw ConfigError("--model must be one of " + names_of_kinds() + ", or \"auto\", not " + model);
   }
   scene.settings = scene.kind->default_settings();
   return scene;
@@ -145,19 +164,22 @@ SceneConfig load_scene_config(const std::filesystem::path& file) {
   return parse_scene_config(read_file(file), file);
 }
 
-SceneConfig parse_scene_config(std::string_view text, const std::filesystem::path& file) {
-  toml::table document;
-  try {
-    document = toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    throw ConfigError(place(file, error.source()) + std::string(error.description()));
-  }
-  SceneConfig scene{.kind = &kind_in(document, file)};
+bool scene_chooses_model(std::string_view text, const std::filesystem::path& file) {
+  return is_auto(parse_document(text, file));
+}
+
+SceneConfig parse_scene_config(std::string_view text, const std::filesystem::path& file, const ModelKind* chosen) {
+  const toml::table document = parse_document(text, file);
+  SceneConfig scene{.kind = &kind_in(document, file, chosen)};
   scene.settings = scene.kind->default_settings();
   const std::string model = scene.kind->name();
   const std::vector<SettingKey> keys = scene.settings->keys();
   for (const auto& [name, content] : document) {
     if (name == "model") continue;
+    if (is_auto(document) && content.is_table() && kind_named(name.str())) continue;
+    if (name == "effort_level" && is_auto(document))
+      throw ConfigError(place(file, content.source()) +
+                        "[[effort_level]] is of one model: name it in place of \"auto\"");
     if (name == "effort_level") {
       scene.measured = levels_of(content, static_cast<std::size_t>(scene.settings->effort_levels()), file);
       continue;

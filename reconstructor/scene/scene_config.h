@@ -24,8 +24,11 @@ struct SceneConfig {
 SceneConfig default_scene(const std::string& model = {});
 /// Throws ConfigError or FileError naming file, line and key; unknown keys are errors.
 SceneConfig load_scene_config(const std::filesystem::path& file);
-/// The same of a text that stands in `file`.
-SceneConfig parse_scene_config(std::string_view text, const std::filesystem::path& file);
+/// The same of a text that stands in `file`. `chosen`: the kind where it says `model = "auto"`, which else is an error.
+SceneConfig parse_scene_config(std::string_view text, const std::filesystem::path& file,
+                               const ModelKind* chosen = nullptr);
+/// Whether a scene says `model = "auto"`.
+bool scene_chooses_model(std::string_view text, const std::filesystem::path& file);
 
 /// The scene file of these settings, to be written and loaded again: all keys.
 std::string to_toml(const ModelSettings& settings);

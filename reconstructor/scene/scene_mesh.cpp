@@ -2,9 +2,11 @@
 #include "reconstructor/scene/scene_mesh.h"
 
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "common/base/errors.h"
 #include "reconstructor/scene/memory_warning.h"
 
 namespace sheen {
@@ -20,6 +22,22 @@ Mesh load_mesh_and_warn(const std::filesystem::path& path, const ModelSettings& 
   if (!memory.empty()) std::fprintf(stderr, "%s\n", memory.c_str());
   check_scale(path, loaded.mesh, cameras);
   return std::move(loaded.mesh);
+}
+
+bool surface_needs_camera(const ModelSettings& settings, const std::string& mesh) {
+  return settings.makes_mesh() && (mesh.empty() || !settings.takes_mesh());
+}
+
+Mesh surface_for(const ModelSettings& settings, const std::string& mesh, std::span<const PosedCamera> cameras) {
+  if (surface_needs_camera(settings, mesh)) {
+    if (!mesh.empty())
+      throw ConfigError(std::string("--mesh: ") + settings.kind() + " makes its own surface; leave it out");
+    if (std::optional<Mesh> own = cameras.empty() ? std::nullopt : settings.own_mesh(cameras.front())) return *own;
+  }
+  if (mesh.empty())
+    throw ConfigError(std::string("--mesh is required: ") + settings.kind() +
+                      " models the surface of a mesh (--model irradiance-field needs none, but a list of lights)");
+  return load_mesh_and_warn(mesh, settings, cameras);
 }
 
 }  // namespace sheen

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 
 #include "common/geometry/mesh.h"
 #include "reconstructor/models/model_settings.h"
@@ -15,5 +16,13 @@ namespace sheen {
 /// or where no model of it fits.
 Mesh load_mesh_and_warn(const std::filesystem::path& path, const ModelSettings& settings,
                         std::span<const PosedCamera> cameras);
+
+/// What a model with these settings models the surface of: the scene's mesh, or what the model makes itself of what the
+/// first camera sees. `mesh`: as the user gave it, empty where there is none. Throws ConfigError naming --mesh where
+/// the model needs one or takes none, and what loading a mesh throws.
+Mesh surface_for(const ModelSettings& settings, const std::string& mesh, std::span<const PosedCamera> cameras);
+
+/// Whether `surface_for` waits for a camera.
+bool surface_needs_camera(const ModelSettings& settings, const std::string& mesh);
 
 }  // namespace sheen

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "common/base/files.h"
+#include "common/datasets/light_list.h"
 #include "common/image/image_io.h"
 #include "common/link/monitor_socket.h"
 #include "common/session/session.h"
@@ -270,6 +271,51 @@ TEST_F(CameraOnTheWire, KilledAgainAndAgainNothingAcknowledgedIsLostAndTheModelI
                      {"build", session_, "--mesh", recording_->mesh_file(), "--out", built, "--loss", "0dB"})),
                  0, {});
   expect_same_model(built, session_ / "model");
+}
+
+/// A camera that stands still and a lamp that a gantry moves, whose controller writes which place lit which frame: the
+/// log of the camera on the wire.
+TEST(ALampOnTheWire, EachFrameHasTheLightThatItWasTakenIn) {
+  const TempFolder temp;
+  SimulationOptions options = small_rig();
+  options.frames = 16;
+  options.light_path = "dome";
+  options.still_camera = true;
+  const RigRecording recording = cached_recording(options, temp.path() / "rig").recording;
+  const std::filesystem::path folder = recording.folder, session = temp.path() / "session",
+                              report = temp.path() / "desk.json";
+  std::ofstream(folder / "rig.toml", std::ios::app) << "\n[gate]\nmin_bright = 0.0\nmax_uncertainty_px = 0.5\n";
+  Process camera(tracker({"simulate", "--serve", folder, "--log", folder / "sent.csv"}));
+  ASSERT_TRUE(camera.prints("serves", kPatience)) << camera.output();
+  const std::string address = free_address();
+  Process desk(reconstructor({"serve", "--session", session, "--model", "auto", "--headless", "--no-monitor", "--once",
+                              "--endpoint", address, "--loss", "0dB", "--json", report}));
+  expect_outcome(run_to_end(tracker({"run", "--config", folder / "rig.toml", "--frames", "16", "--endpoint", address})),
+                 0, {"16 frames"});
+  expect_outcome(wait_to_end(desk), 0, {"chosen: irradiance_field", "images added to the model"});
+  camera.signal(SIGINT);
+  wait_to_end(camera);
+
+  std::map<std::uint64_t, std::size_t> sent;
+  std::ifstream log(folder / "sent.csv");
+  char comma = 0;
+  std::size_t index = 0;
+  for (std::uint64_t id = 0; log >> id >> comma >> index;) sent[id] = index;
+  const std::vector<LitView> truth = load_lights(folder / "lights.lp");
+  const Session recorded = Session::open_read_only(session);
+  ASSERT_GE(recorded.size(), 12u);
+  const Rigid3 pose = recorded.read(0).pose.camera_from_object;
+  EXPECT_LT((camera_centre(pose) - camera_centre(recording.frames[0].camera_from_object)).norm(), 0.01);
+  for (std::uint64_t i = 0; i < recorded.size(); ++i) {
+    const Capture capture = recorded.read(i);
+    ASSERT_TRUE(sent.contains(capture.camera_frame_id)) << i;
+    EXPECT_EQ(capture.light.kind, LightKind::kPoint);
+    EXPECT_EQ(capture.light.position, truth.at(sent[capture.camera_frame_id]).light.position) << i;
+    EXPECT_EQ(capture.pose.camera_from_object.matrix(), pose.matrix()) << i;
+  }
+  const auto json = nlohmann::json::parse(read_file(report));
+  EXPECT_EQ(json["model_choice"]["why"], "the camera stands still and the light moves");
+  EXPECT_EQ(json["frames"]["accepted"], recorded.size());
 }
 
 }  // namespace

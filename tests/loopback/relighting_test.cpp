@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Core>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +13,7 @@
 #include "common/image/linear_reader.h"
 #include "tests/loopback/ball_dataset.h"
 #include "tests/loopback/daemons.h"
+#include "tests/loopback/lit_ball.h"
 #include "tests/support/temp_folder.h"
 
 namespace sheen::testing {
@@ -22,38 +22,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// A matt ball on a grey ground in far light, without shadows.
-ImageU8 matt_ball(const Eigen::Vector3d& light) {
-  constexpr int kWidth = 60, kHeight = 44;
-  ImageF image(kWidth, kHeight, 3);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      const double u = (x - 30) / 36.0, v = (22 - y) / 36.0, r = u * u + v * v;
-      const Eigen::Vector3d normal = r < 0.25 ? Eigen::Vector3d(u, v, std::sqrt(1 - r)) : Eigen::Vector3d::UnitZ();
-      const double shade = std::max(0.0, normal.dot(light));
-      for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>((0.3 + 0.3 * c) * shade);
-    }
-  return to_srgb8(image);
-}
-
 class Relighting : public ::testing::Test {
  protected:
   Relighting() {
-    write("train", 24, 0);
-    write("test", 5, 0.4);
-  }
-  void write(const std::string& folder, int count, double turn) const {
-    std::string list = std::to_string(count) + "\n";
-    make_folder(temp_.path() / folder);
-    for (int i = 0; i < count; ++i) {
-      const double z = 0.55 + 0.45 * (i + 0.5) / count, s = std::sqrt(1 - z * z), a = 2.4 * i + turn;
-      const Eigen::Vector3d light(s * std::cos(a), s * std::sin(a), z);
-      const std::string name = "light" + std::to_string(i) + ".png";
-      write_png(temp_.path() / folder / name, matt_ball(light));
-      list += name + " " + std::to_string(light.x()) + " " + std::to_string(light.y()) + " " +
-              std::to_string(light.z()) + "\n";
-    }
-    write_file(temp_.path() / folder / "dirs.lp", list);
+    LitBall{.folder = temp_.path() / "train"}.write();
+    LitBall{.folder = temp_.path() / "test", .lights = 5, .turn = 0.4}.write();
   }
   Outcome build(const Words& more) const {
     return run_to_end(reconstructor({"build", train_, "--model", "irradiance-field"}) + more);

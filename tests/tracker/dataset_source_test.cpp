@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/errors.h"
+#include "common/datasets/dataset.h"
 #include "common/image/image_io.h"
 #include "common/link/transport.h"
 #include "tests/support/temp_folder.h"

@@ -59,6 +59,25 @@ TEST_F(RigConfigFile, ReadsEverySection) {
   EXPECT_EQ(config.gate.min_angle_deg, GateOptions{}.min_angle_deg);
 }
 
+TEST_F(RigConfigFile, SaysWhereTheLightComesFrom) {
+  EXPECT_FALSE(load(kCamera).light);
+  EXPECT_FALSE(load(kCamera).still_camera);
+  const RigConfig gantry = load(kCamera + "still = true\n[light]\ntable = \"lamps.lp\"\nindex = \"index.csv\"\n");
+  EXPECT_TRUE(gantry.still_camera);
+  EXPECT_EQ(gantry.light->table, folder / "lamps.lp");
+  EXPECT_EQ(gantry.light->index, folder / "index.csv");
+  EXPECT_EQ(load("[light]\ntable = \"lamps.lp\"\nfirst_frame = 1\n").light->first_frame, 1u);
+  const RigConfig lamp = load("[light]\ntag = 40\ntag_size_m = 0.05\noffset = [0, -0.1, 0.02]\n");
+  EXPECT_EQ(lamp.light->tag, 40);
+  EXPECT_EQ(lamp.light->offset, Eigen::Vector3d(0, -0.1, 0.02));
+  EXPECT_THAT(error("[light]\n"), HasSubstr("rig.toml:1: light.table or tag"));
+  EXPECT_THAT(error("[light]\ntable = \"a.lp\"\n"), HasSubstr("light.table needs index"));
+  EXPECT_THAT(error("[light]\ntag = 4\n"), HasSubstr("light.tag_size_m must lie in"));
+  EXPECT_THAT(error("[light]\ntag = 4\noffset = [1, 2]\n"), HasSubstr("rig.toml:3: light.offset must be a list of 3"));
+  EXPECT_THAT(error("[light]\nlamp = 4\n"), HasSubstr("light.lamp is unknown; [light] has first_frame, index"));
+  EXPECT_THAT(error(kCamera + "still = 1\n"), HasSubstr("camera.still must be true or false"));
+}
+
 TEST_F(RigConfigFile, TakesTheCameraThatCalibrateWrote) {
   const Camera camera{.width = 640, .height = 480, .fx = 530, .fy = 531, .cx = 320, .cy = 241, .distortion = {-0.2}};
   save_camera({camera, 0.001}, folder / "camera.json");

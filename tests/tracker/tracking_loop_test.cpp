@@ -90,6 +90,7 @@ class TrackedStage : public ::testing::Test {
     EXPECT_EQ(r.grabbed, r.overrun + r.judged);
     std::uint64_t judged = 0;
     for (const auto& [verdict, count] : r.verdicts) judged += count;
+    for (const auto& [reason, count] : r.rig_refusals) judged += count;
     EXPECT_EQ(r.judged, judged);
     const auto keyframes = r.verdicts.find(FrameVerdict::kKeyframe);
     EXPECT_EQ(r.kept + r.unsent, keyframes == r.verdicts.end() ? 0 : keyframes->second);
@@ -129,6 +130,61 @@ TEST_F(TrackedStage, EveryFrameIsAccountedForByReason) {
   EXPECT_EQ(json["frames"]["grabbed"], 7);
   EXPECT_EQ(json["frames"]["sent"], 3);
   EXPECT_EQ(json["frames"]["refused"].size(), 3u);
+}
+
+/// Lights by frame; none beyond them.
+class ListedLights : public FrameLights {
+ public:
+  explicit ListedLights(std::vector<Eigen::Vector3d> places) : places_(std::move(places)) {}
+  Answer of(const Capture& frame) override {
+    if (frame.camera_frame_id >= places_.size()) return {std::nullopt, "beyond_light_table"};
+    return {LightState{.kind = LightKind::kPoint, .position = places_[frame.camera_frame_id]}, {}};
+  }
+
+ private:
+  std::vector<Eigen::Vector3d> places_;
+};
+
+TEST_F(TrackedStage, ALampThatMovesMakesAViewNew) {
+  ScriptedSource source(false);
+  for (std::uint64_t i = 0; i < 5; ++i) source.frames.push_back(frame(pictures[0], i));
+  RecordingSink sink;
+  Rig lit = rig();
+  lit.lights = std::make_shared<ListedLights>(
+      std::vector<Eigen::Vector3d>{{0, 0, 1}, {0.3, 0, 1}, {0.301, 0, 1}, {0, 0.3, 1}});  // the third moves by 1 mm
+  const TrackingReport report = TrackingLoop(source, sink, lit, {}).run(kNoHooks);
+  expect_accounted(report);
+  ASSERT_EQ(sink.kept.size(), 3u);
+  EXPECT_EQ(sink.kept[1].light.position, Eigen::Vector3d(0.3, 0, 1));
+  EXPECT_EQ(sink.kept[2].light.kind, LightKind::kPoint);
+  EXPECT_EQ(report.verdicts.at(FrameVerdict::kTooNear), 1u);
+  EXPECT_EQ(report.rig_refusals.at("beyond_light_table"), 1u);
+  EXPECT_EQ(frames_for_link(report).refused.at("beyond_light_table"), 1u);
+  const auto json = nlohmann::json::parse(to_json(report, {}));
+  EXPECT_EQ(json["frames"]["refused"]["beyond_light_table"], 1);
+}
+
+TEST_F(TrackedStage, AStillCameraHasOnePoseUntilItIsMoved) {
+  ScriptedSource source(false);
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    ImageU8 picture = pictures[i == 3 ? 1 : 0];
+    std::mt19937 rng(static_cast<unsigned>(i));
+    testing::add_pixel_noise(picture, 2, rng);
+    source.frames.push_back(frame(picture, i));
+  }
+  RecordingSink sink;
+  Rig lit = rig();
+  lit.still = true;
+  lit.lights =
+      std::make_shared<ListedLights>(std::vector<Eigen::Vector3d>{{0, 0, 1}, {0.3, 0, 1}, {0.6, 0, 1}, {0, 0.3, 1}});
+  const TrackingReport report = TrackingLoop(source, sink, lit, {}).run(kNoHooks);
+  expect_accounted(report);
+  ASSERT_EQ(sink.kept.size(), 3u);
+  for (const Capture& capture : sink.kept) {
+    EXPECT_EQ(capture.pose.camera_from_object.matrix(), sink.kept[0].pose.camera_from_object.matrix());
+    EXPECT_EQ(capture.pose.status, PoseStatus::kTracked);
+  }
+  EXPECT_EQ(report.rig_refusals.at("camera_moved"), 1u);
 }
 
 TEST_F(TrackedStage, WhatTheCameraSentIsReceivedOrLost) {

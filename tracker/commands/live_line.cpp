@@ -20,10 +20,9 @@ std::string live_line(const TrackingReport& report) {
   if (!text.empty()) text += "  ";
   std::string reasons;
   std::uint64_t refused = 0;
-  for (const auto& [verdict, count] : report.verdicts) {
-    if (verdict == FrameVerdict::kKeyframe) continue;
+  for (const auto& [reason, count] : frames_for_link(report).refused) {
     refused += count;
-    reasons += (reasons.empty() ? "" : ", ") + std::to_string(count) + " " + to_string(verdict);
+    reasons += (reasons.empty() ? "" : ", ") + std::to_string(count) + " " + reason;
   }
   text += std::to_string(report.judged) + " frames, " + std::to_string(report.kept) + " kept, " +
           std::to_string(refused) + " refused";

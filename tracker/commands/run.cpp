@@ -73,8 +73,23 @@ RigConfig configuration(const RunArguments& arguments) {
 }
 
 std::optional<Rig> rig_of(const RigConfig& config) {
+  if (config.light && (!config.camera || !config.stage_file))
+    throw ConfigError("[light] is in the frame of the stage: the configuration must name [camera] and [stage], too");
   if (!config.camera || !config.stage_file) return std::nullopt;
-  return Rig{*config.camera, load_stage(*config.stage_file)};
+  Rig rig{
+      .camera = *config.camera, .stage = load_stage(*config.stage_file), .still = config.still_camera, .lights = {}};
+  if (config.light) rig.lights = make_frame_lights(*config.light);
+  if (config.light && config.light->tag && rig.stage.find(*config.light->tag))
+    throw ConfigError("light.tag: " + std::to_string(*config.light->tag) +
+                      " is a tag of the stage; the lamp's must be another");
+  return rig;
+}
+
+/// What changes between the captures: the source knows it of its files, the rig's file says it of a camera.
+RigMotion motion_of(const FrameSource& source, const std::optional<Rig>& rig) {
+  if (!source.session().empty() || !rig) return source.motion();
+  return {.camera = rig->still ? Motion::kStill : Motion::kMoves,
+          .light = rig->lights ? Motion::kMoves : Motion::kStill};
 }
 
 /// Names a run of a camera: the second it began in and the process.
@@ -126,6 +141,8 @@ void run(const RunArguments& arguments) {
   std::optional<EndOnStop> opening("sheen-tracker: stopped before the source was open");
   const auto source = open_source(parse_source_uri(*config.source_uri), config.source);
   opening.reset();
+  if (config.light && !source->session().empty())
+    throw ConfigError("[light] is for a camera or a video: this source's images come with their lights");
 
   TrackingOptions options{.gate = config.gate, .max_frames = arguments.frames};
   options.source_session = source->session().empty() ? new_session() : source->session();
@@ -136,7 +153,8 @@ void run(const RunArguments& arguments) {
                         .allowlist = config.allow,
                         .retained = kRetainedKeyframes,
                         .source_session = options.source_session,
-                        .sent_before = source->session_size()});
+                        .sent_before = source->session_size(),
+                        .motion = motion_of(*source, rig)});
   std::unique_ptr<MonitorPublisher> publisher;
   if (!arguments.publish.empty())
     publisher = std::make_unique<MonitorPublisher>(
@@ -184,7 +202,7 @@ void run(const RunArguments& arguments) {
 void add_run_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("run", "Tracks a camera, video or data set and streams posed images.");
   const auto a = std::make_shared<RunArguments>();
-  command->add_option("--config", a->config, "rig description (TOML): camera, stage, source, link, gate");
+  command->add_option("--config", a->config, "rig description (TOML): camera, stage, light, source, link, gate");
   command->add_option("--source", a->source, "aravis:ID, video:PATH or dataset:DIR; overrides --config");
   command->add_option("--endpoint", a->endpoint, "address to listen on, default tcp://127.0.0.1:7410")
       ->check(endpoint_error);

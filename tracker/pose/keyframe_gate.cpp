@@ -93,8 +93,8 @@ double BlurPredictor::predict(const Camera& camera, const ObjectRegion& region, 
 KeyframeGate::KeyframeGate(const GateOptions& options, const ObjectRegion& region)
     : options_(options), region_(region) {}
 
-FrameVerdict KeyframeGate::judge(const Camera& camera, const RawImage& image, bool complete,
-                                 const PoseEstimate& pose) const {
+FrameVerdict KeyframeGate::judge(const Camera& camera, const RawImage& image, bool complete, const PoseEstimate& pose,
+                                 const LightState& light) const {
   if (!complete) return FrameVerdict::kIncomplete;
   if (!pose.usable()) return FrameVerdict::kNoPose;
   if (pose.tags_used < options_.min_tags) return FrameVerdict::kTooFewTags;
@@ -104,11 +104,11 @@ FrameVerdict KeyframeGate::judge(const Camera& camera, const RawImage& image, bo
   for (const Eigen::Vector3d& point : probes(region_))
     if (!(point_uncertainty_px(camera, pose, point) <= options_.max_uncertainty_px))
       return FrameVerdict::kUncertainPose;
-  return too_near(pose.camera_from_object) ? FrameVerdict::kTooNear : FrameVerdict::kKeyframe;
+  return too_near(pose.camera_from_object, light) ? FrameVerdict::kTooNear : FrameVerdict::kKeyframe;
 }
 
-void KeyframeGate::remember(const PoseEstimate& pose) {
-  keyframes_.push_back(pose.camera_from_object);
+void KeyframeGate::remember(const PoseEstimate& pose, const LightState& light) {
+  keyframes_.push_back({pose.camera_from_object, light});
 }
 
 FrameVerdict KeyframeGate::judge_exposure(const Camera& camera, const RawImage& image, const Rigid3& pose) const {
@@ -131,11 +131,19 @@ FrameVerdict KeyframeGate::judge_exposure(const Camera& camera, const RawImage& 
   return p99 < options_.min_bright * kFullScale ? FrameVerdict::kUnderexposed : FrameVerdict::kKeyframe;
 }
 
-bool KeyframeGate::too_near(const Rigid3& pose) const {
+bool KeyframeGate::same_light(const LightState& a, const LightState& b) const {
+  if (a.kind != b.kind) return false;
+  if (a.kind == LightKind::kDirectional)
+    return a.position.dot(b.position) > std::cos(options_.min_angle_deg * M_PI / 180);
+  return (a.position - b.position).norm() < options_.min_distance_m || a.position == b.position;
+}
+
+bool KeyframeGate::too_near(const Rigid3& pose, const LightState& light) const {
   const Eigen::Vector3d eye = camera_centre(pose);
   const double min_cosine = std::cos(options_.min_angle_deg * M_PI / 180);
-  return std::ranges::any_of(keyframes_, [&](const Rigid3& keyframe) {
-    const Eigen::Vector3d other = camera_centre(keyframe);
+  return std::ranges::any_of(keyframes_, [&](const Keyframe& keyframe) {
+    if (!same_light(keyframe.light, light)) return false;
+    const Eigen::Vector3d other = camera_centre(keyframe.pose);
     const double cosine = (eye - region_.centre).normalized().dot((other - region_.centre).normalized());
     return (eye - other).norm() < options_.min_distance_m && cosine > min_cosine;
   });

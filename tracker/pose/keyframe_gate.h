@@ -18,7 +18,7 @@ struct GateOptions {
   double max_overexposed = 0.1;  ///< part of the stage's pixels at full scale; highlights stay well below
   double min_bright = 0.1;       ///< of full scale: the 99th percentile on the stage must reach it
   double min_angle_deg = 1;      ///< a frame is too near when an earlier keyframe differs by less than this ...
-  double min_distance_m = 0.01;  ///< ... and by less than this: about 1 deg at 0.6 m
+  double min_distance_m = 0.01;  ///< ... and by less than this: about 1 deg at 0.6 m; so for a lamp that moves
   double max_uncertainty_px =
       0.05;  ///< standard deviation of where the object appears; sharp frames have 0.003 to 0.01
 };
@@ -58,18 +58,24 @@ class KeyframeGate {
  public:
   KeyframeGate(const GateOptions& options, const ObjectRegion& region);
 
-  /// Judges a frame with its solved pose (blur included). Does not remember it.
-  FrameVerdict judge(const Camera& camera, const RawImage& image, bool complete, const PoseEstimate& pose) const;
-  /// Remembers a keyframe that was taken, so that its neighbours are too near.
-  void remember(const PoseEstimate& pose);
+  /// Judges a frame with its solved pose (blur included) and its light. Does not remember it.
+  FrameVerdict judge(const Camera& camera, const RawImage& image, bool complete, const PoseEstimate& pose,
+                     const LightState& light = {}) const;
+  /// Remembers a keyframe that was taken, so that its neighbours in the same light are too near.
+  void remember(const PoseEstimate& pose, const LightState& light = {});
 
  private:
   FrameVerdict judge_exposure(const Camera& camera, const RawImage& image, const Rigid3& pose) const;
-  bool too_near(const Rigid3& pose) const;
+  bool too_near(const Rigid3& pose, const LightState& light) const;
+  bool same_light(const LightState& a, const LightState& b) const;
 
   GateOptions options_;
   ObjectRegion region_;
-  std::vector<Rigid3> keyframes_;
+  struct Keyframe {
+    Rigid3 pose;
+    LightState light;
+  };
+  std::vector<Keyframe> keyframes_;
 };
 
 }  // namespace sheen

@@ -145,14 +145,21 @@ void note_residuals(const Camera& camera, const StageLayout& stage, const std::v
 
 }  // namespace
 
+std::vector<RefinedPose> poses_of_points(const Camera& camera, std::span<const Correspondence> points,
+                                         double huber_px) {
+  std::vector<RefinedPose> poses;
+  const auto start = solve_sqpnp(camera, points);
+  if (!start) return poses;
+  for (const Rigid3& from : {*start, mirrored_pose(*start, points)})
+    if (auto pose = refine_pose(camera, points, from, huber_px)) poses.push_back(*std::move(pose));
+  if (poses.size() == 2 && poses[1].cost < poses[0].cost) std::swap(poses[0], poses[1]);
+  return poses;
+}
+
 std::optional<RefinedPose> solve_pose_of_points(const Camera& camera, std::span<const Correspondence> points,
                                                 double huber_px) {
-  const auto start = solve_sqpnp(camera, points);
-  if (!start) return std::nullopt;
-  auto best = refine_pose(camera, points, *start, huber_px);
-  auto other = refine_pose(camera, points, mirrored_pose(*start, points), huber_px);
-  if (!best || (other && other->cost < best->cost)) best = other;
-  return best;
+  const std::vector<RefinedPose> poses = poses_of_points(camera, points, huber_px);
+  return poses.empty() ? std::nullopt : std::optional(poses.front());
 }
 
 PoseEstimate solve_pose(const Camera& camera, const StageLayout& stage, std::vector<TagObservation>& tags,

@@ -33,6 +33,9 @@ PoseEstimate solve_pose(const Camera& camera, const StageLayout& stage, std::vec
 std::optional<RefinedPose> solve_pose_of_points(const Camera& camera, std::span<const Correspondence> points,
                                                 double huber_px);
 
+/// The pose and, where it is another minimum, the one mirrored at the line of sight; the better one first.
+std::vector<RefinedPose> poses_of_points(const Camera& camera, std::span<const Correspondence> points, double huber_px);
+
 /// Standard deviation (pixels, the worst direction) with which a point of the object appears under this pose.
 double point_uncertainty_px(const Camera& camera, const PoseEstimate& pose, const Eigen::Vector3d& point_object);
 

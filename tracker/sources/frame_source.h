@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/capture/capture.h"
+#include "common/capture/rig_motion.h"
 #include "common/link/status.h"
 
 namespace sheen {
@@ -51,6 +52,9 @@ class FrameSource {
   virtual std::string session() const { return {}; }
   /// How many captures such a source has.
   virtual std::uint64_t session_size() const { return 0; }
+
+  /// What changes between its frames, as far as the source itself knows.
+  virtual RigMotion motion() const { return {}; }
 
   /// What is doubtful about the source, a sentence for a person; empty: nothing.
   virtual std::string warning() const { return {}; }

@@ -16,6 +16,7 @@ struct IntrinsicLumigraphOptions : ModelSettings {
   int effort_levels() const override { return 1; }
   /// Of a mesh, which says nothing of the pictures: not known.
   MemoryNeed memory_need(std::size_t, std::size_t) const override { return {}; }
+  bool makes_mesh() const override { return true; }
   std::optional<Mesh> own_mesh(const PosedCamera& camera) const override;
   bool takes_mesh() const override { return true; }
   std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const override;

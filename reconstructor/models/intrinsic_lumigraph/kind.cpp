@@ -13,6 +13,7 @@ class IntrinsicLumigraphKind : public ModelKind {
  public:
   const char* name() const override { return IntrinsicLumigraphOptions::kName; }
   const char* title() const override { return "intrinsic lumigraph"; }
+  RigMotion motion() const override { return {.camera = Motion::kMoves, .light = Motion::kMoves}; }
   const char* file_format() const override { return kLumigraphFormat; }
   std::unique_ptr<ModelSettings> default_settings() const override {
     return std::make_unique<IntrinsicLumigraphOptions>();

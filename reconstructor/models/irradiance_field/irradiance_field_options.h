@@ -19,6 +19,7 @@ struct IrradianceFieldOptions : ModelSettings {
   int effort_levels() const override { return 1; }
   /// Of its picture plane, which says nothing of the pictures: not known.
   MemoryNeed memory_need(std::size_t, std::size_t) const override { return {}; }
+  bool makes_mesh() const override { return true; }
   std::optional<Mesh> own_mesh(const PosedCamera& camera) const override;
   std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const override;
   std::unique_ptr<Peers> make_peers(std::shared_ptr<const ModelSnapshot> snapshot, bool photographs) const override;

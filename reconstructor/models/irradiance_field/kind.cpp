@@ -13,6 +13,7 @@ class IrradianceFieldKind : public ModelKind {
  public:
   const char* name() const override { return IrradianceFieldOptions::kName; }
   const char* title() const override { return "irradiance field"; }
+  RigMotion motion() const override { return {.camera = Motion::kStill, .light = Motion::kMoves}; }
   const char* file_format() const override { return kFieldFormat; }
   std::unique_ptr<ModelSettings> default_settings() const override {
     return std::make_unique<IrradianceFieldOptions>();

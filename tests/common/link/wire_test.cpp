@@ -270,6 +270,9 @@ TEST(LinkMessages, ComeBackAsTheyWent) {
   EXPECT_EQ(told.frames.judged, 56u);
   EXPECT_EQ(told.frames.refused.at("motion_blur"), 55u);
   EXPECT_EQ(told.frames.trouble, "too fast");
+  EXPECT_EQ(told.motion, RigMotion{}) << "nothing was said";
+  const RigMotion lamp{.camera = Motion::kStill, .light = Motion::kMoves};
+  EXPECT_EQ(decode_welcome(encode(Welcome{.source_session = "a", .motion = lamp})).motion, lamp);
   EXPECT_EQ(decode_credit(encode(Credit{4})).captures, 4u);
   const Ack ack = decode_ack(encode(Ack{"a", 6, true}));
   EXPECT_EQ(ack.source_session, "a");
@@ -286,6 +289,8 @@ TEST(LinkMessages, NonsenseIsRefused) {
   EXPECT_THROW(decode_welcome(encode(Welcome{"a", 1, 0, 0, {5, {{"too_near", 4}, {"no_pose", 2}}, ""}})),
                ProtocolError);
   EXPECT_THROW(decode_welcome(encode(Welcome{"a", 1, 0, 0, {5, {}, "\x1b[2J"}})), ProtocolError);
+  EXPECT_THROW(decode_welcome(encode(Welcome{.source_session = "a", .motion = {.light = static_cast<Motion>(3)}})),
+               ProtocolError);
   EXPECT_THROW(decode_refuse(encode(Refuse{"\x1b[2J"})), ProtocolError);
   const Bytes garbage(40, 0xFF);
   EXPECT_THROW(decode_ack(garbage), ProtocolError);

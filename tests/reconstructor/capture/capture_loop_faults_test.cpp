@@ -30,7 +30,9 @@ class CaptureLoopFaults : public ::testing::Test {
 
   void start(Session session, const std::string& tracker = "tcp://127.0.0.1:9") {
     reconstruction_ = std::make_unique<Reconstruction>(*object_.mesh, plain_options());
-    loop_ = std::make_unique<CaptureLoop>(folder_, std::move(session), testing::receiver_options(tracker),
+    ReceiverOptions link = testing::receiver_options(tracker);
+    link.held = session.held();
+    loop_ = std::make_unique<CaptureLoop>(folder_, std::move(session), std::make_unique<CaptureReceiver>(link),
                                           *reconstruction_, CaptureLoopOptions{}, LoopObserver{});
     loop_->start();
   }

@@ -20,10 +20,10 @@ using std::chrono::seconds;
 constexpr std::size_t kImages = 14, kRefused = 12, kRepeated = 13;
 
 /// 127.0.0.1 without a tracker.
-ReceiverOptions nobody() {
+std::unique_ptr<CaptureReceiver> nobody() {
   ReceiverOptions link;
   link.endpoint = "tcp://127.0.0.1:9";
-  return link;
+  return std::make_unique<CaptureReceiver>(link);
 }
 
 /// A loop over a session that nobody adds to; images 3, 7 and 11 are held out.

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/camera/posed_camera.h"
+#include "common/capture/capture.h"
+#include "common/capture/rig_motion.h"
+
+namespace sheen {
+
+/// Images on disk with their cameras and lights, whichever way they are described: posed photographs (transforms.json,
+/// COLMAP) or a list of lights (.lp).
+struct StoredImages {
+  std::size_t size = 0;
+  std::string session;               ///< of their captures: changes with the description and with any image
+  std::vector<PosedCamera> cameras;  ///< of all of them; of a list its one
+  RigMotion motion;                  ///< what changes between them
+  std::string warning;               ///< what is doubtful about them, a sentence for a person; empty: nothing
+  /// Reads one: `read_capture` of the data set or of the list.
+  std::function<Capture(std::size_t index)> read;
+};
+
+/// Throws FileError that names what was looked for.
+StoredImages open_stored_images(const std::filesystem::path& path);
+
+}  // namespace sheen

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/commands/serve_watch.h"
+
+#include <chrono>
+#include <memory>
+#include <stop_token>
+#include <thread>
+
+#include "common/base/errors.h"
+#include "common/base/log.h"
+#include "reconstructor/models/model_registry.h"
+#include "reconstructor/scene/mesh_scale.h"
+#include "reconstructor/scene/model_choice.h"
+#include "reconstructor/scene/placement_watch.h"
+
+namespace sheen {
+
+void open_window(std::optional<ViewerWindow>& window, const ModelKind& kind, const ViewerOptions& options) {
+  try {
+    window.emplace(kind, options);
+  } catch (const DeviceError& error) {
+    throw DeviceError(std::string(error.what()) + "; --headless captures without a window");
+  }
+}
+
+void require_display() {
+  std::optional<ViewerWindow> trial;
+  open_window(trial, *model_kinds().front(), {.visible = false});
+}
+
+void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const ViewerFeed& feed,
+                const std::function<std::string()>& take_back) {
+  std::stop_source done;
+  std::jthread look([&](const std::stop_token& closed) {
+    while (!closed.stop_requested() && !over()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    done.request_stop();
+  });
+  if (window) {
+    try {
+      return window->run(feed, done.get_token(), take_back);
+    } catch (const Error& error) {
+      log_warning("window", "the capture continues without it: " + std::string(error.what()));
+      window = nullptr;
+    }
+  }
+  look.join();
+}
+
+void LinkLog::look(const ReceiverStats& link) {
+  if (link.connected && !link_.connected) log_info("link", "connected to the tracker");
+  if (link.ended && !link_.ended) log_info("link", "the tracker's source has ended");
+  if (!link.connected && link_.connected)
+    log_info("link", link.ended ? "the tracker has ended and is disconnected" : "the tracker is disconnected");
+  if (!link.last_error.empty() && link.last_error != link_.last_error) log_warning("link", link.last_error);
+  link_ = link;
+}
+
+void watch_mesh(const Mesh& mesh, LoopObserver& observer) {
+  observer.on_capture = [show = observer.on_capture,
+                         placement = std::make_shared<PlacementWatch>(
+                             mesh, [](const std::string& warning) { log_warning("mesh", warning); }),
+                         scale = ScaleWatch(mesh)](const Capture& capture) mutable {
+    placement->look(capture);
+    if (const std::string finding = scale.look(capture); !finding.empty()) log_warning("mesh", finding);
+    if (show) show(capture);
+  };
+}
+
+void watch_motion(const ModelKind& kind, LoopObserver& observer) {
+  observer.on_capture = [show = observer.on_capture, &kind, watch = MotionWatch(),
+                         told = false](const Capture& capture) mutable {
+    if (!told && capture.verdict == FrameVerdict::kKeyframe && capture.pose.usable()) {
+      watch.look({capture.camera, capture.pose.camera_from_object}, capture.light);
+      const std::string warning = motion_warning(kind, watch.motion());
+      if (told = !warning.empty(); told) log_warning("model", warning);
+    }
+    if (show) show(capture);
+  };
+}
+
+}  // namespace sheen

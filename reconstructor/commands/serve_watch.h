@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "common/link/transport.h"
+#include "reconstructor/capture/capture_loop.h"
+#include "reconstructor/models/model_kind.h"
+#include "reconstructor/render/gl/viewer_window.h"
+
+namespace sheen {
+
+// Who watches a capture that `serve` receives: the window, the log.
+
+/// Without a display there is no window; without asking, there is no capture that nobody sees either: throws
+/// DeviceError that names --headless.
+void open_window(std::optional<ViewerWindow>& window, const ModelKind& kind, const ViewerOptions& options);
+/// Where the window can open only later: that it will. Throws the same.
+void require_display();
+
+/// Until `over` or, where there is a window, the person closes it. A window that is lost is set to null.
+void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const ViewerFeed& feed,
+                const std::function<std::string()>& take_back = {});
+
+/// Tells the log when the tracker comes and goes, why it refuses, and when its source has ended.
+class LinkLog {
+ public:
+  void look(const ReceiverStats& link);
+
+ private:
+  ReceiverStats link_;
+};
+
+/// Adds to an observer: the first captures tell whether the mesh, which must outlive it, is where and as large as the
+/// object.
+void watch_mesh(const Mesh& mesh, LoopObserver& observer);
+/// Adds to an observer: it tells once when something moves that the model takes to stand still.
+void watch_motion(const ModelKind& kind, LoopObserver& observer);
+
+}  // namespace sheen
