@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "common/camera/rigid3.h"
 #include "common/capture/lighting.h"
 #include "common/image/image.h"
+#include "common/image/photometry.h"
 #include "common/image/raw_image.h"
 
 namespace sheen {
@@ -96,6 +98,7 @@ struct Capture {
   RawImage image;
   ImageU8 mask;  ///< empty, or 1 channel of the image's size: 0 = ignore the pixel
   Exposure exposure;
+  std::optional<Photometry> photometry;  ///< empty: nobody measured what the camera makes of light
   PoseEstimate pose;
   std::vector<TagObservation> tags;
   LightState light;

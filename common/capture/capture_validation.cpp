@@ -164,6 +164,8 @@ std::string validation_error(const Capture& capture) {
   checks.require(capture.camera.width == capture.image.width && capture.camera.height == capture.image.height, "camera",
                  "must have the image's size");
   check_exposure(checks, capture.exposure);
+  if (capture.photometry)
+    checks.inherit(validation_error(*capture.photometry, {capture.image.width, capture.image.height}));
   check_pose(checks, capture.pose);
   check_tags(checks, capture.tags);
   check_light(checks, capture.light);

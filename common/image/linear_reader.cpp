@@ -47,8 +47,33 @@ LinearReader::LinearReader(const RawImage& image, float black_level, const float
   }
 }
 
+LinearReader::LinearReader(const RawImage& image, const Photometry& photometry)
+    : image_(image),
+      balance_{photometry.white_balance[0], photometry.white_balance[1], photometry.white_balance[2]},
+      vignette_(photometry.vignette.none() ? nullptr : &photometry.vignette) {
+  for (int i = 0; i < 256; ++i)
+    linear_[i] = is_bayer(image.format) ? root_encode(photometry.response[i]) : photometry.response[i];
+}
+
 void LinearReader::read(const PixelBox& box, int channels, float* out, std::size_t stride) const {
-  if (is_bayer(image_.format)) return read_bayer(box, channels, out, stride);
+  if (is_bayer(image_.format))
+    read_bayer(box, channels, out, stride);
+  else
+    read_pixels(box, channels, out, stride);
+  if (vignette_) undo_vignette(box, channels, out, stride);
+}
+
+/// After demosaicing, which sees the noise of the sensor as it is.
+void LinearReader::undo_vignette(const PixelBox& box, int channels, float* out, std::size_t stride) const {
+  const ImageSize size{image_.width, image_.height};
+  for (int y = box.y0; y < box.y1; ++y, out += stride)
+    for (int x = box.x0; x < box.x1; ++x) {
+      const auto gain = static_cast<float>(1 / vignette_->at(x, y, size));
+      for (int c = 0; c < 3; ++c) out[channels * (x - box.x0) + c] *= gain;
+    }
+}
+
+void LinearReader::read_pixels(const PixelBox& box, int channels, float* out, std::size_t stride) const {
   const std::size_t pixel_bytes = bytes_per_pixel(image_.format);
   for (int y = box.y0; y < box.y1; ++y, out += stride) {
     const std::uint8_t* in = image_.bytes.data() + y * image_.stride + box.x0 * pixel_bytes;

@@ -2,6 +2,7 @@
 #include "common/link/wire.h"
 
 #include <algorithm>
+#include <array>
 
 #include "common/base/crc32c.h"
 #include "common/base/errors.h"
@@ -65,6 +66,16 @@ v1::Capture to_proto(const Capture& capture) {
   exposure.set_black_level(capture.exposure.black_level);
   exposure.set_locked(capture.exposure.locked);
   exposure.set_config_epoch(capture.exposure.config_epoch);
+
+  if (capture.photometry) {
+    v1::Photometry& photometry = *out.mutable_photometry();
+    append(capture.photometry->response, photometry.mutable_response());
+    append(std::array{capture.photometry->vignette.cx, capture.photometry->vignette.cy},
+           photometry.mutable_vignette_centre());
+    append(capture.photometry->vignette.k, photometry.mutable_vignette());
+    append(capture.photometry->white_balance, photometry.mutable_white_balance());
+    photometry.set_saturation(capture.photometry->saturation);
+  }
 
   v1::Pose& pose = *out.mutable_pose();
   pose.set_status(static_cast<v1::PoseStatus>(capture.pose.status));
@@ -161,6 +172,19 @@ Exposure from_proto(const v1::Exposure& in) {
   return exposure;
 }
 
+Photometry from_proto(const v1::Photometry& in) {
+  Photometry photometry;
+  copy_exactly(in.response(), photometry.response.size(), photometry.response.data(), "photometry.response");
+  std::array<double, 2> centre;
+  copy_exactly(in.vignette_centre(), 2, centre.data(), "photometry.vignette_centre");
+  photometry.vignette.cx = centre[0];
+  photometry.vignette.cy = centre[1];
+  copy_exactly(in.vignette(), 3, photometry.vignette.k.data(), "photometry.vignette");
+  copy_exactly(in.white_balance(), 3, photometry.white_balance.data(), "photometry.white_balance");
+  photometry.saturation = in.saturation();
+  return photometry;
+}
+
 LightState from_proto(const v1::Light& in) {
   LightState light;
   light.kind = known_enum(in.kind(), LightKind::kEnvironment, "light.kind");
@@ -191,6 +215,7 @@ Capture from_proto(const v1::Capture& in) {
   capture.camera = from_proto(in.camera());
   capture.image = from_proto(in.image());
   capture.exposure = from_proto(in.exposure());
+  if (in.has_photometry()) capture.photometry = from_proto(in.photometry());
   capture.pose = from_proto(in.pose());
   bounded(in.tags_size(), kMaxTags, "tags");
   for (const v1::TagObservation& tag : in.tags()) capture.tags.push_back(from_proto(tag));

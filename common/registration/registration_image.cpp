@@ -5,8 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "common/capture/linear_capture.h"
 #include "common/image/color.h"
-#include "common/image/linear_reader.h"
 
 namespace sheen {
 namespace {
@@ -33,8 +33,7 @@ Image<T> halved(const Image<T>& image, int type) {
 
 RegistrationImage registration_image(const Capture& capture) {
   RegistrationImage image{.name = capture.name, .view = {capture.camera, capture.pose.camera_from_object}};
-  const ImageF linear =
-      to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+  const ImageF linear = linear_radiance(capture);
   image.grey = ImageF(linear.width(), linear.height(), 1);
   for (std::size_t i = 0; i < image.grey.size(); ++i) {
     const float value = luminance(linear.data() + 3 * i);

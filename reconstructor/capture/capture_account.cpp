@@ -7,7 +7,8 @@ namespace sheen {
 
 void CaptureAccount::note(const Capture& capture, const IngestReport& report) {
   captures_.push_back({capture.source_session, capture.sequence, report.status, report.reason, report.repeated,
-                       report.patches_skipped, report.exposure_gain});
+                       report.patches_skipped, capture.photometry.has_value(),
+                       capture.photometry && !capture.photometry->vignette.none(), report.exposure_gain});
   if (report.status == IngestStatus::kRefused) ++counts_.refused[report.reason];
   if (report.status == IngestStatus::kHeldOut) ++counts_.held_out;
   if (report.status != IngestStatus::kAccepted) return;
@@ -21,6 +22,16 @@ void CaptureAccount::note(const Capture& capture, const IngestReport& report) {
   patches_.updated += report.patches_updated;
   patches_.skipped += report.patches_skipped;
   patches_.left_out += report.patches_left_out;
+}
+
+CaptureAccount::PhotometricCounts CaptureAccount::photometric() const {
+  PhotometricCounts counts;
+  for (const KnownCapture& known : captures_) {
+    counts.response += known.response_known;
+    counts.vignette += known.vignette_known;
+    counts.nothing += !known.response_known;
+  }
+  return counts;
 }
 
 const KnownCapture* CaptureAccount::find(const Capture& capture) const {

@@ -27,6 +27,7 @@ struct KnownCapture {
   std::string reason;     ///< of a refusal
   bool repeated = false;  ///< nothing of it was used: it shows what an earlier one does
   std::size_t patches_skipped = 0;
+  bool response_known = false, vignette_known = false;  ///< what was measured of its camera
   float exposure_gain = 1;  ///< that its values, or those of a held-out view, were divided by
 };
 
@@ -36,6 +37,11 @@ class CaptureAccount {
   /// What became of the patches that the accepted images showed.
   struct PatchCounts {
     std::uint64_t updated = 0, skipped = 0, left_out = 0;
+  };
+
+  /// Captures by what was measured of their camera.
+  struct PhotometricCounts {
+    std::uint64_t response = 0, vignette = 0, nothing = 0;
   };
 
   void receive() { ++counts_.received; }
@@ -55,6 +61,7 @@ class CaptureAccount {
   const FrameCounts& counts() const { return counts_; }
   const std::vector<KnownCapture>& captures() const { return captures_; }  ///< all that count
   const PatchCounts& patches() const { return patches_; }
+  PhotometricCounts photometric() const;
   /// Seconds of each stage of an accepted image.
   const std::map<std::string, RunningStatistics>& stages() const { return stages_; }
   const RunningStatistics& updates() const { return updates_; }  ///< all stages of an image together

@@ -86,6 +86,10 @@ json reconstruction_report(const Reconstruction& reconstruction, const Reconstru
   report["bytes_per_" + figures.patch_name] = figures.bytes_per_patch;
   const CaptureAccount::PatchCounts& patches = reconstruction.account().patches();
   report["patches"] = {{"updated", patches.updated}, {"skipped", patches.skipped}, {"left_out", patches.left_out}};
+  const CaptureAccount::PhotometricCounts photometric = reconstruction.account().photometric();
+  report["photometric"] = {{"response_measured", photometric.response},
+                           {"vignette_measured", photometric.vignette},
+                           {"not_measured", photometric.nothing}};
   report["memory"] = memory_report(reconstruction);
   report["settings"] = settings_report(reconstruction, judged.model.psnr_db);
   report["predicted_error"] = calibration_report(calibrate(judged.model));

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/base/format.h"
+#include "common/capture/linear_capture.h"
 #include "common/image/color.h"
 #include "common/image/image_io.h"
 #include "common/image/linear_reader.h"
@@ -197,7 +198,10 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.model = names_.model;
   state.model_reason = names_.model_reason;
   state.session_folder = names_.session_folder;
-  if (now.capture) state.source_session = now.capture->source_session;
+  if (now.capture) {
+    state.source_session = now.capture->source_session;
+    state.photometric = photometric_knowledge(*now.capture);
+  }
   tracker_came_ |= status.link.connected || now.capture;
   state.links.push_back({.name = "tracker",
                          .endpoint = names_.endpoint,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/base/log.h"
+#include "common/capture/linear_capture.h"
 #include "reconstructor/effort/resident_memory.h"
 
 namespace sheen {
@@ -138,6 +139,7 @@ Reconstruction::Effort Reconstruction::effort() const {
 
 IngestReport Reconstruction::take(const Capture& capture) {
   account_.receive();
+  say_what_is_known_of_light(capture);
   IngestReport report = model_->ingest(capture);
   if (!image_size_ && model_->began_with(capture)) {
     image_size_ = size_of(capture);
@@ -150,6 +152,16 @@ IngestReport Reconstruction::take(const Capture& capture) {
     if (report.status == IngestStatus::kHeldOut) hold_out(capture, report);
   }
   return report;
+}
+
+/// Once for each source, and again when that changes.
+void Reconstruction::say_what_is_known_of_light(const Capture& capture) {
+  const std::string known = capture.source_session + ": " + photometric_knowledge(capture);
+  if (known == light_said_) return;
+  light_said_ = known;
+  if (capture.photometry && !capture.photometry->vignette.none()) return;
+  log_info("light", std::string("what the camera makes of light: ") + photometric_knowledge(capture) +
+                        "; `sheen-tracker calibrate photometric` measures it");
 }
 
 void Reconstruction::note_accepted(const Capture& capture, const IngestReport& report) {

@@ -78,6 +78,7 @@ class Reconstruction {
 
  private:
   IngestReport take(const Capture& capture);
+  void say_what_is_known_of_light(const Capture& capture);
   void note_accepted(const Capture& capture, const IngestReport& report);
   void hold_out(const Capture& capture, const IngestReport& report);
   bool fit_memory(const Capture& first);
@@ -98,6 +99,7 @@ class Reconstruction {
   std::optional<CaptureSize> image_size_;  ///< of the first image
   double held_out_bytes_ = 0;
   bool memory_exceeded_ = false;  ///< although all that can be left out is: told once
+  std::string light_said_;        ///< of the latest capture's camera
   EffortProbe probe_;             ///< empty once the effort level is chosen
 };
 

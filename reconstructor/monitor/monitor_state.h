@@ -43,6 +43,7 @@ struct MonitorState {
   std::string model_reason;  ///< why it was chosen; empty where the scene names it
   std::string session_folder;
   std::string source_session;  ///< the tracker's name for what it sends
+  std::string photometric;     ///< what is known of what the camera makes of light; empty: no image has come
 
   struct Link {
     std::string name;  ///< "tracker", ...

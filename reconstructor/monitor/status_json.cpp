@@ -47,6 +47,7 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
                {"model_reason", state.model_reason},
                {"session_folder", state.session_folder},
                {"source_session", state.source_session},
+               {"photometric", state.photometric},
                {"published_age_s", json_number(published_age_s)},
                {"frame_age_s", json_number(frame_age_s)},
                {"next_view", state.next_view},

@@ -18,7 +18,8 @@ inline bool is_held_out(const Capture& capture, int every) {
 
 /// Exposure time times gain, in arbitrary units; 0 when unknown or when grey levels are not proportional to light.
 inline double exposure_product(const Capture& capture) {
-  const bool known = capture.exposure.exposure_s > 0 && capture.image.transfer == Transfer::kLinear;
+  const bool linear = capture.photometry || capture.image.transfer == Transfer::kLinear;
+  const bool known = capture.exposure.exposure_s > 0 && linear;
   return known ? capture.exposure.exposure_s * std::pow(10.0, capture.exposure.gain_db / 20) : 0;
 }
 

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <limits>
 
-#include "common/image/linear_reader.h"
+#include "common/capture/linear_capture.h"
 #include "reconstructor/surface/edge_fill.h"
 
 namespace sheen {
@@ -142,7 +142,7 @@ RadianceImage::RadianceImage(const ImageF& linear) {
 void RadianceImage::load(const Capture& capture, const SurfaceView& view) {
   const PixelBox box = padded(view.box, capture.image);
   origin_ = {static_cast<float>(box.x0), static_cast<float>(box.y0)};
-  const LinearReader reader(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+  const LinearReader reader = linear_reader(capture);
   ImageF& full = levels_[0];
   full.resize(box.width(), box.height(), 4);
   tbb::parallel_for(tbb::blocked_range<int>(box.y0, box.y1, kStrip), [&](const tbb::blocked_range<int>& rows) {
@@ -205,7 +205,7 @@ ImageU8 usable_pixels(const Capture& capture) {
 }
 
 ImageF level_radiance(const Capture& capture, float gain) {
-  ImageF image = to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+  ImageF image = linear_radiance(capture);
   if (gain == 1) return image;
   for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] *= 1 / gain;
   return image;

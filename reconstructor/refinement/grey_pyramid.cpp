@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/capture/linear_capture.h"
 #include "common/image/color.h"
-#include "common/image/linear_reader.h"
 
 namespace sheen {
 namespace {
@@ -17,8 +17,7 @@ constexpr float kUnusable = std::numeric_limits<float>::quiet_NaN();
 constexpr int kSmallestSide = 16;  // pixels of the coarsest level
 
 ImageF encoded_luminance(const Capture& capture) {
-  const ImageF linear =
-      to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+  const ImageF linear = linear_radiance(capture);
   ImageF grey(linear.width(), linear.height(), 1);
   tbb::parallel_for(0, grey.height(), [&](int y) {
     for (int x = 0; x < grey.width(); ++x) {

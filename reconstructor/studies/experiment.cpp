@@ -10,7 +10,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/median.h"
-#include "common/image/linear_reader.h"
+#include "common/capture/linear_capture.h"
 #include "reconstructor/radiance/capture_rules.h"
 
 namespace sheen {
@@ -18,7 +18,7 @@ namespace {
 
 /// The image as linear radiance of the level of an exposure `1 / factor` times as long.
 void rescale(Capture& capture, double factor) {
-  ImageF linear = to_linear_rgb(capture.image, capture.exposure.black_level, capture.exposure.white_balance.data());
+  ImageF linear = linear_radiance(capture);
   for (std::size_t i = 0; i < linear.size(); ++i) linear.data()[i] *= static_cast<float>(factor);
   RawImage& image = capture.image;
   image.format = PixelFormat::kRGB32f;
@@ -27,6 +27,7 @@ void rescale(Capture& capture, double factor) {
   std::memcpy(image.bytes.data(), linear.data(), image.bytes.size());
   capture.exposure.black_level = 0;
   capture.exposure.white_balance = {1, 1, 1};
+  capture.photometry.reset();
   capture.exposure.exposure_s *= factor;
 }
 

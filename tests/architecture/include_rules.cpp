@@ -34,7 +34,7 @@ const std::vector<Room> kCommon = {
     {"geometry", "base"},
     {"stage", "base"},
     {"image", "base"},
-    {"camera", "base"},
+    {"camera", "base|image"},
     {"capture", "base|image|camera"},
     {"link", "base|image|camera|capture"},
     {"registration", "base|image|camera|capture|geometry"},

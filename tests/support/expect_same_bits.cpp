@@ -46,6 +46,7 @@ void expect_same_bits(const Capture& a, const Capture& b) {
   expect_same_bits(a.exposure.black_level, b.exposure.black_level, "black_level");
   EXPECT_EQ(a.exposure.locked, b.exposure.locked);
   EXPECT_EQ(a.exposure.config_epoch, b.exposure.config_epoch);
+  EXPECT_EQ(a.photometry, b.photometry);
   EXPECT_EQ(a.pose.status, b.pose.status);
   expect_same_range(a.pose.camera_from_object.rotation.coeffs(), b.pose.camera_from_object.rotation.coeffs(), "q");
   expect_same_range(a.pose.camera_from_object.translation, b.pose.camera_from_object.translation, "t");

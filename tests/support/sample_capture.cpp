@@ -29,6 +29,8 @@ Capture sample_capture(PixelFormat format, int width, int height, std::size_t pa
                 .black_level = 0.015f,
                 .locked = true,
                 .config_epoch = 3};
+  c.photometry =
+      Photometry{srgb_response(0.02), {width / 2.0, height / 3.0, {-0.25, 0.03, -0.004}}, {1.8f, 1, 1.3f}, 0.97f};
   c.pose.status = PoseStatus::kTracked;
   c.pose.camera_from_object.rotation = Eigen::Quaterniond(0.3, -0.4, 0.5, 0.7).normalized();
   c.pose.camera_from_object.translation = {0.1, -0.0, 0.6543210987654321};

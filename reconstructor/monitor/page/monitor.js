@@ -200,6 +200,7 @@ function show(s) {
   }));
   picture("preview", s.pictures.preview);
   picture("camera", s.pictures.camera);
+  text("photometric", s.photometric ? "light: " + s.photometric : "");
   text("version", "Sheen " + s.version);
   latest = s;
 }

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <string>
 
+#include "common/capture/linear_capture.h"
 #include "common/image/color.h"
-#include "common/image/linear_reader.h"
 
 namespace sheen {
 namespace {
@@ -93,9 +93,7 @@ CameraPicture::CameraPicture()
 
 void CameraPicture::upload_image(const std::shared_ptr<const Capture>& capture) {
   if (capture == shown_) return;
-  const ImageU8 image =
-      to_srgb8(to_linear_rgb(capture->image, capture->exposure.black_level, capture->exposure.white_balance.data()));
-  image_.upload(image, TexturedPanel::Scaling::kMipmaps);
+  image_.upload(to_srgb8(linear_radiance(*capture)), TexturedPanel::Scaling::kMipmaps);
   shown_ = capture;
 }
 

@@ -29,6 +29,46 @@ TEST(CameraFile, IsReadAsItWasWritten) {
   }
 }
 
+PhotometricCalibration sample_photometric() {
+  PhotometricCalibration p{.response = "gamma", .gamma = 2.1, .black_level = 0.07, .black_level_uncertainty = 1e-4};
+  p.photometry = {srgb_response(0.01), {312.25, 247.5, {-0.3, 0.05, -0.01}}, {1.7f, 1, 1.4f}, 0.96f};
+  p.response_uncertainty.fill(1e-3f);
+  p.reference_value = 0.9;
+  p.vignette = {0.004, 1.5};
+  p.white_balance = {0.001, 0, 0.002};
+  return p;
+}
+
+TEST(CameraFile, WhatTheCameraMakesOfLightIsReadAsItWasWritten) {
+  const TempFolder folder;
+  const auto file = folder.path() / "camera.json";
+  CameraFile written{{.width = 640, .height = 480, .fx = 533, .fy = 534, .cx = 319, .cy = 241}, 0.0007};
+  written.photometric = sample_photometric();
+  save_camera(written, file);
+  const PhotometricCalibration read = load_camera(file).photometric.value();
+  EXPECT_EQ(read.photometry, written.photometric->photometry);
+  EXPECT_EQ(read.response, "gamma");
+  EXPECT_EQ(read.gamma, 2.1);
+  EXPECT_EQ(read.black_level, 0.07);
+  EXPECT_EQ(read.black_level_uncertainty, 1e-4);
+  EXPECT_EQ(read.response_uncertainty, written.photometric->response_uncertainty);
+  EXPECT_EQ(read.reference_value, 0.9);
+  EXPECT_EQ(read.vignette->worst, 0.004);
+  EXPECT_EQ(read.vignette->centre_px, 1.5);
+  EXPECT_EQ(read.white_balance, written.photometric->white_balance);
+
+  written.photometric->vignette.reset();
+  written.photometric->white_balance.reset();
+  save_camera(written, file);
+  const PhotometricCalibration response_alone = load_camera(file).photometric.value();
+  EXPECT_FALSE(response_alone.vignette || response_alone.white_balance);
+  EXPECT_TRUE(response_alone.photometry.vignette.none());
+
+  written.photometric->photometry.response[100] = 0;  // falls
+  save_camera(written, file);
+  expect_error([&] { load_camera(file); }, {"camera.json", "photometry.response must never fall"});
+}
+
 TEST(CameraFile, NamesTheFieldThatIsWrong) {
   const TempFolder folder;
   const auto load = [&](const std::string& text) { load_camera(folder.write("camera.json", text)); };

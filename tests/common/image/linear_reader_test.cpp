@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <random>
 
@@ -60,6 +61,40 @@ TEST(LinearReader, ASiteOfAMosaicKeepsItsOwnValue) {
         EXPECT_NEAR(rgb.at(x, y, own), raw.bytes[y * raw.stride + x] / 255.0, 1e-6) << pfnc_name(format);
       }
   }
+}
+
+TEST(LinearReader, UndoesWhatTheCameraMadeOfLight) {
+  constexpr int kWidth = 24, kHeight = 18;
+  Photometry photometry{linear_response(0.1), {10, 7, {-0.4, 0.1, -0.02}}, {2, 1, 0.5f}, 1};
+  const auto vignette = [&](int x, int y) {  // written out again
+    const double r2 = ((x - 10.0) * (x - 10) + (y - 7.0) * (y - 7)) / ((24.0 * 24 + 18 * 18) / 4);
+    return 1 - 0.4 * r2 + 0.1 * r2 * r2 - 0.02 * r2 * r2 * r2;
+  };
+  RawImage raw = noise(PixelFormat::kRGB8, kWidth, kHeight);
+  for (const Transfer transfer :
+       {Transfer::kLinear, Transfer::kSrgb}) {  // what the camera says of itself counts no more
+    raw.transfer = transfer;
+    ImageF rgb(kWidth, kHeight, 3);
+    LinearReader(raw, photometry).read({0, 0, kWidth, kHeight}, 3, rgb.data(), 3 * kWidth);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const double stored = raw.bytes[y * raw.stride + 3 * x + c] / 255.0;
+          const double truth = std::max(0.0, (stored - 0.1) / 0.9) / vignette(x, y) * photometry.white_balance[c];
+          EXPECT_NEAR(rgb.at(x, y, c), truth, 1e-5);
+        }
+  }
+  // Demosaicing works on what the sensor saw: a site keeps its own value, and the vignette is undone after it.
+  const RawImage mosaic = noise(PixelFormat::kBayerGB8, kWidth, kHeight);
+  ImageF with(kWidth, kHeight, 3), box(7, 5, 4);
+  LinearReader(mosaic, photometry).read({0, 0, kWidth, kHeight}, 3, with.data(), 3 * kWidth);
+  LinearReader(mosaic, photometry).read({9, 3, 16, 8}, 4, box.data(), 4 * 7);
+  const float balance[3] = {2, 1, 0.5f};
+  const ImageF without = to_linear_rgb(mosaic, 0.1f, balance);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(with.at(x, y, c), without.at(x, y, c) / vignette(x, y), 1e-5);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(box.at(2, 3, c), with.at(11, 6, c), 1e-5);
 }
 
 // Smaller than what demosaicing looks at: the picture is mirrored as often as it takes, each site's colour with it.

@@ -3,6 +3,9 @@
 // and, but for zstd's output, which may differ from release to release, be produced to the byte.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
+
 #include "common/link/wire.h"
 #include "common/link/wire_messages.h"
 #include "tests/support/expect_same_bits.h"
@@ -105,6 +108,36 @@ TEST(WireGolden, VersionOneIsRead) {
                             decode_capture(from_hex(kEnvelopeHex), from_hex(kRawHeaderHex), from_hex(kRawBlobHex)));
   testing::expect_same_bits(golden_capture(),
                             decode_capture(from_hex(kEnvelopeHex), from_hex(kZstdHeaderHex), from_hex(kZstdBlobHex)));
+}
+
+/// Little-endian bytes of numbers.
+template <typename Number>
+std::string hex_of(const std::vector<Number>& numbers) {
+  std::string hex;
+  for (const Number number : numbers) {
+    std::uint8_t bytes[sizeof number];
+    std::memcpy(bytes, &number, sizeof number);
+    hex += to_hex(bytes);
+  }
+  return hex;
+}
+
+// What came later stands at the end and changes nothing before it.
+TEST(WireGolden, APhotometryFollowsWhatVersionOneHad) {
+  Capture capture = golden_capture();
+  capture.photometry = Photometry{linear_response(0.125), {1.5, 0.25, {-0.5, 0.25, -0.125}}, {2, 1, 1.5f}, 0.75f};
+  std::vector<float> light;
+  for (int value = 0; value < 256; ++value)
+    light.push_back(static_cast<float>(std::max(0.0, (value / 255.0 - 0.125) / 0.875)));
+  const std::string photometry = "0a8008" + hex_of(light) +                         // field 1, 1024 bytes
+                                 "1210" + hex_of(std::vector<double>{1.5, 0.25}) +  //
+                                 "1a18" + hex_of(std::vector<double>{-0.5, 0.25, -0.125}) + "220c" +
+                                 hex_of(std::vector<float>{2, 1, 1.5f}) +  //
+                                 "2d" + hex_of(std::vector<float>{0.75f});
+  ASSERT_EQ(photometry.size() / 2, 1090u);
+  const std::string header = kRawHeaderHex + std::string("9201c208") + photometry;  // field 18, 1090 bytes
+  EXPECT_EQ(to_hex(encode_capture(capture, MessageType::kKeep, Codec::kRaw).header), header);
+  testing::expect_same_bits(capture, decode_capture(from_hex(kEnvelopeHex), from_hex(header), from_hex(kRawBlobHex)));
 }
 
 TEST(WireGolden, LinkMessagesOfVersionOneAreWrittenToTheByte) {
