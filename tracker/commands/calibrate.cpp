@@ -14,6 +14,7 @@
 #include "tracker/calibration/calibration_plots.h"
 #include "tracker/calibration/calibration_report.h"
 #include "tracker/calibration/image_set.h"
+#include "tracker/commands/calibrate_photometric.h"
 #include "tracker/commands/commands.h"
 
 namespace sheen {
@@ -53,6 +54,17 @@ const LensFit* lens_fit_of(const std::string& name) {
   throw ConfigError("--lens " + name + " is no lens model; there are " + names);
 }
 
+/// What a camera makes of light does not change with its geometry: what the file knows of it is kept.
+std::optional<PhotometricCalibration> photometric_part_of(const std::filesystem::path& file, const Camera& camera) {
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  try {
+    const CameraFile before = load_camera(file);
+    if (before.camera.width == camera.width && before.camera.height == camera.height) return before.photometric;
+  } catch (const FileError&) {  // no camera: it is written over, as any file
+  }
+  return std::nullopt;
+}
+
 void run(const CalibrateArguments& arguments) {
   ReportFile json(arguments.json);
   if (!arguments.out.empty()) check_writable(arguments.out);
@@ -77,7 +89,9 @@ void run(const CalibrateArguments& arguments) {
   if (const std::string why = refusal(result, advice); !why.empty()) throw Error("no camera is written: " + why);
   if (arguments.out.empty()) return;
   const Camera& camera = result.calibration.camera;
-  save_camera({camera, std::sqrt(result.calibration.covariance(0, 0)) / camera.fx}, arguments.out);
+  CameraFile file{camera, std::sqrt(result.calibration.covariance(0, 0)) / camera.fx};
+  file.photometric = photometric_part_of(arguments.out, camera);
+  save_camera(file, arguments.out);
   std::cout << arguments.out.string() << ": the camera. In rig.toml: [camera] file = \""
             << arguments.out.filename().string() << "\"\n";
 }
@@ -87,8 +101,8 @@ void run(const CalibrateArguments& arguments) {
 void add_calibrate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("calibrate", "Calibrate a camera from images of a target");
   const auto arguments = std::make_shared<CalibrateArguments>();
-  command->add_option("images", arguments->images, "Images of the target, or folders of them")->required();
-  command->add_option("--target", arguments->target, kTargetSyntax)->required();
+  command->add_option("images", arguments->images, "Images of the target, or folders of them");
+  command->add_option("--target", arguments->target, kTargetSyntax);
   command
       ->add_option("--lens", arguments->lens,
                    "auto, pinhole, radial, brown, brown-k3, brown-k3-aspect or fisheye; auto compares them")
@@ -96,7 +110,13 @@ void add_calibrate_command(CLI::App& app) {
   command->add_option("--out", arguments->out, "camera.json, which a rig's [camera] file reads");
   command->add_option("--plots", arguments->plots, "Folder for plots: RMS of each image, uncertainty, halves");
   command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->callback([arguments] { run(*arguments); });
+  add_calibrate_photometric_command(*command);
+  command->callback([command, arguments] {
+    if (!command->get_subcommands().empty()) return;  // that was its work
+    if (arguments->images.empty()) throw ConfigError("images is required: images of the target, or folders of them");
+    if (arguments->target.empty()) throw ConfigError(std::string("--target is required: ") + kTargetSyntax);
+    run(*arguments);
+  });
 }
 
 }  // namespace sheen
