@@ -95,6 +95,17 @@ std::string take_distortion(const toml::node& node, Camera& camera) {
   return {};
 }
 
+std::string take_gains(const toml::node& node, std::array<double, 3>& gains) {
+  const toml::array* values = node.as_array();
+  if (!values || values->size() != gains.size()) return "must be a list of 3 numbers: red, green, blue";
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    const auto value = (*values)[i].value<double>();
+    if (!value || !(*value > 0) || !std::isfinite(*value)) return "must hold numbers above 0 only";
+    gains[i] = *value;
+  }
+  return {};
+}
+
 std::string place(const std::filesystem::path& file, const toml::source_region& source) {
   return file.string() + ":" + std::to_string(source.begin.line) + ": ";
 }
@@ -159,7 +170,10 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
        {{"uri", text([&](const std::string& v) { config.source_uri = v; })},
         {"frame_rate_hz", number(config.source.frame_rate_hz)},
         {"exposure_us", number(config.source.exposure_us)},
-        {"gain_db", number(config.source.gain_db)}}},
+        {"gain_db", number(config.source.gain_db)},
+        {"black_level", number(config.source.black_level)},
+        {"white_balance", [&](const toml::node& node) { return take_gains(node, config.source.white_balance); }},
+        {"pixel_format", text([&](const std::string& v) { config.source.pixel_format = v; })}}},
       {"link",
        {{"endpoint",
          [&](const toml::node& node) -> std::string {
@@ -189,7 +203,9 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
       if (given->size() > (given->contains("still") ? 2 : 1))
         throw ConfigError(place(file, given->source()) +
                           "camera.file stands beside other keys of [camera]; the file has them all");
-      camera = load_camera(camera_file).camera;
+      const CameraFile calibrated = load_camera(camera_file);
+      camera = calibrated.camera;
+      if (calibrated.photometric) config.photometry = calibrated.photometric->photometry;
     } else {
       for (const char* key : {"width", "height", "fx", "fy", "cx", "cy"})
         if (!given->contains(key))
@@ -218,6 +234,9 @@ RigConfig load_rig_config(const std::filesystem::path& file) {
   require(source.exposure_us == 0 || (source.exposure_us >= 1 && source.exposure_us <= 60e6),
           "exposure_us must be 0 (the camera's) or 1..60000000");
   require(source.gain_db <= 100, "gain_db must be 100 at most");
+  require(source.pixel_format.empty() || (pixel_format_from_pfnc(source.pixel_format) != PixelFormat::kUnspecified &&
+                                          source.pixel_format != "RGB32f"),
+          "pixel_format must be BayerRG8, BayerGR8, BayerGB8, BayerBG8, RGB8 or Mono8");
   return config;
 }
 

@@ -22,12 +22,13 @@ namespace sheen {
 ///   [stage]   file                           the layout of the tags
 ///   [light]   table index | first_frame      positions of lamps and which lit which frame
 ///             tag tag_size_m offset          or a lamp that carries a tag
-///   [source]  uri frame_rate_hz exposure_us gain_db
+///   [source]  uri frame_rate_hz exposure_us gain_db black_level white_balance pixel_format
 ///   [link]    endpoint keys allow            keys: the .key file; allow: the public keys that may connect
 ///   [gate]    min_tags max_blur_px max_overexposed min_bright min_angle_deg min_distance_m max_uncertainty_px
 struct RigConfig {
   std::optional<Camera> camera;
   bool still_camera = false;
+  std::optional<Photometry> photometry;  ///< of the camera's file, where that has one
   std::optional<std::filesystem::path> stage_file;
   std::optional<LightOptions> light;
   std::optional<std::string> source_uri;

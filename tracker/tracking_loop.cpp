@@ -44,8 +44,9 @@ class StageTimer {
   const std::int64_t start_ = steady_now_ns();
 };
 
-/// Identifies intrinsics; not a secret, only has to change with them.
-std::string calibration_hash(const Camera& c) {
+/// Identifies the camera's calibration; not a secret, only has to change with them.
+std::string calibration_hash(const Rig& rig) {
+  const Camera& c = rig.camera;
   std::uint64_t hash = 0xcbf29ce484222325ull;
   const auto mix = [&](double value) {
     for (const char byte : std::to_string(value * 1e6))
@@ -53,6 +54,12 @@ std::string calibration_hash(const Camera& c) {
   };
   for (const double value : {double(c.width), double(c.height), c.fx, c.fy, c.cx, c.cy, double(c.lens)}) mix(value);
   for (const double value : c.distortion) mix(value);
+  if (const std::optional<Photometry>& p = rig.photometry) {
+    for (const float value : p->response) mix(value);
+    for (const double value : {p->vignette.cx, p->vignette.cy, double(p->saturation)}) mix(value);
+    for (const double value : p->vignette.k) mix(value);
+    for (const float value : p->white_balance) mix(value);
+  }
   return format("%016llx", static_cast<unsigned long long>(hash));
 }
 
@@ -116,7 +123,7 @@ struct TrackingLoop::Impl {
         rig(std::move(r)),
         options(o),
         region(rig ? object_region(rig->stage) : ObjectRegion{}),
-        calibration(rig ? calibration_hash(rig->camera) : ""),
+        calibration(rig ? calibration_hash(*rig) : ""),
         stage_hash(rig ? rig->stage.hash() : ""),
         detector(o.detector),
         gate(o.gate, region),
@@ -178,6 +185,7 @@ TrackingLoop::Impl::Measured TrackingLoop::Impl::measure(Frame frame) {
   capture.times = frame.times;
   capture.camera = rig->camera;
   capture.exposure = frame.exposure;
+  capture.photometry = rig->photometry;
   capture.calibration_hash = calibration;
   capture.stage_hash = stage_hash;
   if (frame.complete) find_pose(frame, capture);

@@ -84,8 +84,24 @@ TEST_F(RigConfigFile, TakesTheCameraThatCalibrateWrote) {
   const RigConfig config = load("[camera]\nfile = \"camera.json\"\n");
   EXPECT_EQ(*config.camera, camera);
   EXPECT_EQ(config.source.width, 640);
+  EXPECT_FALSE(config.photometry);
+  PhotometricCalibration light{.response = "srgb"};
+  light.photometry = {srgb_response(0.01), {320, 240, {-0.2, 0, 0}}, {1.5f, 1, 1.25f}, 1};
+  save_camera({camera, 0.001, light}, folder / "camera.json");
+  EXPECT_EQ(load("[camera]\nfile = \"camera.json\"\n").photometry, light.photometry);
   EXPECT_THAT(error("[camera]\nfile = \"camera.json\"\nfx = 3\n"), HasSubstr("rig.toml:1: camera.file stands beside"));
   EXPECT_THROW(load("[camera]\nfile = \"none.json\"\n"), FileError);
+}
+
+TEST_F(RigConfigFile, SaysHowTheCameraIsToBeSet) {
+  const RigConfig config =
+      load("[source]\nblack_level = 12.5\nwhite_balance = [1.5, 1, 2]\npixel_format = \"BayerRG8\"\n");
+  EXPECT_EQ(config.source.black_level, 12.5);
+  EXPECT_EQ(config.source.white_balance, (std::array<double, 3>{1.5, 1, 2}));
+  EXPECT_EQ(config.source.pixel_format, "BayerRG8");
+  EXPECT_THAT(error("[source]\nwhite_balance = [1, 2]\n"), HasSubstr("source.white_balance must be a list of 3"));
+  EXPECT_THAT(error("[source]\nwhite_balance = [1, 0, 2]\n"), HasSubstr("above 0"));
+  EXPECT_THAT(error("[source]\npixel_format = \"Bayer\"\n"), HasSubstr("source.pixel_format must be BayerRG8"));
 }
 
 TEST_F(RigConfigFile, NamesKeyAndLineOfWhatIsWrong) {

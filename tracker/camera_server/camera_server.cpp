@@ -68,7 +68,8 @@ void CameraServer::Impl::start(const RigRecording& recording, const CameraServer
   const double rate = options.frame_rate_hz > 0 ? options.frame_rate_hz : recording.frame_rate_hz;
   if (!(rate > 0)) throw ConfigError("the frame rate must be positive");
   const ArvPixelFormat format = to_aravis(recording.format);
-  camera = arv_gv_fake_camera_new_full(options.address.c_str(), "SHEEN01", nullptr);
+  camera = arv_gv_fake_camera_new_full(options.address.c_str(), "SHEEN01",
+                                       options.description.empty() ? nullptr : options.description.c_str());
   if (!camera || !arv_gv_fake_camera_is_running(camera))
     throw DeviceError("no GigE Vision camera can be started on " + options.address +
                       ": another one serves there, or no interface has this address (ip addr add " + options.address +

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,8 +14,9 @@ namespace sheen {
 struct CameraServerOptions {
   std::string address =
       "127.0.0.1";  ///< of the loopback interface, which must have it; one camera per address: the port is fixed
-  double frame_rate_hz = 0;  ///< 0: the recording's
-  bool loop = false;         ///< start again after the last frame; else it is repeated
+  double frame_rate_hz = 0;           ///< 0: the recording's
+  std::filesystem::path description;  ///< GenICam XML that the camera gives of itself; empty: Aravis' fake camera
+  bool loop = false;                  ///< start again after the last frame; else it is repeated
 };
 
 struct SentFrame {

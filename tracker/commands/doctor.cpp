@@ -12,6 +12,7 @@
 #include "common/link/transport.h"
 #include "tracker/commands/commands.h"
 #include "tracker/rig_config.h"
+#include "tracker/sources/aravis_camera.h"
 #include "tracker/sources/aravis_devices.h"
 
 namespace sheen {
@@ -85,6 +86,29 @@ void check_camera(const Camera& camera, std::vector<SetupCheck>& checks) {
                     "`sheen-tracker calibrate` finds the true ones"});
 }
 
+void check_photometry(const RigConfig& config, std::vector<SetupCheck>& checks) {
+  if (!config.camera) return;
+  if (!config.photometry)
+    checks.push_back({"light", Finding::kWarn,
+                      "what the camera makes of light is not measured: `sheen-tracker calibrate photometric` does it"});
+  else if (config.photometry->vignette.none())
+    checks.push_back({"light", Finding::kWarn, "the response is measured, the vignette is not (--flat)"});
+  else
+    checks.push_back({"light", Finding::kOk, "response and vignette are measured"});
+}
+
+/// Opens the camera as `run` does: what it does not take is named.
+void check_locks(const RigConfig& config, std::vector<SetupCheck>& checks) {
+  if (!config.source_uri || !config.source_uri->starts_with("aravis:") || config.source_uri == "aravis:CAMERA") return;
+  checks.push_back(check_loading("camera settings", [&] {
+    const AravisCamera camera(parse_source_uri(*config.source_uri).target, config.source);
+    std::string text;
+    for (const LockedFeature& feature : camera.locks())
+      text += (text.empty() ? "" : ", ") + feature.feature + " = " + feature.got;
+    return text.empty() ? std::string("nothing is to be set, and nothing changes by itself") : text;
+  }));
+}
+
 void check_config(const std::filesystem::path& file, std::vector<SetupCheck>& checks) {
   RigConfig config;
   checks.push_back(check_loading("configuration", [&] {
@@ -106,6 +130,8 @@ void check_config(const std::filesystem::path& file, std::vector<SetupCheck>& ch
     checks.push_back({"stage", Finding::kWarn, "no [stage]: only data sets can be run; make one with `stage`"});
   if (config.source_uri)
     checks.push_back(check_loading("source", [&] { return parse_source_uri(*config.source_uri), *config.source_uri; }));
+  check_photometry(config, checks);
+  check_locks(config, checks);
   if (!config.keys.empty()) checks.push_back(check_key(config.keys));
 }
 

@@ -78,6 +78,7 @@ std::optional<Rig> rig_of(const RigConfig& config) {
   if (!config.camera || !config.stage_file) return std::nullopt;
   Rig rig{
       .camera = *config.camera, .stage = load_stage(*config.stage_file), .still = config.still_camera, .lights = {}};
+  rig.photometry = config.photometry;
   if (config.light) rig.lights = make_frame_lights(*config.light);
   if (config.light && config.light->tag && rig.stage.find(*config.light->tag))
     throw ConfigError("light.tag: " + std::to_string(*config.light->tag) +

@@ -9,6 +9,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/errors.h"
+#include "common/base/format.h"
 
 namespace sheen {
 namespace {
@@ -30,6 +31,18 @@ constexpr std::array kFormats{Format{PixelFormat::kBayerRG8, ARV_PIXEL_FORMAT_BA
 PixelFormat from_aravis(ArvPixelFormat format) {
   const auto it = std::ranges::find(kFormats, format, &Format::aravis);
   return it == kFormats.end() ? PixelFormat::kUnspecified : it->format;
+}
+
+std::string name_of(ArvPixelFormat format) {
+  const PixelFormat known = from_aravis(format);
+  return known == PixelFormat::kUnspecified ? sheen::format("format 0x%08x", unsigned(format))
+                                            : std::string(pfnc_name(known));
+}
+
+std::string offered_names(const gint64* formats, guint count) {
+  std::string names;
+  for (guint i = 0; i < count; ++i) names += (i ? ", " : "") + name_of(ArvPixelFormat(formats[i]));
+  return names;
 }
 
 struct Unref {
@@ -68,12 +81,13 @@ struct AravisCamera::Impl {
   std::atomic<bool> lost = false;
   gulong lost_handler = 0;
   Exposure exposure;
+  std::vector<LockedFeature> locks;
   double frame_rate_hz = 0;
 
   void open();
   void set_up(const SourceSettings& settings);
   [[noreturn]] void refuse_size(int width, int height, const SourceSettings& settings) const;
-  void choose_pixel_format();
+  void choose_pixel_format(const SourceSettings& settings);
   void lock_exposure(const SourceSettings& settings);
   void start();
 };
@@ -119,7 +133,7 @@ void AravisCamera::Impl::set_up(const SourceSettings& settings) {
     call.require();
     if (width != settings.width || height != settings.height) refuse_size(width, height, settings);
   }
-  choose_pixel_format();
+  choose_pixel_format(settings);
   if (settings.frame_rate_hz > 0) {
     Call call(id, "frame rate");
     arv_camera_set_frame_rate(camera.get(), settings.frame_rate_hz, call);
@@ -142,49 +156,36 @@ void AravisCamera::Impl::refuse_size(int width, int height, const SourceSettings
                     std::to_string(settings.height));
 }
 
-void AravisCamera::Impl::choose_pixel_format() {
+void AravisCamera::Impl::choose_pixel_format(const SourceSettings& settings) {
   Call call(id, "pixel format");
   guint count = 0;
   const std::unique_ptr<gint64, void (*)(void*)> offered(
       arv_camera_dup_available_pixel_formats(camera.get(), &count, call), g_free);
   call.require();
   for (const Format& format : kFormats) {
+    if (!settings.pixel_format.empty() && pfnc_name(format.format) != settings.pixel_format) continue;
     if (std::find(offered.get(), offered.get() + count, gint64(format.aravis)) == offered.get() + count) continue;
     arv_camera_set_pixel_format(camera.get(), format.aravis, call);
     call.require();
+    const ArvPixelFormat got = arv_camera_get_pixel_format(camera.get(), call);
+    call.require();
+    if (got != format.aravis)
+      throw DeviceError("camera " + id + " does not stay as it is set: PixelFormat: asked " +
+                        std::string(pfnc_name(format.format)) + ", got " + name_of(got));
     return;
   }
+  if (!settings.pixel_format.empty())
+    throw DeviceError("camera " + id + ": PixelFormat: asked " + settings.pixel_format + ", the camera offers " +
+                      offered_names(offered.get(), count));
   throw DeviceError("camera " + id + " offers no 8-bit Bayer, RGB8 or Mono8 pixel format");
 }
 
 void AravisCamera::Impl::lock_exposure(const SourceSettings& settings) {
   ArvCamera* c = camera.get();
+  locks = lock_camera(c, settings);
+  if (const std::string failures = lock_failures(locks); !failures.empty())
+    throw DeviceError("camera " + id + " does not stay as it is set: " + failures);
   exposure.locked = true;
-  if (arv_camera_is_exposure_auto_available(c, nullptr)) {
-    Call call(id, "fixing the exposure");
-    arv_camera_set_exposure_time_auto(c, ARV_AUTO_OFF, call);
-    exposure.locked &= !call.failed();
-  }
-  if (arv_camera_is_gain_auto_available(c, nullptr)) {
-    Call call(id, "fixing the gain");
-    arv_camera_set_gain_auto(c, ARV_AUTO_OFF, call);
-    exposure.locked &= !call.failed();
-  }
-  if (arv_camera_is_feature_available(c, "BalanceWhiteAuto", nullptr)) {
-    Call call(id, "fixing the white balance");
-    arv_camera_set_string(c, "BalanceWhiteAuto", "Off", call);
-    exposure.locked &= !call.failed();
-  }
-  if (settings.exposure_us > 0) {
-    Call call(id, "exposure time");
-    arv_camera_set_exposure_time(c, settings.exposure_us, call);
-    call.require();
-  }
-  if (settings.gain_db >= 0) {
-    Call call(id, "gain");
-    arv_camera_set_gain(c, settings.gain_db, call);
-    call.require();
-  }
   Call read(id, "reading the exposure back");
   if (arv_camera_is_exposure_time_available(c, nullptr))
     exposure.exposure_s = arv_camera_get_exposure_time(c, read) * 1e-6;
@@ -235,6 +236,9 @@ std::optional<Frame> AravisCamera::grab(std::chrono::milliseconds timeout) {
 
 bool AravisCamera::control_lost() const {
   return impl_->lost;
+}
+const std::vector<LockedFeature>& AravisCamera::locks() const {
+  return impl_->locks;
 }
 const Exposure& AravisCamera::exposure() const {
   return impl_->exposure;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "tracker/sources/camera_lock.h"
 #include "tracker/sources/frame_source.h"
 #include "tracker/sources/source_uri.h"
 
@@ -14,14 +15,17 @@ namespace sheen {
 /// takes seconds, and so does closing one that has vanished.
 class AravisCamera {
  public:
-  /// Sets region, pixel format (Bayer before RGB before grey), frame rate and packet size; fixes exposure, gain and
-  /// white balance where the camera has them, and reads them back. Throws DeviceError.
+  /// Sets region, pixel format (Bayer before RGB before grey, unless one is asked for), frame rate and packet size;
+  /// fixes exposure, gain, white balance and black level (`lock_camera`). Throws DeviceError, also for what does not
+  /// stay as it is set: feature, asked and got.
   AravisCamera(const std::string& id, const SourceSettings& settings);
   ~AravisCamera();
 
   std::optional<Frame> grab(std::chrono::milliseconds timeout);
   /// Whether the camera has stopped answering its heartbeat.
   bool control_lost() const;
+  /// What was set or switched off so that it stays, with what the camera says of it.
+  const std::vector<LockedFeature>& locks() const;
   const Exposure& exposure() const;
   double frame_rate_hz() const;
   std::uint64_t underruns() const;

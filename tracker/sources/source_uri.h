@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 
@@ -22,7 +23,10 @@ struct SourceSettings {
   int width = 0, height = 0;  ///< pixels
   double frame_rate_hz = 0;
   double exposure_us = 0;
-  double gain_db = -1;  ///< negative leaves the camera's own
+  double gain_db = -1;                    ///< negative leaves the camera's own
+  double black_level = -1;                ///< in the camera's own unit; negative leaves its own
+  std::array<double, 3> white_balance{};  ///< red, green, blue, in the camera's own unit; 0 leaves its own
+  std::string pixel_format;               ///< as "BayerRG8"; empty: the first of those that can be used
 };
 
 std::unique_ptr<FrameSource> open_source(const SourceUri& uri, const SourceSettings& settings);
