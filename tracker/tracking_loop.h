@@ -24,8 +24,8 @@ namespace sheen {
 struct Rig {
   Camera camera;
   StageLayout stage;
-  bool still = false;                   ///< the camera does not move: all frames have the pose of the first keyframe
-  std::shared_ptr<FrameLights> lights;  ///< null: the light does not change
+  bool still = false;                      ///< the camera does not move: all frames have the pose of the first keyframe
+  std::shared_ptr<FrameLights> lights;     ///< null: the light does not change
   std::optional<Photometry> photometry{};  ///< empty: not measured
 };
 
