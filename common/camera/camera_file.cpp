@@ -112,21 +112,21 @@ CameraFile load_camera(const std::filesystem::path& path) {
   return result;
 }
 
+json camera_json(const Camera& camera) {
+  const std::ptrdiff_t numbers = camera.lens == LensModel::kFisheye ? 4 : 5;
+  return {{"width", camera.width},
+          {"height", camera.height},
+          {"fx", camera.fx},
+          {"fy", camera.fy},
+          {"cx", camera.cx},
+          {"cy", camera.cy},
+          {"lens", lens_name(camera.lens)},
+          {"distortion", std::vector<double>(camera.distortion.begin(), camera.distortion.begin() + numbers)}};
+}
+
 void save_camera(const CameraFile& file, const std::filesystem::path& path) {
-  const Camera& camera = file.camera;
-  const std::size_t numbers = camera.lens == LensModel::kFisheye ? 4 : 5;
-  json content = {{"format", kFormat},
-                  {"version", kVersion},
-                  {"width", camera.width},
-                  {"height", camera.height},
-                  {"fx", camera.fx},
-                  {"fy", camera.fy},
-                  {"cx", camera.cx},
-                  {"cy", camera.cy},
-                  {"lens", lens_name(camera.lens)},
-                  {"distortion",
-                   std::vector<double>(camera.distortion.begin(), camera.distortion.begin() + std::ptrdiff_t(numbers))},
-                  {"focal_uncertainty", file.focal_uncertainty}};
+  json content = camera_json(file.camera);
+  content.update({{"format", kFormat}, {"version", kVersion}, {"focal_uncertainty", file.focal_uncertainty}});
   if (file.photometric) content["photometric"] = photometric_json(*file.photometric);
   write_file(path, content.dump(1) + "\n");
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -44,5 +45,7 @@ void save_camera(const CameraFile& file, const std::filesystem::path& path);
 
 /// "opencv" or "fisheye", as files name a lens.
 const char* lens_name(LensModel lens);
+/// A camera as its file and the reports have it: the keys of `[camera]` of a rig.
+nlohmann::json camera_json(const Camera& camera);
 
 }  // namespace sheen

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/base/files.h"
+#include "common/base/median.h"
 #include "common/image/image_io.h"
 #include "common/image/image_metrics.h"
 #include "common/simulation/light_rig.h"
@@ -134,11 +135,6 @@ Midway judge_midway(const LightRig& rig, const PosedCamera& from, LumigraphPaint
   return result;
 }
 
-double median_of(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
 /// Milliseconds per picture while a light is dragged, and while the eye moves.
 void report_speed(GoalReport& report, const LightRig& rig, const Model& model, const std::string& which) {
   LumigraphPainter painter(model);
@@ -156,9 +152,8 @@ void report_speed(GoalReport& report, const LightRig& rig, const Model& model, c
   for (int i = 0; i < 15; ++i) timed(rig.central_camera(), (i + 0.5) / 15, light_ms);
   for (int i = 0; i < 15; ++i) timed(rig.camera_at(column + i / 20.0, row), 0.5, eye_ms);
   const std::string size = std::to_string(rig.options().width) + "x" + std::to_string(rig.options().height);
-  report.add(
-      at_most(50, {}, which + ": a light is dragged, " + size + ", median per picture", median_of(light_ms), "ms"));
-  report.add({which + ": the eye moves between views, " + size + ", median per picture", median_of(eye_ms), "ms", {}});
+  report.add(at_most(50, {}, which + ": a light is dragged, " + size + ", median per picture", median(light_ms), "ms"));
+  report.add({which + ": the eye moves between views, " + size + ", median per picture", median(eye_ms), "ms", {}});
 }
 
 void report_midway(GoalReport& report, const std::string& name, const Midway& midway, std::optional<double> goal_db,

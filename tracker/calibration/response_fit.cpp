@@ -9,6 +9,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/format.h"
+#include "common/base/median.h"
 #include "tracker/calibration/sweep_estimate.h"
 
 namespace sheen {
@@ -64,8 +65,7 @@ double mean_of(std::span<const double> values) {
 int reject_outliers(SweepProblem& problem, const SweepEstimate& fit) {
   const std::vector<double> errors = track_errors(problem.tracks, problem, fit, true);
   std::vector<double> sorted = errors;
-  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
-  const double most = kOutlier * sorted[sorted.size() / 2];
+  const double most = kOutlier * median(sorted);
   std::vector<SweepTrack> kept;
   for (std::size_t i = 0; i < errors.size(); ++i)
     if (errors[i] <= most) kept.push_back(problem.tracks[i]);

@@ -118,51 +118,61 @@ class Features {
   ArvCamera* camera_;
 };
 
-LockedFeature missing(CameraSetting setting, const Features& camera, const std::string& asked) {
-  const CameraFeature feature = find_feature(setting, [&](const std::string& name) { return camera.has(name); });
-  return {names_of(setting).front(), asked, feature.absence, false};
+/// Calls `lock` with the name of the camera's feature for a setting; says what is missing where it has none.
+template <typename Lock>
+void lock_setting(CameraSetting setting, const Features& features, const std::string& asked,
+                  std::vector<LockedFeature>& all, Lock lock) {
+  const CameraFeature feature = find_feature(setting, [&](const std::string& name) { return features.has(name); });
+  if (feature.name.empty())
+    all.push_back({names_of(setting).front(), asked, feature.absence, false});
+  else
+    lock(feature.name);
 }
 
 void lock_exposure(ArvCamera* camera, const Features& features, double asked_us, std::vector<LockedFeature>& all) {
-  const CameraFeature feature =
-      find_feature(CameraSetting::kExposure, [&](const std::string& name) { return features.has(name); });
-  if (feature.name.empty())
-    return all.push_back(missing(CameraSetting::kExposure, features, format("%g us", asked_us)));
-  all.push_back(features.attempt(
-      feature.name, Features::number_text(asked_us),
-      [&](GError** e) { arv_camera_set_exposure_time(camera, asked_us, e); },
-      [&](GError** e) { return Features::number_text(arv_camera_get_exposure_time(camera, e)); },
-      [&](const std::string& got) { return holds(asked_us, std::stod(got), kExposureStep_us); }));
+  lock_setting(CameraSetting::kExposure, features, format("%g us", asked_us), all, [&](const std::string& name) {
+    all.push_back(features.attempt(
+        name, Features::number_text(asked_us), [&](GError** e) { arv_camera_set_exposure_time(camera, asked_us, e); },
+        [&](GError** e) { return Features::number_text(arv_camera_get_exposure_time(camera, e)); },
+        [&](const std::string& got) { return holds(asked_us, std::stod(got), kExposureStep_us); }));
+  });
 }
 
 void lock_gain(ArvCamera* camera, const Features& features, double asked_db, std::vector<LockedFeature>& all) {
-  const CameraFeature feature =
-      find_feature(CameraSetting::kGain, [&](const std::string& name) { return features.has(name); });
-  if (feature.name.empty()) return all.push_back(missing(CameraSetting::kGain, features, format("%g dB", asked_db)));
-  all.push_back(features.attempt(
-      feature.name, Features::number_text(asked_db), [&](GError** e) { arv_camera_set_gain(camera, asked_db, e); },
-      [&](GError** e) { return Features::number_text(arv_camera_get_gain(camera, e)); },
-      [&](const std::string& got) { return holds(asked_db, std::stod(got), kGainStep_dB); }));
+  lock_setting(CameraSetting::kGain, features, format("%g dB", asked_db), all, [&](const std::string& name) {
+    all.push_back(features.attempt(
+        name, Features::number_text(asked_db), [&](GError** e) { arv_camera_set_gain(camera, asked_db, e); },
+        [&](GError** e) { return Features::number_text(arv_camera_get_gain(camera, e)); },
+        [&](const std::string& got) { return holds(asked_db, std::stod(got), kGainStep_dB); }));
+  });
 }
 
-void lock_balance(const Features& features, const std::array<double, 3>& asked, std::vector<LockedFeature>& all) {
-  const CameraFeature feature =
-      find_feature(CameraSetting::kWhiteBalance, [&](const std::string& name) { return features.has(name); });
-  const std::string text = format("%g, %g, %g", asked[0], asked[1], asked[2]);
-  if (feature.name.empty()) return all.push_back(missing(CameraSetting::kWhiteBalance, features, text));
+void lock_black_level(const Features& features, double asked, std::vector<LockedFeature>& all) {
+  lock_setting(CameraSetting::kBlackLevel, features, Features::number_text(asked), all,
+               [&](const std::string& name) { all.push_back(features.set_number(name, asked, 0)); });
+}
+
+void lock_colours(const Features& features, const std::string& ratio_name, const std::array<double, 3>& asked,
+                  std::vector<LockedFeature>& all) {
+  constexpr const char* kSelector = "BalanceRatioSelector";
   constexpr std::array kColours{"Red", "Green", "Blue"};
+  if (!features.has(kSelector)) return all.push_back({kSelector, "Red", "the camera has no such feature", false});
   for (std::size_t c = 0; c < kColours.size(); ++c) {
-    if (!features.has("BalanceRatioSelector")) break;
-    LockedFeature selector = features.set_text("BalanceRatioSelector", kColours[c]);
+    LockedFeature selector = features.set_text(kSelector, kColours[c]);
     if (!selector.holds && c == 1 && asked[1] == 1) continue;  // cameras that balance red and blue against green
     if (!selector.holds) {
       all.push_back(std::move(selector));
       continue;
     }
-    LockedFeature ratio = features.set_number(feature.name, asked[c], kRatioStep);
+    LockedFeature ratio = features.set_number(ratio_name, asked[c], kRatioStep);
     ratio.feature += std::string("[") + kColours[c] + "]";
     all.push_back(std::move(ratio));
   }
+}
+
+void lock_balance(const Features& features, const std::array<double, 3>& asked, std::vector<LockedFeature>& all) {
+  lock_setting(CameraSetting::kWhiteBalance, features, format("%g, %g, %g", asked[0], asked[1], asked[2]), all,
+               [&](const std::string& name) { lock_colours(features, name, asked, all); });
 }
 
 /// Values are to be proportional to light.
@@ -198,14 +208,7 @@ std::vector<LockedFeature> lock_camera(ArvCamera* camera, const SourceSettings& 
   switch_gamma_off(features, all);
   if (settings.exposure_us > 0) lock_exposure(camera, features, settings.exposure_us, all);
   if (settings.gain_db >= 0) lock_gain(camera, features, settings.gain_db, all);
-  if (settings.black_level >= 0) {
-    const CameraFeature feature =
-        find_feature(CameraSetting::kBlackLevel, [&](const std::string& name) { return features.has(name); });
-    if (feature.name.empty())
-      all.push_back(missing(CameraSetting::kBlackLevel, features, Features::number_text(settings.black_level)));
-    else
-      all.push_back(features.set_number(feature.name, settings.black_level, 0));
-  }
+  if (settings.black_level >= 0) lock_black_level(features, settings.black_level, all);
   if (settings.white_balance[0] > 0) lock_balance(features, settings.white_balance, all);
   return all;
 }
