@@ -28,19 +28,23 @@ constexpr std::size_t kTimesKept = 4096;
 constexpr std::size_t kLatest =
     12;  ///< frames that say whether something is wrong now: one that is kept, and nothing is
 
+void note_time(TrackingReport& report, const std::string& stage, double ms) {
+  std::vector<float>& times = report.stage_ms[stage];
+  if (times.size() == kTimesKept) times.erase(times.begin(), times.begin() + kTimesKept / 2);
+  times.push_back(static_cast<float>(ms));
+}
+
 /// Adds the time until its destruction to a stage of the report.
 class StageTimer {
  public:
-  StageTimer(TrackingReport& report, const char* stage) : times_(report.stage_ms[stage]) {}
-  ~StageTimer() {
-    if (times_.size() == kTimesKept) times_.erase(times_.begin(), times_.begin() + kTimesKept / 2);
-    times_.push_back(static_cast<float>((steady_now_ns() - start_) * 1e-6));
-  }
+  StageTimer(TrackingReport& report, const char* stage) : report_(report), stage_(stage) {}
+  ~StageTimer() { note_time(report_, stage_, static_cast<double>(steady_now_ns() - start_) * 1e-6); }
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
 
  private:
-  std::vector<float>& times_;
+  TrackingReport& report_;
+  const char* stage_;
   const std::int64_t start_ = steady_now_ns();
 };
 
@@ -105,7 +109,7 @@ struct TrackingLoop::Impl {
   const TrackingOptions options;
   const ObjectRegion region;
   const std::string calibration, stage_hash;
-  TagDetector detector;
+  std::optional<StageFinder> finder;  ///< with the rig
   BlurPredictor blur;
   KeyframeGate gate;
   BoundedQueue<Frame> grabbed;
@@ -125,9 +129,13 @@ struct TrackingLoop::Impl {
         region(rig ? object_region(rig->stage) : ObjectRegion{}),
         calibration(rig ? calibration_hash(*rig) : ""),
         stage_hash(rig ? rig->stage.hash() : ""),
-        detector(o.detector),
         gate(o.gate, region),
-        grabbed(o.queue) {}
+        grabbed(o.queue) {
+    if (!rig) return;
+    StageFinderOptions find = o.finder;
+    find.other_tags = rig->lights && rig->lights->reads_tags();
+    finder.emplace(rig->camera, rig->stage, find);
+  }
 
   void grab(const std::stop_token& stop);
   void track(const Hooks& hooks);
@@ -229,20 +237,19 @@ void TrackingLoop::Impl::check_size(const Frame& frame) const {
 void TrackingLoop::Impl::find_pose(const Frame& frame, Capture& capture) {
   ImageU8 grey;
   {
-    const StageTimer timer(report, "detect");
+    const StageTimer timer(report, "balance");
     grey = detection_image(frame.image);
-    capture.tags = detector.detect(grey);
   }
-  {
-    const StageTimer timer(report, "refine");
-    refine_corners(grey, rig->camera, capture.tags, options.refiner);
-  }
-  const StageTimer timer(report, "solve");
-  capture.pose = solve_pose(rig->camera, rig->stage, capture.tags, options.pose);
+  StageSighting sighting = finder->find(grey);
+  for (const auto& [stage, ms] : sighting.stage_ms) note_time(report, stage, ms);
+  capture.tags = std::move(sighting.tags);
+  capture.pose = sighting.pose;
   if (!capture.pose.usable()) return;
+  const StageTimer timer(report, "blur");
   const double predicted = blur.predict(rig->camera, region, capture.pose.camera_from_object, frame.times.device_ns,
                                         frame.exposure.exposure_s);
-  capture.pose.blur_px = std::max(predicted, measured_streak_px(grey, rig->camera, capture.tags, options.refiner));
+  capture.pose.blur_px =
+      std::max(predicted, measured_streak_px(grey, rig->camera, capture.tags, options.finder.refiner));
 }
 
 void TrackingLoop::Impl::judge(Frame& frame, Capture& capture) {

@@ -10,11 +10,9 @@
 #include "common/link/status.h"
 #include "common/stage/stage_layout.h"
 #include "tracker/capture_sink.h"
-#include "tracker/fiducials/corner_refiner.h"
-#include "tracker/fiducials/tag_detector.h"
 #include "tracker/lights/frame_lights.h"
 #include "tracker/pose/keyframe_gate.h"
-#include "tracker/pose/pose_solver.h"
+#include "tracker/pose/stage_finder.h"
 #include "tracker/sources/frame_source.h"
 #include "tracker/tracking_report.h"
 
@@ -30,9 +28,7 @@ struct Rig {
 };
 
 struct TrackingOptions {
-  DetectorOptions detector;
-  RefinerOptions refiner;
-  PoseOptions pose;
+  StageFinderOptions finder;
   GateOptions gate;
   std::uint64_t max_frames = 0;  ///< grabbed; 0 is all that come
   std::size_t queue = 4;         ///< frames that wait between grabbing and tracking

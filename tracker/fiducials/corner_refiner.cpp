@@ -10,6 +10,7 @@
 
 #include "common/base/median.h"
 #include "common/stage/tag_pattern.h"
+#include "tracker/fiducials/grey_sample.h"
 
 namespace sheen {
 namespace {
@@ -18,6 +19,7 @@ using Eigen::Vector2d;
 using Quad = std::array<Vector2d, 4>;
 
 constexpr double kStep = 0.5;                      ///< px between the samples across an edge
+constexpr int kMaxSamples = 33;                    ///< of a profile: a reach of 8 px
 constexpr int kMinEdgePoints = 6;                  ///< a line rests on so many points or more
 constexpr int kLevelWindow = 4;                    ///< points to either side that share their levels of paper and ink
 constexpr int kReweightings = 5;                   ///< of the line fit
@@ -44,23 +46,15 @@ struct Line {  ///< points with normal . p = offset
   double offset;
 };
 
+/// Grey levels from inside to outside; stands within its point, since an image has some ten thousand of them.
+using Profile = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxSamples, 1>;
+
 struct EdgePoint {
-  double along;       ///< of the edge, px from its first corner
+  double along = 0;   ///< of the edge, px from its first corner
   double across = 0;  ///< outwards from the assumed edge, px
   double ink = 0, paper = 0;
-  std::vector<double> profile;  ///< grey levels from inside to outside
+  Profile profile;
 };
-
-double bilinear(const ImageU8& image, const Vector2d& p) {
-  const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
-  const double fx = p.x() - x, fy = p.y() - y;
-  const std::uint8_t *r0 = image.row(y) + x, *r1 = image.row(y + 1) + x;
-  return (1 - fy) * ((1 - fx) * r0[0] + fx * r0[1]) + fy * ((1 - fx) * r1[0] + fx * r1[1]);
-}
-
-bool inside(const ImageU8& image, const Vector2d& p) {
-  return p.x() >= 0 && p.y() >= 0 && p.x() < image.width() - 1 && p.y() < image.height() - 1;
-}
 
 double cross(const Vector2d& a, const Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -73,15 +67,18 @@ std::vector<EdgePoint> sample_edge(const ImageU8& grey, const Pinhole& pinhole, 
   const Vector2d direction = (b - a) / length;
   const double skip = std::max(skipped_ends * length, 2.0);
   std::vector<EdgePoint> points;
+  if (length < grey.width() + grey.height()) points.reserve(static_cast<std::size_t>(length) + 1);
   for (double s = skip; s <= length - skip; s += 1) {
     const Vector2d at = a + s * direction;
     const auto centre = pinhole.distort(at), next = pinhole.distort(at + outward);
     if (!centre || !next) continue;
     const Vector2d step = kStep * (*next - *centre);
     if (!inside(grey, *centre - half_samples * step) || !inside(grey, *centre + half_samples * step)) continue;
-    EdgePoint point{.along = s};
-    for (int i = -half_samples; i <= half_samples; ++i) point.profile.push_back(bilinear(grey, *centre + i * step));
-    points.push_back(std::move(point));
+    EdgePoint& point = points.emplace_back();
+    point.along = s;
+    point.profile.resize(2 * half_samples + 1);
+    for (int i = -half_samples; i <= half_samples; ++i)
+      point.profile[i + half_samples] = bilinear(grey, *centre + i * step);
   }
   return points;
 }
@@ -105,10 +102,10 @@ void estimate_levels(std::vector<EdgePoint>& points, int end_samples) {
 /// Position of a step between two levels: the area between paper and the profile is (paper - ink) times the distance
 /// from the profile's inner end to the step, whatever symmetric blur lies over it (trapezoid rule).
 double step_position(const EdgePoint& point) {
-  const std::size_t n = point.profile.size();
-  double area = 0;
-  for (std::size_t j = 0; j < n; ++j)
-    area += (j == 0 || j + 1 == n ? 0.5 : 1.0) * (point.paper - point.profile[j]) * kStep;
+  const Profile& profile = point.profile;
+  const Eigen::Index n = profile.size();
+  const double ends = (2 * point.paper - profile[0] - profile[n - 1]) / 2;
+  const double area = ((point.paper - profile.array()).sum() - ends) * kStep;
   return area / (point.paper - point.ink) - (n - 1) * kStep / 2;
 }
 
@@ -157,7 +154,7 @@ std::vector<EdgePoint> edge_points(const ImageU8& grey, const Pinhole& pinhole, 
   const double cell = -outward.dot(inward) / kTagCells;
   const double reach = std::min(options.reach_px, options.reach_cells * cell);
   if (!(reach >= options.min_reach_px)) return {};
-  const int half_samples = static_cast<int>(reach / kStep);
+  const int half_samples = std::min(static_cast<int>(reach / kStep), kMaxSamples / 2);
   auto points = sample_edge(grey, pinhole, a, b, outward, half_samples, options.skipped_ends);
   if (points.size() < kMinEdgePoints) return {};
   estimate_levels(points, std::max(2, half_samples / 4));
@@ -229,11 +226,10 @@ bool refine_tag(const ImageU8& grey, const Pinhole& pinhole, TagObservation& tag
 
 /// Variance (px^2) of the slope of an edge's mean profile: its width.
 double slope_variance(const std::vector<EdgePoint>& points) {
-  std::vector<double> mean(points.front().profile.size(), 0.0);
-  for (const EdgePoint& p : points)
-    for (std::size_t j = 0; j < mean.size(); ++j) mean[j] += (p.profile[j] - p.ink) / (p.paper - p.ink);
+  Profile mean = Profile::Zero(points.front().profile.size());
+  for (const EdgePoint& p : points) mean.array() += (p.profile.array() - p.ink) / (p.paper - p.ink);
   double weight = 0, first = 0, second = 0;
-  for (std::size_t j = 1; j < mean.size(); ++j) {
+  for (Eigen::Index j = 1; j < mean.size(); ++j) {
     const double slope = std::max(mean[j] - mean[j - 1], 0.0), t = j * kStep;
     weight += slope;
     first += slope * t;

@@ -10,7 +10,7 @@
 namespace sheen {
 
 struct RefinerOptions {
-  double reach_px = 4;           ///< edges are measured so far to either side
+  double reach_px = 4;           ///< edges are measured so far to either side; at most 8
   double reach_cells = 0.7;      ///< and no farther than this part of a tag cell, so that the code stays out
   double min_reach_px = 1.5;     ///< tags too small for that are dropped
   double skipped_ends = 0.08;    ///< of an edge's length, where the neighbouring edge takes part

@@ -34,6 +34,7 @@ struct TagDetector::Impl {
 
 TagDetector::TagDetector(const DetectorOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 TagDetector::~TagDetector() = default;
+TagDetector::TagDetector(TagDetector&&) noexcept = default;
 
 std::vector<TagObservation> TagDetector::detect(const ImageU8& grey) {
   // The library does not write to the image, only its type cannot say so.

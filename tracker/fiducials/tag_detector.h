@@ -24,6 +24,7 @@ class TagDetector {
  public:
   explicit TagDetector(const DetectorOptions& options = {});
   ~TagDetector();
+  TagDetector(TagDetector&&) noexcept;
 
   std::vector<TagObservation> detect(const ImageU8& grey);
 

@@ -34,6 +34,8 @@ class FrameLights {
   virtual ~FrameLights() = default;
   /// `frame`: with its id, its tags and its pose, which is usable.
   virtual Answer of(const Capture& frame) = 0;
+  /// Whether it looks at tags that are not on the stage.
+  virtual bool reads_tags() const { return false; }
 };
 
 /// Throws FileError naming the table or the index.

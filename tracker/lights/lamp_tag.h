@@ -13,6 +13,7 @@ class LampTag : public FrameLights {
  public:
   explicit LampTag(const LightOptions& options) : options_(options) {}
   Answer of(const Capture& frame) override;
+  bool reads_tags() const override { return true; }
 
  private:
   LightOptions options_;
