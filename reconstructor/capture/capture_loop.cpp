@@ -7,6 +7,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "reconstructor/capture/background_threads.h"
 #include "reconstructor/capture/capture_storing.h"
 
 namespace sheen {
@@ -111,6 +112,7 @@ struct CaptureLoop::Pending {
 };
 
 void CaptureLoop::ingest(std::stop_token stop) {
+  const BackgroundThreads background;
   try {
     const Session journal = patiently(stop, [&] { return Session::open_read_only(folder_); });
     Pending pending{.judge_interval = options_.judge_interval};
