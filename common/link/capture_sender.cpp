@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <array>
 #include <condition_variable>
-#include <deque>
 #include <mutex>
 #include <thread>
 #include <utility>
 #include <zmq.hpp>
 
 #include "common/base/errors.h"
+#include "common/link/retained_captures.h"
 #include "common/link/transport.h"
 #include "common/link/transport_internals.h"
 #include "common/link/wire_messages.h"
@@ -24,13 +24,7 @@ constexpr milliseconds kRetry{10};                   // after a full send buffer
 constexpr std::uint32_t kMaxCredits = 1024;
 const char* const kReceiverRole = "reconstructor";
 
-using Message = std::shared_ptr<const EncodedCapture>;
-
-struct Kept {
-  std::uint64_t sequence = 0;
-  Message message;
-  bool sent_before = false;
-};
+using Message = RetainedCaptures::Message;
 
 /// The one receiver that has said hello and been welcomed.
 struct Peer {
@@ -73,10 +67,9 @@ struct CaptureSender::Impl {
   void receive_all();
   void handle(const std::string& id, const std::string& key, MessageType type, std::span<const std::uint8_t> body);
   void welcome(const std::string& id, const std::string& key, const Hello& hello);
-  void require_sent(std::uint64_t sequence, const char* field) const;
   void release_up_to(std::uint64_t durable);
   bool send_what_may_go();
-  bool send_kept(Kept& kept);
+  bool send_kept(RetainedCaptures::Kept& kept);
   bool send_live();
   bool send_end();
   void check_peer_is_there();
@@ -98,10 +91,7 @@ struct CaptureSender::Impl {
   std::mutex keep_order;     // one `keep` at a time, so that captures are queued in the order of their numbers
   mutable std::mutex mutex;  // guards everything below
   std::condition_variable changed;
-  std::deque<Kept> retained;  // consecutive sequences
-  std::uint64_t last_sequence = 0;
-  std::uint64_t last_sent = 0;
-  std::uint64_t durable = 0;  // the receiver's disk holds everything up to here
+  RetainedCaptures retained;
   Message newest_live;
   bool finishing = false, end_seen = false;
   std::string failure;  ///< said with the end
@@ -115,7 +105,9 @@ struct CaptureSender::Impl {
 };
 
 CaptureSender::Impl::Impl(const SenderOptions& sender_options)
-    : options(sender_options), router(context, zmq::socket_type::router) {
+    : options(sender_options),
+      router(context, zmq::socket_type::router),
+      retained(options.source_session, options.sent_before) {
   require_keys_beyond_loopback(options.endpoint, options.keys.has_value());
   if (options.source_session.empty()) throw ConfigError("source_session: must name this run of the source");
   if (options.retained == 0) throw ConfigError("retained: must be at least 1");
@@ -202,7 +194,7 @@ void CaptureSender::Impl::handle(const std::string& id, const std::string& key, 
   }
   const Ack ack = decode_ack(body);
   if (ack.source_session != options.source_session) return;  // of an earlier run; nothing here waits for it
-  require_sent(ack.durable, "ack.durable");
+  retained.require_sent(ack.durable, "ack.durable");
   release_up_to(ack.durable);
   end_seen |= ack.end_seen && finishing;
 }
@@ -216,8 +208,8 @@ void CaptureSender::Impl::welcome(const std::string& id, const std::string& key,
   }
   const auto held = hello.held.find(options.source_session);
   if (held != hello.held.end()) {
-    require_sent(held->second.durable, "hello.held.durable");
-    require_sent(held->second.received, "hello.held.received");
+    retained.require_sent(held->second.durable, "hello.held.durable");
+    retained.require_sent(held->second.received, "hello.held.received");
     release_up_to(held->second.durable);
   }
   const std::uint64_t received = held == hello.held.end() ? 0 : std::max(held->second.received, held->second.durable);
@@ -231,37 +223,23 @@ void CaptureSender::Impl::welcome(const std::string& id, const std::string& key,
 
 Welcome CaptureSender::Impl::make_welcome(std::int64_t hello_clock_ns) const {
   return {.source_session = options.source_session,
-          .first_sequence = retained.empty() ? std::max(last_sequence, durable) + 1 : retained.front().sequence,
+          .first_sequence = retained.first_sequence(),
           .hello_clock_ns = hello_clock_ns,
           .clock_ns = steady_now_ns(),
           .frames = frames,
           .motion = options.motion};
 }
 
-/// Nobody holds what was never sent.
-void CaptureSender::Impl::require_sent(std::uint64_t sequence, const char* field) const {
-  const std::uint64_t sent = std::max({last_sent, durable, options.sent_before});
-  if (sequence > sent)
-    throw ProtocolError(std::string(field) + ": says " + std::to_string(sequence) + " of " + options.source_session +
-                        ", of which " + std::to_string(sent) + " were sent");
-}
-
 void CaptureSender::Impl::release_up_to(std::uint64_t sequence) {
-  durable = std::max(durable, sequence);
-  while (!retained.empty() && retained.front().sequence <= durable) {
-    retained.pop_front();
-    ++stats.acknowledged;
-  }
+  stats.acknowledged += retained.release_up_to(sequence);
 }
 
 /// False when something is left that must be tried again soon.
 bool CaptureSender::Impl::send_what_may_go() {
   while (peer && peer->credits > 0) {
-    const std::uint64_t first = retained.empty() ? 0 : retained.front().sequence;
-    if (!retained.empty()) peer->next = std::max(peer->next, first);
-    const std::size_t at = peer->next - first;
-    if (!retained.empty() && at < retained.size()) {
-      if (!send_kept(retained[at])) return !peer;
+    if (!retained.empty()) peer->next = std::max(peer->next, retained.first_sequence());
+    if (RetainedCaptures::Kept* const kept = retained.find(peer->next)) {
+      if (!send_kept(*kept)) return !peer;
     } else if (newest_live) {
       if (!send_live()) return !peer;
     } else {
@@ -271,14 +249,13 @@ bool CaptureSender::Impl::send_what_may_go() {
   return send_end() || !peer;
 }
 
-bool CaptureSender::Impl::send_kept(Kept& kept) {
+bool CaptureSender::Impl::send_kept(RetainedCaptures::Kept& kept) {
   const Message& m = kept.message;
   std::vector<zmq::message_t> parts;
   for (const auto* bytes : {&m->envelope, &m->header, &m->blob}) parts.push_back(shared_part(m, *bytes));
   if (send(peer->routing_id, std::move(parts)) != Sent::kYes) return false;
   ++(kept.sent_before ? stats.resent : stats.delivered);
-  kept.sent_before = true;
-  last_sent = std::max(last_sent, kept.sequence);
+  retained.note_sent(kept);
   ++peer->next;
   --peer->credits;
   return true;
@@ -296,10 +273,10 @@ bool CaptureSender::Impl::send_live() {
 }
 
 bool CaptureSender::Impl::send_end() {
-  if (!finishing || !peer || peer->end_sent || peer->next <= last_sequence) return true;
+  if (!finishing || !peer || peer->end_sent || peer->next <= retained.last_sequence()) return true;
   if (frames.judged > 0) check_peer_is_there();  // the last counts, before the end
   if (!peer) return false;
-  const End end{options.source_session, last_sequence, failure};
+  const End end{options.source_session, retained.last_sequence(), failure};
   if (send(peer->routing_id, MessageType::kEnd, encode(end)) != Sent::kYes) return false;
   peer->end_sent = true;
   return true;
@@ -366,8 +343,8 @@ bool CaptureSender::keep(Capture capture, milliseconds timeout) {
     if (impl_->finishing) throw Error("the sender has finished; nothing more can be kept");
     const auto has_room = [&] { return impl_->retained.size() < impl_->options.retained; };
     if (!impl_->changed.wait_for(lock, timeout, has_room)) return false;
-    sequence = impl_->last_sequence + 1;
-    const bool first = impl_->last_sequence == 0;
+    sequence = impl_->retained.last_sequence() + 1;
+    const bool first = impl_->retained.last_sequence() == 0;
     if (capture.sequence == 0) capture.sequence = sequence;
     if (capture.sequence != sequence && !first)
       throw ProtocolError("sequence: is " + std::to_string(capture.sequence) + ", must be " + std::to_string(sequence));
@@ -378,10 +355,10 @@ bool CaptureSender::keep(Capture capture, milliseconds timeout) {
       std::make_shared<const EncodedCapture>(encode_capture(capture, MessageType::kKeep, impl_->options.codec));
   {
     const std::lock_guard lock(impl_->mutex);
-    impl_->last_sequence = sequence;
     ++impl_->stats.kept;
-    impl_->retained.push_back({sequence, std::move(message)});
-    impl_->release_up_to(impl_->durable);  // a source that starts again may repeat what is on the disk already
+    impl_->retained.add(sequence, std::move(message));
+    impl_->release_up_to(
+        impl_->retained.durable());  // a source that starts again may repeat what is on the disk already
   }
   impl_->wake.notify();
   return true;

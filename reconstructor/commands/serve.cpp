@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -18,7 +14,6 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/log.h"
-#include "common/base/progress.h"
 #include "common/base/report_file.h"
 #include "common/base/service_manager.h"
 #include "common/base/stop_signal.h"
@@ -31,6 +26,7 @@
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/limit_options.h"
+#include "reconstructor/commands/serve_end.h"
 #include "reconstructor/commands/serve_watch.h"
 #include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
@@ -46,8 +42,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kDisplayInterval{200};
 constexpr std::chrono::milliseconds kMonitorInterval{1000};
-constexpr std::chrono::milliseconds kPoll{50};
-constexpr std::chrono::milliseconds kEarlyEndPatience{700};
 constexpr const char* kMeshHashKey = "mesh_hash";
 constexpr const char* kNoMesh = "none";
 
@@ -132,83 +126,13 @@ class Publisher {
   std::jthread thread_;
 };
 
-/// A bar per stage on the terminal.
-class EndBar {
- public:
-  void show(const EndProgress& end) {
-    if (end.stage == EndStage::kCapturing || end.total == 0) return;
-    if (end.stage != shown_ || !bar_) {
-      bar_.reset();  // takes its line away before the next one draws
-      bar_.emplace(name_of(end.stage), end.total);
-    }
-    shown_ = end.stage;
-    bar_->update(end.done);
-  }
-
- private:
-  static const char* name_of(EndStage stage) {
-    switch (stage) {
-      case EndStage::kSaving:
-        return "saving";
-      case EndStage::kJudging:
-        return "judging";
-      case EndStage::kCapturing:
-      case EndStage::kFinishing:
-        break;
-    }
-    return "finishing";
-  }
-
-  EndStage shown_ = EndStage::kCapturing;
-  std::optional<Progress> bar_;
-};
-
-/// Which model `build` would be asked for.
-std::string words_of_model(const ServeArguments& arguments) {
-  if (!arguments.config.empty()) return " --config " + arguments.config;
-  return arguments.model.empty() ? "" : " --model " + arguments.model;
-}
-
-/// Nothing is lost by an end without the model.
-std::string words_of_an_early_end(const ServeArguments& arguments, const LoopStatus& status, EndStage stage) {
-  if (stage == EndStage::kJudging)
-    return "ended before the report was made; the model is saved in " + arguments.session + "/" + kSessionModel;
-  return "ended before the model was finished; nothing is lost: " + std::to_string(status.journaled) +
-         " captures are kept in " + arguments.session +
-         ". The same command continues with them; `sheen-reconstructor build " + arguments.session +
-         (arguments.mesh.empty() ? "" : " --mesh " + arguments.mesh) + words_of_model(arguments) + " --out " +
-         arguments.session + "/model` builds their model";
-}
-
-/// The model and the report of what was captured. A signal, or the window's closing, ends it within a second: then
-/// throws Error, or leaves the program where what is being done does not stop in time.
-CaptureEnd::Result finish(CaptureLoop& loop, CaptureEnd& end, ViewerWindow*& window, const ViewerFeed& feed,
-                          const ServeArguments& arguments) {
-  const int signals = std::min(stop_signals(), 1);  // the one that brought us here
-  if (const LoopStatus status = loop.status(); status.error.empty() && status.journaled > 0)
-    log_info(
-        "session",
-        "finishing: waiting images are added to the model, then the model is saved; Ctrl-C once more, or Q, ends it "
-        "now without the model",
-        {{"captures", status.journaled}, {"waiting", status.waiting()}});
-  end.begin();
-  {
-    EndBar bar;
-    wait_until(
-        [&] {
-          bar.show(end.progress());
-          return end.over() || stop_signals() > signals;
-        },
-        window, feed);
-  }
-  if (!end.over() && !end.stop(kEarlyEndPatience)) {
-    std::fprintf(stderr, "sheen-reconstructor: %s\n",
-                 words_of_an_early_end(arguments, loop.status(), end.progress().stage).c_str());
-    stop_logging();
-    std::_Exit(1);  // the journal is durable, and the next save removes what this one leaves
-  }
-  if (std::optional<CaptureEnd::Result> result = end.result()) return *std::move(result);
-  throw Error(words_of_an_early_end(arguments, loop.status(), end.progress().stage));
+/// What would build the model of the session's captures later.
+std::string build_command(const ServeArguments& arguments) {
+  std::string command = "sheen-reconstructor build " + arguments.session;
+  if (!arguments.mesh.empty()) command += " --mesh " + arguments.mesh;
+  if (!arguments.config.empty()) command += " --config " + arguments.config;
+  if (!arguments.model.empty()) command += " --model " + arguments.model;
+  return command + " --out " + arguments.session + "/" + kSessionModel;
 }
 
 /// What is to be modelled, and within which limits.
@@ -344,7 +268,8 @@ void serve(ServeArguments arguments) {
   wait_until([&loop] { return loop.finished() || stop_requested(); }, window, display.feed(),
              [&loop] { return take_back_last(loop); });
   tell_service_is_stopping();
-  const CaptureEnd::Result result = finish(loop, end, window, display.feed(), arguments);
+  const CaptureEnd::Result result =
+      end_capture(loop, end, window, display.feed(), {arguments.session, build_command(arguments)});
 
   const LoopStatus status = loop.status();
   if (result.model)
