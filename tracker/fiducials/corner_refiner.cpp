@@ -25,7 +25,9 @@ constexpr int kLevelWindow = 4;                    ///< points to either side th
 constexpr int kReweightings = 5;                   ///< of the line fit
 constexpr double kTukeyMadRatio = 4.685 * 1.4826;  ///< 95 % efficient on Gaussian noise
 constexpr double kMinScalePx = 0.02;
-constexpr double kSharpVariance = 1.0;  ///< px^2; pixel, interpolation, a lens's blur and the noise of the tails
+constexpr double kSharpReach_px = 2;     ///< holds the slope of a sharp edge
+constexpr double kReachPerStreak = 0.3;  ///< more for a blurred one; noise grows with the reach, too
+constexpr double kSharpVariance = 1.0;   ///< px^2; pixel, interpolation, a lens's blur and the noise of the tails
 
 /// The picture a pinhole with the camera's focal length would have taken: pixels, not normalised coordinates.
 struct Pinhole {
@@ -145,14 +147,33 @@ Vector2d outward_normal(const Quad& quad, int edge) {
   return normal.dot(quad[(edge + 2) % 4] - a) > 0 ? Vector2d(-normal) : normal;
 }
 
+/// Variance (px^2) of the slope of an edge's mean profile: its width.
+double slope_variance(const std::vector<EdgePoint>& points) {
+  Profile mean = Profile::Zero(points.front().profile.size());
+  for (const EdgePoint& p : points) mean.array() += (p.profile.array() - p.ink) / (p.paper - p.ink);
+  double weight = 0, first = 0, second = 0;
+  for (Eigen::Index j = 1; j < mean.size(); ++j) {
+    const double slope = std::max(mean[j] - mean[j - 1], 0.0), t = j * kStep;
+    weight += slope;
+    first += slope * t;
+    second += slope * t * t;
+  }
+  return weight > 0 ? second / weight - (first / weight) * (first / weight) : 0;
+}
+
+/// Length of the box streak that widens a sharp edge so far.
+double streak_px(double variance) {
+  return std::sqrt(12 * std::max(variance - kSharpVariance, 0.0));
+}
+
 /// Profiles across one edge, with their levels; empty where the edge cannot be measured.
 std::vector<EdgePoint> edge_points(const ImageU8& grey, const Pinhole& pinhole, const Quad& quad, int edge,
-                                   const RefinerOptions& options) {
+                                   double reach_px, const RefinerOptions& options) {
   const Vector2d &a = quad[edge], &b = quad[(edge + 1) % 4];
   const Vector2d inward = (quad[(edge + 3) % 4] + quad[(edge + 2) % 4] - a - b) / 2;
   const Vector2d outward = outward_normal(quad, edge);
   const double cell = -outward.dot(inward) / kTagCells;
-  const double reach = std::min(options.reach_px, options.reach_cells * cell);
+  const double reach = std::min(reach_px, options.reach_cells * cell);
   if (!(reach >= options.min_reach_px)) return {};
   const int half_samples = std::min(static_cast<int>(reach / kStep), kMaxSamples / 2);
   auto points = sample_edge(grey, pinhole, a, b, outward, half_samples, options.skipped_ends);
@@ -163,12 +184,14 @@ std::vector<EdgePoint> edge_points(const ImageU8& grey, const Pinhole& pinhole, 
   return points;
 }
 
+/// `reach_px` is left as what this edge needs: profiles that reach no farther than its blur gather less noise.
 std::optional<Line> measure_edge(const ImageU8& grey, const Pinhole& pinhole, const Quad& quad, int edge,
-                                 const RefinerOptions& options) {
+                                 double& reach_px, const RefinerOptions& options) {
   const Vector2d &a = quad[edge], &b = quad[(edge + 1) % 4];
   const Vector2d direction = (b - a).normalized(), outward = outward_normal(quad, edge);
-  auto points = edge_points(grey, pinhole, quad, edge, options);
+  auto points = edge_points(grey, pinhole, quad, edge, reach_px, options);
   if (points.empty()) return std::nullopt;
+  reach_px = std::min(options.reach_px, kSharpReach_px + kReachPerStreak * streak_px(slope_variance(points)));
   for (EdgePoint& point : points) point.across = step_position(point);
 
   const auto line = fit_line(points);
@@ -188,10 +211,10 @@ std::optional<Vector2d> intersect(const Line& a, const Line& b) {
 }
 
 std::optional<Quad> refine_quad(const ImageU8& grey, const Pinhole& pinhole, const Quad& quad,
-                                const RefinerOptions& options) {
+                                std::array<double, 4>& reach_px, const RefinerOptions& options) {
   std::array<Line, 4> lines;
   for (int edge = 0; edge < 4; ++edge) {
-    const auto line = measure_edge(grey, pinhole, quad, edge, options);
+    const auto line = measure_edge(grey, pinhole, quad, edge, reach_px[edge], options);
     if (!line) return std::nullopt;
     lines[edge] = *line;
   }
@@ -211,8 +234,10 @@ bool refine_tag(const ImageU8& grey, const Pinhole& pinhole, TagObservation& tag
     if (!p) return false;
     quad[corner] = *p;
   }
+  std::array<double, 4> reach_px;
+  reach_px.fill(options.reach_px);
   for (int round = 0; round < options.rounds; ++round) {
-    const auto refined = refine_quad(grey, pinhole, quad, options);
+    const auto refined = refine_quad(grey, pinhole, quad, reach_px, options);
     if (!refined) return false;
     quad = *refined;
   }
@@ -222,20 +247,6 @@ bool refine_tag(const ImageU8& grey, const Pinhole& pinhole, TagObservation& tag
     tag.corners[corner] = *p;
   }
   return true;
-}
-
-/// Variance (px^2) of the slope of an edge's mean profile: its width.
-double slope_variance(const std::vector<EdgePoint>& points) {
-  Profile mean = Profile::Zero(points.front().profile.size());
-  for (const EdgePoint& p : points) mean.array() += (p.profile.array() - p.ink) / (p.paper - p.ink);
-  double weight = 0, first = 0, second = 0;
-  for (Eigen::Index j = 1; j < mean.size(); ++j) {
-    const double slope = std::max(mean[j] - mean[j - 1], 0.0), t = j * kStep;
-    weight += slope;
-    first += slope * t;
-    second += slope * t * t;
-  }
-  return weight > 0 ? second / weight - (first / weight) * (first / weight) : 0;
 }
 
 }  // namespace
@@ -254,9 +265,9 @@ double measured_streak_px(const ImageU8& grey, const Camera& camera, const std::
     }
     double widest = 0;
     for (int edge = 0; seen && edge < 4; ++edge)
-      if (const auto points = edge_points(grey, pinhole, quad, edge, options); !points.empty())
+      if (const auto points = edge_points(grey, pinhole, quad, edge, options.reach_px, options); !points.empty())
         widest = std::max(widest, slope_variance(points));
-    if (widest > 0) streaks.push_back(std::sqrt(12 * std::max(widest - kSharpVariance, 0.0)));
+    if (widest > 0) streaks.push_back(streak_px(widest));
   }
   return streaks.empty() ? 0 : median(streaks);
 }

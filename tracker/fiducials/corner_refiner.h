@@ -10,13 +10,13 @@
 namespace sheen {
 
 struct RefinerOptions {
-  double reach_px = 4;           ///< edges are measured so far to either side; at most 8
+  double reach_px = 4;           ///< to either side, where an edge is searched; at most 8
   double reach_cells = 0.7;      ///< and no farther than this part of a tag cell, so that the code stays out
   double min_reach_px = 1.5;     ///< tags too small for that are dropped
   double skipped_ends = 0.08;    ///< of an edge's length, where the neighbouring edge takes part
   double min_contrast = 20;      ///< grey levels between paper and ink
   double max_correction_px = 3;  ///< a corner that moves farther followed something else than its edge
-  int rounds = 2;                ///< each starts from the corners of the one before
+  int rounds = 2;  ///< each starts from the corners of the one before, and reaches no farther than the edge is blurred
 };
 
 /// Puts the corners of tags where the edges of their black squares meet, and drops the tags whose edges cannot be
