@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <utility>
 
 #include "common/base/format.h"
 #include "common/capture/linear_capture.h"
@@ -140,6 +140,11 @@ LoopObserver LiveDisplay::observer() {
               }};
 }
 
+void LiveDisplay::warn(const std::string& warning) {
+  const std::lock_guard lock(mutex_);
+  latest_.warnings.push_back(warning);
+}
+
 LiveDisplay::Latest LiveDisplay::latest() const {
   const std::lock_guard lock(mutex_);
   return latest_;
@@ -164,13 +169,15 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
     figures.held_out_ssim = status.held_out_curve.back().ssim;
   }
   const TrackerLink link = link_of(status, end, now.capture_at);
+  std::string message = message_of(status, link, names_.tracker_command);
+  if (message.empty() && !now.warnings.empty()) message = now.warnings.front();
   feed_.publish({.snapshot = now.snapshot,
                  .capture = now.capture,
                  .figures = figures,
                  .link = link,
                  .next_view = next_view_,
                  .work = work_of(end),
-                 .message = message_of(status, link, names_.tracker_command),
+                 .message = std::move(message),
                  .trouble = trouble_of(status, end)});
 }
 
@@ -213,6 +220,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.ended = status.link.ended;
   state.ending = ending_of(end);
   state.error = status.error;
+  state.warnings = now.warnings;
   state.last_frame = now.capture_at;
   state.received = status.journaled;
   state.accepted = status.counts.accepted;

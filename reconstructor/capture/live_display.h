@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/capture/capture.h"
 #include "reconstructor/capture/capture_end.h"
@@ -31,6 +32,9 @@ class LiveDisplay {
   /// What the loop calls.
   LoopObserver observer();
 
+  /// Shows from now on what is doubtful in the scene. From any thread.
+  void warn(const std::string& warning);
+
   const ViewerFeed& feed() const { return feed_; }
   /// Hands the window what has come since.
   void publish_to_window(const LoopStatus& status, const EndProgress& end = {});
@@ -42,6 +46,7 @@ class LiveDisplay {
     std::shared_ptr<const ModelSnapshot> snapshot;
     std::shared_ptr<const Capture> capture;
     std::optional<MonitorState::Clock::time_point> capture_at;
+    std::vector<std::string> warnings;
   };
   Latest latest() const;
   void update_previews(const Latest& now);

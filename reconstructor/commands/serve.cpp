@@ -255,8 +255,9 @@ void serve(ServeArguments arguments) {
   LoopObserver observer = display.observer();
   observer.on_link = [&link_log](const ReceiverStats& stats) { link_log.look(stats); };
   observer.on_snapshot(reconstruction.snapshot());  // the mesh, to be shown before the first image
-  if (!surface_needs_camera(*plan->scene.settings, arguments.mesh)) watch_mesh(reconstruction.mesh(), observer);
-  watch_motion(*plan->scene.kind, observer);
+  if (!surface_needs_camera(*plan->scene.settings, arguments.mesh))
+    watch_mesh(reconstruction.mesh(), display, observer);
+  watch_motion(*plan->scene.kind, display, observer);
   CaptureLoop loop(arguments.session, std::move(session), std::move(receiver), reconstruction,
                    {.stop_when_source_ends = arguments.once}, std::move(observer));
   CaptureEnd end(loop, reconstruction, arguments.session, plan->size);

@@ -55,24 +55,28 @@ void LinkLog::look(const ReceiverStats& link) {
   link_ = link;
 }
 
-void watch_mesh(const Mesh& mesh, LoopObserver& observer) {
-  observer.on_capture = [show = observer.on_capture,
-                         placement = std::make_shared<PlacementWatch>(
-                             mesh, [](const std::string& warning) { log_warning("mesh", warning); }),
+void watch_mesh(const Mesh& mesh, LiveDisplay& display, LoopObserver& observer) {
+  const auto warn = [&display](const std::string& warning) {
+    log_warning("mesh", warning);
+    display.warn(warning);
+  };
+  observer.on_capture = [show = observer.on_capture, warn, placement = std::make_shared<PlacementWatch>(mesh, warn),
                          scale = ScaleWatch(mesh)](const Capture& capture) mutable {
     placement->look(capture);
-    if (const std::string finding = scale.look(capture); !finding.empty()) log_warning("mesh", finding);
+    if (const std::string finding = scale.look(capture); !finding.empty()) warn(finding);
     if (show) show(capture);
   };
 }
 
-void watch_motion(const ModelKind& kind, LoopObserver& observer) {
-  observer.on_capture = [show = observer.on_capture, &kind, watch = MotionWatch(),
+void watch_motion(const ModelKind& kind, LiveDisplay& display, LoopObserver& observer) {
+  observer.on_capture = [show = observer.on_capture, &kind, &display, watch = MotionWatch(),
                          told = false](const Capture& capture) mutable {
     if (!told && capture.verdict == FrameVerdict::kKeyframe && capture.pose.usable()) {
       watch.look({capture.camera, capture.pose.camera_from_object}, capture.light);
       const std::string warning = motion_warning(kind, watch.motion());
-      if (told = !warning.empty(); told) log_warning("model", warning);
+      told = !warning.empty();
+      if (told) log_warning("model", warning);
+      if (told) display.warn(warning);
     }
     if (show) show(capture);
   };

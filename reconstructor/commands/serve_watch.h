@@ -7,6 +7,7 @@
 
 #include "common/link/transport.h"
 #include "reconstructor/capture/capture_loop.h"
+#include "reconstructor/capture/live_display.h"
 #include "reconstructor/models/model_kind.h"
 #include "reconstructor/render/gl/viewer_window.h"
 
@@ -34,9 +35,9 @@ class LinkLog {
 };
 
 /// Adds to an observer: the first captures tell whether the mesh, which must outlive it, is where and as large as the
-/// object.
-void watch_mesh(const Mesh& mesh, LoopObserver& observer);
-/// Adds to an observer: it tells once when something moves that the model takes to stand still.
-void watch_motion(const ModelKind& kind, LoopObserver& observer);
+/// object. What is doubtful goes to the log and to `display`.
+void watch_mesh(const Mesh& mesh, LiveDisplay& display, LoopObserver& observer);
+/// Adds to an observer: it tells once, in the same places, when something moves that the model takes to stand still.
+void watch_motion(const ModelKind& kind, LiveDisplay& display, LoopObserver& observer);
 
 }  // namespace sheen

@@ -61,7 +61,8 @@ struct MonitorState {
     std::uint64_t done = 0, total = 0;
   };
   std::optional<Ending> ending;
-  std::string error;  ///< what stopped the capture, if anything did
+  std::string error;                  ///< what stopped the capture, if anything did
+  std::vector<std::string> warnings;  ///< what is doubtful in the scene, each with its remedy
 
   std::optional<Clock::time_point> last_frame;  ///< when a capture last arrived
   /// received = accepted + held out + refused + withdrawn + waiting

@@ -43,6 +43,7 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
                {"version", state.version},
                {"state", to_string(capture)},
                {"error", state.error},
+               {"warnings", state.warnings},
                {"model", state.model},
                {"model_reason", state.model_reason},
                {"session_folder", state.session_folder},

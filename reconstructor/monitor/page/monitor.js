@@ -140,6 +140,7 @@ function show(s) {
   $("next-view").classList.toggle("done", s.well_known);
   $("hint").hidden = !s.hint; $("hint").firstElementChild.textContent = s.hint;
 
+  $("warnings").hidden = !s.warnings.length; text("warnings", s.warnings.join("\n"));
   $("trouble").hidden = !s.tracker.trouble; text("trouble", s.tracker.trouble);
 
   const f = s.frames, curve = s.held_out_curve, last = curve[curve.length - 1];

@@ -51,6 +51,11 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   display.publish_to_window(status);
   EXPECT_EQ(display.feed().latest()->trouble, "too fast: motion blur");
   EXPECT_EQ(display.feed().latest()->figures->tracker_judged, 56u);
+  EXPECT_EQ(display.feed().latest()->message, "");
+  display.warn("the mesh stands elsewhere; run `sheen-tracker register`");
+  display.publish_to_window(status);
+  EXPECT_EQ(display.feed().latest()->message, "the mesh stands elsewhere; run `sheen-tracker register`");
+  EXPECT_EQ(display.monitor_state(status).warnings.size(), 1u);
   status.link.connected = false;
   EXPECT_EQ(display.monitor_state(status).tracker.trouble, "") << "what was wrong when it was last heard of";
   EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kDisconnected);
