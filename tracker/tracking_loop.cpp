@@ -117,6 +117,7 @@ struct TrackingLoop::Impl {
   std::exception_ptr grab_error;  ///< read once the queue is closed
   TrackingReport report;
   std::int64_t published_ns = 0;
+  SourceState published_state = SourceState::kStarting;
   std::string last_verdict;
   std::deque<Fate> latest;  ///< the newest last
   std::optional<PoseEstimate> still_pose;
@@ -299,7 +300,9 @@ bool TrackingLoop::Impl::keep(const Capture& capture, const Hooks& hooks) {
 
 void TrackingLoop::Impl::publish(const Hooks& hooks) {
   const std::int64_t now = steady_now_ns();
-  if (now - published_ns < kPublishEvery_ns) return;
+  const SourceState state = source.state();
+  if (state == published_state && now - published_ns < kPublishEvery_ns) return;  // an unplugged camera is news
+  published_state = state;
   published_ns = now;
   report.grabbed = grabbed_count;
   report.overrun = overrun_count;
@@ -308,7 +311,7 @@ void TrackingLoop::Impl::publish(const Hooks& hooks) {
   Status status{.role = "tracker",
                 .source_session = options.source_session,
                 .clock_ns = now,
-                .state = source.state(),
+                .state = state,
                 .message = source.message()};
   if (!report.trouble.empty()) status.message += "; " + report.trouble;
   if (!last_verdict.empty()) status.message += "; last frame: " + last_verdict;

@@ -40,8 +40,8 @@ struct TrackingOptions {
 class TrackingLoop {
  public:
   struct Hooks {
-    std::function<bool()> stop;                           ///< asked at least ten times per second
-    std::function<void(const Status&)> publish;           ///< called about five times per second; may be empty
+    std::function<bool()> stop;                  ///< asked at least ten times per second
+    std::function<void(const Status&)> publish;  ///< about five times per second, and when the source's state changes
     std::function<void(const TrackingReport&)> progress;  ///< so far; as often; may be empty
   };
 

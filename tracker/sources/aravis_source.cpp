@@ -17,7 +17,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kStale{180};  ///< without a frame; more where the frame period is long
+constexpr milliseconds kStale{150};  ///< without a frame; more where the frame period is long
 constexpr double kStalePeriods = 1.8;
 constexpr milliseconds kReopen{700};      ///< without a frame: a hiccup has ended by then
 constexpr milliseconds kRetry{100};       ///< between attempts to open; each takes 2.5 s itself while nobody answers
