@@ -59,6 +59,23 @@ TEST_F(RigConfigFile, ReadsEverySection) {
   EXPECT_EQ(config.gate.min_angle_deg, GateOptions{}.min_angle_deg);
 }
 
+TEST_F(RigConfigFile, TheExamplesAreRead) {
+  save_camera({.camera = *load(kCamera).camera}, folder / "camera.json");
+  int examples = 0;
+  for (const auto& example : std::filesystem::directory_iterator(SHEEN_EXAMPLES)) {
+    if (!example.path().filename().string().ends_with("rig.toml")) continue;
+    ++examples;
+    const auto copy = folder / example.path().filename();
+    std::filesystem::copy_file(example.path(), copy, std::filesystem::copy_options::overwrite_existing);
+    const RigConfig config = load_rig_config(copy);
+    EXPECT_TRUE(config.camera) << copy;
+    EXPECT_EQ(config.stage_file, folder / "stage.json");
+    EXPECT_EQ(config.light.has_value(), copy.filename() != "rig.toml") << copy;
+    EXPECT_EQ(config.light && config.light->tag, copy.filename() == "tagged_lamp_rig.toml") << copy;
+  }
+  EXPECT_EQ(examples, 3);
+}
+
 TEST_F(RigConfigFile, SaysWhereTheLightComesFrom) {
   EXPECT_FALSE(load(kCamera).light);
   EXPECT_FALSE(load(kCamera).still_camera);

@@ -25,6 +25,10 @@ SurfaceLightFieldOptions load_options(const std::filesystem::path& file) {
   return light_field_options(*load_scene_config(file).settings, "the test");
 }
 
+TEST(SceneConfig, TheExampleIsRead) {
+  EXPECT_STREQ(load_scene_config(SHEEN_EXAMPLES "/scene.toml").kind->name(), "surface_light_field");
+}
+
 TEST(SceneConfig, AllKeysAreTaken) {
   const TempFolder folder;
   const auto o = load_options(folder.write("scene.toml", R"(
