@@ -14,6 +14,8 @@ namespace sheen::testing {
 
 /// For what takes seconds on an idle machine: only what hangs is to be ended by it.
 inline constexpr std::chrono::seconds kPatience{60 * kPatienceFactor};
+/// Work on so many images takes long enough to be met in its middle; a sanitized program needs longer for each.
+inline constexpr int kManyViews = kPatienceFactor == 1 ? 150 : 40;
 
 using Words = std::vector<std::string>;
 Words operator+(Words a, const Words& b);

@@ -204,7 +204,7 @@ TEST_F(LargeImages, AFullDiskEndsTheCaptureClearlyAndItGoesOnWithRoom) {
 
 class ManyViews : public DaemonsMeet {
  protected:
-  ManyViews() : DaemonsMeet(150) {}
+  ManyViews() : DaemonsMeet(kManyViews) {}
 };
 
 TEST_F(ManyViews, CtrlCInTheMiddleLeavesASessionThatGoesOn) {
@@ -216,7 +216,7 @@ TEST_F(ManyViews, CtrlCInTheMiddleLeavesASessionThatGoesOn) {
   EXPECT_TRUE(rig.running()) << "too early for a test of the middle:\n" << rig.output();
   Process second(desk({"--endpoint", address, "--once"}));
   expect_outcome(wait_to_end(second), 0, {"images added to the model"});
-  expect_outcome(wait_to_end(rig), 0, {"150 keyframes sent"});
+  expect_outcome(wait_to_end(rig), 0, {std::to_string(kManyViews) + " keyframes sent"});
   expect_all_captures();
 }
 
@@ -230,8 +230,8 @@ TEST_F(ManyViews, CtrlCInTheMiddleEndsATrackerWhichThenGoesOn) {
   ASSERT_TRUE(end) << "still runs after Ctrl-C:\n" << rig.output();
   const bool all_safe = rig.output().find("were not acknowledged") == std::string::npos;  // what was under way is not
   expect_outcome({*end, rig.output()}, all_safe ? 0 : 1, {"keyframes sent"});
-  expect_outcome(run_to_end(track({"--endpoint", address})), 0, {"150 keyframes sent"});
-  expect_stops(keeping, {"captures=150"}, kPatience);
+  expect_outcome(run_to_end(track({"--endpoint", address})), 0, {std::to_string(kManyViews) + " keyframes sent"});
+  expect_stops(keeping, {"captures=" + std::to_string(kManyViews)}, kPatience);
   expect_all_captures();
 }
 

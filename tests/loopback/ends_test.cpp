@@ -86,7 +86,7 @@ TEST_F(Ends, WhoReadsTheMessagesMayBeGone) {
 
 class EndsOfMany : public Ends {
  protected:
-  EndsOfMany() : Ends(150) {}
+  EndsOfMany() : Ends(kManyViews) {}
 };
 
 TEST_F(EndsOfMany, ASecondSignalEndsItAtOnceAndKeepsSessionAndOlderModel) {
@@ -103,9 +103,10 @@ TEST_F(EndsOfMany, ASecondSignalEndsItAtOnceAndKeepsSessionAndOlderModel) {
   const auto end = desk.wait(kStopPatience);
   ASSERT_TRUE(end) << "still runs after the second signal:\n" << desk.output();
   expect_outcome({*end, desk.output()}, 1,
-                 {"nothing is lost: 150 captures", "same command", "build " + session_.string() + " --mesh"});
+                 {"nothing is lost: " + std::to_string(kManyViews) + " captures", "same command",
+                  "build " + session_.string() + " --mesh"});
   EXPECT_TRUE(read_file(model_ / "model.json") == older);
-  EXPECT_EQ(captures_of(session_).size(), 150u);
+  EXPECT_EQ(captures_of(session_).size(), std::size_t{kManyViews});
 }
 
 TEST_F(EndsOfMany, TheStatusPageSaysWhatIsStillDone) {
@@ -123,7 +124,7 @@ TEST_F(EndsOfMany, TheStatusPageSaysWhatIsStillDone) {
       states.insert(status["state"]);
       if (status["state"] == "finishing") {
         EXPECT_LE(status["ending"]["done"], status["ending"]["total"]);
-        EXPECT_EQ(status["frames"]["received"], 150);
+        EXPECT_EQ(status["frames"]["received"], kManyViews);
       }
     } catch (const std::exception&) {  // it has just ended
     }
