@@ -103,7 +103,7 @@ TEST_F(RigConfigFile, TakesTheCameraThatCalibrateWrote) {
   EXPECT_EQ(config.source.width, 640);
   EXPECT_FALSE(config.photometry);
   PhotometricCalibration light{.response = "srgb"};
-  light.vignette.emplace();
+  light.vignette = PhotometricCalibration::VignetteUncertainty{};
   light.white_balance.emplace();
   light.photometry = {srgb_response(0.01), {320, 240, {-0.2, 0, 0}}, {1.5f, 1, 1.25f}, 1};
   save_camera({camera, 0.001, light}, folder / "camera.json");
