@@ -226,10 +226,14 @@ void serve(ServeArguments arguments) {
 
   link.held = session.held();
   auto receiver = std::make_unique<CaptureReceiver>(link);
-  log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}, {"start", tracker_command(link)}});
+  // Said when it is so: from then on a stop signal finishes the model.
+  const auto tell_it_waits = [&link] {
+    log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}, {"start", tracker_command(link)}});
+    tell_service_is_ready();
+  };
   LinkLog link_log;
   if (waits) {
-    tell_service_is_ready();
+    tell_it_waits();
     const std::optional<FirstCapture::Found> first =
         wait_for_first(arguments, session, *receiver, link_log, monitor ? &*monitor : nullptr, window, names);
     if (!first) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
@@ -264,7 +268,7 @@ void serve(ServeArguments arguments) {
   if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
   install_stop_signals(2);  // the first begins the end, the second cuts it short
   loop.start();
-  if (!waits) tell_service_is_ready();
+  if (!waits) tell_it_waits();
   const Publisher publisher(loop, end, display, monitor ? &*monitor : nullptr, window != nullptr);
   wait_until([&loop] { return loop.finished() || stop_requested(); }, window, display.feed(),
              [&loop] { return take_back_last(loop); });
