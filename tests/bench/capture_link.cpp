@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/capture_link.h"
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "common/base/errors.h"
@@ -29,6 +35,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr seconds kPatience{60};
 constexpr double kFaultRate_hz = 15;
+constexpr seconds kWatched{20};
 
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -145,6 +152,64 @@ void measure_rate(GoalReport& report, const RigRecording& recording, int rate_hz
                       {"overrun", f["overrun"]},
                       {"refused", f["grabbed"].get<double>() - f["sent"].get<double>() - f["unsent"].get<double>() -
                                       f["overrun"].get<double>()}}));
+}
+
+/// A process that listens to a tracker's status until it is stopped, as a laptop that is closed.
+class StoppedMonitor {
+ public:
+  explicit StoppedMonitor(const SubscriberOptions& options) : pid_(fork()) {
+    if (pid_ != 0) return;
+    for (MonitorSubscriber status(options);;) status.next(milliseconds(100));
+  }
+  ~StoppedMonitor() {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  StoppedMonitor(const StoppedMonitor&) = delete;
+  StoppedMonitor& operator=(const StoppedMonitor&) = delete;
+  void stop() const { kill(pid_, SIGSTOP); }
+
+ private:
+  pid_t pid_;
+};
+
+double resident_mb(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string word; status >> word;)
+    if (double kb = 0; word == "VmRSS:" && status >> kb) return kb / 1e3;
+  throw Error("the memory of process " + std::to_string(process) + " cannot be read");
+}
+
+struct Watched {
+  double p99_ms = 0, grown_mb = 0;
+};
+
+/// A capture whose status nobody hears, or somebody who has stopped listening.
+Watched capture_watched(const RigRecording& recording, bool monitor_stops) {
+  const CaptureCommands commands(recording);
+  const std::string address = testing::free_address();
+  RunningCapture capture(commands, {"--publish", address});
+  std::optional<StoppedMonitor> monitor;
+  if (monitor_stops) {
+    monitor.emplace(SubscriberOptions{.endpoint = address,
+                                      .keys = load_keys(commands.file("desk.key")),
+                                      .server_public_key = load_public_key(commands.file("tracker.pub"))});
+    std::this_thread::sleep_for(seconds(1));
+    monitor->stop();
+  }
+  const double before = resident_mb(capture.rig->id());
+  std::this_thread::sleep_for(kWatched);
+  const double grown = resident_mb(capture.rig->id()) - before;
+  capture.end();
+  return {commands.report("desk.json")["latency_ms"]["p99"], grown};
+}
+
+void measure_stopped_monitor(GoalReport& report, const RigRecording& recording) {
+  const Watched alone = capture_watched(recording, false), watched = capture_watched(recording, true);
+  report.add(at_most(1, {}, "a monitor stops: latency to the disk, p99, longer by", watched.p99_ms - alone.p99_ms, "ms",
+                     {{"without it", alone.p99_ms}}));
+  report.add(at_most(16, {}, "a monitor stops: the tracker's memory grows by", watched.grown_mb, "MB",
+                     {{"without it", alone.grown_mb}}));
 }
 
 void measure_killed_desk(GoalReport& report, const RigRecording& recording) {
@@ -264,6 +329,7 @@ void measure_link(GoalReport& report) {
   measure_cut_link(report, recording);
   measure_unplugged_camera(report, recording);
   measure_wrong_key(report, recording);
+  measure_stopped_monitor(report, recording);
 }
 
 }  // namespace sheen

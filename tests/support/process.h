@@ -39,6 +39,7 @@ class Process {
   void signal(int number);
   /// SIGKILL, and gone when it returns.
   void kill();
+  pid_t id() const { return pid_; }
   /// What it has printed so far.
   std::string output() const;
   /// Waits until it has printed `text`; false when it has ended or `timeout` has passed without.
