@@ -165,14 +165,14 @@ void figures(const FiguresArguments& arguments) {
   }
   FigureOptions options{.quick = arguments.quick};
   options.model.surface_map = arguments.quick ? 4 : 16;
-  options.model.ring.factor = {.max_rank = options.rank, .tolerance = 0};
+  options.model.patch.factor = {.max_rank = options.rank, .tolerance = 0};
   arguments.study.apply(options.model);
 
   std::unique_ptr<BatchRun> batch;
   const auto batch_run = [&]() -> const BatchRun& {
     if (!batch)
       batch = std::make_unique<BatchRun>(
-          build_batch(experiment, options, BatchFactorization::reference(options.model.ring.factor)));
+          build_batch(experiment, options, BatchFactorization::reference(options.model.patch.factor)));
     return *batch;
   };
   const Figures all{

@@ -6,8 +6,8 @@
 namespace sheen {
 
 void StudyOptions::apply(SurfaceLightFieldOptions& options) const {
-  if (interpolation == "delaunay") options.ring.interpolation.method = ViewMethod::kDelaunay;
-  if (imputation == "least-squares") options.ring.factor.imputation = Imputation::kLeastSquares;
+  if (interpolation == "delaunay") options.patch.interpolation.method = ViewMethod::kDelaunay;
+  if (imputation == "least-squares") options.patch.factor.imputation = Imputation::kLeastSquares;
 }
 
 void add_study_options(CLI::App& command, StudyOptions& options) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -123,15 +124,15 @@ void write_plots(const std::vector<TradeoffPoint>& points, const Frontiers& fron
 }
 
 void print_precision(const PrecisionStudy& study) {
-  std::printf("\nnumber format, %zu columns of %zu rings of this scene\n", study.columns, study.rings);
-  std::printf("%-34s %9s %9s %14s %22s\n", "", "us/column", "kB/ring", "relative error", "difference from double");
+  std::printf("\nnumber format, %zu columns of %zu patches of this scene\n", study.columns, study.patches);
+  std::printf("%-34s %9s %9s %14s %22s\n", "", "us/column", "kB/patch", "relative error", "difference from double");
   for (const PrecisionRow* row : {&study.single, &study.twice, &study.stored, &study.stored_half}) {
     std::printf("%-34s ", row->name);
     if (row->column_us > 0)
       std::printf("%9.1f", row->column_us);
     else
       std::printf("%9s", "-");
-    std::printf(" %9.1f %14.6f %22.1e\n", row->ring_bytes / 1e3, row->relative_error, row->difference);
+    std::printf(" %9.1f %14.6f %22.1e\n", row->patch_bytes / 1e3, row->relative_error, row->difference);
   }
   std::printf("held-out PSNR: %.3f dB, with terms rounded to half %.3f dB\n", study.psnr_db, study.psnr_half_db);
 }
@@ -141,35 +142,35 @@ nlohmann::json precision_to_json(const PrecisionStudy& study) {
   for (const PrecisionRow* row : {&study.single, &study.twice, &study.stored, &study.stored_half})
     rows.push_back({{"format", row->name},
                     {"column_us", row->column_us},
-                    {"ring_bytes", row->ring_bytes},
+                    {"patch_bytes", row->patch_bytes},
                     {"relative_error", row->relative_error},
                     {"difference", row->difference}});
-  return {{"rings", study.rings},
+  return {{"patches", study.patches},
           {"columns", study.columns},
           {"formats", rows},
           {"psnr_db", study.psnr_db},
           {"psnr_half_db", study.psnr_half_db}};
 }
 
-void print_patches(const PatchStudy& study) {
-  std::printf("\n%-34s %9s %12s %9s %9s %7s %6s\n", "one patch per", "patches", "factorize ms", "MB", "PSNR dB", "SSIM",
-              "seam");
-  for (const PatchRow* row : {&study.ring, &study.triangle})
-    std::printf("%-34s %9zu %12.1f %9.1f %9.2f %7.4f %6.3f\n", row->name, row->patches, row->factorize_ms,
-                row->bytes / 1e6, row->psnr_db, row->ssim, row->seam);
+void print_patches(const std::vector<PatchRow>& rows) {
+  std::printf("\n%-34s %9s %12s %9s %9s %7s %6s\n", "triangles per patch", "patches", "factorize ms", "MB", "PSNR dB",
+              "SSIM", "seam");
+  for (const PatchRow& row : rows)
+    std::printf("%-34d %9zu %12.1f %9.1f %9.2f %7.4f %6.3f\n", row.triangles, row.patches, row.factorize_ms,
+                row.bytes / 1e6, row.psnr_db, row.ssim, row.seam);
 }
 
-nlohmann::json patches_to_json(const PatchStudy& study) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (const PatchRow* row : {&study.ring, &study.triangle})
-    rows.push_back({{"patch", row->name},
-                    {"patches", row->patches},
-                    {"factorize_ms", row->factorize_ms},
-                    {"bytes", row->bytes},
-                    {"psnr_db", row->psnr_db},
-                    {"ssim", row->ssim},
-                    {"seam", row->seam}});
-  return rows;
+nlohmann::json patches_to_json(const std::vector<PatchRow>& rows) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const PatchRow& row : rows)
+    list.push_back({{"triangles", row.triangles},
+                    {"patches", row.patches},
+                    {"factorize_ms", row.factorize_ms},
+                    {"bytes", row.bytes},
+                    {"psnr_db", row.psnr_db},
+                    {"ssim", row.ssim},
+                    {"seam", row.seam}});
+  return list;
 }
 
 nlohmann::json point_to_json(const TradeoffPoint& p) {
@@ -234,7 +235,7 @@ void tradeoff(const TradeoffArguments& arguments) {
     const auto studies = parts.result([&] {
       const OnlineRun light_field = build_online(experiment.mesh, experiment.in_order(), base);
       return std::pair(study_precision(experiment, base, *light_field.model),
-                       study_patches(experiment, base, light_field));
+                       study_patches(experiment, base, std::array{1, 2, 4, 8, 16}));
     });
     if (studies) {
       print_precision(studies->first);

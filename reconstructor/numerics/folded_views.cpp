@@ -55,13 +55,14 @@ template <typename Scalar>
 void FoldedViews<Scalar>::append(const Fold& fold, std::vector<Arrival> columns) {
   const Eigen::Index before = coefficients_.cols(), more = fold.coordinates.cols();
   coefficients_.conservativeResize(fold.coordinates.rows(), before + more);
-  views_.reserve(views_.size() + columns.size());  // no more than that: there are many rings
+  views_.reserve(views_.size() + columns.size());  // no more than that: there are many patches
   for (Eigen::Index j = 0; j < more; ++j) {
     Arrival& column = columns[j];
     coefficients_.col(before + j) = stored<Scalar>(std::ldexp(1.0, column.exponent) * fold.coordinates.col(j));
     views_.push_back({.weight = column.weight,
                       .lost = std::ldexp(std::max(0.0, fold.lost[j]), 2 * column.exponent),
                       .scatter = 0,
+                      .unexplained = column.unexplained,
                       .shown = std::move(column.shown)});
   }
 }
@@ -110,6 +111,8 @@ void FoldedViews<Scalar>::merge(int kept, int removed, std::shared_ptr<const Sho
   scatter_.noalias() += w * d * d.transpose();
   a.scatter += b.scatter + w * d.squaredNorm();
   a.lost += share * (b.lost - a.lost);
+  a.unexplained = a.unexplained < 0 || b.unexplained < 0 ? std::max(a.unexplained, b.unexplained)
+                                                         : std::lerp(a.unexplained, b.unexplained, share);
   a.weight += b.weight;
   a.shown = std::move(shown);
   coefficients_.col(kept) += static_cast<Scalar>(share) * apart;

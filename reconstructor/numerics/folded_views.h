@@ -27,7 +27,10 @@ class FoldedViews {
   const Matrix& coefficients() const { return coefficients_; }   ///< Y
   double weight(int view) const { return views_[view].weight; }  ///< sum over its columns
   double total_weight() const;
-  double lost(int view) const { return views_[view].lost; }                ///< ||c||^2 - ||y||^2, mean over its columns
+  double lost(int view) const { return views_[view].lost; }  ///< ||c||^2 - ||y||^2, mean over its columns
+  /// Of a row that it showed: variance of what the basis left unexplained when it was folded, mean over its columns;
+  /// negative where there was nothing to explain it by.
+  double unexplained(int view) const { return views_[view].unexplained; }
   const Shown* shown(int view) const { return views_[view].shown.get(); }  ///< null when all rows are known
   bool any_hides_rows() const;
   Eigen::MatrixXd gram() const;
@@ -40,6 +43,7 @@ class FoldedViews {
     double weight;
     int exponent;  ///< the fold was given the column times 2^-exponent
     std::shared_ptr<const Shown> shown;
+    double unexplained = -1;  ///< `FoldedViews::unexplained`
   };
   /// Makes each column of a fold a view. The rotation of that fold has been followed.
   void append(const Fold& fold, std::vector<Arrival> columns);
@@ -65,6 +69,7 @@ class FoldedViews {
     double weight;
     double lost;
     double scatter;  ///< trace of its part of S
+    double unexplained;
     std::shared_ptr<const Shown> shown;
   };
 

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "reconstructor/numerics/row_panels.h"
@@ -12,12 +14,17 @@
 namespace sheen {
 namespace {
 
-/// The rows one after the other; those of runs without values are 0. Returns where they end.
+/// Copies numbers and returns the largest magnitude: not finite where a number is not.
 template <typename Scalar>
-Scalar* copy_rows(const std::vector<SharedRows<Scalar>>& runs, Scalar* to) {
-  for (const SharedRows<Scalar>& run : runs)
-    to = run.values ? std::copy_n(run.values.get(), run.rows, to) : std::fill_n(to, run.rows, Scalar{0});
-  return to;
+Scalar copy_and_peak(const Scalar* from, std::size_t count, Scalar* to) {
+  // Magnitudes are in the order of their bits, infinity and NaN above all others.
+  using Bits = std::conditional_t<sizeof(Scalar) == sizeof(std::int32_t), std::int32_t, std::int64_t>;
+  Bits peak = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    peak = std::max(peak, std::bit_cast<Bits>(from[i]) & std::numeric_limits<Bits>::max());
+    to[i] = from[i];
+  }
+  return std::bit_cast<Scalar>(peak);
 }
 
 }  // namespace
@@ -25,37 +32,21 @@ Scalar* copy_rows(const std::vector<SharedRows<Scalar>>& runs, Scalar* to) {
 template <typename Scalar>
 void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::span<const std::uint8_t> known,
                                  double weight) {
-  auto values = std::make_shared_for_overwrite<Scalar[]>(static_cast<std::size_t>(rows_));
-  Scalar peak = copy_and_peak(column.data(), rows_, values.get());
-  if (std::isfinite(peak) && (known.empty() || !std::memchr(known.data(), 0, known.size())))
-    return add({{std::move(values), rows_, peak}}, {}, weight);
-  std::vector<std::uint8_t> finite_and_known(static_cast<std::size_t>(rows_));
-  peak = 0;
-  for (int row = 0; row < rows_; ++row) {
-    finite_and_known[row] = (known.empty() || known[row]) && std::isfinite(values[row]);
-    if (!finite_and_known[row]) values[row] = 0;
-    peak = std::max(peak, std::abs(values[row]));
-  }
-  add({{std::move(values), rows_, peak}}, finite_and_known, weight);
-}
-
-template <typename Scalar>
-void PendingColumns<Scalar>::add(std::vector<SharedRows<Scalar>> runs, std::span<const std::uint8_t> known,
-                                 double weight) {
-  Scalar peak = 0;
-  for (const SharedRows<Scalar>& run : runs) {
-    if (!std::isfinite(run.peak)) {
-      Vector column(rows_);
-      copy_rows(runs, column.data());
-      return add(column, known, weight);
-    }
-    peak = std::max(peak, run.peak);
-  }
-  Column pending{.weight = weight, .exponent = 0, .hidden = {}, .runs = std::move(runs)};
-  if (!known.empty() && std::memchr(known.data(), 0, known.size())) {
+  const auto rows = static_cast<std::size_t>(rows_);
+  Column pending{.weight = weight, .exponent = 0, .hidden = {}, .values = std::vector<Scalar>(rows)};
+  Scalar peak = copy_and_peak(column.data(), rows, pending.values.data());
+  if (!std::isfinite(peak) || (!known.empty() && std::memchr(known.data(), 0, known.size()))) {
     pending.hidden.assign(words_of(rows_), 0);
-    for (int row = 0; row < rows_; ++row)
-      if (!known[row]) set_row(pending.hidden, row);
+    peak = 0;
+    for (int row = 0; row < rows_; ++row) {
+      Scalar& value = pending.values[static_cast<std::size_t>(row)];
+      if ((known.empty() || known[row]) && std::isfinite(value)) {
+        peak = std::max(peak, std::abs(value));
+      } else {
+        value = 0;
+        set_row(pending.hidden, row);
+      }
+    }
   }
   constexpr int kHarmless = 24;
   if (peak > 0 && std::abs(std::ilogb(peak)) > kHarmless) pending.exponent = std::ilogb(peak);
@@ -68,15 +59,6 @@ void PendingColumns<Scalar>::erase(int column) {
 }
 
 template <typename Scalar>
-Scalar PendingColumns<Scalar>::value(int column, int row) const {
-  for (const SharedRows<Scalar>& run : columns_[column].runs) {
-    if (row < run.rows) return run.values ? run.values[row] : 0;
-    row -= run.rows;
-  }
-  return 0;
-}
-
-template <typename Scalar>
 typename PendingColumns<Scalar>::Columns PendingColumns<Scalar>::gathered() const {
   thread_local std::vector<Scalar> buffer;
   const Eigen::Index length = row_panels::padded(rows_);
@@ -85,7 +67,7 @@ typename PendingColumns<Scalar>::Columns PendingColumns<Scalar>::gathered() cons
   Scalar* to = buffer.data();
   for (const Column& column : columns_) {
     Scalar* const end = to + length;
-    std::fill(copy_rows(column.runs, to), end, Scalar{0});
+    std::fill(std::copy(column.values.begin(), column.values.end(), to), end, Scalar{0});
     if (column.exponent != 0)
       std::transform(end - length, end, end - length, [&](Scalar x) { return std::ldexp(x, -column.exponent); });
     to = end;
@@ -121,10 +103,8 @@ HiddenPatterns PendingColumns<Scalar>::hidden_patterns() const {
 template <typename Scalar>
 std::size_t PendingColumns<Scalar>::bytes() const {
   std::size_t bytes = sizeof(Column) * columns_.capacity();
-  for (const Column& column : columns_) {
-    bytes += sizeof(std::uint64_t) * column.hidden.capacity();
-    for (const SharedRows<Scalar>& run : column.runs) bytes += run.bytes();
-  }
+  for (const Column& column : columns_)
+    bytes += sizeof(std::uint64_t) * column.hidden.capacity() + sizeof(Scalar) * column.values.capacity();
   return bytes;
 }
 

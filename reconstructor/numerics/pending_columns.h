@@ -10,13 +10,12 @@
 
 #include "reconstructor/numerics/row_bits.h"
 #include "reconstructor/numerics/row_panels.h"
-#include "reconstructor/numerics/shared_rows.h"
 
 namespace sheen {
 
-/// The columns of one block while they wait to be folded, in runs of rows that other factors may hold too. Squares of
-/// single precision neither overflow nor vanish: a column that is far from one is handed to the fold times a power of
-/// two, 2^-exponent. Rows that a column does not show are 0.
+/// The columns of one block while they wait to be folded. Squares of single precision neither overflow nor vanish: a
+/// column that is far from one is handed to the fold times a power of two, 2^-exponent. Rows that a column does not
+/// show are 0.
 template <typename Scalar>
 class PendingColumns {
  public:
@@ -30,8 +29,6 @@ class PendingColumns {
 
   /// `known`: for each row; empty when all are. Rows that are not finite count as unknown.
   void add(const Eigen::Ref<const Vector>& column, std::span<const std::uint8_t> known, double weight);
-  /// The runs of a column, one after the other; `known` as above, and true to them.
-  void add(std::vector<SharedRows<Scalar>> runs, std::span<const std::uint8_t> known, double weight);
   void erase(int column);  ///< those behind it move up by one
   void clear() { columns_.clear(); }
 
@@ -45,11 +42,10 @@ class PendingColumns {
   HiddenPatterns hidden_patterns() const;
 
   /// As it was added; 0 where the column hides the row.
-  Scalar value(int column, int row) const;
+  Scalar value(int column, int row) const { return columns_[column].values[row]; }
   /// All columns side by side, scaled, of padded length. They are the caller's until the same thread asks again, of
   /// whichever factor.
   Columns gathered() const;
-  /// Runs that others hold too count in parts.
   std::size_t bytes() const;
 
  private:
@@ -57,7 +53,7 @@ class PendingColumns {
     double weight;
     int exponent;
     RowBits hidden;
-    std::vector<SharedRows<Scalar>> runs;
+    std::vector<Scalar> values;
   };
 
   int rows_;

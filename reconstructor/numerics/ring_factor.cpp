@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -42,35 +41,17 @@ int BasicRingFactor<Scalar>::block_size() const {
 }
 
 template <typename Scalar>
-template <typename Column>
-typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add_column(Column&& column,
-                                                                              std::span<const std::uint8_t> known,
-                                                                              double weight) {
-  require(known.empty() || known.size() == static_cast<std::size_t>(rows()),
-          "ring factor: known must have one flag per row");
-  require(weight > 0 && std::isfinite(weight), "ring factor: a weight must be positive and finite");
-  if (pending_.empty()) block_due_ = block_size();
-  pending_.add(std::forward<Column>(column), known, weight);
-  ++columns_added_;
-  return pending() >= block_due_ ? fold() : Reports{};
-}
-
-template <typename Scalar>
 typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(const ConstVectorRef& column,
                                                                        std::span<const std::uint8_t> known,
                                                                        double weight) {
   require(column.size() == rows(), "ring factor: a column must have as many values as the factor has rows");
-  return add_column(column, known, weight);
-}
-
-template <typename Scalar>
-typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(std::vector<SharedRows<Scalar>> column,
-                                                                       std::span<const std::uint8_t> known,
-                                                                       double weight) {
-  const auto add_rows = [](int sum, const SharedRows<Scalar>& run) { return sum + run.rows; };
-  require(std::accumulate(column.begin(), column.end(), 0, add_rows) == rows(),
-          "ring factor: a column must have as many values as the factor has rows");
-  return add_column(std::move(column), known, weight);
+  require(known.empty() || known.size() == static_cast<std::size_t>(rows()),
+          "ring factor: known must have one flag per row");
+  require(weight > 0 && std::isfinite(weight), "ring factor: a weight must be positive and finite");
+  if (pending_.empty()) block_due_ = block_size();
+  pending_.add(column, known, weight);
+  ++columns_added_;
+  return pending() >= block_due_ ? fold() : Reports{};
 }
 
 template <typename Scalar>
@@ -91,28 +72,44 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
   const bool first = rank() == 0;
   const Fold fold = basis_.fold(columns, weights, y, hidden, options_);
   views_.follow(fold.rotation);
-  views_.append(fold, std::move(arrivals));
-
   reports.reserve(static_cast<std::size_t>(pending()));
-  for (int j = 0; j < pending(); ++j) reports.push_back(report(fold, j, first || (guessed >> j & 1) != 0));
+  for (int j = 0; j < pending(); ++j) {
+    const ColumnReport& brought = reports.emplace_back(report(fold, j, first || (guessed >> j & 1) != 0));
+    if (!brought.first && brought.known_rows > 0)
+      arrivals[j].unexplained = brought.residual_norm * brought.residual_norm / brought.known_rows;
+    follow_noise(arrivals[j].unexplained);
+  }
+  views_.append(fold, std::move(arrivals));
   columns_folded_ += pending();
   pending_.clear();
   return reports;
 }
 
-/// What a column brought, which `row_noise` follows.
+/// What a column brought.
 template <typename Scalar>
-ColumnReport BasicRingFactor<Scalar>::report(const Fold& fold, int column, bool first) {
+ColumnReport BasicRingFactor<Scalar>::report(const Fold& fold, int column, bool first) const {
   ColumnReport report;
   report.norm = std::ldexp(std::sqrt(fold.norm2[column]), pending_.exponent(column));
   report.residual_norm = std::ldexp(std::sqrt(fold.residual2[column]), pending_.exponent(column));
   report.known_rows = pending_.known_rows(column);
   report.first = first;
-  if (report.first || report.known_rows == 0) return report;
-  const double variance = report.residual_norm * report.residual_norm / report.known_rows;
-  row_noise_ = predicted_ ? std::lerp(variance, row_noise_, options_.residual_memory) : variance;
-  predicted_ = true;
   return report;
+}
+
+template <typename Scalar>
+void BasicRingFactor<Scalar>::follow_noise(double unexplained) {
+  if (unexplained < 0) return;
+  row_noise_ = predicted_ ? std::lerp(unexplained, row_noise_, options_.residual_memory) : unexplained;
+  predicted_ = true;
+}
+
+/// As if only the views that are left had come: one bad image makes a running mean large, and with it everything that
+/// is imputed thereafter would tend to the mean of the views.
+template <typename Scalar>
+void BasicRingFactor<Scalar>::forget_noise_of_the_removed() {
+  row_noise_ = 0;
+  predicted_ = false;
+  for (int view = 0; view < folded_views(); ++view) follow_noise(views_.unexplained(view));
 }
 
 template <typename Scalar>
@@ -168,6 +165,7 @@ void BasicRingFactor<Scalar>::remove(int view) {
   if (const int waiting = view - folded_views(); waiting >= 0) return pending_.erase(waiting);
   basis_.count_lost(views_.weight(view), -views_.lost(view));
   views_.remove(view);
+  forget_noise_of_the_removed();
   rediagonalise();
 }
 
@@ -203,13 +201,11 @@ std::size_t BasicRingFactor<Scalar>::bytes() const {
 
 template <typename Scalar>
 double BasicRingFactor<Scalar>::bytes_for(double rows, double terms, double columns, double views, double sketched) {
-  constexpr double kViewEntry = 124;  // its line in the ledger, and the head of what it showed
-  constexpr double kRuns =
-      6 * (sizeof(SharedRows<Scalar>) + 32.0 / 3);    // of a column: six triangles, each in three rings
+  constexpr double kViewEntry = 140;                  // its line in the ledger, and the head of what it showed
   const double padded = rows + row_panels::kPadding;  // to whole vectors
   const double view = kViewEntry + padded / 8 + sizeof(Scalar) * sketched;
-  return sizeof(Scalar) * (padded * (terms + columns) + terms * views) + kRuns * columns +
-         2 * sizeof(double) * terms * terms + padded / 8 + views * view;
+  return sizeof(Scalar) * (padded * (terms + columns) + terms * views) + 2 * sizeof(double) * terms * terms +
+         padded / 8 + views * view;
 }
 
 template class BasicRingFactor<float>;

@@ -107,9 +107,6 @@ class BasicRingFactor {
   /// `known`: for each row; 0 where the column does not show it and its value means nothing. Empty: all are known.
   Reports add(const ConstVectorRef& column, std::span<const std::uint8_t> known, double weight = 1);
 
-  /// The same, of a column whose rows other factors may hold too: all runs have as many rows as the factor.
-  Reports add(std::vector<SharedRows<Scalar>> column, std::span<const std::uint8_t> known, double weight);
-
   /// Folds the pending columns now, and so moves later folds: for benchmarks and for a factor that is complete.
   Reports fold();
 
@@ -145,10 +142,10 @@ class BasicRingFactor {
   }
 
  private:
-  template <typename Column>
-  Reports add_column(Column&& column, std::span<const std::uint8_t> known, double weight);
   int block_size() const;
-  ColumnReport report(const Fold& fold, int column, bool first);
+  ColumnReport report(const Fold& fold, int column, bool first) const;
+  void follow_noise(double unexplained);
+  void forget_noise_of_the_removed();
   void turn_to_singular_order();
   void rediagonalise();
 

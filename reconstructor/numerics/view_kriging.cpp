@@ -62,21 +62,20 @@ Matrix<Scalar> inverse(const Matrix<Scalar>& positive) {
   return -m.topLeftCorner(n, n);
 }
 
-/// Kriging in matrices: Q is the inverse of the covariance of the views, and Z = Q - Q 1 1^T Q / (1^T Q 1). With a
-/// drift f it is projected out as well: Z - Z f f^T Z / (f^T Z f). The error of view i left out is (Y Z)_i / Z_ii.
+/// Kriging of coefficients Y in matrices: Q is the inverse of the covariance of the views, and Z = Q - Q 1 1^T Q / (1^T
+/// Q 1). With a drift f it is projected out as well: Z - Z f f^T Z / (f^T Z f). The weights are Y Z, and the error of
+/// view i left out is (Y Z)_i / Z_ii.
 template <typename Scalar>
 class Kriging {
  public:
-  Kriging(const MatrixXf& angles, const Eigen::Ref<const MatrixXf>& coefficients,
-          const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel)
-      : y_(coefficients.template cast<Scalar>()), reliability_(reliability.template cast<Scalar>()) {
+  Kriging(const MatrixXf& angles, const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel)
+      : reliability_(reliability.template cast<Scalar>()) {
     Matrix<Scalar> covariance = covariances(kernel, angles).template cast<Scalar>();
     covariance.diagonal() += (kernel.nugget * reliability_.cwiseInverse());
     q_ = inverse(covariance);
     row_sums_ = q_.rowwise().sum();
     total_ = row_sums_.sum();
     diagonal_ = q_.diagonal() - row_sums_.cwiseAbs2() / total_;
-    weights_ = y_ * q_ - (y_ * row_sums_) * row_sums_.transpose() / total_;
   }
 
   /// Takes the drift into account. False where it says nothing that a constant does not: nothing is done then.
@@ -86,56 +85,88 @@ class Kriging {
     const Vector<Scalar> zf = q_ * varying - row_sums_ * (row_sums_.dot(varying) / total_);
     const Scalar power = varying.dot(zf);
     if (!(power > kLeastDrift)) return false;
-    factor_ = y_ * zf / power;
-    weights_ -= factor_ * zf.transpose();
+    drift_ = f;
+    drift_weights_ = zf;
+    drift_power_ = power;
     diagonal_ -= zf.cwiseAbs2() / power;
-    y_ -= factor_ * f.transpose();
     return true;
   }
 
-  const Vector<Scalar>& factor() const { return factor_; }    ///< of the drift: rank; empty without
-  const Matrix<Scalar>& weights() const { return weights_; }  ///< Y Z: rank x views
-  Vector<Scalar> mean() const { return y_ * row_sums_ / total_; }
+  /// Y Z without the drift.
+  Matrix<Scalar> ordinary_weights(const Matrix<Scalar>& y) const {
+    return y * q_ - (y * row_sums_) * row_sums_.transpose() / total_;
+  }
+  /// Of the drift: rank; empty without.
+  Vector<Scalar> factor(const Matrix<Scalar>& y) const {
+    return drift_.size() > 0 ? Vector<Scalar>(y * drift_weights_ / drift_power_) : Vector<Scalar>();
+  }
+  /// What Y Z with the drift is less: rank x views.
+  Matrix<Scalar> taken_by_drift(const Matrix<Scalar>& y) const { return factor(y) * drift_weights_.transpose(); }
+  Vector<Scalar> mean(const Matrix<Scalar>& y) const {
+    Vector<Scalar> mean = y * row_sums_ / total_;
+    if (drift_.size() > 0) mean -= factor(y) * (drift_.dot(row_sums_) / total_);
+    return mean;
+  }
 
-  /// Sum over views of their reliability times the squared error of predicting each from the others.
-  Scalar leave_one_out() const {
-    return (reliability_.array() * weights_.colwise().squaredNorm().transpose().array() /
+  /// Sum over views of their reliability times the squared error of predicting each from the others, by the weights.
+  Scalar leave_one_out(const Matrix<Scalar>& weights) const {
+    return (reliability_.array() * weights.colwise().squaredNorm().transpose().array() /
             diagonal_.array().max(kLeastDiagonal).square())
         .sum();
   }
-  /// That over its expectation with a sill of 1: the variance of such a prediction is 1 / Z_ii.
-  Scalar sill() const { return leave_one_out() / (reliability_.array() / diagonal_.array().max(kLeastDiagonal)).sum(); }
+  /// What that is expected to be with a sill of 1: the variance of such a prediction is 1 / Z_ii.
+  Scalar expected_leave_one_out() const { return (reliability_.array() / diagonal_.array().max(kLeastDiagonal)).sum(); }
 
  private:
   // Of a view that alone decides: nothing is left to predict it from, but for what rounding leaves.
   static constexpr Scalar kLeastDiagonal = std::max<Scalar>(Scalar(1e-9), 100 * std::numeric_limits<Scalar>::epsilon());
 
-  Matrix<Scalar> y_;
   Vector<Scalar> reliability_;
   Matrix<Scalar> q_;
-  Vector<Scalar> diagonal_, row_sums_, factor_;
+  Vector<Scalar> diagonal_, row_sums_;
   Scalar total_;
-  Matrix<Scalar> weights_;
+  Vector<Scalar> drift_, drift_weights_;  ///< f and Z f; empty without
+  Scalar drift_power_ = 0;                ///< f^T Z f
 };
 
 }  // namespace
 
-ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const MatrixXf>& coefficients,
-                      const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel, const VectorXf& drift) {
-  const Eigen::Index n = directions.cols();
+struct ViewKriging::System {
+  Eigen::Index views = 0;
+  Kriging<double> kriging;
+};
+
+ViewKriging::ViewKriging(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const VectorXf>& reliability,
+                         const ViewKernel& kernel, const VectorXf& drift) {
+  const Eigen::Index views = directions.cols();
+  if (views == 0) return;
+  system_ = std::make_unique<System>(System{views, Kriging<double>(angles_between(directions), reliability, kernel)});
+  if (views > 2 && drift.size() > 0) system_->kriging.project_out(drift);
+}
+
+ViewKriging::~ViewKriging() = default;
+
+ViewInterpolant ViewKriging::of(const Eigen::Ref<const MatrixXf>& coefficients) const {
   ViewInterpolant result;
   result.mean = VectorXf::Zero(coefficients.rows());
-  result.weights = MatrixXf::Zero(coefficients.rows(), n);
-  if (n == 0) return result;
-
-  Kriging<double> kriging(angles_between(directions), coefficients, reliability, kernel);
-  if (n > 2 && drift.size() > 0 && kriging.project_out(drift)) result.drift = kriging.factor().cast<float>();
-  result.mean = kriging.mean().cast<float>();
-  if (n == 1) return result;
-  result.weights = kriging.weights().cast<float>();
-  result.leave_one_out = kriging.leave_one_out();
-  result.sill = kriging.sill();
+  result.weights = MatrixXf::Zero(coefficients.rows(), coefficients.cols());
+  if (!system_) return result;
+  const Kriging<double>& kriging = system_->kriging;
+  const MatrixXd y = coefficients.cast<double>();
+  result.drift = kriging.factor(y).cast<float>();
+  result.mean = kriging.mean(y).cast<float>();
+  if (system_->views == 1) return result;
+  MatrixXd weights = kriging.ordinary_weights(y);
+  if (result.drift.size() > 0) weights -= kriging.taken_by_drift(y);
+  result.weights = weights.cast<float>();
+  result.leave_one_out = kriging.leave_one_out(weights);
+  result.sill = result.leave_one_out / kriging.expected_leave_one_out();
   return result;
+}
+
+ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const MatrixXf>& coefficients,
+                      const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel, const VectorXf& drift) {
+  return ViewKriging(directions, reliability, kernel, drift).of(coefficients);
 }
 
 template <typename Scalar>
@@ -145,10 +176,14 @@ LeaveOneOut leave_one_out(const MatrixXf& angles, const Eigen::Ref<const MatrixX
   LeaveOneOut errors;
   errors.with_drift = std::numeric_limits<double>::infinity();
   if (angles.cols() < 2) return errors;
-  Kriging<Scalar> kriging(angles, coefficients, reliability, kernel);
-  errors.ordinary = kriging.leave_one_out();
-  if (angles.cols() >= kFewestViewsWithDrift && drift.size() > 0 && kriging.project_out(drift))
-    errors.with_drift = kriging.leave_one_out();
+  const Matrix<Scalar> y = coefficients.template cast<Scalar>();
+  Kriging<Scalar> kriging(angles, reliability, kernel);
+  Matrix<Scalar> weights = kriging.ordinary_weights(y);
+  errors.ordinary = kriging.leave_one_out(weights);
+  if (angles.cols() >= kFewestViewsWithDrift && drift.size() > 0 && kriging.project_out(drift)) {
+    weights -= kriging.taken_by_drift(y);
+    errors.with_drift = kriging.leave_one_out(weights);
+  }
   return errors;
 }
 

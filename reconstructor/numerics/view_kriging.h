@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 
 #include "reconstructor/numerics/view_kernel.h"
 
@@ -31,6 +32,21 @@ inline constexpr int kFewestViewsWithDrift = 6;
 ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
                       const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
                       const Eigen::VectorXf& drift = {});
+
+/// `krige` of several sets of coefficients of the same views: what costs the cube of their number is done once.
+class ViewKriging {
+ public:
+  /// Arguments as of `krige`.
+  ViewKriging(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::VectorXf>& reliability,
+              const ViewKernel& kernel, const Eigen::VectorXf& drift = {});
+  ~ViewKriging();
+
+  ViewInterpolant of(const Eigen::Ref<const Eigen::MatrixXf>& coefficients) const;
+
+ private:
+  struct System;
+  std::unique_ptr<System> system_;  ///< null without views
+};
 
 /// `ViewInterpolant::leave_one_out` without the interpolant, from one factorization for both: the second is infinite
 /// where the views are too few or the drift does not vary. angles: between the views' directions. In single precision,

@@ -6,10 +6,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
-#include "reconstructor/models/surface_light_field/fill_unseen.h"
+#include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
+#include "reconstructor/models/surface_light_field/patch_interpolation.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
-#include "reconstructor/models/surface_light_field/ring_model.h"
 #include "reconstructor/models/surface_light_field/view_interpolation.h"
 #include "reconstructor/radiance/ring_resampler.h"
 #include "reconstructor/surface/map_resolution.h"
@@ -18,14 +19,12 @@
 namespace sheen {
 namespace {
 
-constexpr std::size_t kReflectionRings = 1000;  // as many say well enough what all share
+constexpr std::size_t kReflectionPatches = 1000;  // as many say well enough what all share
 
-/// A ring's factorization on its way to a snapshot.
+/// A patch's factorization on its way to a snapshot.
 struct Factored {
-  RingMatrix matrix;
-  Eigen::MatrixXf basis, coefficients;
-  Eigen::VectorXf reliability;
-  double residual = 0;  ///< relative, over the known values
+  FactorizedPatch patch;
+  SurfaceSite centre;
 };
 
 std::vector<int> in_order(int views) {
@@ -34,108 +33,85 @@ std::vector<int> in_order(int views) {
   return order;
 }
 
-Factored factored(RingMatrix matrix, const BatchFactorization& how) {
-  Factored ring{.matrix = std::move(matrix)};
+Factored factored(const PatchMatrix& matrix, const SurfaceSite& centre, const BatchFactorization& how) {
   MissingPcaOptions missing = how.missing;
   if (how.measures_noise)
-    missing.noise = online_factor(ring.matrix, *how.measures_noise, in_order(ring.matrix.views())).row_noise();
-  const BatchPca pca = batch_pca_imputed(ring.matrix.columns, ring.matrix.known, how.rank, how.imputing_rank,
-                                         ring.matrix.weights(), missing);
-  ring.basis = pca.basis.cast<float>();
-  ring.coefficients = pca.coefficients.cast<float>();
-  ring.residual = pca.relative_error;
-  ring.reliability.resize(ring.matrix.views());
-  for (int j = 0; j < ring.matrix.views(); ++j)
-    ring.reliability[j] = ring.matrix.cosines[j] * static_cast<float>(ring.matrix.share(j));
-  return ring;
+    missing.noise = online_factor(matrix, *how.measures_noise, in_order(matrix.views())).row_noise();
+  const BatchPca pca =
+      batch_pca_imputed(matrix.columns, matrix.known, how.rank, how.imputing_rank, matrix.weights(), missing);
+  FactorizedPatch patch{.basis = pca.basis.cast<float>(),
+                        .coefficients = pca.coefficients.cast<float>(),
+                        .shown = {},
+                        .residual = static_cast<float>(pca.relative_error),
+                        .images = matrix.views(),
+                        .views = ViewSet(centre.place, static_cast<std::size_t>(matrix.reliability.rows()))};
+  for (Eigen::Index row = 0; row < matrix.known.rows(); row += 3)
+    patch.shown.push_back(shown_share(static_cast<int>((matrix.known.row(row) != 0).count()), matrix.views()));
+  for (int j = 0; j < matrix.views(); ++j)
+    patch.views.add(matrix.eyes.col(j),
+                    {matrix.reliability.col(j).data(), static_cast<std::size_t>(matrix.reliability.rows())});
+  return {std::move(patch), centre};
 }
 
-RingLevels levels(const Factored& ring, const Eigen::Vector3f& normal) {
-  const Eigen::Index rank = ring.basis.cols();
-  if (rank == 0) return {normal, {}, {}, {}};
-  Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, rank);
+RingLevels levels(const Factored& factored) {
+  const FactorizedPatch& patch = factored.patch;
+  Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, patch.basis.cols());
   int seen = 0;
-  for (Eigen::Index row = 0; row < ring.matrix.known.rows(); row += 3)
-    if ((ring.matrix.known.row(row) != 0).any()) {
-      mean += ring.basis.middleRows<3>(row);
+  for (std::size_t s = 0; s < patch.shown.size(); ++s)
+    if (patch.shown[s] > 0) {
+      mean += patch.basis.middleRows<3>(static_cast<Eigen::Index>(3 * s));
       ++seen;
     }
-  return {normal, ring.matrix.directions, mean / static_cast<float>(std::max(seen, 1)) * ring.coefficients,
-          ring.reliability};
-}
-
-/// Empty without a shared reflection.
-Eigen::VectorXf drift_of_views(const Factored& ring, const ReflectionDrift* reflection, const Eigen::Vector3f& normal) {
-  Eigen::VectorXf drift(reflection ? ring.matrix.views() : 0);
-  for (Eigen::Index j = 0; j < drift.size(); ++j) drift[j] = reflection->at(ring.matrix.directions.col(j), normal);
-  return drift;
-}
-
-std::shared_ptr<const RingSnapshot> ring_snapshot(const Factored& ring, const ViewInterpolation& interpolation,
-                                                  ViewMethod method,
-                                                  const std::shared_ptr<const ReflectionDrift>& reflection,
-                                                  const Eigen::Matrix3f& frame, std::span<const int> resolution) {
-  auto snapshot = std::make_shared<RingSnapshot>();
-  snapshot->basis = ring.basis;
-  snapshot->directions = ring.matrix.directions;
-  snapshot->reliability = ring.reliability;
-  snapshot->frame = frame;
-  snapshot->shown.resize(static_cast<std::size_t>(ring.matrix.known.rows() / 3));
-  for (std::size_t s = 0; s < snapshot->shown.size(); ++s)
-    snapshot->shown[s] = shown_share(
-        static_cast<int>((ring.matrix.known.row(static_cast<Eigen::Index>(3 * s)) != 0).count()), ring.matrix.views());
-  snapshot->set_interpolation(
-      krige(snapshot->directions, ring.coefficients, ring.reliability, interpolation.kernel,
-            interpolation.drift ? drift_of_views(ring, reflection.get(), frame.row(2)) : Eigen::VectorXf()),
-      interpolation.kernel, reflection);
-  if (method == ViewMethod::kDelaunay) snapshot->set_triangulation(ring.coefficients);
-  snapshot->residual = static_cast<float>(ring.residual);
-  snapshot->best_cosine = ring.matrix.cosines.maxCoeff();
-  snapshot->views_folded = ring.matrix.views();
-  fill_unseen_samples(*snapshot, resolution);
-  return snapshot;
+  return patch_levels(patch.views.seen_from_centre(), mean / static_cast<float>(std::max(seen, 1)), patch.coefficients,
+                      factored.centre.normal);
 }
 
 }  // namespace
 
-std::vector<double> RingMatrix::weights() const {
+std::vector<double> PatchMatrix::weights() const {
   std::vector<double> weights;
   for (int j = 0; j < views(); ++j) weights.push_back(image_weight({}, share(j)));
   return weights;
 }
 
-RingFactor online_factor(const RingMatrix& ring, const RingFactorOptions& options, std::span<const int> order) {
-  const std::vector<double> weights = ring.weights();
-  RingFactor factor(static_cast<int>(ring.columns.rows()), ring_factor_options(options));
+RingFactor online_factor(const PatchMatrix& patch, const RingFactorOptions& options, std::span<const int> order) {
+  const std::vector<double> weights = patch.weights();
+  RingFactor factor(static_cast<int>(patch.columns.rows()), patch_factor_options(options));
   for (const int j : order)
-    factor.add(ring.columns.col(j), {ring.known.col(j).data(), static_cast<std::size_t>(ring.known.rows())},
+    factor.add(patch.columns.col(j), {patch.known.col(j).data(), static_cast<std::size_t>(patch.known.rows())},
                weights[static_cast<std::size_t>(j)]);
   return factor.settled();
 }
 
 BatchLightField::BatchLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options,
                                  std::size_t every)
-    : mesh_(std::move(mesh)), options_(options), every_(every), kept_(mesh_->vertices.size()) {}
+    : mesh_(std::move(mesh)), options_(options), every_(every) {}
 
 void BatchLightField::add(const Capture& capture) {
-  if (!vertex_rings_) {
-    vertex_rings_ = std::make_shared<VertexRings>(
+  if (!maps_) {
+    maps_ = std::make_shared<VertexRings>(
         *mesh_,
         map_resolution(*mesh_, capture.camera, capture.pose.camera_from_object,
                        {options_.surface_map, options_.min_surface_map, options_.max_surface_map, options_.map_scale}));
-    visibility_ = std::make_unique<RingVisibility>(*mesh_, *vertex_rings_, options_.visibility);
+    visibility_ = std::make_unique<RingVisibility>(*mesh_, *maps_, options_.visibility);
+    shapes_ = std::make_shared<const PatchShapes>(
+        cut_into_patches(*mesh_, *maps_, static_cast<std::size_t>(options_.patch.triangles)));
+    kept_.resize(shapes_->patches.size());
   }
   const SurfaceView& view = visibility_->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   image_.load(capture, view);
-  resample(image_, view, *vertex_rings_, 1, samples_, options_.sampling);
+  resample(image_, view, *maps_, 1, samples_, options_.sampling);
+  const std::vector<float> at_vertices = reliability_at_vertices(*maps_, view);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kept_.size(), 32), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      if (v % every_ != 0) continue;
-      RingColumn column;
-      if (!gather(*vertex_rings_, v, mesh_->vertices[v], view, samples_, column)) continue;
+    for (std::size_t p = range.begin(); p < range.end(); ++p) {
+      if (p % every_ != 0) continue;
+      PatchColumn column;
+      if (!gather(*maps_, shapes_->patches[p], {view, samples_}, column)) continue;
       const auto shown = static_cast<double>(std::count(column.visible.begin(), column.visible.end(), 1));
-      if (shown >= options_.ring.min_visible * static_cast<double>(column.visible.size()))
-        kept_[v].push_back({images_, std::move(column)});
+      if (shown < options_.patch.min_visible * static_cast<double>(column.visible.size())) continue;
+      std::vector<float> reliability;
+      for (const std::uint32_t v : shapes_->patches[p].vertices) reliability.push_back(at_vertices[v]);
+      kept_[p].push_back({images_, std::move(column), view.eye.cast<float>(), std::move(reliability)});
     }
   });
   ++images_;
@@ -143,74 +119,72 @@ void BatchLightField::add(const Capture& capture) {
 
 std::size_t BatchLightField::bytes() const {
   std::size_t bytes = 0;
-  for (const auto& ring : kept_)
-    for (const Kept& kept : ring)
+  for (const auto& patch : kept_)
+    for (const Kept& kept : patch)
       bytes += sizeof(Kept) + sizeof(float) * static_cast<std::size_t>(kept.column.values.size()) +
                kept.column.visible.size();
   return bytes;
 }
 
-RingMatrix BatchLightField::ring(std::size_t vertex) const {
-  RingMatrix matrix;
-  const auto n = static_cast<Eigen::Index>(kept_[vertex].size());
+PatchMatrix BatchLightField::patch(std::size_t index) const {
+  PatchMatrix matrix;
+  const auto n = static_cast<Eigen::Index>(kept_[index].size());
   if (n == 0) return matrix;
-  const Eigen::Index rows = kept_[vertex].front().column.values.size();
+  const Eigen::Index rows = kept_[index].front().column.values.size();
   matrix.columns.resize(rows, n);
   matrix.known.resize(rows, n);
-  matrix.directions.resize(3, n);
-  matrix.cosines.resize(n);
+  matrix.eyes.resize(3, n);
+  matrix.reliability.resize(static_cast<Eigen::Index>(shapes_->patches[index].vertices.size()), n);
   for (Eigen::Index j = 0; j < n; ++j) {
-    const Kept& kept = kept_[vertex][static_cast<std::size_t>(j)];
+    const Kept& kept = kept_[index][static_cast<std::size_t>(j)];
     for (Eigen::Index i = 0; i < rows; ++i) {
       matrix.known(i, j) = kept.column.visible[static_cast<std::size_t>(i / 3)];
       matrix.columns(i, j) = matrix.known(i, j) ? kept.column.values[i] : 0;
     }
-    matrix.directions.col(j) = kept.column.direction;
-    matrix.cosines[j] = kept.column.cosine;
+    matrix.eyes.col(j) = kept.eye;
+    matrix.reliability.col(j) = Eigen::Map<const Eigen::VectorXf>(kept.reliability.data(), matrix.reliability.rows());
     matrix.images.push_back(kept.image);
   }
   return matrix;
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> BatchLightField::factorize(const BatchFactorization& how) const {
-  std::vector<Factored> rings(kept_.size());
+  std::vector<std::unique_ptr<Factored>> patches(kept_.size());  // null where no image shows enough
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kept_.size(), 8), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (!kept_[v].empty()) rings[v] = factored(ring(v), how);
+    for (std::size_t p = range.begin(); p < range.end(); ++p)
+      if (!kept_[p].empty())
+        patches[p] = std::make_unique<Factored>(factored(patch(p), centre_of(*mesh_, shapes_->patches[p]), how));
   });
   const std::vector<Eigen::Vector3f> normals = vertex_normals(*mesh_);
-  std::vector<Eigen::Matrix3f> frames(normals.size());
-  std::transform(normals.begin(), normals.end(), frames.begin(), &hemisphere_frame);
 
-  // Between views as the online light field does: with what all rings share, by the errors of all rings.
+  // Between views as the online light field does: with what all patches share, by the errors of all patches.
   std::vector<RingLevels> shared;
-  for (std::size_t v = 0; v < rings.size(); v += std::max<std::size_t>(1, rings.size() / kReflectionRings))
-    if (rings[v].matrix.views() > 0) shared.push_back(levels(rings[v], frames[v].row(2)));
-  const ViewInterpolationOptions& between_views = options_.ring.interpolation;
+  for (std::size_t p = 0; p < patches.size(); p += std::max<std::size_t>(1, patches.size() / kReflectionPatches))
+    if (patches[p]) shared.push_back(levels(*patches[p]));
+  const ViewInterpolationOptions& between_views = options_.patch.interpolation;
   const std::shared_ptr<const ReflectionDrift> reflection =
       between_views.drift ? estimate_reflection_drift(shared) : nullptr;
-  std::vector<InterpolationErrors> errors(rings.size());
-  tbb::parallel_for(std::size_t{0}, rings.size(), [&](std::size_t v) {
-    if (rings[v].matrix.views() > 0)
-      errors[v] = interpolation_errors(rings[v].matrix.directions, rings[v].coefficients, rings[v].reliability,
-                                       drift_of_views(rings[v], reflection.get(), frames[v].row(2)));
+  std::vector<InterpolationErrors> errors(patches.size());
+  tbb::parallel_for(std::size_t{0}, patches.size(), [&](std::size_t p) {
+    if (patches[p])
+      errors[p] = interpolation_errors(patches[p]->patch.views.seen_from_centre(), patches[p]->patch.coefficients,
+                                       reflection.get(), patches[p]->centre.normal);
   });
-  InterpolationChoice choice(*mesh_, between_views);
-  for (std::size_t v = 0; v < rings.size(); ++v)
-    if (rings[v].matrix.views() > 0) choice.count(static_cast<std::uint32_t>(v), errors[v]);
+  InterpolationChoice choice(shapes_, between_views);
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    if (patches[p]) choice.count(static_cast<std::uint32_t>(p), errors[p]);
+  std::vector<ViewInterpolation> chosen(choice.vertices());
+  for (std::uint32_t v = 0; v < chosen.size(); ++v)
+    if (choice.can_choose(v)) chosen[v] = choice.choose(v);
 
-  std::vector<std::shared_ptr<const RingSnapshot>> data(rings.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, data.size(), 32), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      if (rings[v].matrix.views() == 0) continue;
-      std::vector<int> resolution;
-      for (const RingTriangle& member : vertex_rings_->ring(v))
-        resolution.push_back(vertex_rings_->resolution(member.triangle));
-      data[v] = ring_snapshot(rings[v], choice.choose(static_cast<std::uint32_t>(v)), between_views.method, reflection,
-                              frames[v], resolution);
-    }
-  });
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, vertex_rings_, std::move(data), 0);
+  const auto settle = [&](std::uint32_t p) {
+    return patches[p] ? std::optional(std::move(patches[p]->patch)) : std::nullopt;
+  };
+  const auto at_vertex = [&](std::uint32_t v) {
+    return InterpolatedVertex{mesh_->vertices[v], hemisphere_frame(normals[v]), {chosen[v], reflection}};
+  };
+  SurfaceLightFieldSnapshot::Patches data = interpolated(*shapes_, *maps_, settle, at_vertex, between_views.method);
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, maps_, shapes_, std::move(data), 0);
 }
 
 }  // namespace sheen

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/capture/capture.h"
-#include "reconstructor/models/surface_light_field/ring_column.h"
+#include "reconstructor/models/surface_light_field/patch_set.h"
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 #include "reconstructor/numerics/missing_pca.h"
 #include "reconstructor/radiance/radiance_image.h"
@@ -17,30 +17,30 @@
 
 namespace sheen {
 
-/// All that the images show of one ring: the matrix that an online factorization sees a column at a time.
-struct RingMatrix {
+/// All that the images show of one patch: the matrix that an online factorization sees a column at a time.
+struct PatchMatrix {
   Eigen::MatrixXf columns;            ///< rows x n, encoded; 0 where not known
   KnownValues known;                  ///< rows x n
-  Eigen::Matrix3Xf directions;        ///< from the vertex to the cameras
-  Eigen::VectorXf cosines;            ///< how squarely each image saw the ring
+  Eigen::Matrix3Xf eyes;              ///< of the cameras, object frame
+  Eigen::MatrixXf reliability;        ///< vertices of the patch x n
   std::vector<std::uint32_t> images;  ///< which image each column comes from, counted from 0
 
   int views() const { return static_cast<int>(columns.cols()); }
-  /// Fraction of the ring's values that an image shows.
+  /// Fraction of the patch's values that an image shows.
   double share(int view) const { return known.col(view).cast<double>().mean(); }
   /// Of each view, as the online factorization weighs it.
   std::vector<double> weights() const;
 };
 
-/// The online factorization of a ring that sees its columns in this order.
-RingFactor online_factor(const RingMatrix& ring, const RingFactorOptions& options, std::span<const int> order);
+/// The online factorization of a patch that sees its columns in this order.
+RingFactor online_factor(const PatchMatrix& patch, const RingFactorOptions& options, std::span<const int> order);
 
-/// How each ring is factorized when all its columns are there.
+/// How each patch is factorized when all its columns are there.
 struct BatchFactorization {
   int rank = 6;           ///< terms kept
   int imputing_rank = 0;  ///< terms that impute what is missing; fewer than `rank` count as `rank`
   MissingPcaOptions missing;
-  /// With these, the noise of a ring is what they measure of it online. Without, the most probable one: with as many
+  /// With these, the noise of a patch is what they measure of it online. Without, the most probable one: with as many
   /// terms as images it would be none.
   std::optional<RingFactorOptions> measures_noise;
 
@@ -59,12 +59,12 @@ struct BatchFactorization {
 };
 
 /// The surface light field as batch systems build it (Chen et al. 2002, which the paper calls OpenLF): every column of
-/// every ring is kept until the last image, then each ring is factorized at once, with missing values by expectation
-/// maximisation. Seeing, resampling, the weight of an image in a ring, interpolation between views and rendering are
+/// every patch is kept until the last image, then each patch is factorized at once, with missing values by expectation
+/// maximisation. Seeing, resampling, the weight of an image in a patch, interpolation between views and rendering are
 /// those of the online light field, so that what differs is the factorization.
 class BatchLightField {
  public:
-  /// `every`: only rings 0, every, 2 every, ... are kept, to try things on a part of them.
+  /// `every`: only patches 0, every, 2 every, ... are kept, to try things on a part of them.
   BatchLightField(std::shared_ptr<const Mesh> mesh, const SurfaceLightFieldOptions& options, std::size_t every = 1);
 
   /// Resamples an image and keeps its columns. Exposures must be on one level. Images without a pose are not for it.
@@ -72,26 +72,28 @@ class BatchLightField {
   std::size_t bytes() const;  ///< of the columns kept
   std::size_t images() const { return images_; }
 
-  /// One ring's matrix; rings run as the mesh's vertices.
-  RingMatrix ring(std::size_t vertex) const;
-  std::size_t rings() const { return kept_.size(); }
+  PatchMatrix patch(std::size_t index) const;
+  std::size_t patches() const { return kept_.size(); }
 
   std::shared_ptr<const SurfaceLightFieldSnapshot> factorize(const BatchFactorization& how) const;
 
  private:
   struct Kept {
     std::uint32_t image;
-    RingColumn column;
+    PatchColumn column;
+    Eigen::Vector3f eye;
+    std::vector<float> reliability;
   };
 
   std::shared_ptr<const Mesh> mesh_;
   SurfaceLightFieldOptions options_;
   std::size_t every_;
-  std::shared_ptr<const VertexRings> vertex_rings_;
+  std::shared_ptr<const VertexRings> maps_;
+  std::shared_ptr<const PatchShapes> shapes_;
   std::unique_ptr<RingVisibility> visibility_;
   RadianceImage image_;
   Eigen::Matrix3Xf samples_;             ///< encoded values of the current image
-  std::vector<std::vector<Kept>> kept_;  ///< per ring
+  std::vector<std::vector<Kept>> kept_;  ///< per patch
   std::uint32_t images_ = 0;
 };
 

@@ -123,12 +123,12 @@ OnlineRun build_online(std::shared_ptr<const Mesh> mesh, std::span<const Capture
   run.cpu_s = process_cpu_s() - cpu;
   run.bytes = model.bytes();
   const std::vector<std::size_t> histogram = model.figures().rank_histogram;
-  double rings = 0, ranks = 0;
+  double patches = 0, ranks = 0;
   for (std::size_t r = 0; r < histogram.size(); ++r) {
-    rings += static_cast<double>(histogram[r]);
+    patches += static_cast<double>(histogram[r]);
     ranks += static_cast<double>(r * histogram[r]);
   }
-  run.mean_rank = rings > 0 ? ranks / rings : 0;
+  run.mean_rank = patches > 0 ? ranks / patches : 0;
   return run;
 }
 

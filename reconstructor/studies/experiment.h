@@ -41,14 +41,14 @@ Experiment load_experiment(std::shared_ptr<const Mesh> mesh, std::size_t count,
 
 /// A light field built online, and what it took.
 struct OnlineRun {
-  std::shared_ptr<const SurfaceLightFieldSnapshot> model;  ///< without a guess for rings that no image reached
+  std::shared_ptr<const SurfaceLightFieldSnapshot> model;  ///< without a guess for patches that no image reached
   std::vector<double> image_ms;                            ///< wall time of ingesting each image, snapshots apart
-  double factorize_ms = 0;  ///< mean wall time per image of folding columns into the rings and choosing kernels
+  double factorize_ms = 0;  ///< mean wall time per image of folding columns into the patches and choosing kernels
   double cpu_s = 0;         ///< processor time of all images and of the model at the end, all threads
   double shown_s = 0;       ///< wall time of the model before the last image: a capture is watched while it grows
   double finish_s = 0;      ///< wall time from the last image to the model
-  std::size_t bytes = 0;    ///< of the rings' state
-  double mean_rank = 0;     ///< over rings that an image reached
+  std::size_t bytes = 0;    ///< of the patches' state
+  double mean_rank = 0;     ///< over patches that an image reached
   double median_ms() const;
   double total_s() const;  ///< wall time of all images and of the model at the end
 };

@@ -54,7 +54,7 @@ struct BatchRun {
 };
 BatchRun build_batch(const Experiment& experiment, const FigureOptions& options, const BatchFactorization& how);
 
-/// Figure 4: error of rings against rank; online at that rank, online at twice that rank inside, and PCA.
+/// Figure 4: error of patches against rank; online at that rank, online at twice that rank inside, and PCA.
 Figure figure_rank_error(const BatchRun& batch, const FigureOptions& options);
 
 /// Figure 5: missing values imputed or not.

@@ -43,7 +43,7 @@ Figure figure_imputation(const Experiment& experiment, const FigureOptions& opti
     double min_visible;
     Imputation imputation;
   };
-  constexpr std::array<Way, 3> kWays{{{"rings with a hole are left out", "off", 1, Imputation::kMostProbable},
+  constexpr std::array<Way, 3> kWays{{{"patches with a hole are left out", "off", 1, Imputation::kMostProbable},
                                       {"as in the paper", "paper", 0.5, Imputation::kLeastSquares},
                                       {"as Sheen does", "on", 0.1, Imputation::kMostProbable}}};
   Figure figure{.number = 5, .title = "Missing values"};
@@ -51,8 +51,8 @@ Figure figure_imputation(const Experiment& experiment, const FigureOptions& opti
   std::array<double, kWays.size()> missing{}, psnr{};
   for (std::size_t i = 0; i < kWays.size(); ++i) {
     SurfaceLightFieldOptions model = options.model;
-    model.ring.min_visible = kWays[i].min_visible;
-    model.ring.factor.imputation = kWays[i].imputation;
+    model.patch.min_visible = kWays[i].min_visible;
+    model.patch.factor.imputation = kWays[i].imputation;
     const OnlineRun run = build_online(experiment.mesh, experiment.in_order(), model);
     missing[i] = share_missing(experiment, *run.model);
     psnr[i] = mean_psnr_db(experiment.held_out, *fill_unseen(*run.model), *experiment.painter);
@@ -63,14 +63,15 @@ Figure figure_imputation(const Experiment& experiment, const FigureOptions& opti
          with_holes_red(experiment.painter->paint(*run.model, view.camera, view.camera_from_object))});
   }
   figure.ours = format(
-      "Object pixels of held-out views without a value: %.1f %% when rings with a hole are left out, %.1f %% with the "
+      "Object pixels of held-out views without a value: %.1f %% when patches with a hole are left out, %.1f %% with "
+      "the "
       "paper's least squares and gates, %.1f %% as Sheen imputes. Held-out PSNR, holes guessed from their neighbours: "
       "%.2f, "
       "%.2f and %.2f dB.",
       100 * missing[0], 100 * missing[1], 100 * missing[2], psnr[0], psnr[1], psnr[2]);
   figure.holds = missing[2] < missing[0] && psnr[2] > psnr[0];
   Plot plot{.title = "Imputation (figure 5)",
-            .x = {.label = "columns used", .categories = {"whole rings", "the paper", "Sheen"}},
+            .x = {.label = "columns used", .categories = {"whole patches", "the paper", "Sheen"}},
             .y = {.label = "object pixels without a value (%)"}};
   plot.series.push_back({.name = "no value", .style = PlotStyle::kBars});
   for (std::size_t i = 0; i < kWays.size(); ++i) plot.series[0].add(static_cast<double>(i), 100 * missing[i]);

@@ -7,7 +7,7 @@
 #include "common/base/format.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/studies/figure.h"
-#include "reconstructor/studies/ring_sample.h"
+#include "reconstructor/studies/patch_sample.h"
 
 namespace sheen {
 namespace {
@@ -23,10 +23,10 @@ struct Order {
 /// The images by what they show of the object: sum of squares of all columns.
 std::vector<std::uint32_t> by_norm(const BatchLightField& light_field) {
   std::vector<double> energy(light_field.images(), 0);
-  for (std::size_t v = 0; v < light_field.rings(); ++v) {
-    const RingMatrix ring = light_field.ring(v);
-    for (int j = 0; j < ring.views(); ++j)
-      energy[ring.images[static_cast<std::size_t>(j)]] += ring.columns.col(j).squaredNorm();
+  for (std::size_t v = 0; v < light_field.patches(); ++v) {
+    const PatchMatrix patch = light_field.patch(v);
+    for (int j = 0; j < patch.views(); ++j)
+      energy[patch.images[static_cast<std::size_t>(j)]] += patch.columns.col(j).squaredNorm();
   }
   std::vector<std::uint32_t> order(energy.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -56,20 +56,20 @@ std::vector<Order> image_orders(const BatchLightField& light_field, int random, 
 
 Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const FigureOptions& options) {
   const std::vector<Order> orders = image_orders(*batch.columns, options.quick ? 4 : 20, options.seed);
-  const std::vector<RingMatrix> rings = whole_rings(*batch.columns, 16, options.quick ? 100 : 400);
+  const std::vector<PatchMatrix> patches = whole_patches(*batch.columns, 16, options.quick ? 100 : 400);
   const RingFactorOptions paper{.max_rank = options.rank, .internal_rank = options.rank, .tolerance = 0};
   const RingFactorOptions ours{.max_rank = options.rank, .internal_rank = 2 * options.rank, .tolerance = 0};
-  const double best = batch_error(rings, options.rank);
-  const std::vector<RingMatrix> holed = rings_with_holes(*batch.columns, 16, options.quick ? 30 : 100);
+  const double best = batch_error(patches, options.rank);
+  const std::vector<PatchMatrix> holed = patches_with_holes(*batch.columns, 16, options.quick ? 30 : 100);
   const double best_surprise = batch_surprise(holed, options.rank);
 
   Plot error{.title = format("Total error of %zu orders (figure 11)", orders.size()),
              .x = {.label = "order of the images"},
-             .y = {.label = format("relative error of all rings, rank %d", options.rank)}};
+             .y = {.label = format("relative error of all patches, rank %d", options.rank)}};
   error.levels.push_back({"PCA", best});
   error.series.push_back({.name = "online, same rank inside", .style = PlotStyle::kMarkers});
   error.series.push_back({.name = "online, twice the rank inside", .style = PlotStyle::kMarkers});
-  Plot unlikely{.title = format("Rings with missing values in %zu orders (figure 11)", orders.size()),
+  Plot unlikely{.title = format("Patches with missing values in %zu orders (figure 11)", orders.size()),
                 .x = {.label = "order of the images"},
                 .y = {.label = "-log likelihood of known values (nats per value)"}};
   unlikely.levels.push_back({"batch, missing values by expectation maximisation", best_surprise});
@@ -85,11 +85,11 @@ Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const 
   for (std::size_t k = 0; k < orders.size(); ++k) {
     const std::string& name = orders[k].name;
     const std::string label = name == "random" ? "" : name;
-    const auto columns = name == "sorted, rising"    ? orders_by_norm(rings, true)
-                         : name == "sorted, falling" ? orders_by_norm(rings, false)
-                                                     : orders_by_image(rings, orders[k].images);
+    const auto columns = name == "sorted, rising"    ? orders_by_norm(patches, true)
+                         : name == "sorted, falling" ? orders_by_norm(patches, false)
+                                                     : orders_by_image(patches, orders[k].images);
     const double at = static_cast<double>(k + 1);
-    const double capped = online_error(rings, columns, paper), doubled = online_error(rings, columns, ours);
+    const double capped = online_error(patches, columns, paper), doubled = online_error(patches, columns, ours);
     error.series[0].add(at, capped);
     error.series[1].add(at, doubled);
     error.series[0].labels.push_back(label);
@@ -122,13 +122,13 @@ Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const 
   Figure figure{.number = 11, .title = "Order of the images"};
   figure.paper = "Random orders have more error than PCA and differ; the one sorted by norm is the worst.";
   const std::string errors =
-      rings.empty() ? "No ring is seen whole by 16 images."
-                    : format("Error over PCA's in the worst: %.3f with the same rank inside, %.4f with twice.",
-                             worst_capped / best, worst_error / best);
+      patches.empty() ? "No patch is seen whole by 16 images."
+                      : format("Error over PCA's in the worst: %.3f with the same rank inside, %.4f with twice.",
+                               worst_capped / best, worst_error / best);
   const std::string likelihoods =
       holed.empty() ? ""
                     : format(
-                          " Rings with missing values, -log likelihood of what is known beyond batch's: %.4f to %.4f "
+                          " Patches with missing values, -log likelihood of what is known beyond batch's: %.4f to %.4f "
                           "nats per value.",
                           least_surprise - best_surprise, worst_surprise - best_surprise);
   const double behind = batch.psnr_db - worst_psnr;
@@ -139,10 +139,10 @@ Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const 
       options.rank, orders.size(), errors.c_str(), likelihoods.c_str(), worth.series[0].x.size(), worst_psnr, best_psnr,
       batch.psnr_db, std::abs(behind), behind > 0 ? "behind" : "ahead");
   constexpr double kRounding = 1e-6;
-  const bool never_ahead = (rings.empty() || least_error >= best * (1 - kRounding)) &&
+  const bool never_ahead = (patches.empty() || least_error >= best * (1 - kRounding)) &&
                            (holed.empty() || least_surprise >= best_surprise - kRounding);
   figure.holds = never_ahead && behind <= 0.1;
-  if (!rings.empty()) figure.plots.push_back({"figure_11_orders_error", std::move(error)});
+  if (!patches.empty()) figure.plots.push_back({"figure_11_orders_error", std::move(error)});
   if (!holed.empty()) figure.plots.push_back({"figure_11_orders_likelihood", std::move(unlikely)});
   figure.plots.push_back({"figure_11_orders_psnr", std::move(worth)});
   return figure;

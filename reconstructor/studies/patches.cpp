@@ -21,7 +21,7 @@ bool touch(const Mesh& mesh, std::uint32_t a, std::uint32_t b) {
   return false;
 }
 
-PatchRow measure(const char* name, const Experiment& experiment, const OnlineRun& run, double copies) {
+PatchRow measure(int triangles, const Experiment& experiment, const OnlineRun& run) {
   const auto model = fill_unseen(*run.model);
   const RayPainter painter(model->mesh());
   const Scores scores = score(experiment.held_out, *model, painter);
@@ -30,30 +30,18 @@ PatchRow measure(const char* name, const Experiment& experiment, const OnlineRun
     seams += seam_error(model->mesh(), painter.cast(view.camera, view.camera_from_object),
                         to_srgb8(painter.paint(*model, view.camera, view.camera_from_object).beauty), view.truth,
                         view.object);
-  const auto& rings = run.model->ring_data();
-  const auto reached = static_cast<double>(std::count_if(rings.begin(), rings.end(), [](const auto& r) { return r; }));
-  return {.name = name,
-          .patches = static_cast<std::size_t>(reached / copies),
-          .factorize_ms = run.factorize_ms / copies,
-          .bytes = static_cast<double>(run.bytes) / copies,
+  const auto& patches = run.model->patches();
+  const auto reached = std::count_if(patches.begin(), patches.end(), [](const auto& patch) { return patch; });
+  return {.triangles = triangles,
+          .patches = static_cast<std::size_t>(reached),
+          .factorize_ms = run.factorize_ms,
+          .bytes = static_cast<double>(run.bytes),
           .psnr_db = scores.psnr_db,
           .ssim = scores.ssim,
           .seam = seams.ratio()};
 }
 
 }  // namespace
-
-Mesh split_triangles(const Mesh& mesh) {
-  Mesh split;
-  split.vertices.reserve(3 * mesh.triangles.size());
-  split.triangles.reserve(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto first = static_cast<std::uint32_t>(3 * t);
-    for (int c = 0; c < 3; ++c) split.vertices.push_back(mesh.corner(t, c));
-    split.triangles.push_back({first, first + 1, first + 2});
-  }
-  return split;
-}
 
 SeamError& SeamError::operator+=(const SeamError& other) {
   across2 += other.across2;
@@ -95,13 +83,15 @@ SeamError seam_error(const Mesh& mesh, std::span<const Hit> hits, const ImageU8&
   return seams;
 }
 
-PatchStudy study_patches(const Experiment& experiment, const SurfaceLightFieldOptions& options, const OnlineRun& ring) {
-  PatchStudy study;
-  study.ring = measure("ring", experiment, ring, 1);
-  const OnlineRun three_alike =
-      build_online(std::make_shared<Mesh>(split_triangles(*experiment.mesh)), experiment.in_order(), options);
-  study.triangle = measure("triangle", experiment, three_alike, 3);
-  return study;
+std::vector<PatchRow> study_patches(const Experiment& experiment, const SurfaceLightFieldOptions& options,
+                                    std::span<const int> sizes) {
+  std::vector<PatchRow> rows;
+  for (const int triangles : sizes) {
+    SurfaceLightFieldOptions sized = options;
+    sized.patch.triangles = triangles;
+    rows.push_back(measure(triangles, experiment, build_online(experiment.mesh, experiment.in_order(), sized)));
+  }
+  return rows;
 }
 
 }  // namespace sheen

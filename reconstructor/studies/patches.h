@@ -3,16 +3,13 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "common/geometry/ray_scene.h"
 #include "common/image/image.h"
 #include "reconstructor/studies/experiment.h"
 
 namespace sheen {
-
-/// The mesh with three vertices of its own for every triangle, in the triangles' order: a triangle's corners lie where
-/// they lay, and the ring round each is that triangle alone.
-Mesh split_triangles(const Mesh& mesh);
 
 /// How much more a picture's error changes from triangle to triangle than within one.
 struct SeamError {
@@ -32,9 +29,9 @@ struct SeamError {
 SeamError seam_error(const Mesh& mesh, std::span<const Hit> hits, const ImageU8& picture, const ImageU8& truth,
                      const ImageU8& object);
 
-/// What factorizing patches of one kind costs and gains.
+/// What factorizing patches of a size costs and gains.
 struct PatchRow {
-  const char* name;
+  int triangles = 0;        ///< of a patch, at most
   std::size_t patches = 0;  ///< that images reached
   double factorize_ms = 0;  ///< mean wall time per image of folding columns
   double bytes = 0;         ///< of the patches' state
@@ -42,22 +39,9 @@ struct PatchRow {
   double seam = 0;  ///< `SeamError::ratio` over all held-out views
 };
 
-struct PatchStudy {
-  PatchRow ring{.name = "ring"}, triangle{.name = "triangle"};
-};
-
-/// A patch per vertex ring, as the light field has them, beside a patch per triangle.
-///
-/// One patch per triangle is the same light field on `split_triangles` of the mesh: each of the three rings of a
-/// triangle is that triangle, so it is factorized three times alike; bytes and time of the triangles are a third of
-/// what this takes. (Of the time, fitting the reflection that all patches share is divided too, although it does not
-/// grow with them.) Rings blend three predictions that rest on different triangles; here all three rest on one and
-/// differ only by the direction to the eye, which is taken from each corner. The surface bends at edges, so errors
-/// change there whatever the patch: the seam figure of triangles says something only beside that of rings. What is not
-/// had on the split mesh: a corner's normal is its triangle's own, not the mean of those round it, and a patch chooses
-/// its kernel without its neighbours.
-///
-/// `ring`: the light field of these images and options.
-PatchStudy study_patches(const Experiment& experiment, const SurfaceLightFieldOptions& options, const OnlineRun& ring);
+/// The light field with patches of each of these sizes. The surface bends at edges, so errors change there whatever the
+/// patch: the seam figure of one size says something only beside that of others.
+std::vector<PatchRow> study_patches(const Experiment& experiment, const SurfaceLightFieldOptions& options,
+                                    std::span<const int> sizes);
 
 }  // namespace sheen

@@ -21,7 +21,7 @@ double thread_cpu_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// A ring's columns factorized in a number format.
+/// A patch's columns factorized in a number format.
 struct Factorized {
   Eigen::MatrixXd basis, coefficients;  ///< of the displayed terms
   double cpu_s = 0;
@@ -31,13 +31,13 @@ struct Factorized {
 };
 
 template <typename Scalar>
-Factorized factorize(const RingMatrix& ring, const RingFactorOptions& options, unsigned phase) {
+Factorized factorize(const PatchMatrix& patch, const RingFactorOptions& options, unsigned phase) {
   using Factor = BasicRingFactor<Scalar>;
-  const typename Factor::Matrix columns = ring.columns.cast<Scalar>();
+  const typename Factor::Matrix columns = patch.columns.cast<Scalar>();
   Factor factor(static_cast<int>(columns.rows()), options, phase);
   const double start = thread_cpu_s();
   for (Eigen::Index j = 0; j < columns.cols(); ++j) {
-    const auto known = ring.known.col(j);
+    const auto known = patch.known.col(j);
     const bool whole = (known != 0).all();
     factor.add(columns.col(j),
                whole ? std::span<const std::uint8_t>()
@@ -54,73 +54,75 @@ Eigen::MatrixXd rounded_to_half(const Eigen::MatrixXd& m) {
   return m.cast<Eigen::half>().cast<double>();
 }
 
-/// Sums over rings; a row is made of them.
+/// Sums over patches; a row is made of them.
 struct Sums {
   double cpu_s = 0, bytes = 0, error2 = 0, difference2 = 0;
 
-  void add(const RingMatrix& ring, const Eigen::MatrixXd& product, const Eigen::MatrixXd& exact) {
-    const auto known = ring.known.cast<double>();
-    error2 += ((product - ring.columns.cast<double>()).array() * known).square().sum();
+  void add(const PatchMatrix& patch, const Eigen::MatrixXd& product, const Eigen::MatrixXd& exact) {
+    const auto known = patch.known.cast<double>();
+    error2 += ((product - patch.columns.cast<double>()).array() * known).square().sum();
     difference2 += ((product - exact).array() * known).square().sum();
   }
-  void into(PrecisionRow& row, double columns, double rings, double energy) const {
+  void into(PrecisionRow& row, double columns, double patches, double energy) const {
     row.column_us = 1e6 * cpu_s / columns;
-    row.ring_bytes = bytes / rings;
+    row.patch_bytes = bytes / patches;
     row.relative_error = std::sqrt(error2 / energy);
     row.difference = std::sqrt(difference2 / energy);
   }
 };
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> terms_in_half(const SurfaceLightFieldSnapshot& whole) {
-  std::vector<std::shared_ptr<const RingSnapshot>> rings;
-  for (const auto& ring : whole.ring_data()) {
-    if (!ring) {
-      rings.push_back(nullptr);
+  const auto in_half = [](Eigen::MatrixXf& m) { m = m.cast<Eigen::half>().cast<float>().eval(); };
+  SurfaceLightFieldSnapshot::Patches patches;
+  for (const auto& patch : whole.patches()) {
+    if (!patch) {
+      patches.push_back(nullptr);
       continue;
     }
-    auto rounded = std::make_shared<RingSnapshot>(*ring);
-    for (Eigen::MatrixXf* m : {&rounded->basis, &rounded->weights}) *m = m->cast<Eigen::half>().cast<float>();
-    rings.push_back(std::move(rounded));
+    auto rounded = std::make_shared<PatchSnapshot>(*patch);
+    in_half(rounded->basis);
+    for (VertexInterpolant& vertex : rounded->vertices) in_half(vertex.weights);
+    patches.push_back(std::move(rounded));
   }
-  return std::make_shared<SurfaceLightFieldSnapshot>(whole.shared_mesh(), whole.shared_rings(), std::move(rings),
-                                                     whole.version(), whole.exposure());
+  return std::make_shared<SurfaceLightFieldSnapshot>(whole.shared_mesh(), whole.shared_rings(), whole.shared_shapes(),
+                                                     std::move(patches), whole.version(), whole.exposure());
 }
 
 }  // namespace
 
 PrecisionStudy study_precision(const Experiment& experiment, const SurfaceLightFieldOptions& options,
-                               const SurfaceLightFieldSnapshot& whole, std::size_t rings) {
-  BatchLightField columns(experiment.mesh, options,
-                          std::max<std::size_t>(1, experiment.mesh->vertices.size() / std::max<std::size_t>(rings, 1)));
+                               const SurfaceLightFieldSnapshot& whole, std::size_t patches) {
+  const std::size_t all = experiment.mesh->triangles.size() / static_cast<std::size_t>(options.patch.triangles);
+  BatchLightField columns(experiment.mesh, options, std::max<std::size_t>(1, all / std::max<std::size_t>(patches, 1)));
   for (const Capture& capture : experiment.training) columns.add(capture);
-  RingFactorOptions factor = options.ring.factor;
+  RingFactorOptions factor = options.patch.factor;
   factor.channels = 3;
 
   PrecisionStudy study;
   Sums single, twice, stored, stored_half;
   double energy = 0;
-  for (std::size_t v = 0; v < columns.rings(); ++v) {
-    const RingMatrix ring = columns.ring(v);
-    if (ring.views() == 0) continue;
-    ++study.rings;
-    study.columns += static_cast<std::size_t>(ring.views());
-    energy += ring.columns.cast<double>().squaredNorm();
-    const auto phase = static_cast<unsigned>(v);
-    const Factorized f = factorize<float>(ring, factor, phase), d = factorize<double>(ring, factor, phase);
+  for (std::size_t p = 0; p < columns.patches(); ++p) {
+    const PatchMatrix patch = columns.patch(p);
+    if (patch.views() == 0) continue;
+    ++study.patches;
+    study.columns += static_cast<std::size_t>(patch.views());
+    energy += patch.columns.cast<double>().squaredNorm();
+    const auto phase = static_cast<unsigned>(p);
+    const Factorized f = factorize<float>(patch, factor, phase), d = factorize<double>(patch, factor, phase);
     const Eigen::MatrixXd exact = d.product();
     for (auto [sums, of] : {std::pair{&single, &f}, {&twice, &d}}) {
       sums->cpu_s += of->cpu_s;
       sums->bytes += static_cast<double>(of->bytes);
-      sums->add(ring, of->product(), exact);
+      sums->add(patch, of->product(), exact);
     }
     const auto terms = static_cast<double>(f.basis.size() + f.coefficients.size());
     stored.bytes += sizeof(float) * terms;
-    stored.add(ring, f.product(), exact);
+    stored.add(patch, f.product(), exact);
     stored_half.bytes += sizeof(Eigen::half) * terms;
-    stored_half.add(ring, rounded_to_half(f.basis) * rounded_to_half(f.coefficients), exact);
+    stored_half.add(patch, rounded_to_half(f.basis) * rounded_to_half(f.coefficients), exact);
   }
   const auto n = static_cast<double>(std::max<std::size_t>(study.columns, 1));
-  const auto r = static_cast<double>(std::max<std::size_t>(study.rings, 1));
+  const auto r = static_cast<double>(std::max<std::size_t>(study.patches, 1));
   for (auto [sums, row] : {std::pair{&single, &study.single},
                            {&twice, &study.twice},
                            {&stored, &study.stored},

@@ -39,27 +39,27 @@ std::vector<Setting> tradeoff_settings(const SurfaceLightFieldOptions& base, boo
   };
   using Options = SurfaceLightFieldOptions;
   const auto set_rank = [](Options& o, int rank) {
-    o.ring.factor.max_rank = rank;
-    if (o.ring.factor.internal_rank < rank) o.ring.factor.internal_rank = 0;
+    o.patch.factor.max_rank = rank;
+    if (o.patch.factor.internal_rank < rank) o.patch.factor.internal_rank = 0;
   };
   vary("rank", "max_rank", std::vector{2, 4, 6, 9, 12, 18, 32}, set_rank);
   vary("internal rank", "max_rank = 6, internal_rank", std::vector{6, 9, 12, 20}, [&](Options& o, int v) {
-    o.ring.factor.max_rank = 6;
-    o.ring.factor.internal_rank = v;
+    o.patch.factor.max_rank = 6;
+    o.patch.factor.internal_rank = v;
   });
   vary("tolerance", "tolerance", std::vector{0.0, 0.005, 0.02, 0.04, 0.08},
-       [](Options& o, double v) { o.ring.factor.tolerance = v; });
+       [](Options& o, double v) { o.patch.factor.tolerance = v; });
   vary("surface map", "surface_map", std::vector{4, 6, 8, 12, 16}, [](Options& o, int v) { o.surface_map = v; });
   vary("surface map", "map_scale", std::vector{0.5, 0.7, 1.4}, [](Options& o, double v) { o.map_scale = v; });
   vary("sampling", "sampling = linear, map_scale", std::vector{1.0, 0.7}, [](Options& o, double v) {
     o.sampling = Sampling::kLinear;
     o.map_scale = v;
   });
-  vary("block", "block", std::vector{1, 4, 24}, [](Options& o, int v) { o.ring.factor.block = v; });
-  vary("views", "max_views", std::vector{16, 32, 128}, [](Options& o, int v) { o.ring.max_views = v; });
-  vary("repetitions", "repeat_angle", std::vector{0.0, 0.06}, [](Options& o, double v) { o.ring.repeat_angle = v; });
+  vary("block", "block", std::vector{1, 4, 24}, [](Options& o, int v) { o.patch.factor.block = v; });
+  vary("views", "max_views", std::vector{16, 32, 128}, [](Options& o, int v) { o.patch.max_views = v; });
+  vary("repetitions", "repeat_angle", std::vector{0.0, 0.06}, [](Options& o, double v) { o.patch.repeat_angle = v; });
   vary("imputation", "min_visible", std::vector{0.5, 0.02, 1.0, 0.3},
-       [](Options& o, double v) { o.ring.min_visible = v; });
+       [](Options& o, double v) { o.patch.min_visible = v; });
   for (const int map : {4, 8, 16})
     for (const int rank : {3, 6, 12}) {
       if (quick && map == 8) continue;
@@ -79,9 +79,11 @@ std::vector<Setting> part_settings(const SurfaceLightFieldOptions& base) {
     set(settings.back().options);
   };
   using Options = SurfaceLightFieldOptions;
-  const auto delaunay = [](Options& o) { o.ring.interpolation.method = ViewMethod::kDelaunay; };
-  const auto least_squares = [](Options& o) { o.ring.factor.imputation = Imputation::kLeastSquares; };
-  const auto plain_kriging = [](Options& o) { o.ring.interpolation.drift = o.ring.interpolation.exponential = false; };
+  const auto delaunay = [](Options& o) { o.patch.interpolation.method = ViewMethod::kDelaunay; };
+  const auto least_squares = [](Options& o) { o.patch.factor.imputation = Imputation::kLeastSquares; };
+  const auto plain_kriging = [](Options& o) {
+    o.patch.interpolation.drift = o.patch.interpolation.exponential = false;
+  };
   add("between views", "the paper's Delaunay", delaunay);
   add("hidden rows", "the paper's least squares, gated", least_squares);
   add("both", "the paper's for both", [&](Options& o) {
@@ -89,15 +91,14 @@ std::vector<Setting> part_settings(const SurfaceLightFieldOptions& base) {
     least_squares(o);
   });
   add("between views", "Matern kernels, no shared reflection", plain_kriging);
-  add("between views", "no shared reflection", [](Options& o) { o.ring.interpolation.drift = false; });
-  add("between views", "Matern kernels alone", [](Options& o) { o.ring.interpolation.exponential = false; });
-  add("between views", "neighbours not asked", [](Options& o) { o.ring.interpolation.neighbours = false; });
-  add("hidden rows", "half of a ring visible", [](Options& o) { o.ring.min_visible = 0.5; });
-  add("hidden rows", "whole rings alone", [](Options& o) { o.ring.min_visible = 1; });
+  add("between views", "no shared reflection", [](Options& o) { o.patch.interpolation.drift = false; });
+  add("between views", "Matern kernels alone", [](Options& o) { o.patch.interpolation.exponential = false; });
+  add("hidden rows", "half of a patch visible", [](Options& o) { o.patch.min_visible = 0.5; });
+  add("hidden rows", "whole patches alone", [](Options& o) { o.patch.min_visible = 1; });
   add("sampling", "linear", [](Options& o) { o.sampling = Sampling::kLinear; });
   add("sampling", "a pixel away from edges", [](Options& o) { o.visibility.erosion_px = 1; });
   add("factorization", "no terms beyond those displayed",
-      [](Options& o) { o.ring.factor.internal_rank = o.ring.factor.max_rank; });
+      [](Options& o) { o.patch.factor.internal_rank = o.patch.factor.max_rank; });
   return settings;
 }
 

@@ -22,8 +22,8 @@ struct TradeoffPoint {
   Setting setting;
   double image_ms = 0;   ///< median wall time per image
   double cpu_ms = 0;     ///< mean processor time per image, all threads
-  double bytes = 0;      ///< of the rings' state
-  double mean_rank = 0;  ///< terms per ring
+  double bytes = 0;      ///< of the patches' state
+  double mean_rank = 0;  ///< terms per patch
   double psnr_db = 0, ssim = 0;
 };
 

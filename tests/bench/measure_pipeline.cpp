@@ -136,8 +136,8 @@ void measure(GoalReport& report) {
   }
   SurfaceLightFieldOptions options;
   options.surface_map = 16;
-  options.ring.factor.max_rank = 6;
-  options.ring.factor.tolerance = 0;
+  options.patch.factor.max_rank = 6;
+  options.patch.factor.tolerance = 0;
 
   const Run paper = ingest(object.mesh, options, captures, {});
   nlohmann::json details = paper.stage_ms;

@@ -17,53 +17,58 @@ namespace {
 using namespace sheen;
 using fuzz::Input;
 
-/// A tetrahedron that three cameras have seen; its last vertex is a guess.
+/// A tetrahedron that three cameras have seen; its last triangle is a guess.
 SurfaceLightFieldSnapshot small_model() {
   auto mesh = std::make_shared<Mesh>();
   mesh->vertices = {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}, {-0.1f, -0.1f, -0.1f}};
   mesh->triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
   auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{5, 3, 4, 2});
+  constexpr int kViews = 3;
   const Camera camera{.width = 640, .height = 480, .fx = 800, .fy = 800, .cx = 320, .cy = 240};
   std::vector<PosedCamera> cameras;
   for (const Eigen::Vector3d& eye : {Eigen::Vector3d(1, 0.2, 0.3), {0.2, 1, 0.4}, {0.3, 0.3, 1}})
     cameras.push_back({camera, look_at(eye, {0, 0, 0}, {0, 0.1, 1})});
   auto reflection = std::make_shared<ReflectionDrift>();
   reflection->coefficients.setConstant(0.1f);
-  std::vector<std::shared_ptr<const RingSnapshot>> data(4);
-  for (int v = 0; v < 3; ++v) {
-    const int samples = rings->ring_samples(v), views = 3;
-    auto ring = std::make_shared<RingSnapshot>();
-    ring->basis = Eigen::MatrixXf::NullaryExpr(3 * samples, 2, [](Eigen::Index i, Eigen::Index j) {
+  const auto shapes = std::make_shared<const PatchShapes>(patch_shapes(*mesh, *rings, {0, 1, 2, 3}));
+  SurfaceLightFieldSnapshot::Patches data(4);
+  for (std::size_t p = 0; p < 3; ++p) {
+    const std::uint32_t samples = shapes->patches[p].samples;
+    auto patch = std::make_shared<PatchSnapshot>();
+    patch->basis = Eigen::MatrixXf::NullaryExpr(3 * Eigen::Index{samples}, 2, [](Eigen::Index i, Eigen::Index j) {
       return 0.3f + 0.2f * std::sin(static_cast<float>(3 * i + 7 * j));
     });
-    ring->weights = Eigen::MatrixXf::NullaryExpr(2, views, [](Eigen::Index i, Eigen::Index j) {
-      return 0.3f * static_cast<float>(i + 1) * (j == 1 ? -2.0f : 1.0f);
-    });
-    ring->mean = Eigen::VectorXf::Constant(2, 0.5f);
-    ring->frame = hemisphere_frame(mesh->vertices[static_cast<std::size_t>(v)].normalized());
-    ring->directions.resize(3, views);
-    for (int k = 0; k < views; ++k)
-      ring->directions.col(k) = (camera_centre(cameras[static_cast<std::size_t>(k)].camera_from_object).cast<float>() -
-                                 mesh->vertices[static_cast<std::size_t>(v)])
-                                    .normalized();
-    ring->reliability = Eigen::VectorXf::Constant(views, 0.5f);
-    if (v == 2) {
-      ring->drift = Eigen::VectorXf::Constant(2, 0.1f);
-      ring->reflection = reflection;
+    patch->shown.assign(samples, 200);
+    for (const std::uint32_t v : shapes->patches[p].vertices) {
+      VertexInterpolant& at = patch->vertices.emplace_back();
+      at.weights = Eigen::MatrixXf::NullaryExpr(2, kViews, [](Eigen::Index i, Eigen::Index j) {
+        return 0.3f * static_cast<float>(i + 1) * (j == 1 ? -2.0f : 1.0f);
+      });
+      at.mean = Eigen::VectorXf::Constant(2, 0.5f);
+      at.frame = hemisphere_frame(mesh->vertices[v].normalized());
+      at.directions.resize(3, kViews);
+      for (int k = 0; k < kViews; ++k)
+        at.directions.col(k) =
+            (camera_centre(cameras[static_cast<std::size_t>(k)].camera_from_object).cast<float>() - mesh->vertices[v])
+                .normalized();
+      at.reliability = Eigen::VectorXf::Constant(kViews, 0.5f);
+      if (v == 2) {
+        at.drift = Eigen::VectorXf::Constant(2, 0.1f);
+        at.reflection = reflection;
+      }
+      at.kernel = kViewKernels[v];
+      at.sill = 0.01f;
+      at.views_folded = kViews;
     }
-    ring->kernel = kViewKernels[static_cast<std::size_t>(v)];
-    ring->shown.assign(static_cast<std::size_t>(samples), 200);
-    ring->sill = 0.01f;
-    ring->views_folded = views;
-    data[static_cast<std::size_t>(v)] = std::move(ring);
+    data[p] = std::move(patch);
   }
-  return {mesh, rings, std::move(data), 1, {}, cameras};
+  return {mesh, rings, shapes, std::move(data), 1, {}, cameras};
 }
 
 std::string valid_file() {
   const SurfaceLightFieldSnapshot model = small_model();
   const CanonicalMesh mesh = canonical_mesh(model.mesh());
-  PatchModel patches = fit_patches(model, mesh, 0.1, 2);
+  CompactModel patches = fit_patches(model, mesh, 0.1, 2);
   return encode_compact(patches, mesh, 2, {});
 }
 
@@ -125,7 +130,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     while (in.rest.size() >= 4) fuzz::damage_once(file, in);
   }
   try {
-    PatchModel model = decode_compact(file, "fuzzed");
+    CompactModel model = decode_compact(file, "fuzzed");
     look_at_all(*std::make_shared<CompactLightField>(std::move(model), nullptr));
   } catch (const FileError&) {
   }

@@ -22,7 +22,7 @@ using fuzz::demand;
 using fuzz::Input;
 using Json = nlohmann::json;
 
-/// A tetrahedron: a ring of rank 0, of rank 1 and of rank 2 with drift; the last vertex has none.
+/// A tetrahedron: a patch of rank 0, of rank 1 and of rank 2 with drift; of the last one nothing is known.
 SurfaceLightFieldSnapshot small_model() {
   auto mesh = std::make_shared<Mesh>();
   mesh->vertices = {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}, {-0.1f, -0.1f, -0.1f}};
@@ -30,28 +30,33 @@ SurfaceLightFieldSnapshot small_model() {
   auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 3, 4, 2});
   auto reflection = std::make_shared<ReflectionDrift>();
   reflection->coefficients.setConstant(0.1f);
-  std::vector<std::shared_ptr<const RingSnapshot>> data(4);
-  for (int v = 0; v < 3; ++v) {
-    const int samples = rings->ring_samples(v), views = 1 + v;
-    auto ring = std::make_shared<RingSnapshot>();
-    ring->basis = Eigen::MatrixXf::Constant(3 * samples, v, 0.2f);
-    ring->weights = Eigen::MatrixXf::Constant(v, views, 0.3f);
-    ring->mean = Eigen::VectorXf::Constant(v, 0.5f);
-    ring->frame = hemisphere_frame(mesh->vertices[v].normalized());
-    ring->directions.resize(3, views);
-    for (int k = 0; k < views; ++k)
-      ring->directions.col(k) = (mesh->vertices[v] * 10 + Eigen::Vector3f(0, 0, 0.1f * k)).normalized();
-    ring->reliability = Eigen::VectorXf::Constant(views, 0.5f);
-    if (v == 2) {
-      ring->drift = Eigen::VectorXf::Constant(v, 0.1f);
-      ring->reflection = reflection;
+  const auto shapes = std::make_shared<const PatchShapes>(patch_shapes(*mesh, *rings, {0, 1, 2, 3}));
+  SurfaceLightFieldSnapshot::Patches data(4);
+  for (int p = 0; p < 3; ++p) {
+    const int rank = p, views = 1 + p;
+    const PatchShape& shape = shapes->patches[static_cast<std::size_t>(p)];
+    auto patch = std::make_shared<PatchSnapshot>();
+    patch->basis = Eigen::MatrixXf::Constant(3 * Eigen::Index{shape.samples}, rank, 0.2f);
+    patch->shown.assign(shape.samples, 200);
+    for (const std::uint32_t v : shape.vertices) {
+      VertexInterpolant& at = patch->vertices.emplace_back();
+      at.weights = Eigen::MatrixXf::Constant(rank, views, 0.3f);
+      at.mean = Eigen::VectorXf::Constant(rank, 0.5f);
+      at.frame = hemisphere_frame(mesh->vertices[v].normalized());
+      at.directions.resize(3, views);
+      for (int k = 0; k < views; ++k)
+        at.directions.col(k) = (mesh->vertices[v] * 10 + Eigen::Vector3f(0, 0, 0.1f * k)).normalized();
+      at.reliability = Eigen::VectorXf::Constant(views, 0.5f);
+      if (p == 2) {
+        at.drift = Eigen::VectorXf::Constant(rank, 0.1f);
+        at.reflection = reflection;
+      }
+      at.kernel = kViewKernels[v];
+      at.views_folded = views;
     }
-    ring->kernel = kViewKernels[v];
-    ring->shown.assign(static_cast<std::size_t>(samples), 200);
-    ring->views_folded = views;
-    data[v] = std::move(ring);
+    data[static_cast<std::size_t>(p)] = std::move(patch);
   }
-  return {mesh, rings, std::move(data), 1};
+  return {mesh, rings, shapes, std::move(data), 1};
 }
 
 struct Files {

@@ -88,7 +88,7 @@ void expect_same_model(const fs::path& a, const fs::path& b) {
   for (const char* file : {"maps.exr", "mesh.ply"}) EXPECT_TRUE(read_file(a / file) == read_file(b / file)) << file;
   const auto description = [](const fs::path& folder) {
     auto json = nlohmann::json::parse(read_file(folder / "model.json"));
-    EXPECT_GT(json.at("rings").size(), 0u);
+    EXPECT_GT(json.at("patches").at("patch").size(), 0u);
     json.erase("metadata");
     return json;
   };

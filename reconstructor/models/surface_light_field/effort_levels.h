@@ -21,7 +21,7 @@ std::span<const EffortLevel> all_effort_levels();
 /// The options with an effort level's limits laid on them.
 SurfaceLightFieldOptions at_effort_level(const SurfaceLightFieldOptions& options, int level);
 
-/// What rings are cut down to, step by step, when they outgrow the memory that they may take.
+/// What patches are cut down to, step by step, when they outgrow the memory that they may take.
 struct TermLimit {
   int max_rank, internal_rank, block;  ///< as in RingFactorOptions
 };

@@ -9,17 +9,17 @@
 namespace sheen {
 
 /// Mean basis row of the samples that were seen, per channel: 3 x rank.
-Eigen::MatrixXf mean_seen_rows(const RingSnapshot& ring);
+Eigen::MatrixXf mean_seen_rows(const SurfacePatch& patch);
 
-/// Gives basis rows to the samples of a ring that no image showed, so that nothing that is interpolated between seen
-/// and unseen samples goes dark: beside seen samples the mean of these, farther off the ring's mean, per channel.
-/// `resolution`: of the ring's triangles, in its order. `shown` stays.
-void fill_unseen_samples(RingSnapshot& ring, std::span<const int> resolution);
+/// Gives basis rows to the samples of a patch that no image showed, so that nothing that is interpolated between seen
+/// and unseen samples goes dark: beside seen samples the mean of these, farther off the patch's mean, per channel.
+/// `resolution`: of the patch's triangles, in its order. `shown` stays.
+void fill_unseen_samples(SurfacePatch& patch, std::span<const int> resolution);
 
-/// The snapshot with a guess for the rings that no image reached, for pictures that must have no holes: each takes the
-/// mean colour, with its view dependence, of the nearest ring along the mesh, also where its triangles meet at several
-/// vertices of one place (a texture's seam). A part of the mesh that touches nothing seen takes that of the nearest in
-/// space. What was not seen stays marked as such (`RingSnapshot::shown`).
+/// The snapshot with a guess for the patches that no image reached, for pictures that must have no holes: at each of
+/// its vertices such a patch takes the mean colour, with its view dependence, of the nearest patch along the mesh, also
+/// where its triangles meet at several vertices of one place (a texture's seam). A part of the mesh that touches
+/// nothing seen takes that of the nearest in space. What was not seen stays marked as such (`SurfacePatch::shown`).
 std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightFieldSnapshot& snapshot);
 
 }  // namespace sheen

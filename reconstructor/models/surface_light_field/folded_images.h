@@ -24,7 +24,7 @@ struct FoldedImage {
   float log_gain;  ///< estimated; 0 where the gain is known
   Eigen::Vector3d eye;
   PosedCamera camera;
-  std::vector<bool> taken;  ///< for each ring, whether it used what the image shows; empty when all did
+  std::vector<bool> taken;  ///< for each patch, whether it used what the image shows; empty when all did
 };
 
 /// The images that were ingested, in their order.

@@ -26,34 +26,24 @@ class LightFieldShader : public ViewShader {
         quality_(snapshot.quality_for(eye)) {
     patches_.reserve(snapshot.patch_count());
     for (std::size_t i = 0; i < snapshot.patch_count(); ++i) patches_.push_back(snapshot.patch(i));
-    corners_.reserve(3 * mesh_->triangles.size());
-    for (std::size_t t = 0; t < mesh_->triangles.size(); ++t)
-      for (int c = 0; c < 3; ++c) corners_.push_back(snapshot.corner(t, c));
+    places_.reserve(mesh_->triangles.size());
+    for (std::size_t t = 0; t < mesh_->triangles.size(); ++t) places_.push_back(snapshot.place(t));
   }
 
   SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
-    const float beta[3] = {1 - u - v, u, v};
+    const TrianglePlace& place = places_[triangle];
+    const SurfacePatch* patch = patches_[place.patch].get();
+    if (!patch || patch->rank() == 0) return {};
+    const auto corner = [&](std::size_t c) { return coefficients_.col(place.columns[c]).head(patch->rank()); };
+    const Eigen::VectorXf h = (1 - u - v) * corner(0) + u * corner(1) + v * corner(2);
     const LatticeStencil stencil = lattice_stencil(rings_->resolution(triangle), u, v);
     Eigen::Vector3f encoded = Eigen::Vector3f::Zero();
-    float total = 0;
     SampleState state = SampleState::kUnseen;
-    for (int c = 0; c < 3; ++c) {
-      const PatchCorner& corner = corners_[3 * std::size_t{triangle} + static_cast<std::size_t>(c)];
-      if (corner.patch == PatchCorner::kUnknown) continue;
-      const SurfacePatch* patch = patches_[corner.patch].get();
-      if (!patch || patch->rank() == 0) continue;
-      const auto h = coefficients_.col(corner.column).head(patch->rank());
-      Eigen::Vector3f value = Eigen::Vector3f::Zero();
-      for (int k = 0; k < 3; ++k) {
-        const int sample = static_cast<int>(corner.first_sample) + stencil.index[k];
-        value.noalias() += stencil.weight[k] * (patch->basis.middleRows<3>(3 * sample) * h);
-        if (stencil.weight[k] > 0.25f) state = std::max(state, patch->state(sample));
-      }
-      encoded += beta[c] * value;
-      total += beta[c];
+    for (int k = 0; k < 3; ++k) {
+      const int sample = static_cast<int>(place.first_sample) + stencil.index[k];
+      encoded.noalias() += stencil.weight[k] * (patch->basis.middleRows<3>(3 * sample) * h);
+      if (stencil.weight[k] > 0.25f) state = std::max(state, patch->state(sample));
     }
-    if (total < 1e-4f) return {};
-    encoded /= total;
     const Eigen::Vector3f radiance(srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z()));
     return {exposure_ * radiance, state};
   }
@@ -63,7 +53,7 @@ class LightFieldShader : public ViewShader {
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const VertexRings> rings_;
   std::vector<std::shared_ptr<const SurfacePatch>> patches_;
-  std::vector<PatchCorner> corners_;  ///< three per triangle
+  std::vector<TrianglePlace> places_;  ///< per triangle
   Eigen::MatrixXf coefficients_;
   float exposure_;
   std::vector<SurfaceQuality> quality_;
@@ -98,7 +88,10 @@ std::vector<SurfaceQuality> LightFieldSnapshot::quality_for(const Eigen::Vector3
         rings[v] = assess_ring(*ring, (eye.cast<float>() - mesh_->vertices[v]).normalized(), common_sill());
   });
   triangles.reserve(mesh_->triangles.size());
-  for (const auto& [a, b, c] : mesh_->triangles) triangles.push_back(combine(rings[a], rings[b], rings[c]));
+  for (std::size_t t = 0; t < mesh_->triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh_->triangles[t];
+    triangles.push_back(seen(t) ? combine(rings[a], rings[b], rings[c]) : SurfaceQuality{});
+  }
   return triangles;
 }
 

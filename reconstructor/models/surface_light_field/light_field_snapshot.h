@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/numerics/view_kernel.h"
 #include "reconstructor/radiance/exposure_field.h"
@@ -14,7 +15,7 @@
 
 namespace sheen {
 
-/// Fraction of a ring's images that showed a sample, in 255ths; 0 only where none did, and no more than 255.
+/// Fraction of a patch's images that showed a sample, in 255ths; 0 only where none did, and no more than 255.
 std::uint8_t shown_share(int showed_it, int images);
 /// What such a fraction says of the sample. The one place where the states are told apart.
 SampleState sample_state(std::uint8_t shown);
@@ -33,7 +34,7 @@ struct SurfacePatch {
 struct RingViews {
   Eigen::Matrix3Xf directions;  ///< unit vectors from the vertex to the cameras, object frame; a column per view
   Eigen::VectorXf reliability;  ///< per view, > 0: the kernel's nugget is divided by it
-  std::shared_ptr<const ReflectionDrift> reflection;  ///< what all rings share; null where the ring does without
+  std::shared_ptr<const ReflectionDrift> reflection;  ///< what all patches share; null where the vertex does without
   ViewKernel kernel;
   Eigen::Matrix3f frame;  ///< of the vertex's hemisphere
   float sill = 0;         ///< mean square per value: how much it varies with the view (`ViewInterpolant::sill`)
@@ -42,16 +43,8 @@ struct RingViews {
   int views_folded = 0;   ///< images ingested, thinned ones included
 };
 
-/// What a corner of a triangle is drawn with.
-struct PatchCorner {
-  static constexpr std::uint32_t kUnknown = 0xffffffffu;
-  std::uint32_t patch = kUnknown;  ///< kUnknown: no image has reached the corner's ring
-  std::uint32_t first_sample = 0;  ///< of the triangle's samples among the patch's
-  std::uint32_t column = 0;        ///< of `LightFieldSnapshot::coefficients_for`
-};
-
-/// An immutable surface light field (000): each triangle is the sum over its corners of barycentric weight times
-/// surface maps times view coefficients. What the maps are of, a ring or a triangle, is the representation's own.
+/// An immutable surface light field (000): a triangle's surface maps times the mean of its corners' view coefficients,
+/// weighted barycentrically. Patches of triangles share maps.
 class LightFieldSnapshot : public ModelSnapshot {
  public:
   LightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings, std::uint64_t version,
@@ -75,8 +68,9 @@ class LightFieldSnapshot : public ModelSnapshot {
 
   virtual std::size_t patch_count() const = 0;
   virtual std::shared_ptr<const SurfacePatch> patch(std::size_t index) const = 0;  ///< null: no image has reached it
-  virtual PatchCorner corner(std::size_t triangle, int corner) const = 0;
-  /// View coefficients for this eye: max_rank() x columns (`PatchCorner::column`), zero-padded. What a GPU needs per
+  virtual bool seen(std::size_t triangle) const = 0;  ///< some image showed something of its patch
+  virtual TrianglePlace place(std::size_t triangle) const = 0;
+  /// View coefficients for this eye: max_rank() x columns (`TrianglePlace::columns`), zero-padded. What a GPU needs per
   /// frame.
   virtual Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const = 0;
   /// The same snapshot with these patches in place of its own, which are newer: what a GPU holds that is still

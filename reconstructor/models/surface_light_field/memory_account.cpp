@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reconstructor/models/surface_light_field/ring_model.h"
+#include "reconstructor/models/surface_light_field/patch_model.h"
 #include "reconstructor/surface/map_resolution.h"
 
 namespace sheen {
@@ -25,17 +25,18 @@ constexpr int kFewTerms = 3, kFewColumns = 8;
 
 }  // namespace
 
-MemoryNeed memory_need(std::size_t vertices, std::size_t triangles, const SurfaceLightFieldOptions& options) {
+MemoryNeed memory_need(std::size_t triangles, const SurfaceLightFieldOptions& options) {
   const double asked = options.map_scale * (options.surface_map > 0 ? options.surface_map : options.min_surface_map);
   const int side = std::max(2, static_cast<int>(std::lround(asked)));
-  const auto v = static_cast<double>(vertices), t = static_cast<double>(triangles);
-  const double samples = 3 * t * lattice_samples(side) / v;  // of a ring: a triangle is in three
-  RingModelOptions few = options.ring;
+  const auto t = static_cast<double>(triangles);
+  const double samples = options.patch.triangles * lattice_samples(side), patches = t / options.patch.triangles,
+               vertices = options.patch.triangles + 2.0;
+  PatchModelOptions few = options.patch;
   few.factor = few.factor.limited_to(kFewTerms, kFewTerms, kFewColumns);
   few.max_views = kFewColumns - few.factor.block;
   const double fixed = t * kFixedPerTriangle;
-  return {fixed + v * RingModel::largest_bytes(samples, few),
-          fixed + v * RingModel::largest_bytes(samples, options.ring)};
+  return {fixed + patches * PatchModel::largest_bytes(samples, vertices, few),
+          fixed + patches * PatchModel::largest_bytes(samples, vertices, options.patch)};
 }
 
 MemoryAccount fixed_account(const Mesh& mesh, const VertexRings& rings, const CaptureSize& image) {
@@ -55,10 +56,12 @@ MemoryAccount largest_account(const Mesh& mesh, const Capture& first, const Surf
       mesh, map_resolution(mesh, first.camera, first.pose.camera_from_object,
                            {options.surface_map, options.min_surface_map, options.max_surface_map, options.map_scale}));
   MemoryAccount account = fixed_account(mesh, rings, size_of(first));
-  for (std::size_t v = 0; v < rings.size(); ++v) {
-    if (rings.ring_samples(v) == 0) continue;
-    account.model += RingModel::largest_bytes(rings.ring_samples(v), options.ring);
-    account.snapshots += kSnapshots * RingModel::largest_snapshot_bytes(rings.ring_samples(v), options.ring);
+  const PatchShapes shapes = cut_into_patches(mesh, rings, static_cast<std::size_t>(options.patch.triangles));
+  for (const PatchShape& shape : shapes.patches) {
+    account.model +=
+        PatchModel::largest_bytes(shape.samples, static_cast<double>(shape.vertices.size()), options.patch);
+    account.snapshots += kSnapshots * PatchModel::largest_snapshot_bytes(
+                                          shape.samples, static_cast<double>(shape.vertices.size()), options.patch);
   }
   return account;
 }

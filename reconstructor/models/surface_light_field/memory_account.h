@@ -13,12 +13,12 @@ namespace sheen {
 
 /// Mesh, ray scene and ingest; the rest 0. All images are taken to be as large.
 MemoryAccount fixed_account(const Mesh& mesh, const VertexRings& rings, const CaptureSize& image);
-/// Upper bound of all but held-out views and probe once every ring holds all the terms and views that the options
+/// Upper bound of all but held-out views and probe once every patch holds all the terms and views that the options
 /// allow.
 MemoryAccount largest_account(const Mesh& mesh, const Capture& first, const SurfaceLightFieldOptions& options);
 
 /// Bytes from counts alone: `least` with the fewest terms that are any use, `most` with all terms and views that the
 /// options allow; both on the smallest maps.
-MemoryNeed memory_need(std::size_t vertices, std::size_t triangles, const SurfaceLightFieldOptions& options);
+MemoryNeed memory_need(std::size_t triangles, const SurfaceLightFieldOptions& options);
 
 }  // namespace sheen

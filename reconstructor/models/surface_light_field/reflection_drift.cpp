@@ -18,7 +18,7 @@ constexpr double kSmoothness = 1e-4;      // of the mean eigenvalue, growing wit
 constexpr float kHighestSensitivity = 4;  // of the mean level
 constexpr float kDrawnToMeanLevel = 0.5f;
 
-constexpr std::size_t kBlock = 16;  // rings whose equations are summed on one thread
+constexpr std::size_t kBlock = 16;  // patches whose equations are summed on one thread
 
 using Normal = Eigen::Matrix<double, kHarmonics, kHarmonics>;
 
@@ -28,7 +28,7 @@ Eigen::Vector3f mirrored(const Eigen::Vector3f& direction, const Eigen::Vector3f
 
 }  // namespace
 
-/// A ring with everything centred on its weighted means.
+/// A patch with everything centred on its weighted means.
 struct ReflectionFit::Centred {
   explicit Centred(const RingLevels& ring);
 

@@ -10,9 +10,9 @@
 
 namespace sheen {
 
-/// What all rings share of how their level varies with the view: the light that comes from where a ring would mirror
+/// What all patches share of how their level varies with the view: the light that comes from where a patch would mirror
 /// the eye to, a function on the sphere in spherical harmonics. It is the external drift of the kriging between views
-/// (`krige`); a ring uses it where that predicts its views better.
+/// (`krige`); a patch uses it where that predicts its views better.
 struct ReflectionDrift {
   Harmonics coefficients = Harmonics::Zero();
 
@@ -20,7 +20,7 @@ struct ReflectionDrift {
   float at(const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const;
 };
 
-/// The level of a ring, its mean encoded colour, in each view.
+/// The level of a patch, its mean encoded colour, in each view.
 struct RingLevels {
   Eigen::Vector3f normal;
   Eigen::Matrix3Xf directions;  ///< to the eyes, one column per view
@@ -28,9 +28,9 @@ struct RingLevels {
   Eigen::VectorXf reliability;  ///< per view, > 0
 };
 
-/// Level of ring v in view j = mean of v + s_v (L(mirrored direction) - its mean over the views of v), by alternating
-/// least squares for L and the sensitivities s_v (one per ring and channel), which are drawn halfway to the ring's mean
-/// level: a dark ring varies less. A round at a time, so that no image waits for all of it.
+/// Level of patch v in view j = mean of v + s_v (L(mirrored direction) - its mean over the views of v), by alternating
+/// least squares for L and the sensitivities s_v (one per patch and channel), which are drawn halfway to the patch's
+/// mean level: a dark patch varies less. A round at a time, so that no image waits for all of it.
 class ReflectionFit {
  public:
   explicit ReflectionFit(std::span<const RingLevels> rings);
@@ -40,7 +40,7 @@ class ReflectionFit {
 
   /// One round. True when it was the last.
   bool step();
-  /// Null when the rings hold too little to say anything.
+  /// Null when the patches hold too little to say anything.
   std::shared_ptr<const ReflectionDrift> result() const { return drift_; }
 
  private:

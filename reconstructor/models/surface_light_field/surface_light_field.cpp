@@ -14,9 +14,8 @@
 #include "common/base/stage_clock.h"
 #include "reconstructor/models/surface_light_field/effort_levels.h"
 #include "reconstructor/models/surface_light_field/folded_images.h"
-#include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
 #include "reconstructor/models/surface_light_field/memory_account.h"
-#include "reconstructor/models/surface_light_field/ring_set.h"
+#include "reconstructor/models/surface_light_field/patch_set.h"
 #include "reconstructor/radiance/capture_rules.h"
 #include "reconstructor/radiance/exposure_gain.h"
 #include "reconstructor/radiance/ring_resampler.h"
@@ -26,10 +25,10 @@
 namespace sheen {
 namespace {
 
-// An image that may repeat an earlier one is decided on one ring of so many; by so many of those.
-constexpr std::size_t kRingsPerTested = 16;
+// An image that may repeat an earlier one is decided on one patch of so many; by so many of those.
+constexpr std::size_t kPatchesPerTested = 13;  // no multiple of how many a regular mesh has side by side
 constexpr double kRepeatedShare = 0.95;
-constexpr std::size_t kPredictedRings = 16;  // an image: each costs a solve
+constexpr std::size_t kPredictedPatches = 16;  // an image: each costs a solve
 
 bool has_pose(const PoseEstimate& pose) {
   return pose.usable() && pose.camera_from_object.rotation.coeffs().allFinite() &&
@@ -45,15 +44,12 @@ bool sizes_agree(const Capture& capture) {
 
 }  // namespace
 
-/// How an image goes through: what it shows is found, brought to one exposure, and folded into the rings that it tells
-/// something new.
+/// How an image goes through: what it shows is found, brought to one exposure, and folded into the patches that it
+/// tells something new.
 struct SurfaceLightField::Pipeline {
   Pipeline(std::shared_ptr<const Mesh> of_mesh, const SurfaceLightFieldOptions& chosen,
            std::shared_ptr<const RayScene> of_scene)
-      : mesh(std::move(of_mesh)),
-        scene(std::move(of_scene)),
-        options(chosen),
-        interpolation(*mesh, options.ring.interpolation) {}
+      : mesh(std::move(of_mesh)), scene(std::move(of_scene)), options(chosen) {}
 
   std::shared_ptr<const Mesh> mesh;
   std::shared_ptr<const RayScene> scene;
@@ -72,16 +68,15 @@ struct SurfaceLightField::Pipeline {
   std::shared_ptr<const VertexRings> shape;
   std::unique_ptr<RingVisibility> visibility;
   std::unique_ptr<ConstantColour> constant_colour;
-  std::optional<RingSet> rings;
-  double update_fraction = 1;  ///< of the rings that an image shows: those that it updates
+  std::optional<PatchSet> patches;
+  double update_fraction = 1;  ///< of the patches that an image shows: those that it updates
 
   RadianceImage image;
   Eigen::Matrix3Xf samples;  ///< encoded values of the current image
-  InterpolationUpkeep interpolation;
   FoldedImages folded;
   std::uint64_t version = 0;
 
-  /// What the rings leave behind.
+  /// What the patches leave behind.
   struct Finished {
     ModelFigures figures;
     std::size_t snapshot_bytes;
@@ -100,7 +95,7 @@ struct SurfaceLightField::Pipeline {
   float known_gain(const Capture& capture) const;
   float estimated_gain(const Capture& capture, const SurfaceView& view) const;
   bool repeats_earlier_image(const SurfaceView& view, IngestReport& report);
-  std::vector<std::uint32_t> rings_to_update(const SurfaceView& view, IngestReport& report) const;
+  std::vector<std::uint32_t> patches_to_update(const SurfaceView& view, IngestReport& report) const;
   std::vector<bool> factorize(const SurfaceView& view, IngestReport& report);
   double predicted_psnr_db(const SurfaceView& view, const std::vector<std::uint32_t>& chosen) const;
 
@@ -113,7 +108,7 @@ void SurfaceLightField::Pipeline::start(const Beginning& first) {
                                                                options.max_surface_map, options.map_scale}));
   visibility = std::make_unique<RingVisibility>(*mesh, *shape, options.visibility, scene);
   constant_colour = std::make_unique<ConstantColour>(mesh, shape);
-  rings.emplace(mesh, shape, frames, options.ring);
+  patches.emplace(mesh, shape, frames, options.patch);
 }
 
 const SurfaceView& SurfaceLightField::Pipeline::look(const Capture& capture) {
@@ -174,9 +169,8 @@ bool SurfaceLightField::Pipeline::withdraw(const Capture& capture) {
   image.load(capture, view);
   resample_at(found->gain, view);
   constant_colour->remove(view, samples);
-  rings->withdraw({view, samples}, found->taken);
+  patches->withdraw({view, samples}, found->taken, folded.count() - 1);
   folded.erase(name);
-  interpolation.rebuild(folded.count(), frames, rings->models());
   return true;
 }
 
@@ -195,62 +189,60 @@ float SurfaceLightField::Pipeline::estimated_gain(const Capture& capture, const 
   return robust_gain(ratios);
 }
 
-/// Whether an image from where an earlier one was taken shows nothing new. Decided on some of its rings, before the
+/// Whether an image from where an earlier one was taken shows nothing new. Decided on some of its patches, before the
 /// others cost anything; with an exposure that only the whole image can tell it is not asked.
 bool SurfaceLightField::Pipeline::repeats_earlier_image(const SurfaceView& view, IngestReport& report) {
   const BoundingSphere bounds = bounding_sphere(*mesh);
   const double nearest_surface = std::max((view.eye - bounds.centre).norm() - bounds.radius, 0.0);
   if (options.exposure == ExposureCompensation::kEstimate ||
-      !folded.any_nearer(view.eye, options.ring.repeat_angle * nearest_surface))
+      !folded.any_nearer(view.eye, options.patch.repeat_angle * nearest_surface))
     return false;
-  const std::vector<std::uint32_t> shown = rings->shown_by(view);
+  const std::vector<std::uint32_t> shown = patches->shown_by(view);
   std::vector<std::uint32_t> tested, triangles;
-  for (std::size_t i = 0; i < shown.size(); i += kRingsPerTested) {
+  for (std::size_t i = 0; i < shown.size(); i += kPatchesPerTested) {
     tested.push_back(shown[i]);
-    for (const RingTriangle& member : shape->ring(shown[i])) triangles.push_back(member.triangle);
+    const PatchShape& patch = patches->shapes()->patches[shown[i]];
+    triangles.insert(triangles.end(), patch.triangles.begin(), patch.triangles.end());
   }
-  std::sort(triangles.begin(), triangles.end());
-  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
   resample(image, view, *shape, triangles, report.exposure_gain, samples, options.sampling);
-  const std::size_t repeated = rings->count_repeated(tested, {view, samples});
+  const std::size_t repeated = patches->count_repeated(tested, {view, samples});
   if (static_cast<double>(repeated) < kRepeatedShare * static_cast<double>(tested.size())) return false;
   report.patches_skipped = shown.size();
   return true;
 }
 
-/// Of the rings that the image shows, the fraction for which its direction is newest.
-std::vector<std::uint32_t> SurfaceLightField::Pipeline::rings_to_update(const SurfaceView& view,
-                                                                        IngestReport& report) const {
-  std::vector<std::uint32_t> shown = rings->shown_by(view);
+/// Of the patches that the image shows, the fraction for which its direction is newest.
+std::vector<std::uint32_t> SurfaceLightField::Pipeline::patches_to_update(const SurfaceView& view,
+                                                                          IngestReport& report) const {
+  std::vector<std::uint32_t> shown = patches->shown_by(view);
   const auto wanted = static_cast<std::size_t>(std::ceil(update_fraction * static_cast<double>(shown.size())));
   if (wanted >= shown.size()) return shown;
   report.patches_left_out = shown.size() - wanted;
-  return rings->newest(shown, view, wanted);
+  return patches->newest(shown, view, wanted);
 }
 
-/// Which rings took what they were shown; empty when all did.
+/// Which patches took what they were shown; empty when all did.
 std::vector<bool> SurfaceLightField::Pipeline::factorize(const SurfaceView& view, IngestReport& report) {
-  const std::vector<std::uint32_t> chosen = rings_to_update(view, report);
+  const std::vector<std::uint32_t> chosen = patches_to_update(view, report);
   report.predicted_psnr_db = predicted_psnr_db(view, chosen);
-  const RingSet::Update update = rings->absorb(chosen, {view, samples});
+  const PatchSet::Update update = patches->absorb(chosen, {view, samples}, folded.count() + 1);
   report.patches_updated = update.updated;
   report.patches_skipped = static_cast<std::size_t>(std::count(update.repeated.begin(), update.repeated.end(), 1));
   report.relative_residual = update.energy > 0 ? std::sqrt(update.residual_energy / update.energy) : 0;
-  interpolation.after_image(folded.count() + 1, update.undecided, frames, rings->models());
   if (report.patches_skipped + report.patches_left_out == 0) return {};
-  std::vector<bool> taken(rings->models().size(), false);
+  std::vector<bool> taken(patches->size(), false);
   for (std::size_t i = 0; i < chosen.size(); ++i) taken[chosen[i]] = !update.repeated[i];
   return taken;
 }
 
-/// PSNR of a few rings of the image, encoded, as predicted from the images before it; NaN where none came before.
+/// PSNR of a few patches of the image, encoded, as predicted from the images before it; NaN where none came before.
 double SurfaceLightField::Pipeline::predicted_psnr_db(const SurfaceView& view,
                                                       const std::vector<std::uint32_t>& chosen) const {
-  const std::size_t stride = std::max<std::size_t>(1, chosen.size() / kPredictedRings);
+  const std::size_t stride = std::max<std::size_t>(1, chosen.size() / kPredictedPatches);
   std::vector<std::uint32_t> asked;  // others with every image
   for (std::size_t i = folded.count() % stride; i < chosen.size(); i += stride)
-    if (rings->models()[chosen[i]]) asked.push_back(chosen[i]);
-  const RingModel::Prediction predicted = rings->predict(asked, {view, samples});
+    if (patches->reached(chosen[i])) asked.push_back(chosen[i]);
+  const PatchModel::Prediction predicted = patches->predict(asked, {view, samples});
   if (predicted.values == 0) return std::numeric_limits<double>::quiet_NaN();
   return -10 * std::log10(predicted.squared_error / static_cast<double>(predicted.values));
 }
@@ -321,34 +313,37 @@ void SurfaceLightField::set_update_fraction(double fraction) {
 }
 
 void SurfaceLightField::limit_terms(int max_rank, int internal_rank, int block) {
-  RingFactorOptions& factor = pipeline_->options.ring.factor;
+  RingFactorOptions& factor = pipeline_->options.patch.factor;
   factor = factor.limited_to(max_rank, internal_rank, block);
-  if (pipeline_->rings) pipeline_->rings->limit_terms(max_rank, internal_rank, block);
+  if (pipeline_->patches) pipeline_->patches->limit_terms(max_rank, internal_rank, block);
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_snapshot() {
   Pipeline& p = *pipeline_;
   if (p.finished) return p.finished->snapshot;
-  if (!p.rings) {  // nothing seen yet: an empty light field on the coarsest maps
+  if (!p.patches) {  // nothing seen yet: an empty light field on the coarsest maps
     const std::vector<std::uint8_t> coarse(p.mesh->triangles.size(), 2);
-    return std::make_shared<SurfaceLightFieldSnapshot>(
-        p.mesh, std::make_shared<VertexRings>(*p.mesh, coarse),
-        std::vector<std::shared_ptr<const RingSnapshot>>(p.mesh->vertices.size()), p.version++);
+    auto maps = std::make_shared<VertexRings>(*p.mesh, coarse);
+    auto shapes = std::make_shared<const PatchShapes>(
+        cut_into_patches(*p.mesh, *maps, static_cast<std::size_t>(p.options.patch.triangles)));
+    SurfaceLightFieldSnapshot::Patches none(shapes->patches.size());
+    return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, std::move(maps), std::move(shapes), std::move(none),
+                                                       p.version++);
   }
-  return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.shape, p.rings->snapshots(), p.version++,
-                                                     p.exposure_field(), p.folded.cameras());
+  return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.shape, p.patches->shapes(), p.patches->snapshots(),
+                                                     p.version++, p.exposure_field(), p.folded.cameras());
 }
 
 void SurfaceLightField::finish() {
   Pipeline& p = *pipeline_;
-  if (!p.rings) return;
+  if (!p.patches) return;
   p.finished = {figures(), snapshot_bytes(), nullptr};
   p.visibility.reset();
   p.image = {};
   p.samples.resize(3, 0);
-  p.finished->snapshot = std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.shape, p.rings->finish(), p.version++,
-                                                                     p.exposure_field(), p.folded.cameras());
-  p.rings.reset();
+  p.finished->snapshot = std::make_shared<SurfaceLightFieldSnapshot>(
+      p.mesh, p.shape, p.patches->shapes(), p.patches->finish(), p.version++, p.exposure_field(), p.folded.cameras());
+  p.patches.reset();
 }
 
 std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
@@ -359,8 +354,8 @@ std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
 
 ModelFigures SurfaceLightField::figures() const {
   if (pipeline_->finished) return pipeline_->finished->figures;
-  ModelFigures figures{.images = pipeline_->folded.count(), .bytes = bytes(), .patch_name = "ring"};
-  if (pipeline_->rings) figures.rank_histogram = pipeline_->rings->rank_histogram();
+  ModelFigures figures{.images = pipeline_->folded.count(), .bytes = bytes(), .patch_name = "patch"};
+  if (pipeline_->patches) figures.rank_histogram = pipeline_->patches->rank_histogram();
   const auto reached = std::reduce(figures.rank_histogram.begin(), figures.rank_histogram.end());
   if (reached > 0) figures.bytes_per_patch = static_cast<double>(figures.bytes) / static_cast<double>(reached);
   return figures;
@@ -377,12 +372,12 @@ MemoryAccount SurfaceLightField::memory(const CaptureSize& image) const {
 
 std::size_t SurfaceLightField::bytes() const {
   if (pipeline_->finished) return pipeline_->finished->figures.bytes;
-  return pipeline_->rings ? pipeline_->rings->bytes() : 0;
+  return pipeline_->patches ? pipeline_->patches->bytes() : 0;
 }
 
 std::size_t SurfaceLightField::snapshot_bytes() const {
   if (pipeline_->finished) return pipeline_->finished->snapshot_bytes;
-  return pipeline_->rings ? pipeline_->rings->snapshot_bytes() : 0;
+  return pipeline_->patches ? pipeline_->patches->snapshot_bytes() : 0;
 }
 
 const VertexRings* SurfaceLightField::rings() const {

@@ -12,7 +12,7 @@
 
 namespace sheen {
 
-/// The online surface light field (000): one online SVD per vertex ring, fed image by image.
+/// The online surface light field (000): one online SVD per patch of triangles, fed image by image.
 class SurfaceLightField : public AppearanceModel {
  public:
   /// Throws ConfigError when an option is out of range, naming it.
@@ -32,7 +32,7 @@ class SurfaceLightField : public AppearanceModel {
   int effort_level_within(const Capture& first, int from, double bytes) const override;
   bool reduce_memory() override;
   void set_update_fraction(double fraction) override;
-  /// Lets go of terms beyond lower limits, in all rings at once. They hold from now on.
+  /// Lets go of terms beyond lower limits, in all patches at once. They hold from now on.
   void limit_terms(int max_rank, int internal_rank, int block);
 
   std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
@@ -44,8 +44,8 @@ class SurfaceLightField : public AppearanceModel {
   const SurfaceLightFieldOptions& settings() const override;
   ModelFigures figures() const override;
   MemoryAccount memory(const CaptureSize& image) const override;
-  std::size_t bytes() const;           ///< of all rings
-  std::size_t snapshot_bytes() const;  ///< of a snapshot of all rings
+  std::size_t bytes() const;           ///< of all patches
+  std::size_t snapshot_bytes() const;  ///< of a snapshot of all patches
   const VertexRings* rings() const;    ///< null until an image comes
 
  private:

@@ -16,14 +16,14 @@ std::vector<SettingKey> SurfaceLightFieldOptions::keys() {
   std::vector<SettingKey> keys = image_keys();
   const std::vector<SettingKey> own = {
       setting("surface_map", surface_map),
-      setting("max_rank", ring.factor.max_rank),
-      setting("tolerance", ring.factor.tolerance),
+      setting("max_rank", patch.factor.max_rank),
+      setting("tolerance", patch.factor.tolerance),
       setting("map_scale", map_scale, SettingTable::kAdvanced),
-      setting("internal_rank", ring.factor.internal_rank, SettingTable::kAdvanced),
-      setting("block", ring.factor.block, SettingTable::kAdvanced),
-      setting("max_views", ring.max_views, SettingTable::kAdvanced),
-      setting("repeat_angle", ring.repeat_angle, SettingTable::kAdvanced),
-      setting("min_visible", ring.min_visible, SettingTable::kAdvanced),
+      setting("internal_rank", patch.factor.internal_rank, SettingTable::kAdvanced),
+      setting("block", patch.factor.block, SettingTable::kAdvanced),
+      setting("max_views", patch.max_views, SettingTable::kAdvanced),
+      setting("repeat_angle", patch.repeat_angle, SettingTable::kAdvanced),
+      setting("min_visible", patch.min_visible, SettingTable::kAdvanced),
   };
   keys.insert(keys.end(), own.begin(), own.end());
   return keys;
@@ -37,23 +37,23 @@ void SurfaceLightFieldOptions::require_valid() const {
   require(surface_map == 0 || (surface_map >= 2 && surface_map <= 64),
           "surface_map must be 0 (chosen from the footprint) or 2..64");
   require(map_scale >= 0.05 && map_scale <= 4, "map_scale must be in [0.05, 4]");
-  require(ring.repeat_angle >= 0 && ring.repeat_angle < 0.5, "repeat_angle must be in [0, 0.5) rad");
-  require(ring.factor.max_rank >= 1 && ring.factor.max_rank <= 64, "max_rank must be 1..64");
-  require(ring.factor.internal_rank == 0 ||
-              (ring.factor.internal_rank >= ring.factor.max_rank && ring.factor.internal_rank <= 64),
+  require(patch.repeat_angle >= 0 && patch.repeat_angle < 0.5, "repeat_angle must be in [0, 0.5) rad");
+  require(patch.factor.max_rank >= 1 && patch.factor.max_rank <= 64, "max_rank must be 1..64");
+  require(patch.factor.internal_rank == 0 ||
+              (patch.factor.internal_rank >= patch.factor.max_rank && patch.factor.internal_rank <= 64),
           "internal_rank must be 0 (chosen from max_rank) or max_rank..64");
-  require(ring.factor.block >= 1 && ring.factor.block <= 32, "block must be 1..32");
-  require(ring.factor.tolerance >= 0 && ring.factor.tolerance < 1, "tolerance must be in [0, 1)");
-  require(ring.min_visible >= 0 && ring.min_visible <= 1, "min_visible must be in [0, 1]");
-  require(ring.max_views >= 8 && ring.max_views <= 1000, "max_views must be 8..1000");
+  require(patch.factor.block >= 1 && patch.factor.block <= 32, "block must be 1..32");
+  require(patch.factor.tolerance >= 0 && patch.factor.tolerance < 1, "tolerance must be in [0, 1)");
+  require(patch.min_visible >= 0 && patch.min_visible <= 1, "min_visible must be in [0, 1]");
+  require(patch.max_views >= 8 && patch.max_views <= 1000, "max_views must be 8..1000");
 }
 
 int SurfaceLightFieldOptions::effort_levels() const {
   return static_cast<int>(all_effort_levels().size());
 }
 
-MemoryNeed SurfaceLightFieldOptions::memory_need(std::size_t vertices, std::size_t triangles) const {
-  return sheen::memory_need(vertices, triangles, *this);
+MemoryNeed SurfaceLightFieldOptions::memory_need(std::size_t /*vertices*/, std::size_t triangles) const {
+  return sheen::memory_need(triangles, *this);
 }
 
 std::unique_ptr<AppearanceModel> SurfaceLightFieldOptions::make_model(std::shared_ptr<const Mesh> mesh) const {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "reconstructor/models/model_settings.h"
-#include "reconstructor/models/surface_light_field/ring_model.h"
+#include "reconstructor/models/surface_light_field/patch_model.h"
 
 namespace sheen {
 
@@ -16,7 +16,7 @@ struct SurfaceLightFieldOptions : ModelSettings {
   int surface_map = 0;
   int min_surface_map = 4, max_surface_map = 24;  ///< bounds of the choice by footprint (MapResolutionOptions)
   double map_scale = 1;                           ///< of the side, given or chosen
-  RingModelOptions ring;
+  PatchModelOptions patch;
 
   const char* kind() const override { return kName; }
   std::unique_ptr<ModelSettings> clone() const override { return std::make_unique<SurfaceLightFieldOptions>(*this); }

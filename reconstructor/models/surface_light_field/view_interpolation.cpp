@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <span>
 #include <utility>
 
 namespace sheen {
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kKernels = kViewKernels.size();
 
-constexpr double kOwnWeight = 3;  // of a ring and its neighbours against all rings
+constexpr double kNearWeight = 3;  // of the patches round a vertex against all patches
 // What single precision may leave of a squared error that is none, a coefficient that reaches 1: such are alike.
 constexpr double kRounding = 1e-13;
 
@@ -21,7 +21,7 @@ double least(const Errors& errors) {
   return *std::min_element(errors.begin(), errors.end());
 }
 
-/// A ring that could not try the drift says nothing for it nor against it.
+/// A patch that could not try the drift says nothing for it nor against it.
 double error_of(const InterpolationErrors& errors, std::size_t k) {
   return std::isfinite(errors[k]) ? errors[k] : errors[k - kKernels];
 }
@@ -48,44 +48,38 @@ InterpolationErrors interpolation_errors(const Eigen::Matrix3Xf& directions,
   return relative;
 }
 
-InterpolationChoice::InterpolationChoice(const Mesh& mesh, const ViewInterpolationOptions& options)
-    : options_(options), latest_(mesh.vertices.size()) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (const auto& triangle : mesh.triangles)
-    for (int c = 0; c < 3; ++c) {
-      edges.emplace_back(triangle[c], triangle[(c + 1) % 3]);
-      edges.emplace_back(triangle[(c + 1) % 3], triangle[c]);
-    }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  first_neighbour_.assign(mesh.vertices.size() + 1, 0);
-  for (const auto& [from, to] : edges) {
-    ++first_neighbour_[from + 1];
-    neighbours_.push_back(to);
-  }
-  std::partial_sum(first_neighbour_.begin(), first_neighbour_.end(), first_neighbour_.begin());
+InterpolationChoice::InterpolationChoice(std::shared_ptr<const PatchShapes> shapes,
+                                         const ViewInterpolationOptions& options)
+    : shapes_(std::move(shapes)), options_(options), latest_(shapes_->patches.size()) {}
+
+void InterpolationChoice::count(std::uint32_t patch, const InterpolationErrors& errors) {
+  std::optional<InterpolationErrors>& latest = latest_[patch];
+  for (std::size_t k = 0; k < all_.size(); ++k) all_[k] += error_of(errors, k) - (latest ? error_of(*latest, k) : 0.0);
+  latest = errors;
 }
 
-void InterpolationChoice::count(std::uint32_t ring, const InterpolationErrors& errors) {
-  latest_[ring] = errors;
-  for (std::size_t k = 0; k < all_.size(); ++k) all_[k] += error_of(errors, k);
+bool InterpolationChoice::can_choose(std::uint32_t vertex) const {
+  const std::span<const PatchVertex> round = shapes_->round(vertex);
+  return std::any_of(round.begin(), round.end(), [&](const PatchVertex& at) { return counted(at.patch); });
 }
 
-ViewInterpolation InterpolationChoice::choose(std::uint32_t ring) const {
+ViewInterpolation InterpolationChoice::choose(std::uint32_t vertex) const {
   std::array<double, 2 * kKernels> near{};
-  double rings = 1;
-  std::copy(latest_[ring]->begin(), latest_[ring]->end(), near.begin());  // infinite where it cannot have the drift
-  for (std::uint32_t i = first_neighbour_[ring]; options_.neighbours && i < first_neighbour_[ring + 1]; ++i) {
-    const std::optional<InterpolationErrors>& neighbour = latest_[neighbours_[i]];
-    if (!neighbour) continue;
-    ++rings;
-    for (std::size_t k = 0; k < near.size(); ++k) near[k] += error_of(*neighbour, k);
+  double patches = 0, tried_drift = 0;
+  for (const PatchVertex& round : shapes_->round(vertex)) {
+    const std::optional<InterpolationErrors>& errors = latest_[round.patch];
+    if (!errors) continue;
+    ++patches;
+    tried_drift += std::isfinite((*errors)[kKernels]);
+    for (std::size_t k = 0; k < near.size(); ++k) near[k] += error_of(*errors, k);
   }
+  const bool drift = 2 * tried_drift > patches;  // fewer, with the least views that allow for it, promise too much
   const double best_of_all = least(all_);
   const auto cost = [&](std::size_t k) {
-    if (!options_.exponential && kViewKernels[k % kKernels].shape == KernelShape::kExponential)
+    if ((k >= kKernels && !drift) ||
+        (!options_.exponential && kViewKernels[k % kKernels].shape == KernelShape::kExponential))
       return std::numeric_limits<double>::infinity();
-    return kOwnWeight * near[k] / rings + all_[k] / best_of_all;
+    return kNearWeight * near[k] / patches + all_[k] / best_of_all;
   };
   std::size_t chosen = 0;
   for (std::size_t k = 1; k < near.size(); ++k)

@@ -4,10 +4,11 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
-#include "common/geometry/mesh.h"
+#include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/numerics/view_kriging.h"
 
 namespace sheen {
@@ -17,15 +18,14 @@ enum class ViewMethod {
   kDelaunay,  ///< the paper's (000 sec. 4.2), for comparison: `delaunay_weights`
 };
 
-/// What rings may choose from. Other than the default it is for studies of what the parts are worth.
+/// What vertices may choose from. Other than the default it is for studies of what the parts are worth.
 struct ViewInterpolationOptions {
   ViewMethod method = ViewMethod::kKriging;
-  bool drift = true;        ///< the reflection that all rings share
+  bool drift = true;        ///< the reflection that all patches share
   bool exponential = true;  ///< exponential kernels, beside those of Matern
-  bool neighbours = true;   ///< errors of neighbouring rings count in a ring's choice
 };
 
-/// How a ring interpolates between its views: by a kernel of kViewKernels, with the drift that all rings share or
+/// How views are interpolated at a vertex: by a kernel of kViewKernels, with the drift that all patches share or
 /// without.
 struct ViewInterpolation {
   ViewKernel kernel;
@@ -33,8 +33,8 @@ struct ViewInterpolation {
   bool operator==(const ViewInterpolation&) const = default;
 };
 
-/// Errors of predicting each view of a ring from the others, relative to the least: each kernel without the drift, then
-/// each with it (infinite where there is none, or too few views for it).
+/// Errors of predicting each view of a patch from the others, relative to the least: each kernel without the drift,
+/// then each with it (infinite where there is none, or too few views for it).
 using InterpolationErrors = std::array<float, 2 * kViewKernels.size()>;
 
 /// Arguments as of `krige`.
@@ -43,24 +43,26 @@ InterpolationErrors interpolation_errors(const Eigen::Matrix3Xf& directions,
                                          const Eigen::Ref<const Eigen::VectorXf>& reliability,
                                          const Eigen::VectorXf& drift);
 
-/// Chooses for a ring by its own errors and its neighbours', and by those of all rings: its own are noisy with few
-/// views, and what lies side by side varies alike.
+/// Chooses for a vertex by the errors of the patches round it, and by those of all patches: those near are noisy with
+/// few views, and what lies side by side varies alike.
 class InterpolationChoice {
  public:
-  /// Rings are the vertices of the mesh.
-  explicit InterpolationChoice(const Mesh& mesh, const ViewInterpolationOptions& options = {});
+  explicit InterpolationChoice(std::shared_ptr<const PatchShapes> shapes, const ViewInterpolationOptions& options = {});
 
-  /// A ring's errors, in place of those that it had before.
-  void count(std::uint32_t ring, const InterpolationErrors& errors);
-  /// The ring must have been counted.
-  ViewInterpolation choose(std::uint32_t ring) const;
+  std::size_t vertices() const { return shapes_->first_round.size() - 1; }
+  /// A patch's errors, in place of those that it had before.
+  void count(std::uint32_t patch, const InterpolationErrors& errors);
+  bool counted(std::uint32_t patch) const { return latest_[patch].has_value(); }
+  bool can_choose(std::uint32_t vertex) const;  ///< one of the patches round the vertex was counted
+  /// The vertex must be able to.
+  ViewInterpolation choose(std::uint32_t vertex) const;
   void clear();
 
  private:
+  std::shared_ptr<const PatchShapes> shapes_;
   ViewInterpolationOptions options_;
-  std::vector<std::uint32_t> first_neighbour_, neighbours_;  ///< of ring v: neighbours_[first_neighbour_[v]] and on
-  std::vector<std::optional<InterpolationErrors>> latest_;   ///< per ring
-  std::array<double, 2 * kViewKernels.size()> all_{};        ///< sum over all that were counted
+  std::vector<std::optional<InterpolationErrors>> latest_;  ///< per patch
+  std::array<double, 2 * kViewKernels.size()> all_{};       ///< sum over all that were counted
 };
 
 }  // namespace sheen

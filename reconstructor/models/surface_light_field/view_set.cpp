@@ -5,31 +5,48 @@
 
 namespace sheen {
 
-Eigen::Matrix3Xf ViewSet::direction_matrix() const {
-  Eigen::Matrix3Xf m(3, static_cast<Eigen::Index>(directions_.size()));
-  for (std::size_t i = 0; i < directions_.size(); ++i) m.col(static_cast<Eigen::Index>(i)) = directions_[i];
-  return m;
+SiteViews ViewSet::seen_from_vertex(std::size_t vertex, const Eigen::Vector3f& place) const {
+  SiteViews seen{Eigen::Matrix3Xf(3, count()), Eigen::VectorXf(count())};
+  for (int j = 0; j < count(); ++j) {
+    seen.directions.col(j) = (eyes_[j] - place).normalized();
+    seen.reliability[j] = reliability_[static_cast<std::size_t>(j) * vertices_ + vertex];
+  }
+  return seen;
 }
 
-ViewSet::Nearest ViewSet::nearest(const Eigen::Vector3f& direction) const {
+SiteViews ViewSet::seen_from_centre() const {
+  SiteViews seen{Eigen::Matrix3Xf(3, count()), Eigen::VectorXf(count())};
+  const Eigen::Map<const Eigen::MatrixXf> reliability(reliability_.data(), static_cast<Eigen::Index>(vertices_),
+                                                      count());
+  for (int j = 0; j < count(); ++j) {
+    seen.directions.col(j) = directions_[j];
+    seen.reliability[j] = reliability.col(j).mean();
+  }
+  return seen;
+}
+
+ViewSet::Nearest ViewSet::nearest(const Eigen::Vector3f& eye) const {
+  const Eigen::Vector3f direction = (eye - centre_).normalized();
   Nearest nearest;
   for (int view = 0; view < count(); ++view)
     if (const float c = direction.dot(directions_[view]); nearest.view < 0 || c > nearest.cosine) nearest = {view, c};
   return nearest;
 }
 
-int ViewSet::view_from(const Eigen::Vector3f& direction) const {
-  const auto same = std::find(directions_.rbegin(), directions_.rend(), direction);
-  if (same != directions_.rend()) return static_cast<int>(directions_.rend() - same) - 1;
+int ViewSet::view_from(const Eigen::Vector3f& eye) const {
+  const auto same = std::find(eyes_.rbegin(), eyes_.rend(), eye);
+  if (same != eyes_.rend()) return static_cast<int>(eyes_.rend() - same) - 1;
+  const Eigen::Vector3f direction = (eye - centre_).normalized();
   const auto nearest = std::max_element(
       directions_.begin(), directions_.begin() + folded(),
       [&](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.dot(direction) < b.dot(direction); });
   return static_cast<int>(nearest - directions_.begin());
 }
 
-void ViewSet::add(const Eigen::Vector3f& direction, float reliability) {
-  directions_.push_back(direction);
-  reliability_.push_back(reliability);
+void ViewSet::add(const Eigen::Vector3f& eye, std::span<const float> reliability) {
+  eyes_.push_back(eye);
+  directions_.push_back((eye - centre_).normalized());
+  reliability_.insert(reliability_.end(), reliability.begin(), reliability.end());
 }
 
 void ViewSet::set_folded(int folded) {
@@ -47,13 +64,21 @@ std::pair<int, int> ViewSet::closest_pair() const {
 
 void ViewSet::merge(int kept, int removed, float weight_kept, float weight_removed) {
   const Eigen::Vector3f mean = weight_kept * directions_[kept] + weight_removed * directions_[removed];
-  reliability_[kept] = std::max(reliability_[kept], reliability_[removed]);
+  const float distance =
+      (weight_kept * (eyes_[kept] - centre_).norm() + weight_removed * (eyes_[removed] - centre_).norm()) /
+      (weight_kept + weight_removed);
+  for (std::size_t i = 0; i < vertices_; ++i) {
+    float& of_kept = reliability_[static_cast<std::size_t>(kept) * vertices_ + i];
+    of_kept = std::max(of_kept, reliability_[static_cast<std::size_t>(removed) * vertices_ + i]);
+  }
   erase(removed);
-  move(kept, mean);
+  move(kept, mean, distance);
 }
 
-void ViewSet::take_from(int view, float weight, const Eigen::Vector3f& direction, float weight_taken) {
-  move(view, weight * directions_[view] - weight_taken * direction);
+void ViewSet::take_from(int view, float weight, const Eigen::Vector3f& eye, float weight_taken) {
+  const Eigen::Vector3f offset = eye - centre_;
+  const float left = weight * (eyes_[view] - centre_).norm() - weight_taken * offset.norm();
+  move(view, weight * directions_[view] - weight_taken * offset.normalized(), left / (weight - weight_taken));
 }
 
 void ViewSet::remove(int view) {
@@ -61,9 +86,10 @@ void ViewSet::remove(int view) {
   place_those_left_alone();
 }
 
-/// To another direction, of any length.
-void ViewSet::move(int view, const Eigen::Vector3f& direction) {
+/// To another direction, of any length, and distance from the centre.
+void ViewSet::move(int view, const Eigen::Vector3f& direction, float distance) {
   directions_[view] = direction.normalized();
+  eyes_[view] = centre_ + distance * directions_[view];
   for (Neighbour& neighbour : neighbours_)
     if (neighbour.view == view) neighbour = {};
   place(view);
@@ -89,8 +115,10 @@ void ViewSet::place(int view) {
 
 /// Those whose neighbour it was are left without (-1).
 void ViewSet::erase(int view) {
+  eyes_.erase(eyes_.begin() + view);
   directions_.erase(directions_.begin() + view);
-  reliability_.erase(reliability_.begin() + view);
+  const auto first = reliability_.begin() + static_cast<std::ptrdiff_t>(vertices_) * view;
+  reliability_.erase(first, first + static_cast<std::ptrdiff_t>(vertices_));
   if (view >= folded()) return;
   neighbours_.erase(neighbours_.begin() + view);
   for (Neighbour& neighbour : neighbours_) {
@@ -102,7 +130,7 @@ void ViewSet::erase(int view) {
 }
 
 std::size_t ViewSet::bytes() const {
-  return directions_.size() * (sizeof(Eigen::Vector3f) + sizeof(float)) + neighbours_.size() * sizeof(Neighbour);
+  return bytes_for(directions_.size(), vertices_);
 }
 
 }  // namespace sheen

@@ -69,7 +69,7 @@ TEST_F(CaptureLoopFaults, ADamagedFileIsCountedAndStopsNeitherThisCaptureNorTheN
     EXPECT_EQ(counts.refused, (std::map<std::string, std::uint64_t>{{"damaged file", 2}}));
     loop_->stop();
     EXPECT_EQ(loop_->status().error, "");
-    expect_same_rings(*reconstruction_->snapshot(), *never.snapshot());
+    expect_same_patches(*reconstruction_->snapshot(), *never.snapshot());
     loop_.reset();
   }
 }

@@ -49,8 +49,8 @@ class CaptureLoopTest : public ::testing::Test {
 
   static int most_views(const ModelSnapshot& snapshot) {
     int most = 0;
-    for (const auto& ring : light_field(snapshot).ring_data())
-      if (ring) most = std::max(most, ring->views_folded);
+    for (const auto& patch : light_field(snapshot).patches())
+      if (patch) most = std::max(most, patch->vertices.front().views_folded);
     return most;
   }
   template <typename Condition>
@@ -66,7 +66,7 @@ class CaptureLoopTest : public ::testing::Test {
     Reconstruction never(*object_.mesh, options_);
     for (std::size_t i = 0; i < kImages; ++i)
       if (!missing.contains(i)) never.ingest(images_[i]);
-    expect_same_rings(*reconstruction_->snapshot(), *never.snapshot());
+    expect_same_patches(*reconstruction_->snapshot(), *never.snapshot());
     ASSERT_EQ(reconstruction_->held_out().size(), never.held_out().size());
     EXPECT_EQ(reconstruction_->judge().model.psnr_db, never.judge().model.psnr_db);
     EXPECT_EQ(reconstruction_->judge().constant.psnr_db, never.judge().constant.psnr_db);
@@ -186,7 +186,7 @@ TEST(CaptureLoopEnds, WhatIsJournaledIsFoldedInAndWhatWasTakenBackIsOut) {
   EXPECT_EQ(status.counts.withdrawn, 2u);
   for (std::size_t i = 0; i < images.size(); ++i)
     if (i != 5 && i != 6) never.ingest(images[i]);
-  expect_same_rings(*reconstruction.snapshot(), *never.snapshot());
+  expect_same_patches(*reconstruction.snapshot(), *never.snapshot());
 }
 
 TEST(CaptureLoopEnds, TheAccountAddsUpWhileImagesWait) {

@@ -161,7 +161,7 @@ TEST(CaptureSet, ASessionGivesItsCapturesInOrderAndTheSameModelToTheBit) {
     live.ingest(images[i]);
     replayed.ingest(read);
   }
-  expect_same_rings(*live.snapshot(), *replayed.snapshot());
+  expect_same_patches(*live.snapshot(), *replayed.snapshot());
 }
 
 TEST(CaptureSet, WhatIsNoCaptureSetIsNamed) {

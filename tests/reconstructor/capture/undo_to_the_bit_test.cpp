@@ -56,7 +56,7 @@ class UndoToTheBit : public ::testing::Test {
     Reconstruction fresh(*object_.mesh, options_);
     fresh.keep_within(model.limits(), model.effort_record(), images_.size());
     replay(fresh, missing);
-    expect_same_rings(*model.snapshot(), *fresh.snapshot());
+    expect_same_patches(*model.snapshot(), *fresh.snapshot());
     EXPECT_EQ(model.effort(), fresh.effort());
     EXPECT_EQ(model.judge().model.psnr_db, fresh.judge().model.psnr_db);
     EXPECT_EQ(model.judge().constant.psnr_db, fresh.judge().constant.psnr_db);
@@ -136,7 +136,7 @@ TEST_F(UndoToTheBit, TheFirstImageTakesItsEffortLevelWithIt) {
   const Camera near{.width = 320, .height = 240, .fx = 500, .fy = 500, .cx = 159.5, .cy = 119.5};
   images_[0] = analytic::capture(scene_, near, images_[0].pose.camera_from_object);
   images_[0].sequence = 1;
-  options_.ring.factor.max_rank = 8;
+  options_.patch.factor.max_rank = 8;
   Limits limits{.bytes = 1.1 * largest_account(*object_.mesh, images_[2], options_).total()};
   ASSERT_GT(largest_account(*object_.mesh, images_[0], options_).total(), 1.1 * *limits.bytes);
   for (const bool with_budget : {false, true}) {

@@ -116,7 +116,7 @@ TEST(Budget, OneThatCannotHoldLeavesRingsOutAndTheRecordReproducesTheModel) {
   Reconstruction again(*square_object().mesh, options);
   again.keep_within({.image_ms = 1e9}, hurried.effort_record(), images.size());
   for (const Capture& image : images) again.ingest(image);
-  expect_same_rings(*hurried.snapshot(), *again.snapshot());
+  expect_same_patches(*hurried.snapshot(), *again.snapshot());
 }
 
 TEST(Budget, OneThatHoldsChangesNothing) {
@@ -127,7 +127,7 @@ TEST(Budget, OneThatHoldsChangesNothing) {
     free.ingest(image);
     within.ingest(image);
   }
-  expect_same_rings(*free.snapshot(), *within.snapshot());
+  expect_same_patches(*free.snapshot(), *within.snapshot());
   EXPECT_EQ(within.effort(), Reconstruction::Effort{});
   EXPECT_EQ(within.account().patches().left_out, 0u);
 }
@@ -160,7 +160,7 @@ TEST(Budget, WhatWasMeasuredOnTheSceneDecides) {
 
 TEST(Memory, TheBoundHoldsWhateverComes) {
   SurfaceLightFieldOptions options = plain_options();
-  options.ring.factor.tolerance = 0;  // all the terms that there may be
+  options.patch.factor.tolerance = 0;  // all the terms that there may be
   const std::vector<Capture> images = glossy_captures(90);
   const Object object = square_object();
   const Mesh& mesh = *object.mesh;
@@ -177,7 +177,7 @@ TEST(Memory, TheBoundHoldsWhateverComes) {
 
 TEST(Memory, TheRingsAreCutDownAfterAnyImageThatWouldExceedIt) {
   SurfaceLightFieldOptions options = plain_options();
-  options.ring.factor = {.max_rank = 24, .tolerance = 0};
+  options.patch.factor = {.max_rank = 24, .tolerance = 0};
   const std::vector<Capture> images = glossy_captures(90);
   const Object object = square_object();
   Reconstruction free(*object.mesh, options), bounded(*object.mesh, options);
@@ -189,14 +189,14 @@ TEST(Memory, TheRingsAreCutDownAfterAnyImageThatWouldExceedIt) {
     bounded.ingest(image);
     ASSERT_LE(bounded.memory().total(), asked) << bounded.account().counts().received;
   }
-  EXPECT_LT(light_field_options(bounded.model().settings(), "the test").ring.factor.terms_kept(),
-            options.ring.factor.terms_kept());
+  EXPECT_LT(light_field_options(bounded.model().settings(), "the test").patch.factor.terms_kept(),
+            options.patch.factor.terms_kept());
   EXPECT_GT(bounded.memory().model, 0.3 * full.model) << "no smaller than need be";
 }
 
 TEST(Memory, WhatWasCutDownIsAFunctionOfTheCaptures) {
   SurfaceLightFieldOptions options = plain_options();
-  options.ring.factor = {.max_rank = 24, .tolerance = 0};
+  options.patch.factor = {.max_rank = 24, .tolerance = 0};
   const std::vector<Capture> images = glossy_captures(60);
   Reconstruction free(*square_object().mesh, options), once(*square_object().mesh, options),
       watched(*square_object().mesh, options);
@@ -211,10 +211,10 @@ TEST(Memory, WhatWasCutDownIsAFunctionOfTheCaptures) {
       watched.ingest(image);
       watched.snapshot();
     }
-    expect_same_rings(*once.snapshot(), *watched.snapshot());
+    expect_same_patches(*once.snapshot(), *watched.snapshot());
   }
-  EXPECT_LT(light_field_options(once.model().settings(), "the test").ring.factor.terms_kept(),
-            options.ring.factor.terms_kept());
+  EXPECT_LT(light_field_options(once.model().settings(), "the test").patch.factor.terms_kept(),
+            options.patch.factor.terms_kept());
 }
 
 }  // namespace

@@ -32,6 +32,19 @@ TEST(Removal, OfAStrangerLongAfterLeavesNoTrace) {
   }
 }
 
+TEST(Removal, OfAStrangerIsForgottenByTheNoiseThatImputationTrusts) {
+  for (const int stranger : {30, 58}) {
+    MatrixXf data = ring_like_matrix(120, 60, 3, 0.01f, 12);
+    data.col(stranger) = gaussian_matrix(120, 1, 13);
+    const RingFactorOptions options{.max_rank = 6, .tolerance = 0.005};
+    const double never = settled_factor(without(data, stranger), options).row_noise();
+    RingFactor factor = settled_factor(data, options);
+    factor.remove(stranger);
+    EXPECT_GT(factor.row_noise(), 0.5 * never) << stranger;
+    EXPECT_LT(factor.row_noise(), 2 * never) << stranger;
+  }
+}
+
 TEST(Removal, OfEverythingLeavesAnEmptyFactorThatWorks) {
   for (const float scale : {1e-25f, 1.0f, 1e25f}) {
     const MatrixXf data = scale * ring_like_matrix(90, 40, 5, 0.01f, 2);

@@ -16,28 +16,26 @@ using ::testing::HasSubstr;
 constexpr double kGB = 1e9;
 
 TEST(MemoryNeed, GrowsWithTheMeshAndWithWhatIsAsked) {
-  const MemoryNeed small = memory_need(6'000, 12'000, {}), large = memory_need(60'000, 120'000, {});
+  const MemoryNeed small = memory_need(12'000, {}), large = memory_need(120'000, {});
   EXPECT_LT(small.least, small.most);
   EXPECT_NEAR(large.least / small.least, 10, 1e-6);
   EXPECT_NEAR(large.most / small.most, 10, 1e-6);
   SurfaceLightFieldOptions fine, few;
   fine.surface_map = 16;
-  few.ring.factor.max_rank = 4;
-  EXPECT_GT(memory_need(6'000, 12'000, fine).most, 2 * small.most);
-  EXPECT_LT(memory_need(6'000, 12'000, few).most, small.most);
+  few.patch.factor.max_rank = 4;
+  EXPECT_GT(memory_need(12'000, fine).most, 2 * small.most);
+  EXPECT_LT(memory_need(12'000, few).most, small.most);
 }
 
 TEST(MemoryNeed, IsToldWithTheFiguresBeforeTheWork) {
   const MachineMemory machine{24 * kGB, 20 * kGB};
-  EXPECT_EQ(memory_warning("m.ply", 12'000, memory_need(6'000, 12'000, {}), machine), "");
-  const std::string warning = memory_warning("m.ply", 3'000'000, memory_need(1'500'000, 3'000'000, {}), machine);
+  EXPECT_EQ(memory_warning("m.ply", 12'000, memory_need(12'000, {}), machine), "");
+  const std::string warning = memory_warning("m.ply", 3'000'000, memory_need(3'000'000, {}), machine);
   for (const char* word : {"m.ply: 3000000 triangles", "24 GB", "20 GB", "simplify the mesh to", "--memory"})
     EXPECT_THAT(warning, HasSubstr(word));
-  expect_error<FileError>(
-      [&] { memory_warning("m.ply", 60'000'000, memory_need(30'000'000, 60'000'000, {}), machine); },
-      {"m.ply", "60000000 triangles", "24 GB", "simplify"});
-  EXPECT_EQ(memory_warning("m.ply", 60'000'000, memory_need(30'000'000, 60'000'000, {}), {}), "")
-      << "a system that does not say";
+  expect_error<FileError>([&] { memory_warning("m.ply", 60'000'000, memory_need(60'000'000, {}), machine); },
+                          {"m.ply", "60000000 triangles", "24 GB", "simplify"});
+  EXPECT_EQ(memory_warning("m.ply", 60'000'000, memory_need(60'000'000, {}), {}), "") << "a system that does not say";
 }
 
 TEST(MemoryNeed, TheMachineSaysWhatItHas) {

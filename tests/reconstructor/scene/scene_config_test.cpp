@@ -48,12 +48,12 @@ max_views = 30
 min_visible = 0.25
 )"));
   EXPECT_EQ(o.surface_map, 12);
-  EXPECT_EQ(o.ring.factor.max_rank, 5);
-  EXPECT_EQ(o.ring.factor.internal_rank, 9);
-  EXPECT_EQ(o.ring.factor.block, 4);
-  EXPECT_EQ(o.ring.factor.tolerance, 0.02);
-  EXPECT_EQ(o.ring.max_views, 30);
-  EXPECT_EQ(o.ring.min_visible, 0.25);
+  EXPECT_EQ(o.patch.factor.max_rank, 5);
+  EXPECT_EQ(o.patch.factor.internal_rank, 9);
+  EXPECT_EQ(o.patch.factor.block, 4);
+  EXPECT_EQ(o.patch.factor.tolerance, 0.02);
+  EXPECT_EQ(o.patch.max_views, 30);
+  EXPECT_EQ(o.patch.min_visible, 0.25);
   EXPECT_EQ(o.hold_out_every, 0);
   EXPECT_EQ(o.exposure, ExposureCompensation::kEstimate);
   EXPECT_EQ(o.visibility.erosion_px, 3);
@@ -65,15 +65,15 @@ TEST(SceneConfig, WhatIsWrittenIsReadAgain) {
   options.surface_map = 12;
   options.hold_out_every = 0;
   options.exposure = ExposureCompensation::kEstimate;
-  options.ring.factor = {.max_rank = 5, .tolerance = 1.25e-7};
-  options.ring.max_views = 30;
-  options.ring.min_visible = 1;
+  options.patch.factor = {.max_rank = 5, .tolerance = 1.25e-7};
+  options.patch.max_views = 30;
+  options.patch.min_visible = 1;
   options.visibility.erosion_px = 3;
   const std::string text = to_toml(options);
   const auto o = load_options(folder.write("scene.toml", text));
   EXPECT_EQ(to_toml(o), text);
   EXPECT_EQ(o.surface_map, 12);
-  EXPECT_EQ(o.ring.factor.tolerance, 1.25e-7);
+  EXPECT_EQ(o.patch.factor.tolerance, 1.25e-7);
   EXPECT_EQ(o.exposure, ExposureCompensation::kEstimate);
   EXPECT_NE(to_toml(SurfaceLightFieldOptions{}), text);
 }
@@ -97,7 +97,7 @@ TEST(SceneConfig, WhatIsNotSaidKeepsItsDefault) {
   for (const char* text : {"", "# nothing\n", "[surface_light_field]\n"}) {
     const auto o = load_options(folder.write("scene.toml", text));
     EXPECT_EQ(o.surface_map, defaults.surface_map);
-    EXPECT_EQ(o.ring.factor.tolerance, defaults.ring.factor.tolerance);
+    EXPECT_EQ(o.patch.factor.tolerance, defaults.patch.factor.tolerance);
     EXPECT_EQ(o.exposure, defaults.exposure);
   }
 }
@@ -106,8 +106,8 @@ TEST(SceneConfig, AWholeNumberIsANumber) {
   const TempFolder folder;
   const auto o = load_options(folder.write(
       "s.toml", "[surface_light_field]\ntolerance = 0\n[surface_light_field.advanced]\nmin_visible = 1\n"));
-  EXPECT_EQ(o.ring.factor.tolerance, 0);
-  EXPECT_EQ(o.ring.min_visible, 1);
+  EXPECT_EQ(o.patch.factor.tolerance, 0);
+  EXPECT_EQ(o.patch.min_visible, 1);
 }
 
 TEST(SceneConfig, ErrorsNameFileLineAndKey) {

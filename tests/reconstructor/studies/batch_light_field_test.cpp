@@ -16,7 +16,7 @@ using analytic::Scene;
 
 SurfaceLightFieldOptions exact_options(int rank) {
   SurfaceLightFieldOptions options = plain_options();
-  options.ring.factor = {.max_rank = rank, .tolerance = 0};
+  options.patch.factor = {.max_rank = rank, .tolerance = 0};
   return options;
 }
 
@@ -30,7 +30,7 @@ Pair build_both(const Object& object, const std::vector<Capture>& images, int ra
   BatchLightField batch(object.mesh, exact_options(rank));
   for (const Capture& image : images) batch.add(image);
   return {online.light_field_snapshot(),
-          batch.factorize(BatchFactorization::reference(exact_options(rank).ring.factor))};
+          batch.factorize(BatchFactorization::reference(exact_options(rank).patch.factor))};
 }
 
 TEST(BatchLightField, IsTheOnlineOneWhereNothingIsMissingAndTheRankIsFull) {
@@ -38,21 +38,28 @@ TEST(BatchLightField, IsTheOnlineOneWhereNothingIsMissingAndTheRankIsFull) {
   const auto [online, batch] =
       build_both(object, captures({object.surface, analytic::two_terms(0.2)}, eyes(5, 0.5, 0.55)), 5);
   // As many as a kernel takes, and too few for the drift, which the online one estimates now and then only.
-  int same_kernel = 0, rings = 0;
-  for (std::size_t j = 2; j <= 6; ++j)
-    for (std::size_t i = 2; i <= 6; ++i) {  // away from the rim, all images show all of a ring
-      const RingSnapshot& a = *online->ring_data()[9 * j + i];
-      const RingSnapshot& b = *batch->ring_data()[9 * j + i];
-      ++rings;
-      if (!(a.kernel == b.kernel)) continue;
+  int same_kernel = 0, vertices = 0;
+  for (std::size_t p = 0; p < online->patches().size(); ++p) {
+    const auto away_from_the_rim = [](std::uint32_t v) {
+      return std::min(v % 9, v / 9) >= 2 && std::max(v % 9, v / 9) <= 6;
+    };
+    const std::vector<std::uint32_t>& of_patch = online->shapes().patches[p].vertices;
+    if (!std::all_of(of_patch.begin(), of_patch.end(), away_from_the_rim)) continue;  // all images show all of it
+    const PatchSnapshot &a = *online->patches()[p], &b = *batch->patches()[p];
+    for (std::size_t i = 0; i < of_patch.size(); ++i) {
+      ++vertices;
+      if (!(a.vertices[i].kernel == b.vertices[i].kernel)) continue;
       ++same_kernel;
       for (const Eigen::Vector3d& eye : eyes(4, 0.5, 0.63, 0.95)) {
-        const Eigen::Vector3f direction = (eye.cast<float>() - object.mesh->vertices[9 * j + i]).normalized();
-        const Eigen::VectorXf difference = a.basis * a.coefficients(direction) - b.basis * b.coefficients(direction);
-        EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-4) << "ring " << i << ", " << j;
+        const Eigen::Vector3f direction = (eye.cast<float>() - object.mesh->vertices[of_patch[i]]).normalized();
+        const Eigen::VectorXf difference =
+            a.basis * a.vertices[i].coefficients(direction) - b.basis * b.vertices[i].coefficients(direction);
+        EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-4) << "patch " << p << ", vertex " << of_patch[i];
       }
     }
-  EXPECT_GT(same_kernel, 0.8 * rings);
+  }
+  EXPECT_GT(vertices, 60);
+  EXPECT_GT(same_kernel, 0.8 * vertices);
 }
 
 TEST(BatchLightField, FillsWhatSomeImagesDoNotShow) {
@@ -63,18 +70,18 @@ TEST(BatchLightField, FillsWhatSomeImagesDoNotShow) {
   for (const Capture& image : images) batch.add(image);
   double shown = 0, filled = 0;
   int holes = 0;
-  for (std::size_t v = 0; v < batch.rings(); ++v) {
-    const RingMatrix ring = batch.ring(v);
-    if (ring.views() < 4 || (ring.known != 0).all() || !(ring.known != 0).rowwise().any().all()) continue;
-    const BatchPca pca = batch_pca_missing(ring.columns, ring.known, 1, {}, BatchFactorization::quick(1).missing);
+  for (std::size_t p = 0; p < batch.patches(); ++p) {
+    const PatchMatrix patch = batch.patch(p);
+    if (patch.views() < 4 || (patch.known != 0).all() || !(patch.known != 0).rowwise().any().all()) continue;
+    const BatchPca pca = batch_pca_missing(patch.columns, patch.known, 1, {}, BatchFactorization::quick(1).missing);
     // A diffuse row has one value: what is filled in must be what other images show of the row.
     const Eigen::MatrixXf model = (pca.basis * pca.coefficients).cast<float>();
     for (Eigen::Index i = 0; i < model.rows(); ++i) {
-      const float value = ring.columns.row(i).sum() / static_cast<float>((ring.known.row(i) != 0).count());
+      const float value = patch.columns.row(i).sum() / static_cast<float>((patch.known.row(i) != 0).count());
       for (Eigen::Index j = 0; j < model.cols(); ++j) {
-        double& worst = ring.known(i, j) ? shown : filled;
+        double& worst = patch.known(i, j) ? shown : filled;
         worst = std::max(worst, static_cast<double>(std::abs(model(i, j) - value)));
-        holes += !ring.known(i, j);
+        holes += !patch.known(i, j);
       }
     }
   }
@@ -94,13 +101,14 @@ TEST(BatchLightField, KeepsEveryColumn) {
     before = batch.bytes();
   }
   EXPECT_EQ(batch.images(), 5u);
-  const RingMatrix ring = batch.ring(40);
-  ASSERT_EQ(ring.views(), 5);
+  ASSERT_EQ(batch.patches(), 64u) << "two of 128 triangles each";
+  const PatchMatrix patch = batch.patch(20);
+  ASSERT_EQ(patch.views(), 5);
   for (int j = 0; j < 5; ++j) {
-    EXPECT_EQ(ring.images[static_cast<std::size_t>(j)], static_cast<std::uint32_t>(j));
-    EXPECT_EQ(ring.share(j), 1.0);
+    EXPECT_EQ(patch.images[static_cast<std::size_t>(j)], static_cast<std::uint32_t>(j));
+    EXPECT_EQ(patch.share(j), 1.0);
     const Eigen::Vector3d eye = camera_centre(images[static_cast<std::size_t>(j)].pose.camera_from_object);
-    EXPECT_LT((ring.directions.col(j) - (eye.cast<float>() - object.mesh->vertices[40]).normalized()).norm(), 1e-5);
+    EXPECT_LT((patch.eyes.col(j) - eye.cast<float>()).norm(), 1e-6);
   }
 }
 

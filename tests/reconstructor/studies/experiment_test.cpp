@@ -76,7 +76,7 @@ TEST(Experiment, ARunIsTheModelThatIngestMakes) {
   const OnlineRun run = build_online(experiment.mesh, experiment.in_order(), {});
   SurfaceLightField model(experiment.mesh, {});
   for (const Capture& capture : experiment.training) model.ingest(capture);
-  expect_same_rings(*run.model, *model.light_field_snapshot());
+  expect_same_patches(*run.model, *model.light_field_snapshot());
   EXPECT_EQ(run.image_ms.size(), 8u);
   EXPECT_EQ(run.bytes, model.bytes());
   EXPECT_GE(run.mean_rank, 1);

@@ -3,28 +3,23 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
-#include "reconstructor/surface/vertex_ring.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
 namespace sheen {
 namespace {
 
-TEST(SplitTriangles, EveryTriangleIsWhereItWasAndAlone) {
-  const Mesh mesh = sphere_mesh(0.1f, 1), split = split_triangles(mesh);
-  ASSERT_EQ(split.triangles.size(), mesh.triangles.size());
-  ASSERT_EQ(split.vertices.size(), 3 * mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int c = 0; c < 3; ++c) EXPECT_EQ(split.corner(t, c), mesh.corner(t, c)) << t << ' ' << c;
-  const VertexRings rings(split, std::vector<std::uint8_t>(split.triangles.size(), 4));
-  std::vector<int> rings_of(split.triangles.size(), 0);
-  for (std::size_t v = 0; v < rings.size(); ++v) {
-    ASSERT_EQ(rings.ring(v).size(), 1u) << v;
-    ++rings_of[rings.ring(v)[0].triangle];
+/// The same surface with vertices of its own for every triangle.
+Mesh split_triangles(const Mesh& mesh) {
+  Mesh split;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int c = 0; c < 3; ++c) split.vertices.push_back(mesh.corner(t, c));
+    split.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
   }
-  EXPECT_EQ(rings_of, std::vector<int>(split.triangles.size(), 3));
+  return split;
 }
 
 /// Pictures of `columns` wide bands of one error each, two pixels high, over a truth of 100.
@@ -111,25 +106,25 @@ TEST(SeamError, GoesByPlacesNotByVertices) {
   EXPECT_EQ(bands.seams().ratio(), ratio);
 }
 
-PatchStudy study_square(const analytic::Radiance& radiance) {
-  const std::vector<Capture> all = captures({square_object().surface, radiance}, analytic::eyes(24, 0.5, 0.55));
+TEST(PatchStudy, PatchesOfAllSizesReproduceADiffuseSquareAlike) {
+  const std::vector<Capture> all =
+      captures({square_object().surface, analytic::diffuse(0.2)}, analytic::eyes(24, 0.5, 0.55));
   const Experiment experiment =
       load_experiment(square_object().mesh, all.size(), [&](std::size_t i) { return all[i]; }, {});
-  return study_patches(experiment, plain_options(),
-                       build_online(experiment.mesh, experiment.in_order(), plain_options()));
-}
-
-TEST(PatchStudy, BothKindsOfPatchReproduceADiffuseSquareAlike) {
-  const PatchStudy study = study_square(analytic::diffuse(0.2));
-  EXPECT_EQ(study.ring.patches, 81u) << "vertices of 8x8 cells";
-  EXPECT_EQ(study.triangle.patches, 128u);
-  EXPECT_GT(study.ring.psnr_db, 55);
-  EXPECT_NEAR(study.triangle.psnr_db, study.ring.psnr_db, 1);
-  EXPECT_NEAR(study.triangle.ssim, study.ring.ssim, 1e-3);
-  EXPECT_GT(study.triangle.bytes, 0);
-  EXPECT_LT(study.triangle.bytes, study.ring.bytes) << "of three alike, one counts";
-  EXPECT_GT(study.triangle.bytes, study.ring.bytes / 3) << "floats per sample are a third, but patches are more";
-  EXPECT_NEAR(study.triangle.seam, study.ring.seam, 0.1) << "where nothing is lost there is no seam";
+  const std::vector<PatchRow> rows = study_patches(experiment, plain_options(), std::array{1, 2, 4});
+  ASSERT_EQ(rows.size(), 3u);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i].triangles, 1 << i);
+    EXPECT_NEAR(static_cast<double>(rows[i].patches), 128 >> i, 16 >> i) << "8x8 cells of two triangles";
+    EXPECT_GT(rows[i].psnr_db, 55);
+    EXPECT_NEAR(rows[i].psnr_db, rows[0].psnr_db, 1);
+    EXPECT_NEAR(rows[i].ssim, rows[0].ssim, 1e-3);
+    EXPECT_GT(rows[i].factorize_ms, 0);
+    EXPECT_NEAR(rows[i].seam, rows[0].seam, 0.1) << "where nothing is lost there is no seam";
+  }
+  EXPECT_GT(rows[1].bytes, 0);
+  EXPECT_LT(rows[1].bytes, rows[0].bytes) << "what a factor holds beside its rows is there half as often";
+  EXPECT_LT(rows[2].bytes, rows[1].bytes);
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ TEST(Precision, EachFormatRoundsAsItsDigitsSay) {
   const SurfaceLightFieldOptions options = plain_options();
   const OnlineRun run = build_online(experiment.mesh, experiment.in_order(), options);
   const PrecisionStudy study = study_precision(experiment, options, *run.model);
-  EXPECT_GT(study.rings, 0u);
-  EXPECT_GE(study.columns, study.rings);
+  EXPECT_GT(study.patches, 0u);
+  EXPECT_GE(study.columns, study.patches);
 
   EXPECT_EQ(study.twice.difference, 0);
   EXPECT_GT(study.single.difference, 0);
@@ -27,9 +27,9 @@ TEST(Precision, EachFormatRoundsAsItsDigitsSay) {
   EXPECT_LT(study.stored_half.difference, 1e-3);
   EXPECT_NEAR(study.single.relative_error, study.twice.relative_error, 1e-4);
   EXPECT_EQ(study.stored.relative_error, study.single.relative_error);
-  EXPECT_DOUBLE_EQ(2 * study.stored_half.ring_bytes, study.stored.ring_bytes);
-  EXPECT_GT(study.twice.ring_bytes, 1.3 * study.single.ring_bytes);
-  EXPECT_LT(study.stored.ring_bytes, study.single.ring_bytes);
+  EXPECT_DOUBLE_EQ(2 * study.stored_half.patch_bytes, study.stored.patch_bytes);
+  EXPECT_GT(study.twice.patch_bytes, 1.3 * study.single.patch_bytes);
+  EXPECT_LT(study.stored.patch_bytes, study.single.patch_bytes);
   EXPECT_NEAR(study.psnr_half_db, study.psnr_db, 0.1);
 }
 

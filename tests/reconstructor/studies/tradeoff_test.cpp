@@ -111,25 +111,25 @@ TEST(TradeoffSettings, EachIsDifferentAndNamed) {
 
 TEST(Parts, EachIsTheBaseWithSomethingElseInOnePlace) {
   SurfaceLightFieldOptions base;
-  base.ring.factor.max_rank = 9;
-  base.ring.factor.internal_rank = 20;
+  base.patch.factor.max_rank = 9;
+  base.patch.factor.internal_rank = 20;
   const std::vector<Setting> settings = part_settings(base);
   std::set<std::string> names, ways;
   for (const Setting& setting : settings) {
     names.insert(setting.name);
     const auto& o = setting.options;
-    EXPECT_EQ(o.ring.factor.max_rank, 9) << setting.name;
+    EXPECT_EQ(o.patch.factor.max_rank, 9) << setting.name;
     char way[160];
-    std::snprintf(way, sizeof way, "%d %d %d %d %d %g %d %d %d", static_cast<int>(o.ring.interpolation.method),
-                  o.ring.interpolation.drift, o.ring.interpolation.exponential, o.ring.interpolation.neighbours,
-                  static_cast<int>(o.ring.factor.imputation), o.ring.min_visible, static_cast<int>(o.sampling),
-                  o.visibility.erosion_px, o.ring.factor.internal_rank);
+    std::snprintf(way, sizeof way, "%d %d %d %d %g %d %d %d", static_cast<int>(o.patch.interpolation.method),
+                  o.patch.interpolation.drift, o.patch.interpolation.exponential,
+                  static_cast<int>(o.patch.factor.imputation), o.patch.min_visible, static_cast<int>(o.sampling),
+                  o.visibility.erosion_px, o.patch.factor.internal_rank);
     ways.insert(way);
   }
   EXPECT_EQ(names.size(), settings.size());
   EXPECT_EQ(ways.size(), settings.size()) << "no two are the same";
-  EXPECT_EQ(settings.front().options.ring.interpolation.method, ViewMethod::kKriging);
-  EXPECT_EQ(settings.front().options.ring.factor.imputation, Imputation::kMostProbable);
+  EXPECT_EQ(settings.front().options.patch.interpolation.method, ViewMethod::kKriging);
+  EXPECT_EQ(settings.front().options.patch.factor.imputation, Imputation::kMostProbable);
 }
 
 }  // namespace

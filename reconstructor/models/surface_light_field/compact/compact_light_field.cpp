@@ -37,7 +37,7 @@ std::shared_ptr<const SurfacePatch> take_surface(Patch& patch) {
   return surface;
 }
 
-std::shared_ptr<const RingViews> ring_views(const PatchModel& model, const CompactRing& ring, RingSystem system,
+std::shared_ptr<const RingViews> ring_views(const CompactModel& model, const CompactRing& ring, RingSystem system,
                                             const Eigen::Vector3f& normal) {
   auto views = std::make_shared<RingViews>();
   views->directions = std::move(system.directions);
@@ -77,7 +77,7 @@ SnapshotFigures figures_of(const std::vector<std::shared_ptr<const SurfacePatch>
 
 }  // namespace
 
-CompactLightField::CompactLightField(PatchModel model, std::shared_ptr<const std::string> encoded)
+CompactLightField::CompactLightField(CompactModel model, std::shared_ptr<const std::string> encoded)
     : LightFieldSnapshot(model.mesh, model.rings_of_mesh, kOnlySnapshot, model.exposure, model.cameras),
       shapes_(model.shapes),
       encoded_(std::move(encoded)) {
@@ -88,23 +88,12 @@ CompactLightField::CompactLightField(PatchModel model, std::shared_ptr<const std
   });
   const std::vector<Eigen::Vector3f> normals = vertex_normals(*model.mesh);
   interpolants_.resize(vertices);
-  corner_column_.resize(3 * model.mesh->triangles.size());
-  for (std::uint32_t p = 0; p < shapes_.patches.size(); ++p) {
-    const PatchShape& shape = shapes_.patches[p];
-    for (const std::uint32_t v : shape.vertices) {
-      interpolants_[v].columns.push_back(0);
-      interpolants_[v].patches.push_back(p);
+  for (std::uint32_t p = 0; p < shapes_.patches.size(); ++p)
+    for (std::size_t i = 0; i < shapes_.patches[p].vertices.size(); ++i) {
+      Interpolant& here = interpolants_[shapes_.patches[p].vertices[i]];
+      here.columns.push_back(shapes_.first_column[p] + static_cast<std::uint32_t>(i));
+      here.patches.push_back(p);
     }
-    for (const std::uint32_t t : shape.triangles)
-      for (std::size_t c = 0; c < 3; ++c) {
-        const auto at = std::lower_bound(shape.vertices.begin(), shape.vertices.end(), model.mesh->triangles[t][c]);
-        corner_column_[3 * t + c] =
-            static_cast<std::uint32_t>(columns_) + static_cast<std::uint32_t>(at - shape.vertices.begin());
-      }
-    for (std::size_t i = 0; i < shape.vertices.size(); ++i)
-      interpolants_[shape.vertices[i]].columns.back() = static_cast<std::uint32_t>(columns_ + i);
-    columns_ += shape.vertices.size();
-  }
   seen_.resize(vertices);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 16), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v)
@@ -123,7 +112,7 @@ CompactLightField::CompactLightField(PatchModel model, std::shared_ptr<const std
   figures_ = figures_of(patches_);
 }
 
-void CompactLightField::interpolate_at(const PatchModel& model, std::size_t vertex, const Eigen::Vector3f& normal) {
+void CompactLightField::interpolate_at(const CompactModel& model, std::size_t vertex, const Eigen::Vector3f& normal) {
   const CompactRing& ring = *model.ring(vertex);
   RingSystem system = ring_system(model, ring, normal);
   Eigen::Index terms = 0;
@@ -146,15 +135,17 @@ void CompactLightField::interpolate_at(const PatchModel& model, std::size_t vert
   here.drift = std::move(interpolant.drift);
 }
 
-PatchCorner CompactLightField::corner(std::size_t triangle, int corner) const {
-  const auto c = static_cast<std::size_t>(corner);
+bool CompactLightField::seen(std::size_t triangle) const {
   const std::uint32_t patch = shapes_.patch_of[triangle];
-  if (!patches_[patch] || !interpolants_[mesh().triangles[triangle][c]].views) return {};
-  return {patch, shapes_.first_sample[triangle], corner_column_[3 * triangle + c]};
+  return patches_[patch] != nullptr;
+}
+
+TrianglePlace CompactLightField::place(std::size_t triangle) const {
+  return shapes_.place(triangle);
 }
 
 Eigen::MatrixXf CompactLightField::coefficients_for(const Eigen::Vector3d& eye) const {
-  Eigen::MatrixXf coefficients = Eigen::MatrixXf::Zero(1 + max_terms_, static_cast<Eigen::Index>(columns_));
+  Eigen::MatrixXf coefficients = Eigen::MatrixXf::Zero(1 + max_terms_, static_cast<Eigen::Index>(shapes_.columns()));
   coefficients.row(0).setOnes();  // of the mean map
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, interpolants_.size(), 64), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {

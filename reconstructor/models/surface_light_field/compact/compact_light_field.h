@@ -4,17 +4,17 @@
 #include <memory>
 #include <vector>
 
-#include "reconstructor/models/surface_light_field/compact/patch_model.h"
+#include "reconstructor/models/surface_light_field/compact/compact_model.h"
 #include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 
 namespace sheen {
 
-/// A surface light field as it is stored: a patch for a few triangles (PatchModel), and for each vertex the kriging of
-/// the coefficients of its patches. What no image showed has a guess already.
+/// A surface light field as it is stored: a patch for a few triangles (CompactModel), and for each vertex the kriging
+/// of the coefficients of its patches. What no image showed has a guess already.
 class CompactLightField : public LightFieldSnapshot, public std::enable_shared_from_this<CompactLightField> {
  public:
   /// `encoded`: the file that the model stands for, which `save` writes; null for one that is only looked at.
-  CompactLightField(PatchModel model, std::shared_ptr<const std::string> encoded);
+  CompactLightField(CompactModel model, std::shared_ptr<const std::string> encoded);
 
   SnapshotFigures figures() const override { return figures_; }
   std::size_t memory_bytes() const override;
@@ -24,7 +24,8 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
 
   std::size_t patch_count() const override { return patches_.size(); }
   std::shared_ptr<const SurfacePatch> patch(std::size_t index) const override { return patches_[index]; }
-  PatchCorner corner(std::size_t triangle, int corner) const override;
+  bool seen(std::size_t triangle) const override;
+  TrianglePlace place(std::size_t triangle) const override;
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const override;
   std::shared_ptr<const LightFieldSnapshot> with_patches(
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const override;
@@ -42,16 +43,14 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
     Eigen::VectorXf mean, drift;
     std::vector<std::uint32_t> patches, columns;  ///< round the vertex, and where their coefficients go
   };
-  void interpolate_at(const PatchModel& model, std::size_t vertex, const Eigen::Vector3f& normal);
+  void interpolate_at(const CompactModel& model, std::size_t vertex, const Eigen::Vector3f& normal);
 
   std::vector<std::shared_ptr<const SurfacePatch>> patches_;  ///< the mean map, then the terms
   PatchShapes shapes_;
-  std::vector<std::uint32_t> corner_column_;            ///< three per triangle
   std::vector<Interpolant> interpolants_;               ///< per vertex
   std::vector<std::shared_ptr<const RingViews>> seen_;  ///< per vertex; null where no image showed it
   float common_sill_ = 0;
   int max_terms_ = 0;
-  std::size_t columns_ = 0;
   SnapshotFigures figures_;
   std::shared_ptr<const std::string> encoded_;
 };

@@ -217,7 +217,7 @@ class Compression {
   const CompressionTarget& target_;
   CanonicalMesh mesh_;
   double psnr_db_;  ///< as judged; NaN where nobody does
-  PatchModel model_;
+  CompactModel model_;
   std::size_t tries_ = 0;
   std::optional<LossMeter> meter_;  ///< where there is no judge
 };

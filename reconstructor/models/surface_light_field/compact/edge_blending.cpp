@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <vector>
 
-#include "reconstructor/models/surface_light_field/compact/triangle_edges.h"
+#include "reconstructor/models/surface_light_field/triangle_edges.h"
 
 namespace sheen {
 namespace {
 
 /// The samples of a triangle along one of its edges, in the edge's direction, as they stand in its patch.
-std::vector<Eigen::Index> samples_along(const PatchModel& model, const TriangleEdge& edge) {
+std::vector<Eigen::Index> samples_along(const CompactModel& model, const TriangleEdge& edge) {
   const int n = model.rings_of_mesh->resolution(edge.triangle);
   std::vector<Eigen::Index> samples;
   for (int k = 0; k < n; ++k) {
@@ -54,7 +54,7 @@ void blend(Eigen::Ref<Eigen::VectorXf> map_a, const std::vector<Eigen::Index>& a
 
 }  // namespace
 
-void blend_edges(PatchModel& model) {
+void blend_edges(CompactModel& model) {
   const std::vector<TriangleEdge> edges = triangle_edges(*model.mesh);
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     const TriangleEdge &a = edges[i], &b = edges[i + 1];

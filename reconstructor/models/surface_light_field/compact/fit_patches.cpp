@@ -6,9 +6,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <optional>
+#include <map>
+#include <memory>
 #include <span>
 
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
@@ -51,25 +51,19 @@ std::vector<std::uint16_t> images_of(const Eigen::Matrix3Xf& directions, const E
   return images;
 }
 
-/// A ring's views by image: where each stands in the snapshot's ring.
-using RingOrder = std::vector<Eigen::Index>;
-
 std::uint8_t kernel_index(std::vector<ViewKernel>& kernels, const ViewKernel& kernel) {
   const auto found = std::find(kernels.begin(), kernels.end(), kernel);
   if (found == kernels.end()) kernels.push_back(kernel);
   return static_cast<std::uint8_t>(std::find(kernels.begin(), kernels.end(), kernel) - kernels.begin());
 }
 
-/// Coefficients of a ring's views, in grey levels: what kriging displays there and what the nugget kept from being
-/// displayed.
-Eigen::MatrixXf view_coefficients(const RingSnapshot& ring, const RingOrder& order) {
-  Eigen::MatrixXf coefficients(ring.rank(), static_cast<Eigen::Index>(order.size()));
-  for (std::size_t j = 0; j < order.size(); ++j) {
-    const Eigen::Index view = order[j];
-    coefficients.col(static_cast<Eigen::Index>(j)) =
-        ring.coefficients(ring.directions.col(view)) +
-        ring.weights.col(view) * (ring.kernel.nugget / ring.reliability[view]);
-  }
+/// Coefficients of a patch's views, in grey levels: what kriging displays there, at any vertex, and what the nugget
+/// kept from being displayed.
+Eigen::MatrixXf view_coefficients(const VertexInterpolant& at) {
+  Eigen::MatrixXf coefficients(at.weights.rows(), at.directions.cols());
+  for (Eigen::Index j = 0; j < coefficients.cols(); ++j)
+    coefficients.col(j) =
+        at.coefficients(at.directions.col(j)) + at.weights.col(j) * (at.kernel.nugget / at.reliability[j]);
   return kGreyLevels * coefficients;
 }
 
@@ -102,12 +96,13 @@ class PatchFit {
  public:
   PatchFit(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical, double least_rms,
            std::size_t patch_triangles)
-      : snapshot_(snapshot),
+      : filled_(fill_unseen(snapshot)),
+        snapshot_(snapshot),
         canonical_(canonical),
         least_square_(least_rms * least_rms),
         patch_triangles_(patch_triangles) {}
 
-  PatchModel fit() {
+  CompactModel fit() {
     const Mesh& mesh = *canonical_.mesh;
     model_.mesh = canonical_.mesh;
     model_.rings_of_mesh = std::make_shared<VertexRings>(mesh, resolutions(snapshot_, canonical_));
@@ -116,16 +111,13 @@ class PatchFit {
     model_.cameras = snapshot_.cameras();
     model_.exposure = snapshot_.exposure();
     model_.rings.resize(mesh.vertices.size());
-    orders_.resize(mesh.vertices.size());
+    describe_grown();
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) describe_ring(v);
     find_sources(model_);
     const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
     smoothers_.resize(mesh.vertices.size());
-    coefficients_.resize(mesh.vertices.size());
     tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t v) {
-      if (!model_.rings[v].seen) return;
-      smoothers_[v] = smoother(ring_system(model_, model_.rings[v], normals[v]));
-      coefficients_[v] = view_coefficients(old_ring(v), orders_[v]);
+      if (model_.rings[v].seen) smoothers_[v] = smoother(ring_system(model_, model_.rings[v], normals[v]));
     });
     model_.patches.resize(model_.shapes.patches.size());
     tbb::parallel_for(std::size_t{0}, model_.patches.size(), [&](std::size_t i) { fit_patch(i); });
@@ -133,43 +125,67 @@ class PatchFit {
   }
 
  private:
-  /// A triangle's rows in the basis of one of its rings.
-  struct RingRows {
-    std::uint32_t source;
-    Eigen::MatrixXf basis;
+  /// What the views of a patch of the snapshot are of.
+  struct Grown {
+    std::vector<std::uint16_t> images;
+    Eigen::MatrixXf coefficients;  ///< per view
   };
 
-  const RingSnapshot& old_ring(std::size_t vertex) const {
-    return *snapshot_.ring_data()[canonical_.old_vertex[vertex]];
+  Eigen::Matrix3Xf camera_directions(const Eigen::Vector3f& place) const {
+    Eigen::Matrix3Xf directions(3, static_cast<Eigen::Index>(model_.cameras.size()));
+    for (std::size_t i = 0; i < model_.cameras.size(); ++i)
+      directions.col(static_cast<Eigen::Index>(i)) =
+          (camera_centre(model_.cameras[i].camera_from_object).cast<float>() - place).normalized();
+    return directions;
   }
 
-  void describe_ring(std::size_t vertex) {
-    const RingSnapshot* old = snapshot_.ring_data()[canonical_.old_vertex[vertex]].get();
-    CompactRing& ring = model_.rings[vertex];
-    if (!old || !old->seen() || model_.cameras.empty()) return;
-    ring.seen = true;
-    ring.kernel = kernel_index(model_.kernels, old->kernel);
-    ring.drift = old->drift.size() > 0;
-    if (ring.drift) model_.reflection = old->reflection;
-    ring.sill = old->sill;
-    ring.residual = old->residual;
-    ring.views_folded = old->views_folded;
-    Eigen::Matrix3Xf cameras(3, static_cast<Eigen::Index>(model_.cameras.size()));
-    for (std::size_t i = 0; i < model_.cameras.size(); ++i)
-      cameras.col(static_cast<Eigen::Index>(i)) = camera_direction(model_, vertex, i);
-    const std::vector<std::uint16_t> images = images_of(old->directions, cameras);
-    RingOrder& order = orders_[vertex];
-    for (Eigen::Index j = 0; j < old->directions.cols(); ++j) order.push_back(j);
-    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-      return images[static_cast<std::size_t>(a)] < images[static_cast<std::size_t>(b)];
+  void describe_grown() {
+    grown_.resize(snapshot_.patches().size());
+    tbb::parallel_for(std::size_t{0}, grown_.size(), [&](std::size_t p) {
+      const PatchSnapshot* patch = snapshot_.patches()[p].get();
+      if (!patch || !patch->seen() || model_.cameras.empty()) return;
+      const VertexInterpolant& first = patch->vertices.front();
+      const Eigen::Vector3f& place = snapshot_.mesh().vertices[snapshot_.shapes().patches[p].vertices.front()];
+      grown_[p] = {images_of(first.directions, camera_directions(place)), view_coefficients(first)};
     });
-    for (const Eigen::Index j : order) {
-      CompactView view{.image = images[static_cast<std::size_t>(j)], .reliability = old->reliability[j]};
-      view.direction = cameras.col(view.image);
-      view.moved = angle_between(view.direction, old->directions.col(j)) > kMoved;
-      if (view.moved) view.direction = old->directions.col(j);
-      ring.views.push_back(view);
+  }
+
+  /// The views of all patches round a vertex.
+  void describe_ring(std::size_t vertex) {
+    const std::uint32_t old_vertex = canonical_.old_vertex[vertex];
+    const VertexInterpolant* const most = snapshot_.seen_at(old_vertex);
+    CompactRing& ring = model_.rings[vertex];
+    if (!most || model_.cameras.empty()) return;
+    ring.seen = true;
+    ring.kernel = kernel_index(model_.kernels, most->kernel);
+    ring.sill = most->sill;
+    ring.residual = most->residual;
+    ring.views_folded = most->views_folded;
+    std::map<std::uint16_t, CompactView> views;
+    for (const PatchVertex& round : snapshot_.shapes().round(old_vertex)) {
+      const std::vector<std::uint16_t>& images = grown_[round.patch].images;
+      if (images.empty()) continue;
+      const VertexInterpolant& at = snapshot_.patches()[round.patch]->vertices[round.vertex];
+      if (at.drift.size() > 0) {
+        ring.drift = true;
+        model_.reflection = at.reflection;
+      }
+      for (std::size_t j = 0; j < images.size(); ++j) {
+        const auto column = static_cast<Eigen::Index>(j);
+        CompactView view{.image = images[j], .reliability = at.reliability[column]};
+        view.direction = camera_direction(model_, vertex, view.image);
+        view.moved = angle_between(view.direction, at.directions.col(column)) > kMoved;
+        if (view.moved) view.direction = at.directions.col(column);
+        const auto [known, first] = views.try_emplace(view.image, view);
+        if (first) continue;
+        view.reliability = std::max(view.reliability, known->second.reliability);
+        if (known->second.moved && !view.moved)
+          known->second = view;
+        else
+          known->second.reliability = view.reliability;
+      }
     }
+    for (const auto& [image, view] : views) ring.views.push_back(view);
   }
 
   void fit_patch(std::size_t index) {
@@ -204,51 +220,43 @@ class PatchFit {
     factorize(columns, displayed, views, patch);
   }
 
-  /// What the triangle is in each of the images: the mean of what its rings say that have a view of it, or of what
-  /// they all expect from there where none has.
+  /// What the triangle is in each of the images: what its patch has of it, or what is expected from there.
   void gather(std::uint32_t triangle, const std::vector<std::uint16_t>& images, Eigen::Ref<Eigen::MatrixXf> columns,
               std::span<SampleState> state) const {
+    const std::uint32_t old = canonical_.old_triangle[triangle];
+    const PatchShapes& shapes = filled_->shapes();
+    const std::uint32_t p = shapes.patch_of[old];
+    const PatchSnapshot& patch = *filled_->patches()[p];
     const int n = model_.rings_of_mesh->resolution(triangle), samples = lattice_samples(n);
+    const auto first = static_cast<int>(shapes.first_sample[old]);
     const std::vector<int> old_sample = rotated_samples(n, canonical_.first_corner[triangle]);
-    Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(columns.rows(), columns.cols());
-    Eigen::VectorXf rings_with = Eigen::VectorXf::Zero(columns.cols());
-    std::array<std::optional<RingRows>, 3> rows;
-    const Triangle& corners = model_.mesh->triangles[triangle];
-    const bool any_seen =
-        std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return model_.source[v] == v; });
-    for (int c = 0; c < 3; ++c) {
-      const std::uint32_t vertex = corners[static_cast<std::size_t>(c)];
-      const std::uint32_t source = model_.source[vertex];
-      if (source == kNoVertex || (any_seen && source != vertex)) continue;  // a guess says nothing beside what was seen
-      if (source == vertex) {
-        const int corner = (c + canonical_.first_corner[triangle]) % 3;
-        const auto first =
-            static_cast<int>(snapshot_.rings().membership(canonical_.old_triangle[triangle], corner).first_sample);
-        rows[static_cast<std::size_t>(c)] = {source, old_ring(source).basis.middleRows(3 * first, 3 * samples)};
-        for (std::size_t s = 0; s < old_sample.size(); ++s)
-          state[s] = std::max(state[s], old_ring(source).state(first + old_sample[s]));
-      } else {
-        rows[static_cast<std::size_t>(c)] = {source, mean_seen_rows(old_ring(source)).replicate(samples, 1)};
-      }
-      const std::vector<Eigen::Index> at = places(model_.rings[source], images);
-      const Eigen::MatrixXf values = rows[static_cast<std::size_t>(c)]->basis * coefficients_[source];
-      for (std::size_t j = 0; j < at.size(); ++j) {
-        sum.col(at[j]) += values.col(static_cast<Eigen::Index>(j));
-        rings_with[at[j]] += 1;
-      }
+    for (std::size_t s = 0; s < old_sample.size(); ++s) state[s] = patch.state(first + old_sample[s]);
+
+    const std::vector<std::uint16_t>& known = grown_[p].images;
+    Eigen::MatrixXf coefficients(patch.rank(), columns.cols());
+    for (Eigen::Index i = 0; i < coefficients.cols(); ++i) {
+      const std::uint16_t image = images[static_cast<std::size_t>(i)];
+      const auto view = std::find(known.begin(), known.end(), image);
+      coefficients.col(i) = view != known.end() ? Eigen::VectorXf(grown_[p].coefficients.col(view - known.begin()))
+                                                : expected(old, patch, image);
     }
-    for (Eigen::Index j = 0; j < columns.cols(); ++j) {
-      if (rings_with[j] > 0) continue;
-      for (const auto& ring : rows) {
-        if (!ring) continue;
-        const Eigen::Vector3f direction = camera_direction(model_, ring->source, images[static_cast<std::size_t>(j)]);
-        sum.col(j) += ring->basis * (kGreyLevels * old_ring(ring->source).coefficients(direction));
-        rings_with[j] += 1;
-      }
-    }
+    const Eigen::MatrixXf values = patch.basis.middleRows(3 * first, 3 * samples) * coefficients;
     for (int s = 0; s < samples; ++s)
-      columns.middleRows<3>(3 * s) = sum.middleRows<3>(3 * old_sample[static_cast<std::size_t>(s)]);
-    columns.array().rowwise() /= rings_with.cwiseMax(1).transpose().array();
+      columns.middleRows<3>(3 * s) = values.middleRows<3>(3 * old_sample[static_cast<std::size_t>(s)]);
+  }
+
+  /// Coefficients of a patch as a triangle of it is seen from a camera: the mean over its corners.
+  Eigen::VectorXf expected(std::uint32_t old_triangle, const PatchSnapshot& patch, std::uint16_t image) const {
+    const Eigen::Vector3f eye = camera_centre(model_.cameras[image].camera_from_object).cast<float>();
+    const PatchShapes& shapes = filled_->shapes();
+    Eigen::VectorXf sum = Eigen::VectorXf::Zero(patch.rank());
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint32_t vertex =
+          shapes.corner_column[3 * std::size_t{old_triangle} + c] - shapes.first_column[shapes.patch_of[old_triangle]];
+      const Eigen::Vector3f& place = filled_->mesh().corner(old_triangle, static_cast<int>(c));
+      sum += patch.vertices[vertex].coefficients((eye - place).normalized());
+    }
+    return kGreyLevels / 3 * sum;
   }
 
   /// The leading left singular vectors of columns * displayed^(1/2), as far as they are seen.
@@ -273,20 +281,20 @@ class PatchFit {
     patch.coefficients = (eigen.vectors.leftCols(terms).transpose() * Eigen::MatrixXd(r)).cast<float>();
   }
 
+  std::shared_ptr<const SurfaceLightFieldSnapshot> filled_;
   const SurfaceLightFieldSnapshot& snapshot_;
   const CanonicalMesh& canonical_;
   double least_square_;
   std::size_t patch_triangles_;
-  PatchModel model_;
-  std::vector<RingOrder> orders_;
+  CompactModel model_;
+  std::vector<Grown> grown_;  ///< per patch of the snapshot
   std::vector<Eigen::MatrixXf> smoothers_;
-  std::vector<Eigen::MatrixXf> coefficients_;  ///< of the rings' views
 };
 
 }  // namespace
 
-PatchModel fit_patches(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical, double least_rms,
-                       std::size_t patch_triangles) {
+CompactModel fit_patches(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical, double least_rms,
+                         std::size_t patch_triangles) {
   return PatchFit(snapshot, canonical, least_rms, patch_triangles).fit();
 }
 

@@ -2,18 +2,18 @@
 #pragma once
 
 #include "reconstructor/models/surface_light_field/compact/canonical_mesh.h"
-#include "reconstructor/models/surface_light_field/compact/patch_model.h"
+#include "reconstructor/models/surface_light_field/compact/compact_model.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 
 namespace sheen {
 
-/// The same light field with one basis for so many neighbouring triangles, over the mesh in its stored order. What the
-/// three rings of a triangle say of it in an image is one column, their mean; the basis holds what is *displayed* of
+/// The same light field with one basis for so many neighbouring triangles, over the mesh in its stored order. What a
+/// triangle's patch in the snapshot says of it in an image is part of a column; the basis holds what is *displayed* of
 /// all columns: a term is kept while it adds `least_rms` grey levels or more to the picture of its triangle (RMS over
 /// the views of its rings as they are interpolated). A triangle whose rings no image showed has the colour of the
 /// nearest that one did
 /// (`fill_unseen`).
-PatchModel fit_patches(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical, double least_rms,
-                       std::size_t patch_triangles);
+CompactModel fit_patches(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical, double least_rms,
+                         std::size_t patch_triangles);
 
 }  // namespace sheen

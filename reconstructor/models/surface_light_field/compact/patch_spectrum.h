@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "reconstructor/models/surface_light_field/compact/patch_model.h"
+#include "reconstructor/models/surface_light_field/compact/compact_model.h"
 #include "reconstructor/models/surface_light_field/compact/view_haar.h"
 
 namespace sheen {

@@ -69,7 +69,7 @@ void code_after(Coder& coder, int context, std::int32_t value, std::int32_t& las
 
 /// A ring is coded after the one before it, which is mostly a neighbour. `ring` is filled where `coder` reads.
 template <typename Coder>
-void code_ring(Coder& coder, const PatchModel& model, std::size_t vertex, const Eigen::Vector3f& normal,
+void code_ring(Coder& coder, const CompactModel& model, std::size_t vertex, const Eigen::Vector3f& normal,
                RingHistory& before, CompactRing& ring) {
   ring.seen = coder.bit(kSeen + before.seen, ring.seen);
   before.seen = ring.seen;
@@ -129,7 +129,7 @@ void code_ring(Coder& coder, const PatchModel& model, std::size_t vertex, const 
 
 /// Writes what the rings are, and leaves in `model` what a reader will find.
 template <typename Coder>
-void code_rings(Coder& coder, PatchModel& model) {
+void code_rings(Coder& coder, CompactModel& model) {
   RingHistory before;
   before.has.assign(model.cameras.size(), 0);
   before.reliability.assign(model.cameras.size(), 0);
@@ -141,7 +141,7 @@ constexpr int kStateContexts = 3 + 3 * 2 + 9 * 2;
 
 /// Most triangles are of one state.
 template <typename Coder>
-void code_states(Coder& coder, const PatchModel& model, std::vector<std::vector<SampleState>>& states) {
+void code_states(Coder& coder, const CompactModel& model, std::vector<std::vector<SampleState>>& states) {
   const auto code = [&coder](int context, SampleState state) {  // two bits
     const bool measured = coder.bit(context, state == SampleState::kMeasured);
     if (measured) return SampleState::kMeasured;
@@ -199,19 +199,19 @@ std::vector<std::uint8_t> decode_resolutions(std::string_view bytes, std::size_t
   return resolutions;
 }
 
-std::string encode_rings(PatchModel& model) {
+std::string encode_rings(CompactModel& model) {
   ContextEncoder coder(kRingContexts);
   code_rings(coder, model);
   return coder.finish();
 }
 
-void decode_rings(std::string_view bytes, PatchModel& model) {
+void decode_rings(std::string_view bytes, CompactModel& model) {
   ContextDecoder coder(kRingContexts, bytes);
   model.rings.assign(model.mesh->vertices.size(), {});
   code_rings(coder, model);
 }
 
-std::string encode_states(const PatchModel& model) {
+std::string encode_states(const CompactModel& model) {
   ContextEncoder coder(kStateContexts);
   std::vector<std::vector<SampleState>> states;
   for (std::size_t t = 0; t < model.mesh->triangles.size(); ++t) {
@@ -222,7 +222,7 @@ std::string encode_states(const PatchModel& model) {
   return coder.finish();
 }
 
-void decode_states(std::string_view bytes, PatchModel& model) {
+void decode_states(std::string_view bytes, CompactModel& model) {
   ContextDecoder coder(kStateContexts, bytes);
   std::vector<std::vector<SampleState>> states(model.mesh->triangles.size());
   code_states(coder, model, states);

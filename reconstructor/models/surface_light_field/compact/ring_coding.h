@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "reconstructor/models/surface_light_field/compact/patch_model.h"
+#include "reconstructor/models/surface_light_field/compact/compact_model.h"
 
 namespace sheen {
 
@@ -16,12 +16,12 @@ std::vector<std::uint8_t> decode_resolutions(std::string_view bytes, std::size_t
 /// The rings of a model: which were seen, in which images, how they interpolate. Reliabilities are kept to a sixth of
 /// a stop, sills to a twelfth of an octave, directions of merged views to a thousandth.
 /// What a reader will find is left in `model`.
-std::string encode_rings(PatchModel& model);
+std::string encode_rings(CompactModel& model);
 /// Into `model`, of which mesh, cameras, kernels and reflection must be there. Throws std::runtime_error.
-void decode_rings(std::string_view bytes, PatchModel& model);
+void decode_rings(std::string_view bytes, CompactModel& model);
 
 /// Which samples were measured, imputed, or not seen.
-std::string encode_states(const PatchModel& model);
-void decode_states(std::string_view bytes, PatchModel& model);
+std::string encode_states(const CompactModel& model);
+void decode_states(std::string_view bytes, CompactModel& model);
 
 }  // namespace sheen

@@ -32,7 +32,7 @@ constexpr std::size_t kMostSamples = std::size_t{1} << 28, kSamplesPerByte = 400
 constexpr int kMostLayers = 128;
 constexpr std::size_t kMostPatchTriangles = 256;
 
-OrderedJson description_of(const PatchModel& model, float step, int layers) {
+OrderedJson description_of(const CompactModel& model, float step, int layers) {
   OrderedJson kernels = OrderedJson::array();
   for (const ViewKernel& kernel : model.kernels) kernels.push_back(kernel_to_json(kernel));
   return {{"step", step},
@@ -50,7 +50,7 @@ struct Description {
   std::size_t patch_triangles = 0;
 };
 
-Description read_description(std::string_view bytes, PatchModel& model) {
+Description read_description(std::string_view bytes, CompactModel& model) {
   const Json json = Json::parse(unpacked(bytes));
   Description description{json.at("step"), json.at("layers"), json.at("patch_triangles")};
   if (!(description.step > 0 && description.step < 1e6f) || description.layers < kMeanLayers ||
@@ -66,7 +66,7 @@ Description read_description(std::string_view bytes, PatchModel& model) {
   return description;
 }
 
-ViewHaar haar_of(const PatchModel& model) {
+ViewHaar haar_of(const CompactModel& model) {
   return {model.cameras, bounding_sphere(*model.mesh).centre};
 }
 
@@ -77,7 +77,7 @@ struct Layout {
   std::vector<std::vector<int>> resolutions;  ///< per patch: of its triangles
 };
 
-Layout layout_of(const PatchModel& model) {
+Layout layout_of(const CompactModel& model) {
   const ViewHaar haar = haar_of(model);
   const std::size_t patches = model.shapes.patches.size();
   Layout layout;
@@ -110,7 +110,7 @@ std::string layer_name(int layer) {
 }
 
 /// The model's maps and coefficients; its states are there.
-void dequantise_all(PatchModel& model, const std::vector<QuantisedPatch>& patches, const Layout& layout, float step) {
+void dequantise_all(CompactModel& model, const std::vector<QuantisedPatch>& patches, const Layout& layout, float step) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       Patch patch = dequantise(patches[i], layout.resolutions[i], layout.plans[i], step);
@@ -127,7 +127,7 @@ bool is_compact(std::string_view start) {
   return start.starts_with(kFormat.magic);
 }
 
-std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float step, const Rounding& rounding) {
+std::string encode_compact(CompactModel& model, const CanonicalMesh& mesh, float step, const Rounding& rounding) {
   const std::string rings = encode_rings(model);  // first: reliabilities are those of the file from here on
   const Layout layout = layout_of(model);
   std::vector<QuantisedPatch> patches(model.patches.size());
@@ -152,9 +152,9 @@ std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float s
   return out;
 }
 
-PatchModel decode_compact(std::string_view bytes, const std::string& file, const ShowModel& show) {
+CompactModel decode_compact(std::string_view bytes, const std::string& file, const ShowModel& show) {
   Chunks chunks(kFormat, bytes, file);
-  PatchModel model;
+  CompactModel model;
   std::string_view reading = "META";
   try {
     chunks.required(reading);
@@ -221,7 +221,7 @@ void save_compact(const std::filesystem::path& file, std::string_view encoded, c
 
 std::shared_ptr<const CompactLightField> load_compact(const std::filesystem::path& file, const ShowModel& show) {
   auto bytes = std::make_shared<const std::string>(read_file(file));
-  PatchModel model = decode_compact(*bytes, file.string(), show);
+  CompactModel model = decode_compact(*bytes, file.string(), show);
   return std::make_shared<CompactLightField>(std::move(model), bytes);
 }
 

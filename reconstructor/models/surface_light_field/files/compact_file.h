@@ -16,7 +16,7 @@ namespace sheen {
 /// A surface light field in one file, docs/model_format.md: chunks with checksums, the most important first, so that a
 /// reader of its beginning has a coarser model. `step`: of `quantise`. `model`: its rings become what a reader finds in
 /// the file.
-std::string encode_compact(PatchModel& model, const CanonicalMesh& mesh, float step, const Rounding& rounding);
+std::string encode_compact(CompactModel& model, const CanonicalMesh& mesh, float step, const Rounding& rounding);
 
 /// Whether a file begins like one.
 bool is_compact(std::string_view start);
@@ -24,7 +24,7 @@ bool is_compact(std::string_view start);
 /// The model of such a file, or of its beginning: what is missing of it leaves it coarser, but all up to the first
 /// layer of the means must be there. `show` gets what can be seen before the rest is decoded: the mesh, then the smooth
 /// part of the means; not from the caller's thread. Throws FileError that names the chunk.
-PatchModel decode_compact(std::string_view bytes, const std::string& file, const ShowModel& show = {});
+CompactModel decode_compact(std::string_view bytes, const std::string& file, const ShowModel& show = {});
 
 /// Writes the encoded model with this metadata in place of its own. Throws FileError.
 void save_compact(const std::filesystem::path& file, std::string_view encoded, const ModelMetadata& metadata);

@@ -67,14 +67,16 @@ class Description {
     return out;
   }
   const Json& json() const { return json_; }
-  const Json& rings() const {
-    const auto found = json_.find("rings");
-    if (found == json_.end() || !found->is_object()) fail("rings", "must be an object");
+  const Json& object(const char* field) const {
+    const auto found = json_.find(field);
+    if (found == json_.end() || !found->is_object()) fail(field, "must be an object");
     return *found;
   }
-  std::size_t ring_count() const {
-    const auto found = rings().find("vertex");
-    if (found == rings().end() || !found->is_array()) fail("rings.vertex", "must be a list");
+  /// Length of a list of an object.
+  std::size_t count(const char* object_field, const char* field) const {
+    const Json& holder = object(object_field);
+    const auto found = holder.find(field);
+    if (found == holder.end() || !found->is_array()) fail(std::string(object_field) + "." + field, "must be a list");
     return found->size();
   }
   ModelMetadata metadata() const {
@@ -108,10 +110,10 @@ std::shared_ptr<const Mesh> read_mesh(const Description& description, const fs::
   return std::make_shared<Mesh>(load_mesh_unchanged(file));
 }
 
-std::shared_ptr<const VertexRings> read_rings(const Description& description, const Mesh& mesh) {
+std::shared_ptr<const VertexRings> read_maps(const Description& description, const Mesh& mesh) {
   auto resolution =
       description.list<std::uint8_t>(description.json(), "lattice_resolution", mesh.triangles.size(), 2, 255);
-  constexpr std::int64_t kMostSamples = std::int64_t{1} << 28;  // values of a ring's samples are counted in 32 bits
+  constexpr std::int64_t kMostSamples = std::int64_t{1} << 28;  // values of a patch's samples are counted in 32 bits
   std::int64_t samples = 0;
   for (const std::uint8_t side : resolution) samples += 3 * std::int64_t{lattice_samples(side)};
   if (samples > kMostSamples)
@@ -131,57 +133,88 @@ Value read_part(const Description& description, const char* field, Value (*from_
   }
 }
 
-/// Rings with all but what maps.exr holds, and where that stands.
-struct Rings {
-  ModelLayout layout;
-  std::vector<std::shared_ptr<RingSnapshot>> data;  ///< in the order of the layout
-  std::shared_ptr<const ReflectionDrift> reflection;
-};
-
-Rings read_ring_list(const Description& description, const VertexRings& vertex_rings) {
-  constexpr int kMaxViews = 60000, kMaxCount = 1 << 30;
-  const Json& json = description.rings();
-  const std::size_t count = description.ring_count();
-  const auto vertex = description.list<std::uint32_t>(json, "vertex", count, 0, double(vertex_rings.size()) - 1);
-  const auto rank = description.list<int>(json, "rank", count, 0, kMaxRank);
-  const auto views = description.list<int>(json, "views", count, 0, kMaxViews);
-  const auto folded = description.list<int>(json, "views_folded", count, 0, kMaxCount);
-  const auto scale = description.list<float>(json, "kernel_scale_rad", count, 1e-6, 1e6);
-  const auto nugget = description.list<float>(json, "kernel_nugget", count, 0, 1e6);
-  const auto shape = description.list<int>(json, "kernel_shape", count, 0, 1);
-  const auto sill = description.list<float>(json, "sill", count, 0, 1e6);
-  const auto residual = description.list<float>(json, "residual", count, 0, 1e6);
-  const auto cosine = description.list<float>(json, "best_cosine", count, -2, 2);
-  Rings rings;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0 && vertex[i] <= vertex[i - 1]) description.fail("rings.vertex", "must rise from entry to entry");
-    const int samples = vertex_rings.ring_samples(vertex[i]);
-    if (rank[i] > 3 * samples)
-      description.fail("rings.rank", "entry " + std::to_string(i) + " exceeds the ring's rows");
-    rings.layout.add(vertex[i], samples, rank[i], views[i]);
-    auto ring = std::make_shared<RingSnapshot>();
-    ring->kernel = {scale[i], nugget[i], static_cast<KernelShape>(shape[i])};
-    ring->sill = sill[i];
-    ring->residual = residual[i];
-    ring->best_cosine = cosine[i];
-    ring->views_folded = folded[i];
-    rings.data.push_back(std::move(ring));
+std::shared_ptr<const PatchShapes> read_shapes(const Description& description, const Mesh& mesh,
+                                               const VertexRings& rings) {
+  const std::size_t triangles = mesh.triangles.size();
+  auto patch_of = description.list<std::uint32_t>(description.json(), "patch_of_triangle", triangles, 0,
+                                                  static_cast<double>(triangles) - 1);
+  std::vector<bool> there(triangles);
+  std::uint32_t last = 0;
+  for (const std::uint32_t patch : patch_of) {
+    there[patch] = true;
+    last = std::max(last, patch);
   }
-  return rings;
+  for (std::uint32_t patch = 0; patch < last; ++patch)
+    if (!there[patch]) description.fail("patch_of_triangle", "patch " + std::to_string(patch) + " has no triangle");
+  return std::make_shared<const PatchShapes>(patch_shapes(mesh, rings, std::move(patch_of)));
 }
 
-/// Takes the parts of maps.exr into the rings.
+/// Patches with all but what maps.exr holds, and where that stands.
+struct Patches {
+  ModelLayout layout;
+  std::vector<std::shared_ptr<PatchSnapshot>> data;  ///< in the order of the layout
+  std::shared_ptr<const ReflectionDrift> reflection;
+
+  VertexInterpolant& vertex(std::size_t i) {
+    return data[layout.vertices[i].entry]->vertices[layout.vertices[i].vertex];
+  }
+};
+
+Patches read_patch_list(const Description& description, const PatchShapes& shapes) {
+  constexpr int kMaxViews = 60000, kMaxCount = 1 << 30;
+  const Json& list = description.object("patches");
+  const std::size_t count = description.count("patches", "patch");
+  const auto patch =
+      description.list<std::uint32_t>(list, "patch", count, 0, static_cast<double>(shapes.patches.size()) - 1);
+  const auto rank = description.list<int>(list, "rank", count, 0, kMaxRank);
+  std::size_t vertices = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0 && patch[i] <= patch[i - 1]) description.fail("patches.patch", "must rise from entry to entry");
+    if (static_cast<std::uint32_t>(rank[i]) > 3 * shapes.patches[patch[i]].samples)
+      description.fail("patches.rank", "entry " + std::to_string(i) + " exceeds the patch's rows");
+    vertices += shapes.patches[patch[i]].vertices.size();
+  }
+  const Json& json = description.object("vertices");
+  const auto views = description.list<int>(json, "views", vertices, 0, kMaxViews);
+  const auto folded = description.list<int>(json, "views_folded", vertices, 0, kMaxCount);
+  const auto scale = description.list<float>(json, "kernel_scale_rad", vertices, 1e-6, 1e6);
+  const auto nugget = description.list<float>(json, "kernel_nugget", vertices, 0, 1e6);
+  const auto shape = description.list<int>(json, "kernel_shape", vertices, 0, 1);
+  const auto sill = description.list<float>(json, "sill", vertices, 0, 1e6);
+  const auto residual = description.list<float>(json, "residual", vertices, 0, 1e6);
+  const auto cosine = description.list<float>(json, "best_cosine", vertices, -2, 2);
+  Patches patches;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    patches.layout.add_patch(patch[i], static_cast<int>(shapes.patches[patch[i]].samples), rank[i]);
+    auto data = std::make_shared<PatchSnapshot>();
+    data->vertices.resize(shapes.patches[patch[i]].vertices.size());
+    for (VertexInterpolant& vertex : data->vertices) {
+      patches.layout.add_vertex(views[next]);
+      vertex.kernel = {scale[next], nugget[next], static_cast<KernelShape>(shape[next])};
+      vertex.sill = sill[next];
+      vertex.residual = residual[next];
+      vertex.best_cosine = cosine[next];
+      vertex.views_folded = folded[next];
+      ++next;
+    }
+    patches.data.push_back(std::move(data));
+  }
+  return patches;
+}
+
+/// Takes the parts of maps.exr into the patches.
 class MapsReader {
  public:
-  MapsReader(fs::path file, Rings& rings) : file_(std::move(file)), rings_(rings) {
-    const ModelLayout& layout = rings.layout;
+  MapsReader(fs::path file, Patches& patches) : file_(std::move(file)), patches_(patches) {
+    const ModelLayout& layout = patches.layout;
     for (int r = 0; r < layout.max_rank; ++r)
       expect(rank_part("surface", r), {"R", "G", "B"}, layout.samples,
              [this, r](const ImageF& image) { take_surface(image, r); });
     expect("measured", {"Y"}, layout.samples, [this](const ImageF& image) { take_measured(image); });
     expect("views", views_channels(layout.max_rank), layout.views, [this](const ImageF& image) { take_views(image); });
-    expect("rings", rings_channels(layout.max_rank), layout.rings.size(),
-           [this](const ImageF& image) { take_rings(image); });
+    expect("vertices", vertices_channels(layout.max_rank), layout.vertices.size(),
+           [this](const ImageF& image) { take_vertices(image); });
   }
 
   void read(const std::string& id) {
@@ -201,13 +234,13 @@ class MapsReader {
     // Memory for the maps only now that a part stands behind each rank, and only as much as the file can hold.
     constexpr double kSlack = 64e6, kDensest = 2000;  // as for a single part (exr.cpp)
     double claimed = 0;
-    for (const RingEntry& entry : rings_.layout.rings) claimed += 3.0 * entry.samples * entry.rank * sizeof(float);
+    for (const PatchEntry& entry : patches_.layout.patches) claimed += 3.0 * entry.samples * entry.rank * sizeof(float);
     if (claimed > kSlack + kDensest * double(fs::file_size(file_)))
       throw FileError(file_.string(), "is too small for the " + std::to_string(std::int64_t(claimed / 1e6)) +
                                           " MB of surface maps that model.json describes");
-    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
-      const RingEntry& entry = rings_.layout.rings[i];
-      rings_.data[i]->basis.resize(3 * entry.samples, entry.rank);
+    for (std::size_t i = 0; i < patches_.data.size(); ++i) {
+      const PatchEntry& entry = patches_.layout.patches[i];
+      patches_.data[i]->basis.resize(3 * entry.samples, entry.rank);
     }
     read_exr(
         file_, [&](const std::string& name) { return expected_.contains(name); }, [&](ExrPart&& part) { take(part); });
@@ -240,57 +273,61 @@ class MapsReader {
   }
 
   void take_surface(const ImageF& image, int rank) {
-    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
-      const RingEntry& entry = rings_.layout.rings[i];
+    for (std::size_t i = 0; i < patches_.data.size(); ++i) {
+      const PatchEntry& entry = patches_.layout.patches[i];
       if (rank < entry.rank)
-        rings_.data[i]->basis.col(rank) =
+        patches_.data[i]->basis.col(rank) =
             Eigen::Map<const Eigen::VectorXf>(image.data() + 3 * entry.first_sample, 3 * entry.samples);
     }
   }
   void take_measured(const ImageF& image) {
-    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
-      const RingEntry& entry = rings_.layout.rings[i];
-      rings_.data[i]->shown.resize(entry.samples);
+    for (std::size_t i = 0; i < patches_.data.size(); ++i) {
+      const PatchEntry& entry = patches_.layout.patches[i];
+      patches_.data[i]->shown.resize(static_cast<std::size_t>(entry.samples));
       for (int s = 0; s < entry.samples; ++s) {
-        const float share = image.data()[entry.first_sample + s];
+        const float share = image.data()[entry.first_sample + static_cast<std::size_t>(s)];
         if (!(share >= 0 && share <= 1)) fail("measured", "holds a fraction outside 0..1");
-        rings_.data[i]->shown[s] = static_cast<std::uint8_t>(std::lround(255 * share));
+        patches_.data[i]->shown[static_cast<std::size_t>(s)] = static_cast<std::uint8_t>(std::lround(255 * share));
       }
     }
   }
+  std::string name_of(const VertexEntry& entry) const {
+    return "patch " + std::to_string(patches_.layout.patches[entry.entry].patch) + ", vertex " +
+           std::to_string(entry.vertex);
+  }
   void take_views(const ImageF& image) {
     const int channels = image.channels();
-    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
-      const RingEntry& entry = rings_.layout.rings[i];
+    for (std::size_t i = 0; i < patches_.layout.vertices.size(); ++i) {
+      const VertexEntry& entry = patches_.layout.vertices[i];
+      VertexInterpolant& vertex = patches_.vertex(i);
       const Eigen::Map<const Eigen::MatrixXf> pixels(image.data() + channels * entry.first_view, channels, entry.views);
-      rings_.data[i]->directions = pixels.topRows<3>();
-      rings_.data[i]->reliability = pixels.row(3).transpose();
-      if (!(rings_.data[i]->reliability.array() > 0).all())
-        fail("views", "vertex " + std::to_string(entry.vertex) + ": a reliability is not above 0");
-      rings_.data[i]->weights = pixels.middleRows(kViewChannels, entry.rank);
+      vertex.directions = pixels.topRows<3>();
+      vertex.reliability = pixels.row(3).transpose();
+      if (!(vertex.reliability.array() > 0).all()) fail("views", name_of(entry) + ": a reliability is not above 0");
+      vertex.weights = pixels.middleRows(kViewChannels, entry.rank);
       for (int k = 0; k < entry.views; ++k)
-        if (std::abs(rings_.data[i]->directions.col(k).norm() - 1) > 1e-3f)
-          fail("views", "vertex " + std::to_string(entry.vertex) + ": a direction is not a unit vector");
+        if (std::abs(vertex.directions.col(k).norm() - 1) > 1e-3f)
+          fail("views", name_of(entry) + ": a direction is not a unit vector");
     }
   }
-  void take_rings(const ImageF& image) {
-    for (std::size_t i = 0; i < rings_.data.size(); ++i) {
+  void take_vertices(const ImageF& image) {
+    for (std::size_t i = 0; i < patches_.layout.vertices.size(); ++i) {
+      const VertexEntry& entry = patches_.layout.vertices[i];
+      VertexInterpolant& vertex = patches_.vertex(i);
       const float* pixel = image.data() + std::size_t(image.channels()) * i;
-      Eigen::Matrix3f& frame = rings_.data[i]->frame;
-      frame = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(pixel);
-      if ((frame * frame.transpose() - Eigen::Matrix3f::Identity()).cwiseAbs().maxCoeff() > 1e-3f)
-        fail("rings", "vertex " + std::to_string(rings_.layout.rings[i].vertex) + ": the frame is not orthonormal");
-      const int rank = rings_.layout.rings[i].rank;
-      rings_.data[i]->mean = Eigen::Map<const Eigen::VectorXf>(pixel + 9, rank);
-      const Eigen::Map<const Eigen::VectorXf> drift(pixel + 9 + rings_.layout.max_rank, rank);
-      if (!rings_.reflection || drift.isZero(0)) continue;
-      rings_.data[i]->drift = drift;
-      rings_.data[i]->reflection = rings_.reflection;
+      vertex.frame = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(pixel);
+      if ((vertex.frame * vertex.frame.transpose() - Eigen::Matrix3f::Identity()).cwiseAbs().maxCoeff() > 1e-3f)
+        fail("vertices", name_of(entry) + ": the frame is not orthonormal");
+      vertex.mean = Eigen::Map<const Eigen::VectorXf>(pixel + 9, entry.rank);
+      const Eigen::Map<const Eigen::VectorXf> drift(pixel + 9 + patches_.layout.max_rank, entry.rank);
+      if (!patches_.reflection || drift.isZero(0)) continue;
+      vertex.drift = drift;
+      vertex.reflection = patches_.reflection;
     }
   }
 
   fs::path file_;
-  Rings& rings_;
+  Patches& patches_;
   std::map<std::string, Expected> expected_;
 };
 
@@ -301,14 +338,15 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& fold
   const auto mesh = read_mesh(description, folder);
   const std::vector<PosedCamera> cameras = read_part(description, "cameras", cameras_from_json);
   if (show) show(bare_mesh(mesh, cameras));
-  const auto vertex_rings = read_rings(description, *mesh);
-  Rings rings = read_ring_list(description, *vertex_rings);
-  rings.reflection = read_part(description, "reflection", reflection_from_json);
-  MapsReader(folder / kMapsFile, rings).read(description.text("id"));
+  const auto maps = read_maps(description, *mesh);
+  const auto shapes = read_shapes(description, *mesh, *maps);
+  Patches patches = read_patch_list(description, *shapes);
+  patches.reflection = read_part(description, "reflection", reflection_from_json);
+  MapsReader(folder / kMapsFile, patches).read(description.text("id"));
 
-  std::vector<std::shared_ptr<const RingSnapshot>> ring_data(mesh->vertices.size());
-  for (std::size_t i = 0; i < rings.data.size(); ++i) ring_data[rings.layout.rings[i].vertex] = rings.data[i];
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, vertex_rings, std::move(ring_data), kOnlySnapshot,
+  SurfaceLightFieldSnapshot::Patches all(shapes->patches.size());
+  for (std::size_t i = 0; i < patches.data.size(); ++i) all[patches.layout.patches[i].patch] = patches.data[i];
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, maps, shapes, std::move(all), kOnlySnapshot,
                                                      read_part(description, "exposure", exposure_from_json), cameras);
 }
 

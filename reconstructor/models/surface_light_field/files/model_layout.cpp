@@ -16,11 +16,17 @@ std::string numbered(const char* name, int number) {
 
 }  // namespace
 
-void ModelLayout::add(std::uint32_t vertex, int ring_samples, int rank, int ring_views) {
-  rings.push_back({vertex, ring_samples, rank, ring_views, samples, views});
-  samples += static_cast<std::size_t>(ring_samples);
-  views += static_cast<std::size_t>(ring_views);
+void ModelLayout::add_patch(std::uint32_t patch, int patch_samples, int rank) {
+  patches.push_back({patch, patch_samples, rank, samples});
+  samples += static_cast<std::size_t>(patch_samples);
   max_rank = std::max(max_rank, rank);
+}
+
+void ModelLayout::add_vertex(int vertex_views) {
+  const std::size_t entry = patches.size() - 1;
+  const bool first = vertices.empty() || vertices.back().entry != entry;
+  vertices.push_back({entry, first ? 0 : vertices.back().vertex + 1, patches.back().rank, vertex_views, views});
+  views += static_cast<std::size_t>(vertex_views);
 }
 
 AtlasSize atlas_size(std::size_t pixels) {
@@ -38,7 +44,7 @@ std::vector<std::string> views_channels(int max_rank) {
   return names;
 }
 
-std::vector<std::string> rings_channels(int max_rank) {
+std::vector<std::string> vertices_channels(int max_rank) {
   // In the order of the alphabet, in which OpenEXR files hold them.
   std::vector<std::string> names;
   for (int i = 0; i < 9; ++i) names.push_back("frame." + std::to_string(i / 3) + std::to_string(i % 3));

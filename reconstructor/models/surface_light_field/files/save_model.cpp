@@ -18,27 +18,42 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-ModelLayout layout_of(const SurfaceLightFieldSnapshot& model) {
+using Snapshot = SurfaceLightFieldSnapshot;
+
+ModelLayout layout_of(const Snapshot& model) {
   ModelLayout layout;
-  for (std::size_t v = 0; v < model.ring_data().size(); ++v)
-    if (const RingSnapshot* ring = model.ring_data()[v].get())
-      layout.add(static_cast<std::uint32_t>(v), model.rings().ring_samples(v), ring->rank(),
-                 static_cast<int>(ring->directions.cols()));
+  for (std::size_t p = 0; p < model.patches().size(); ++p) {
+    const PatchSnapshot* patch = model.patches()[p].get();
+    if (!patch) continue;
+    layout.add_patch(static_cast<std::uint32_t>(p), static_cast<int>(model.shapes().patches[p].samples), patch->rank());
+    for (const VertexInterpolant& vertex : patch->vertices)
+      layout.add_vertex(static_cast<int>(vertex.directions.cols()));
+  }
   return layout;
+}
+
+const PatchSnapshot& patch_of(const Snapshot& model, const PatchEntry& entry) {
+  return *model.patches()[entry.patch];
+}
+
+const VertexInterpolant& vertex_of(const Snapshot& model, const ModelLayout& layout, const VertexEntry& entry) {
+  return patch_of(model, layout.patches[entry.entry]).vertices[entry.vertex];
 }
 
 Json conventions() {
   return {
       {"frame", "mesh frame: metres, right-handed"},
       {"values",
-       "sRGB-encoded; the sum over a triangle's three rings, weighted by the barycentric coordinates, is "
-       "decoded once"},
+       "sRGB-encoded; of a sample: sum over ranks of surface map times h of the eye, the mean of h at the triangle's "
+       "three corners by the barycentric coordinates; decoded once"},
       {"lattice",
        "resolution n: points (i, j), i + j < n, j fastest, at barycentric weights i/(n-1) and j/(n-1) of "
        "corners 1 and 2"},
-      {"ring", "the triangles round a vertex in the order of the mesh, each with its lattice points"},
-      {"measured", "share of the ring's images that showed the sample: 0 unseen, below 1/2 imputed, else measured"},
-      {"atlas", "rings one after the other, a pixel a sample, row by row"},
+      {"patch",
+       "triangles of the same number in patch_of_triangle, in the order of the mesh, each with its lattice points; its "
+       "vertices are their corners, in the order of the mesh"},
+      {"measured", "share of the patch's images that showed the sample: 0 unseen, below 1/2 imputed, else measured"},
+      {"atlas", "patches one after the other, a pixel a sample, row by row"},
       {"view",
        "h(d) = mean + drift * L(d mirrored about the third row of frame) + sum over views of weight * "
        "k(angle(d, direction)); L: reflection, orthonormal real spherical harmonics, (l, m) at l^2 + l + m; empty = 0"},
@@ -46,18 +61,21 @@ Json conventions() {
        "k(t) by kernel_shape: 0 = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale), 1 = exp(-t / scale); the nugget "
        "is in the weights"},
       {"view map",
-       "a square tile per ring, row by row; pixel centres over [-1, 1]^2: the first two coordinates of "
+       "a square tile per vertex of a patch, row by row; pixel centres over [-1, 1]^2: the first two coordinates of "
        "frame * direction, moved to the rim where outside the unit disc"}};
 }
 
-/// The function that all rings share; null where none uses it.
-const ReflectionDrift* reflection_of(const SurfaceLightFieldSnapshot& model) {
-  for (const auto& ring : model.ring_data())
-    if (ring && ring->reflection) return ring->reflection.get();
+/// The function that all vertices share; null where none uses it.
+const ReflectionDrift* reflection_of(const Snapshot& model) {
+  for (const auto& patch : model.patches()) {
+    if (!patch) continue;
+    for (const VertexInterpolant& vertex : patch->vertices)
+      if (vertex.reflection) return vertex.reflection.get();
+  }
   return nullptr;
 }
 
-Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout, const std::string& mesh_hash) {
+Json description_of(const Snapshot& model, const ModelLayout& layout, const std::string& mesh_hash) {
   Json json;
   json["format"] = kModelFormat;
   json["version"] = kModelVersion;
@@ -69,44 +87,51 @@ Json description_of(const SurfaceLightFieldSnapshot& model, const ModelLayout& l
   Json resolution = Json::array();
   for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) resolution.push_back(model.rings().resolution(t));
   json["lattice_resolution"] = std::move(resolution);
-  Json& rings = json["rings"];
-  for (const char* field : {"vertex", "rank", "views", "views_folded", "kernel_scale_rad", "kernel_nugget",
-                            "kernel_shape", "sill", "residual", "best_cosine"})
-    rings[field] = Json::array();
-  for (const RingEntry& entry : layout.rings) {
-    const RingSnapshot& ring = *model.ring_data()[entry.vertex];
-    rings["vertex"].push_back(entry.vertex);
-    rings["rank"].push_back(entry.rank);
-    rings["views"].push_back(entry.views);
-    rings["views_folded"].push_back(ring.views_folded);
-    rings["kernel_scale_rad"].push_back(ring.kernel.scale_rad);
-    rings["kernel_nugget"].push_back(ring.kernel.nugget);
-    rings["kernel_shape"].push_back(static_cast<int>(ring.kernel.shape));
-    rings["sill"].push_back(ring.sill);
-    rings["residual"].push_back(ring.residual);
-    rings["best_cosine"].push_back(ring.best_cosine);
+  json["patch_of_triangle"] = model.shapes().patch_of;
+  Json& patches = json["patches"];
+  for (const char* field : {"patch", "rank"}) patches[field] = Json::array();
+  for (const PatchEntry& entry : layout.patches) {
+    patches["patch"].push_back(entry.patch);
+    patches["rank"].push_back(entry.rank);
+  }
+  Json& vertices = json["vertices"];
+  for (const char* field : {"views", "views_folded", "kernel_scale_rad", "kernel_nugget", "kernel_shape", "sill",
+                            "residual", "best_cosine"})
+    vertices[field] = Json::array();
+  for (const VertexEntry& entry : layout.vertices) {
+    const VertexInterpolant& vertex = vertex_of(model, layout, entry);
+    vertices["views"].push_back(entry.views);
+    vertices["views_folded"].push_back(vertex.views_folded);
+    vertices["kernel_scale_rad"].push_back(vertex.kernel.scale_rad);
+    vertices["kernel_nugget"].push_back(vertex.kernel.nugget);
+    vertices["kernel_shape"].push_back(static_cast<int>(vertex.kernel.shape));
+    vertices["sill"].push_back(vertex.sill);
+    vertices["residual"].push_back(vertex.residual);
+    vertices["best_cosine"].push_back(vertex.best_cosine);
   }
   return json;
 }
 
 /// Ties the files together: made of all that is in them but the metadata, so that the same model has the same one
 /// wherever it came from.
-std::string id_of(const Json& description, const SurfaceLightFieldSnapshot& model) {
+std::string id_of(const Json& description, const Snapshot& model) {
   std::string contents = description.dump();
   const auto add = [&contents](const auto& values) {
     const auto* bytes = reinterpret_cast<const char*>(values.data());
     contents += content_hash({bytes, static_cast<std::size_t>(values.size()) * sizeof(values.data()[0])});
   };
-  for (const auto& ring : model.ring_data()) {
-    if (!ring) continue;
-    add(ring->basis);
-    add(ring->directions);
-    add(ring->reliability);
-    add(ring->weights);
-    add(ring->mean);
-    add(ring->drift);
-    add(ring->frame);
-    add(ring->shown);
+  for (const auto& patch : model.patches()) {
+    if (!patch) continue;
+    add(patch->basis);
+    add(patch->shown);
+    for (const VertexInterpolant& vertex : patch->vertices) {
+      add(vertex.directions);
+      add(vertex.reliability);
+      add(vertex.weights);
+      add(vertex.mean);
+      add(vertex.drift);
+      add(vertex.frame);
+    }
   }
   return content_hash(contents);
 }
@@ -116,47 +141,47 @@ ImageF blank_atlas(std::size_t pixels, int channels) {
   return ImageF(width, height, channels);
 }
 
-ImageF surface_image(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout, int rank) {
+ImageF surface_image(const Snapshot& model, const ModelLayout& layout, int rank) {
   ImageF image = blank_atlas(layout.samples, 3);
-  for (const RingEntry& entry : layout.rings)
+  for (const PatchEntry& entry : layout.patches)
     if (rank < entry.rank)
       Eigen::Map<Eigen::VectorXf>(image.data() + 3 * entry.first_sample, 3 * entry.samples) =
-          model.ring_data()[entry.vertex]->basis.col(rank);
+          patch_of(model, entry).basis.col(rank);
   return image;
 }
 
-ImageF measured_image(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout) {
+ImageF measured_image(const Snapshot& model, const ModelLayout& layout) {
   ImageF image = blank_atlas(layout.samples, 1);
-  for (const RingEntry& entry : layout.rings) {
-    const std::vector<std::uint8_t>& shown = model.ring_data()[entry.vertex]->shown;
+  for (const PatchEntry& entry : layout.patches) {
+    const std::vector<std::uint8_t>& shown = patch_of(model, entry).shown;
     std::transform(shown.begin(), shown.end(), image.data() + entry.first_sample,
                    [](std::uint8_t share) { return share / 255.0f; });
   }
   return image;
 }
 
-ImageF views_image(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout) {
+ImageF views_image(const Snapshot& model, const ModelLayout& layout) {
   const int channels = kViewChannels + layout.max_rank;
   ImageF image = blank_atlas(layout.views, channels);
-  for (const RingEntry& entry : layout.rings) {
-    const RingSnapshot& ring = *model.ring_data()[entry.vertex];
+  for (const VertexEntry& entry : layout.vertices) {
+    const VertexInterpolant& vertex = vertex_of(model, layout, entry);
     Eigen::Map<Eigen::MatrixXf> pixels(image.data() + channels * entry.first_view, channels, entry.views);
-    pixels.topRows<3>() = ring.directions;
-    pixels.row(3) = ring.reliability.transpose();
-    pixels.middleRows(kViewChannels, entry.rank) = ring.weights;
+    pixels.topRows<3>() = vertex.directions;
+    pixels.row(3) = vertex.reliability.transpose();
+    pixels.middleRows(kViewChannels, entry.rank) = vertex.weights;
   }
   return image;
 }
 
-ImageF rings_image(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout) {
+ImageF vertices_image(const Snapshot& model, const ModelLayout& layout) {
   const int channels = 9 + 2 * layout.max_rank;
-  ImageF image = blank_atlas(layout.rings.size(), channels);
-  for (std::size_t i = 0; i < layout.rings.size(); ++i) {
-    const RingSnapshot& ring = *model.ring_data()[layout.rings[i].vertex];
+  ImageF image = blank_atlas(layout.vertices.size(), channels);
+  for (std::size_t i = 0; i < layout.vertices.size(); ++i) {
+    const VertexInterpolant& vertex = vertex_of(model, layout, layout.vertices[i]);
     float* pixel = image.data() + channels * i;
-    Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>{pixel} = ring.frame;
-    Eigen::Map<Eigen::VectorXf>(pixel + 9, layout.rings[i].rank) = ring.mean;
-    Eigen::Map<Eigen::VectorXf>(pixel + 9 + layout.max_rank, ring.drift.size()) = ring.drift;
+    Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>{pixel} = vertex.frame;
+    Eigen::Map<Eigen::VectorXf>(pixel + 9, vertex.mean.size()) = vertex.mean;
+    Eigen::Map<Eigen::VectorXf>(pixel + 9 + layout.max_rank, vertex.drift.size()) = vertex.drift;
   }
   return image;
 }
@@ -173,24 +198,33 @@ Eigen::Matrix3Xf view_map_directions(int side) {
   return directions;
 }
 
-/// The view maps of all rings: rank x side^2 each. Portable copies, which half precision suffices for.
+/// The view maps of all vertices of patches: rank x side^2 each. Portable copies, which half precision suffices for.
 using ViewMap = Eigen::Matrix<Eigen::half, Eigen::Dynamic, Eigen::Dynamic>;
-std::vector<ViewMap> view_maps(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout, int side) {
+std::vector<ViewMap> view_maps(const Snapshot& model, const ModelLayout& layout, int side) {
   const Eigen::Matrix3Xf local = view_map_directions(side);
-  std::vector<ViewMap> maps(layout.rings.size());
-  tbb::parallel_for(std::size_t(0), maps.size(), [&](std::size_t i) {
-    const RingSnapshot& ring = *model.ring_data()[layout.rings[i].vertex];
-    maps[i].resize(ring.rank(), local.cols());
-    if (ring.rank() == 0) return;
-    for (Eigen::Index k = 0; k < local.cols(); ++k)
-      maps[i].col(k) = ring.coefficients(ring.frame.transpose() * local.col(k)).cast<Eigen::half>();
+  std::vector<ViewMap> maps(layout.vertices.size());
+  std::vector<std::vector<std::size_t>> round(model.mesh().vertices.size());
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    const VertexEntry& entry = layout.vertices[i];
+    maps[i].resize(entry.rank, local.cols());
+    const std::uint32_t patch = layout.patches[entry.entry].patch;
+    if (entry.rank > 0) round[model.shapes().patches[patch].vertices[entry.vertex]].push_back(i);
+  }
+  tbb::parallel_for(std::size_t(0), round.size(), [&](std::size_t v) {
+    if (round[v].empty()) return;
+    const Eigen::Matrix3f object_from_local = vertex_of(model, layout, layout.vertices[round[v][0]]).frame.transpose();
+    for (Eigen::Index k = 0; k < local.cols(); ++k) {
+      CoefficientsAtVertex seen_from(object_from_local * local.col(k));
+      for (const std::size_t i : round[v])
+        maps[i].col(k) = seen_from.of(vertex_of(model, layout, layout.vertices[i])).cast<Eigen::half>();
+    }
   });
   return maps;
 }
 
-AtlasSize tiles_across(std::size_t rings) {
-  const int across = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(rings)))));
-  return {across, std::max(1, (static_cast<int>(rings) + across - 1) / across)};
+AtlasSize tiles_across(std::size_t tiles) {
+  const int across = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(tiles)))));
+  return {across, std::max(1, (static_cast<int>(tiles) + across - 1) / across)};
 }
 
 ImageF view_image(const std::vector<ViewMap>& maps, int side, int rank) {
@@ -217,8 +251,8 @@ struct Parts {
   }
 };
 
-void save_maps(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout, const SaveOptions& options,
-               const std::string& id, const fs::path& path, const StepsDone& written) {
+void save_maps(const Snapshot& model, const ModelLayout& layout, const SaveOptions& options, const std::string& id,
+               const fs::path& path, const StepsDone& written) {
   Parts parts;
   const AtlasSize surface = atlas_size(layout.samples);
   for (int r = 0; r < layout.max_rank; ++r)
@@ -227,8 +261,8 @@ void save_maps(const SurfaceLightFieldSnapshot& model, const ModelLayout& layout
   parts.add("measured", {"Y"}, surface, ExrPrecision::kHalf, [&] { return measured_image(model, layout); });
   parts.add("views", views_channels(layout.max_rank), atlas_size(layout.views), ExrPrecision::kFloat,
             [&] { return views_image(model, layout); });
-  parts.add("rings", rings_channels(layout.max_rank), atlas_size(layout.rings.size()), ExrPrecision::kFloat,
-            [&] { return rings_image(model, layout); });
+  parts.add("vertices", vertices_channels(layout.max_rank), atlas_size(layout.vertices.size()), ExrPrecision::kFloat,
+            [&] { return vertices_image(model, layout); });
   std::vector<ViewMap> maps;
   if (options.view_map > 0) {
     maps = view_maps(model, layout, options.view_map);
@@ -277,7 +311,7 @@ class Unfinished {
 
 }  // namespace
 
-void save_model(const SurfaceLightFieldSnapshot& model, const fs::path& folder, const ModelMetadata& metadata,
+void save_model(const Snapshot& model, const fs::path& folder, const ModelMetadata& metadata,
                 const SaveOptions& options) {
   constexpr std::size_t kStepsBeforeMaps = 2;  // mesh, description
   const auto report = [&options](std::size_t done, std::size_t steps) {

@@ -53,17 +53,6 @@ std::vector<std::uint32_t> drawing_order(const Mesh& mesh, const Eigen::Vector3f
   return order;
 }
 
-bool corners_share_patches(const LightFieldSnapshot& snapshot) {
-  for (std::size_t t = 0; t < snapshot.mesh().triangles.size(); ++t) {
-    const PatchCorner first = snapshot.corner(t, 0);
-    for (int c = 1; c < 3; ++c) {
-      const PatchCorner other = snapshot.corner(t, c);
-      if (other.patch != first.patch || other.first_sample != first.first_sample) return false;
-    }
-  }
-  return true;
-}
-
 }  // namespace
 
 LightFieldRenderer::LightFieldRenderer(const DrawerOptions& options)
@@ -80,7 +69,7 @@ LightFieldRenderer::LightFieldRenderer(const DrawerOptions& options)
       quality_(GL_RG32F, 8) {}
 
 void LightFieldRenderer::make_program() {
-  const SurfaceShaderVariant wanted{std::max(1, store_.buffers()), one_patch_};
+  const SurfaceShaderVariant wanted{std::max(1, store_.buffers())};
   if (wanted == variant_) return;
   program_ = surface_program(wanted);
   variant_ = wanted;
@@ -110,10 +99,9 @@ void LightFieldRenderer::upload_mesh(const LightFieldSnapshot& snapshot) {
   std::vector<std::uint32_t> corners;
   std::vector<std::uint8_t> resolutions;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int c = 0; c < 3; ++c) {
-      const PatchCorner corner = snapshot.corner(t, c);
-      corners.insert(corners.end(), {mesh.triangles[t][c], corner.patch, corner.first_sample, corner.column});
-    }
+    const TrianglePlace place = snapshot.place(t);
+    for (std::size_t c = 0; c < 3; ++c)
+      corners.insert(corners.end(), {mesh.triangles[t][c], place.patch, place.first_sample, place.columns[c]});
     resolutions.push_back(static_cast<std::uint8_t>(rings.resolution(t)));
   }
   positions_.assign(positions.size(), positions.data());
@@ -125,7 +113,6 @@ void LightFieldRenderer::upload_mesh(const LightFieldSnapshot& snapshot) {
   patch_slots_.assign(snapshot.patch_count(), {});
   shortened_patches_ = 0;
   triangle_count_ = mesh.triangles.size();
-  one_patch_ = corners_share_patches(snapshot);
   mesh_ = snapshot.shared_mesh();
   rings_ = snapshot.shared_rings();
   shown_.reset();

@@ -51,7 +51,7 @@ class LightFieldRenderer : public ModelDrawer {
   BasisStore store_;
   GlHandle order_;              ///< element buffer: corners of the triangles as they are drawn
   BufferTexture positions_;     ///< per vertex: x, y, z, 1
-  BufferTexture corners_;       ///< a triangle's corner: vertex, and its PatchCorner
+  BufferTexture corners_;       ///< a triangle's corner: vertex, and of its TrianglePlace patch, sample, column
   BufferTexture resolutions_;   ///< per triangle
   BufferTexture slots_;         ///< per patch: first texel, rank | buffer << 16
   BufferTexture coefficients_;  ///< per column: `stride_` values
@@ -63,7 +63,6 @@ class LightFieldRenderer : public ModelDrawer {
   std::vector<BasisSlot> patch_slots_;
   std::size_t shortened_patches_ = 0;
   std::size_t triangle_count_ = 0;
-  bool one_patch_ = false;  ///< `SurfaceShaderVariant::one_patch`
 
   /// The patches as the GPU has them: coefficients belong to the basis that is there, not to the newest one.
   std::shared_ptr<const LightFieldSnapshot> shown_;

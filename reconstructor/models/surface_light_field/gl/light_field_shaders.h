@@ -26,8 +26,7 @@ void main() {
 
 /// What the fragment shader is made for. Drawing in software costs what the shader says, also on ways not taken.
 struct SurfaceShaderVariant {
-  int buffers = 1;         ///< of basis texels
-  bool one_patch = false;  ///< the three corners of each triangle share one patch
+  int buffers = 1;  ///< of basis texels
   bool operator==(const SurfaceShaderVariant&) const = default;
 };
 
@@ -112,10 +111,8 @@ bool light_field(out vec3 encoded, out int state) {
   lattice_stencil(int(texelFetch(resolutions, triangle).x), beta.y, beta.z, index, weight);
   vec3 sum = vec3(0);
   state = 0;
-#if ONE_PATCH
   // The corners differ only in their coefficients: these are blended, and the maps are read once.
   uvec4 corner = texelFetch(corners, 3 * triangle);  // vertex, patch, first sample, column
-  if (corner.y == 0xffffffffu) return false;
   uvec2 slot = texelFetch(slots, int(corner.y)).xy;
   int rank = int(slot.y & 0xffffu);
   if (rank == 0) return false;
@@ -136,30 +133,6 @@ bool light_field(out vec3 encoded, out int state) {
   }
   encoded = sum;
   return true;
-#else
-  float total = 0.0;
-  for (int c = 0; c < 3; ++c) {
-    uvec4 corner = texelFetch(corners, 3 * triangle + c);  // vertex, patch, first sample, column
-    if (corner.y == 0xffffffffu) continue;
-    uvec2 slot = texelFetch(slots, int(corner.y)).xy;
-    int rank = int(slot.y & 0xffffu);
-    if (rank == 0) continue;
-    uint buffer = slot.y >> 16;
-    ivec3 texel = int(slot.x) + (int(corner.z) + index) * rank;
-    int h = int(corner.w) * coefficient_stride;
-    for (int k = 0; k < 3; ++k)
-      if (weight[k] > 0.25) state = max(state, int(fetch_basis(buffer, texel[k]).a + 0.5));
-    vec3 value = vec3(0);
-    for (int r = 0; r < rank; ++r)
-      value += texelFetch(coefficients, h + r).x * (weight.x * fetch_basis(buffer, texel.x + r).rgb +
-                                                    weight.y * fetch_basis(buffer, texel.y + r).rgb +
-                                                    weight.z * fetch_basis(buffer, texel.z + r).rgb);
-    sum += beta[c] * value;
-    total += beta[c];
-  }
-  encoded = sum / max(total, 1e-4);
-  return total >= 1e-4;
-#endif
 }
 
 vec3 appearance() {
@@ -187,8 +160,7 @@ void main() {
 )glsl";
 
 inline std::string surface_fragment_shader(const SurfaceShaderVariant& variant) {
-  return "#version 330 core\n#define BUFFERS " + std::to_string(variant.buffers) + "\n#define ONE_PATCH " +
-         std::to_string(variant.one_patch) + kSurfaceFragmentShader;
+  return "#version 330 core\n#define BUFFERS " + std::to_string(variant.buffers) + kSurfaceFragmentShader;
 }
 
 }  // namespace sheen

@@ -73,24 +73,27 @@ const SurfaceLightFieldSnapshot& light_field(const ModelSnapshot& snapshot) {
   return dynamic_cast<const SurfaceLightFieldSnapshot&>(snapshot);
 }
 
-void expect_same_rings(const ModelSnapshot& first, const ModelSnapshot& second) {
+void expect_same_patches(const ModelSnapshot& first, const ModelSnapshot& second) {
   const SurfaceLightFieldSnapshot &a = light_field(first), &b = light_field(second);
-  ASSERT_EQ(a.ring_data().size(), b.ring_data().size());
+  ASSERT_EQ(a.shapes().patch_of, b.shapes().patch_of);
   ASSERT_EQ(a.rings().total_samples(), b.rings().total_samples());
-  for (std::size_t v = 0; v < a.ring_data().size(); ++v) {
-    const RingSnapshot *p = a.ring_data()[v].get(), *q = b.ring_data()[v].get();
-    ASSERT_EQ(p == nullptr, q == nullptr) << "ring " << v;
+  for (std::size_t i = 0; i < a.patches().size(); ++i) {
+    const PatchSnapshot *p = a.patches()[i].get(), *q = b.patches()[i].get();
+    ASSERT_EQ(p == nullptr, q == nullptr) << "patch " << i;
     if (!p) continue;
-    EXPECT_TRUE(same_bits(p->basis, q->basis)) << "ring " << v;
-    EXPECT_TRUE(same_bits(p->directions, q->directions)) << "ring " << v;
-    EXPECT_TRUE(same_bits(p->weights, q->weights)) << "ring " << v;
-    EXPECT_TRUE(same_bits(p->mean, q->mean)) << "ring " << v;
-    EXPECT_EQ(p->kernel, q->kernel) << "ring " << v;
-    EXPECT_EQ(p->shown, q->shown) << "ring " << v;
-    EXPECT_EQ(p->sill, q->sill) << "ring " << v;
-    EXPECT_EQ(p->residual, q->residual) << "ring " << v;
-    EXPECT_EQ(p->best_cosine, q->best_cosine) << "ring " << v;
-    EXPECT_EQ(p->views_folded, q->views_folded) << "ring " << v;
+    EXPECT_TRUE(same_bits(p->basis, q->basis)) << "patch " << i;
+    EXPECT_EQ(p->shown, q->shown) << "patch " << i;
+    for (std::size_t k = 0; k < p->vertices.size(); ++k) {
+      const VertexInterpolant &v = p->vertices[k], &w = q->vertices[k];
+      EXPECT_TRUE(same_bits(v.directions, w.directions)) << "patch " << i;
+      EXPECT_TRUE(same_bits(v.weights, w.weights)) << "patch " << i;
+      EXPECT_TRUE(same_bits(v.mean, w.mean)) << "patch " << i;
+      EXPECT_EQ(v.kernel, w.kernel) << "patch " << i;
+      EXPECT_EQ(v.sill, w.sill) << "patch " << i;
+      EXPECT_EQ(v.residual, w.residual) << "patch " << i;
+      EXPECT_EQ(v.best_cosine, w.best_cosine) << "patch " << i;
+      EXPECT_EQ(v.views_folded, w.views_folded) << "patch " << i;
+    }
   }
 }
 

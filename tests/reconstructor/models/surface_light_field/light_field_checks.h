@@ -61,7 +61,7 @@ struct Comparison {
 Comparison compare(const Appearance& model, const analytic::Scene& scene, const std::vector<Eigen::Vector3d>& eyes);
 
 /// Fails the test for every ring that is not the same to the last bit.
-void expect_same_rings(const ModelSnapshot& a, const ModelSnapshot& b);
+void expect_same_patches(const ModelSnapshot& a, const ModelSnapshot& b);
 /// A snapshot that is known to be of a surface light field.
 const SurfaceLightFieldSnapshot& light_field(const ModelSnapshot& snapshot);
 

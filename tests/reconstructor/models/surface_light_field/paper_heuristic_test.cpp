@@ -1,48 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/paper_heuristic.h"
-#include "reconstructor/models/surface_light_field/snapshot.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
 
+#include "reconstructor/models/surface_light_field/snapshot.h"
 #include "tests/support/test_meshes.h"
 
 namespace sheen {
 namespace {
 
 /// Three views close round the normal: a small triangle on the view map, and large ones.
-std::shared_ptr<RingSnapshot> ring_of_three(float residual) {
-  auto ring = std::make_shared<RingSnapshot>();
-  ring->frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
-  ring->basis = Eigen::MatrixXf::Ones(3, 1);
-  ring->shown = {255};
-  ring->residual = residual;
-  ring->directions.resize(3, 3);
+VertexInterpolant three_views(float residual) {
+  VertexInterpolant at;
+  at.frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
+  at.residual = residual;
+  at.directions.resize(3, 3);
   for (int j = 0; j < 3; ++j) {
     const float angle = 2.0f * static_cast<float>(j);
-    ring->directions.col(j) = Eigen::Vector3f(0.2f * std::cos(angle), 0.2f * std::sin(angle), 1).normalized();
+    at.directions.col(j) = Eigen::Vector3f(0.2f * std::cos(angle), 0.2f * std::sin(angle), 1).normalized();
   }
-  return ring;
+  return at;
 }
 
-/// A square of two triangles whose corners have these residuals; negative: no image showed the ring.
+/// A square of two triangles, a patch each, whose corners have these residuals; negative: no image showed the patches
+/// that have the corner.
 std::vector<float> heuristic(const std::array<float, 4>& residuals, const Eigen::Vector3d& eye) {
   const auto mesh = std::make_shared<Mesh>(square_mesh(1e-3f, 0, 1));
   const auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>(2, 2));
-  std::vector<std::shared_ptr<const RingSnapshot>> data(4);
-  for (std::size_t v = 0; v < 4; ++v)
-    if (residuals[v] >= 0) data[v] = ring_of_three(residuals[v]);
-  const SurfaceLightFieldSnapshot snapshot(mesh, rings, data, 1);
+  const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *rings, 1));
+  SurfaceLightFieldSnapshot::Patches data(2);
+  for (std::size_t p = 0; p < 2; ++p) {
+    auto patch = std::make_shared<PatchSnapshot>();
+    patch->basis = Eigen::MatrixXf::Ones(9, 1);
+    patch->shown.assign(3, 255);
+    bool seen = true;
+    for (const std::uint32_t v : shapes->patches[p].vertices) {
+      patch->vertices.push_back(three_views(residuals[v]));
+      seen &= residuals[v] >= 0;
+    }
+    if (seen) data[p] = std::move(patch);
+  }
+  const SurfaceLightFieldSnapshot snapshot(mesh, rings, shapes, data, 1);
   return PaperHeuristic(snapshot).seen_from(eye);
 }
 
 /// Of the three views, over what counts as no view near.
 float small_area() {
-  const auto ring = ring_of_three(0);
-  const auto at = [&](int j) { return hemisphere_point(ring->frame, ring->directions.col(j)); };
-  const Eigen::Vector2f u = at(1) - at(0), v = at(2) - at(0);
+  const VertexInterpolant at = three_views(0);
+  const auto point = [&](int j) { return hemisphere_point(at.frame, at.directions.col(j)); };
+  const Eigen::Vector2f u = point(1) - point(0), v = point(2) - point(0);
   return 0.5f * std::abs(u.x() * v.y() - u.y() * v.x()) / 0.25f;
 }
 

@@ -2,9 +2,11 @@
 // The paper's interpolation and imputation, kept to compare with.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include <algorithm>
 
-#include "reconstructor/models/surface_light_field/ring_model.h"
+#include "reconstructor/models/surface_light_field/patch_model.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/test_matrices.h"
 
@@ -16,7 +18,8 @@ using analytic::eyes;
 constexpr int kSamples = 20;
 
 struct Stream {
-  RingModel ring{kSamples, {.factor = {.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares}}};
+  PatchModel patch{
+      kSamples, 1, {}, {.factor = {.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares}}};
   Eigen::MatrixXf columns = ring_like_matrix(3 * kSamples, 40, 3, 0.01f, 1);
   int next = 0;
 
@@ -26,14 +29,11 @@ struct Stream {
     std::fill_n(visible.begin(), shown, 1);
     const float angle = 0.05f * static_cast<float>(next);
     const Eigen::Vector3f direction(std::sin(angle), 0, std::cos(angle));
-    return ring
-        .absorb({shared_rows(Eigen::VectorXf(columns.col(next++)))}, visible, direction, std::cos(angle),
-                std::cos(angle))
-        .used;
+    return patch.absorb(columns.col(next++), visible, direction, std::array{std::cos(angle)}).used;
   }
 };
 
-TEST(PapersWays, HalfOfARingMustBeVisibleAndNineImagesShowAllOfItFirst) {
+TEST(PapersWays, HalfOfAPatchMustBeVisibleAndNineImagesShowAllOfItFirst) {
   Stream stream;
   for (int i = 0; i < 8; ++i) {
     EXPECT_FALSE(stream.takes(kSamples - 1)) << "too early, after " << i;
@@ -54,13 +54,13 @@ TEST(PapersWays, DelaunayPassesThroughTheViewsAndIsLinearBetweenThem) {
   const Object object = square_object();
   const std::vector<Eigen::Vector3d> from = eyes(25, 0.5, 0.55);
   SurfaceLightFieldOptions options = plain_options();
-  options.ring.factor = {.max_rank = 6, .tolerance = 0};
-  options.ring.interpolation.method = ViewMethod::kDelaunay;
+  options.patch.factor = {.max_rank = 6, .tolerance = 0};
+  options.patch.interpolation.method = ViewMethod::kDelaunay;
   SurfaceLightField model(object.mesh, options);
   ingest_all(model, captures({object.surface, analytic::two_terms(0.2)}, from));
   const auto snapshot = model.light_field_snapshot();
   const std::size_t middle = 9 * 4 + 4;
-  const RingSnapshot& ring = *snapshot->ring_data()[middle];
+  const VertexInterpolant& ring = *snapshot->seen_at(middle);
   ASSERT_TRUE(ring.triangulation);
   for (int j = 0; j < 25; ++j)
     EXPECT_LT((ring.coefficients(ring.directions.col(j)) - ring.weights.col(j)).norm(), 0.02 * ring.weights.norm() / 5)
@@ -70,7 +70,7 @@ TEST(PapersWays, DelaunayPassesThroughTheViewsAndIsLinearBetweenThem) {
     if (std::any_of(corners.begin(), corners.end(), [](int p) { return p < ViewTriangulation::kCorners; })) continue;
     ++inside;
     Eigen::Vector2f place = Eigen::Vector2f::Zero();
-    Eigen::VectorXf mean = Eigen::VectorXf::Zero(ring.rank());
+    Eigen::VectorXf mean = Eigen::VectorXf::Zero(ring.weights.rows());
     for (const int p : corners) {
       place += ring.triangulation->points.col(p) / 3;
       mean += ring.weights.col(p - ViewTriangulation::kCorners) / 3;
@@ -81,36 +81,39 @@ TEST(PapersWays, DelaunayPassesThroughTheViewsAndIsLinearBetweenThem) {
   EXPECT_GT(inside, 10);
 }
 
-TEST(PapersWays, WithoutTheDriftNoRingHasOne) {
+TEST(PapersWays, WithoutTheDriftNoVertexHasOne) {
   const Object object = sphere_object();
   const std::vector<Capture> images = captures({object.surface, analytic::two_terms(0.2)}, eyes(20, 0.5, 0.2));
   for (const bool drift : {true, false}) {
     SurfaceLightFieldOptions options = plain_options();
-    options.ring.interpolation.drift = drift;
+    options.patch.interpolation.drift = drift;
     SurfaceLightField model(object.mesh, options);
     ingest_all(model, images);
     const auto snapshot = model.light_field_snapshot();
-    const auto with = std::count_if(snapshot->ring_data().begin(), snapshot->ring_data().end(),
-                                    [](const auto& ring) { return ring && ring->reflection; });
+    int with = 0;
+    for (std::size_t v = 0; v < object.mesh->vertices.size(); ++v)
+      if (const VertexInterpolant* at = snapshot->seen_at(v)) with += at->reflection != nullptr;
     EXPECT_EQ(with > 0, drift);
   }
 }
 
-TEST(PapersWays, WithoutExponentialKernelsNoRingHasOne) {
+TEST(PapersWays, WithoutExponentialKernelsNoVertexHasOne) {
   const Object object = sphere_object();
   const std::vector<Capture> images = captures({object.surface, analytic::two_terms(0.2)}, eyes(20, 0.5, 0.2));
   SurfaceLightFieldOptions options = plain_options();
-  options.ring.interpolation.exponential = false;
+  options.patch.interpolation.exponential = false;
   SurfaceLightField model(object.mesh, options);
   ingest_all(model, images);
   const auto snapshot = model.light_field_snapshot();
-  int rings = 0;
-  for (const auto& ring : snapshot->ring_data()) {
-    if (!ring) continue;
-    ++rings;
-    EXPECT_EQ(ring->kernel.shape, KernelShape::kMatern);
+  int vertices = 0;
+  for (const auto& patch : snapshot->patches()) {
+    if (!patch) continue;
+    for (const VertexInterpolant& vertex : patch->vertices) {
+      ++vertices;
+      EXPECT_EQ(vertex.kernel.shape, KernelShape::kMatern);
+    }
   }
-  EXPECT_GT(rings, 100);
+  EXPECT_GT(vertices, 100);
 }
 
 }  // namespace

@@ -63,11 +63,9 @@ TEST(Quality, ATriangleIsKnownAsTheMeanOfItsRingsAndUnseenWithAnyOfThem) {
 }
 
 /// A ring of three views close round the normal.
-RingSnapshot ring_of_three() {
-  RingSnapshot ring;
+VertexInterpolant ring_of_three() {
+  VertexInterpolant ring;
   ring.frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
-  ring.basis = Eigen::MatrixXf::Ones(3, 1);
-  ring.shown = {255};
   ring.best_cosine = 0.8f;
   ring.kernel = kViewKernels[0];
   ring.sill = 0.004f;
@@ -80,7 +78,7 @@ RingSnapshot ring_of_three() {
 }
 
 TEST(Quality, TheErrorOfARingIsKrigings) {
-  const RingSnapshot ring = ring_of_three();
+  const VertexInterpolant ring = ring_of_three();
   constexpr float kCommon = 0.012f;  // counts for one view beside the three
   const Eigen::Vector3f far = Eigen::Vector3f(0.9f, 0, 0.4f).normalized();
   const SurfaceQuality near = assess_ring(ring, Eigen::Vector3f::UnitZ(), kCommon),
@@ -95,21 +93,25 @@ TEST(Quality, TheErrorOfARingIsKrigings) {
 }
 
 TEST(Quality, AGuessIsUnseen) {
-  RingSnapshot ring = ring_of_three();
-  EXPECT_TRUE(ring.seen());
-  ring.shown = {0};
-  EXPECT_FALSE(ring.seen()) << "its colour is a neighbour's";
-  EXPECT_FALSE(RingSnapshot().seen()) << "a ring without a basis";
-  ring = ring_of_three();
-  ring.directions.resize(3, 0);
-  EXPECT_FALSE(ring.seen()) << "a ring without views";
+  PatchSnapshot patch;
+  EXPECT_FALSE(patch.seen()) << "a patch without a basis";
+  patch.basis = Eigen::MatrixXf::Ones(3, 1);
+  patch.shown = {255};
+  EXPECT_FALSE(patch.seen()) << "a patch without vertices";
+  patch.vertices = {ring_of_three()};
+  EXPECT_TRUE(patch.seen());
+  patch.shown = {0};
+  EXPECT_FALSE(patch.seen()) << "its colour is a neighbour's";
+  patch.shown = {255};
+  patch.vertices[0].directions.resize(3, 0);
+  EXPECT_FALSE(patch.seen()) << "a patch without views";
 }
 
 TEST(Quality, ASillWithoutBoundsIsAsBadAsCanBeAndFitsAFile) {
-  RingSnapshot ring = ring_of_three();
+  VertexInterpolant ring = ring_of_three();
   ViewInterpolant interpolant;
   interpolant.sill = 1e80;
-  ring.set_interpolation(interpolant, ring.kernel, nullptr);
+  ring.set_interpolation(interpolant, ring.kernel, nullptr, 1);
   EXPECT_EQ(ring.sill, 1e6f);
   EXPECT_EQ(assess_ring(ring, Eigen::Vector3f::UnitZ(), ring.sill).heuristic(), 1);
 }

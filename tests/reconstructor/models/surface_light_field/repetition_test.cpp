@@ -49,27 +49,28 @@ TEST(Repetition, ARepeatedViewThatShowsSomethingElseIsTakenIn) {
 TEST(Repetition, IsNotLookedForWithoutAnAngle) {
   const std::vector<Capture> images = captures(glossy_scene(), eyes(30, 0.5, 0.55));
   SurfaceLightFieldOptions options = plain_options();
-  options.ring.repeat_angle = 0;
+  options.patch.repeat_angle = 0;
   SurfaceLightField model(square_object().mesh, options);
   ingest_all(model, images);
   EXPECT_EQ(model.ingest(images[3]).patches_skipped, 0u);
 }
 
-// 81 rings; half of them get the first image. The second one comes from elsewhere: rings that have seen nothing first.
-TEST(Share, TheRingsForWhichTheImageIsNewestAreUpdated) {
+// Half of the 64 patches get the first image. The second one comes from elsewhere: patches that have seen nothing
+// first.
+TEST(Share, ThePatchesForWhichTheImageIsNewestAreUpdated) {
   const std::vector<Capture> images = captures(glossy_scene(), eyes(8, 0.5, 0.55));
   SurfaceLightField model(square_object().mesh, plain_options());
   model.set_update_fraction(0.5);
   const IngestReport first = model.ingest(images[0]);
-  EXPECT_EQ(first.patches_left_out, 40u);
+  EXPECT_EQ(first.patches_left_out, 32u);
   const auto reached = [&] {
     const auto snapshot = model.light_field_snapshot();
-    return std::count_if(snapshot->ring_data().begin(), snapshot->ring_data().end(),
-                         [](const auto& ring) { return ring != nullptr; });
+    return std::count_if(snapshot->patches().begin(), snapshot->patches().end(),
+                         [](const auto& patch) { return patch != nullptr; });
   };
-  EXPECT_LE(reached(), 41);
+  EXPECT_LE(reached(), 32);
   model.ingest(images[1]);
-  EXPECT_GT(reached(), 70);
+  EXPECT_GT(reached(), 56);
 }
 
 }  // namespace

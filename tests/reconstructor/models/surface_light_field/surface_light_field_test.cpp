@@ -60,18 +60,22 @@ TEST(SurfaceLightField, APrintOnTwoLargeTrianglesIsNotBlurred) {
 TEST(SurfaceLightField, TwoTermsOfViewDependenceAreRecovered) {
   const Object object = square_object();
   const Scene scene{object.surface, analytic::two_terms(0.2)};
-  constexpr double kFarAway = 8;  // where a direction is the same all over a ring
+  constexpr double kFarAway = 8;  // where a direction is the same all over a patch
   SurfaceLightField model(object.mesh, plain_options());
   ingest_all(model, captures(scene, eyes(40, kFarAway, kLowest)));
-  // Rings that reach the square's rim hold samples that some views lack and that were completed: they may need more.
-  for (std::size_t j = 0; j <= 8; ++j)
-    for (std::size_t i = 0; i <= 8; ++i) {
-      const int rank = model.light_field_snapshot()->ring_data()[9 * j + i]->rank();
-      if (std::min({i, j, 8 - i, 8 - j}) >= 2)
-        EXPECT_EQ(rank, 2) << "ring " << i << ", " << j;
-      else
-        EXPECT_GE(rank, 2);
-    }
+  // Patches at the square's rim hold samples that some views lack and that were completed: they may need more.
+  const auto snapshot = model.light_field_snapshot();
+  for (std::size_t p = 0; p < snapshot->patches().size(); ++p) {
+    const auto& vertices = snapshot->shapes().patches[p].vertices;
+    const bool inside = std::all_of(vertices.begin(), vertices.end(), [](std::uint32_t v) {
+      const std::uint32_t i = v % 9, j = v / 9;
+      return std::min({i, j, 8 - i, 8 - j}) >= 1;
+    });
+    if (inside)
+      EXPECT_EQ(snapshot->patches()[p]->rank(), 2) << "patch " << p;
+    else
+      EXPECT_GE(snapshot->patches()[p]->rank(), 2);
+  }
   const std::vector<Eigen::Vector3d> from = eyes(5, kFarAway, kLowest + 0.08, 0.95);
   const Comparison light_field = compare(*model.snapshot(), scene, from);
   const Comparison constant = compare(*model.constant_colour(), scene, from);
@@ -124,7 +128,7 @@ TEST(SurfaceLightField, TheSameImagesInTheSameOrderGiveTheSameBitsOnAnyNumberOfT
     }
     results.push_back(model.light_field_snapshot());
   }
-  for (std::size_t i = 1; i < results.size(); ++i) expect_same_rings(*results[0], *results[i]);
+  for (std::size_t i = 1; i < results.size(); ++i) expect_same_patches(*results[0], *results[i]);
 }
 
 TEST(SurfaceLightField, SnapshotsDoNotChangeAndShareWhatStayedTheSame) {
@@ -134,16 +138,16 @@ TEST(SurfaceLightField, SnapshotsDoNotChangeAndShareWhatStayedTheSame) {
   SurfaceLightField model(object.mesh, plain_options());
   ingest_all(model, {images[0], images[1]});
   const auto before = model.light_field_snapshot();
-  const std::vector<std::shared_ptr<const RingSnapshot>> kept = before->ring_data();
+  const SurfaceLightFieldSnapshot::Patches kept = before->patches();
   const Eigen::MatrixXf coefficients = before->coefficients_for({0.5, 0.05, 0});
   ingest_all(model, {images[2]});
   const auto after = model.light_field_snapshot();
   EXPECT_GT(after->version(), before->version());
   EXPECT_EQ(before->coefficients_for({0.5, 0.05, 0}), coefficients);
-  for (std::size_t v = 0; v < kept.size(); ++v) {
-    const float x = object.mesh->vertices[v].x();
-    if (x > 0.02f) EXPECT_EQ(after->ring_data()[v], kept[v]) << "the third image does not reach this ring";
-    if (x < -0.05f) EXPECT_TRUE(!kept[v] && after->ring_data()[v]);
+  for (std::size_t p = 0; p < kept.size(); ++p) {
+    const float x = object.mesh->vertices[before->shapes().patches[p].vertices.front()].x();
+    if (x > 0.04f) EXPECT_EQ(after->patches()[p], kept[p]) << "the third image does not reach this patch";
+    if (x < -0.06f) EXPECT_TRUE(!kept[p] && after->patches()[p]);
   }
 }
 
@@ -158,7 +162,7 @@ TEST(SurfaceLightField, FinishedItIsWhatItWasAndTakesNoImage) {
   const ModelFigures figures = model.figures();
   const double counted = model.memory({}).total();
   model.finish();
-  expect_same_rings(*model.snapshot(), *goes_on.snapshot());
+  expect_same_patches(*model.snapshot(), *goes_on.snapshot());
   EXPECT_EQ(model.snapshot(), model.snapshot());
   EXPECT_EQ(model.figures().images, figures.images);
   EXPECT_EQ(model.figures().bytes, figures.bytes);
@@ -232,7 +236,7 @@ TEST(SurfaceLightField, RefusedImagesSayWhyAndChangeNothing) {
   expect_refused(blind, "object_not_in_view");
 
   EXPECT_EQ(model.figures().images, 6u);
-  expect_same_rings(*before, *model.light_field_snapshot());
+  expect_same_patches(*before, *model.light_field_snapshot());
 }
 
 TEST(SurfaceLightField, ARefusedFirstImageDoesNotDecideTheResolution) {
@@ -245,7 +249,7 @@ TEST(SurfaceLightField, ARefusedFirstImageDoesNotDecideTheResolution) {
   EXPECT_EQ(model.ingest(far_away).reason, "object_not_in_view");
   ingest_all(model, images);
   ingest_all(reference, images);
-  expect_same_rings(*model.light_field_snapshot(), *reference.light_field_snapshot());
+  expect_same_patches(*model.light_field_snapshot(), *reference.light_field_snapshot());
 }
 
 TEST(SurfaceLightField, TheMapsHaveASampleAPixelUnlessTheSceneSaysOtherwise) {
@@ -286,7 +290,7 @@ TEST(SurfaceLightField, ViewsBeyondTheBoundAreMergedAndMemoryStaysWhereItIs) {
   const Object object = square_object();
   const Scene scene{object.surface, analytic::two_terms(0.06)};
   SurfaceLightFieldOptions options = plain_options();
-  options.ring.max_views = 8;
+  options.patch.max_views = 8;
   SurfaceLightField model(object.mesh, options);
   const std::vector<Capture> images = captures(scene, training_eyes(60));
   ingest_all(model, images);
@@ -295,12 +299,14 @@ TEST(SurfaceLightField, ViewsBeyondTheBoundAreMergedAndMemoryStaysWhereItIs) {
   ingest_all(model, images);
   EXPECT_LE(model.bytes(), bytes + bytes / 100);
   const auto snapshot = model.light_field_snapshot();
-  for (const auto& ring : snapshot->ring_data()) {
-    ASSERT_TRUE(ring);
-    EXPECT_EQ(ring->directions.cols(), 8);
-    EXPECT_EQ(ring->weights.cols(), 8);
-    EXPECT_GT(ring->views_folded, 100);
-    for (Eigen::Index j = 0; j < 8; ++j) EXPECT_NEAR(ring->directions.col(j).norm(), 1, 1e-5);
+  for (const auto& patch : snapshot->patches()) {
+    ASSERT_TRUE(patch);
+    for (const VertexInterpolant& vertex : patch->vertices) {
+      EXPECT_EQ(vertex.directions.cols(), 8);
+      EXPECT_EQ(vertex.weights.cols(), 8);
+      EXPECT_GT(vertex.views_folded, 100);
+      for (Eigen::Index j = 0; j < 8; ++j) EXPECT_NEAR(vertex.directions.col(j).norm(), 1, 1e-5);
+    }
   }
   const double thinned = compare(*snapshot, scene, unseen_eyes()).psnr_db();
   EXPECT_GT(thinned, 28) << "eight directions still tell a slope";
@@ -321,7 +327,7 @@ TEST(SurfaceLightField, EveryNthImageIsHeldOutAndTeachesNothing) {
     if (status == IngestStatus::kAccepted) reference.ingest(images[i]);
   }
   EXPECT_EQ(model.figures().images, 7u);
-  expect_same_rings(*model.light_field_snapshot(), *reference.light_field_snapshot());
+  expect_same_patches(*model.light_field_snapshot(), *reference.light_field_snapshot());
 }
 
 TEST(SurfaceLightField, ThePurposeOfAnImageIsHonoured) {
@@ -367,37 +373,38 @@ TEST(SurfaceLightField, OptionsOutOfRangeAreNamed) {
   expect_named([](auto& o) { o.surface_map = 65; }, "surface_map");
   expect_named([](auto& o) { o.hold_out_every = 1; }, "hold_out_every");
   expect_named([](auto& o) { o.hold_out_every = -2; }, "hold_out_every");
-  expect_named([](auto& o) { o.ring.factor.max_rank = 0; }, "max_rank");
-  expect_named([](auto& o) { o.ring.factor.tolerance = 1; }, "tolerance");
-  expect_named([](auto& o) { o.ring.factor.tolerance = std::nan(""); }, "tolerance");
-  expect_named([](auto& o) { o.ring.max_views = 7; }, "max_views");
-  expect_named([](auto& o) { o.ring.min_visible = 1.5; }, "min_visible");
-  expect_named([](auto& o) { o.ring.min_visible = std::nan(""); }, "min_visible");
+  expect_named([](auto& o) { o.patch.factor.max_rank = 0; }, "max_rank");
+  expect_named([](auto& o) { o.patch.factor.tolerance = 1; }, "tolerance");
+  expect_named([](auto& o) { o.patch.factor.tolerance = std::nan(""); }, "tolerance");
+  expect_named([](auto& o) { o.patch.max_views = 7; }, "max_views");
+  expect_named([](auto& o) { o.patch.min_visible = 1.5; }, "min_visible");
+  expect_named([](auto& o) { o.patch.min_visible = std::nan(""); }, "min_visible");
   expect_named([](auto& o) { o.visibility.erosion_px = -1; }, "erosion_px");
 }
 
 TEST(SurfaceLightFieldSnapshot, FiguresCountWhatImagesShowed) {
   auto mesh = std::make_shared<Mesh>();
-  mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
-  mesh->triangles = {{0, 1, 2}, {2, 1, 3}};
-  const auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 2});
-  std::vector<std::shared_ptr<const RingSnapshot>> data(4);
-  const auto ring = [&](std::size_t v, int rank, std::size_t measured) {
-    auto made = std::make_shared<RingSnapshot>();
-    made->basis.resize(3 * rings->ring_samples(v), rank);
-    made->shown.assign(rings->ring_samples(v), 0);
+  mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}};
+  mesh->triangles = {{0, 1, 2}, {2, 1, 3}, {1, 4, 3}};
+  const auto maps = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 3, 3});
+  const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, 1));
+  SurfaceLightFieldSnapshot::Patches data(3);
+  const auto patch = [&](std::size_t p, int rank, std::size_t measured) {
+    auto made = std::make_shared<PatchSnapshot>();
+    made->basis.resize(3 * shapes->patches[p].samples, rank);
+    made->shown.assign(shapes->patches[p].samples, 0);
     std::fill_n(made->shown.begin(), measured, 255);
     if (measured == 2) made->shown[0] = 100;
-    data[v] = made;
+    data[p] = made;
   };
-  ring(0, 2, 3);  // all of its 3 samples
-  ring(1, 5, 2);  // of 6
-  ring(2, 9, 0);  // a guess: counts for nothing
-  const SnapshotFigures figures = SurfaceLightFieldSnapshot(mesh, rings, data, 1).figures();
+  patch(0, 2, 3);  // all of its 3 samples
+  patch(1, 5, 2);  // of 6
+  patch(2, 9, 0);  // a guess: counts for nothing
+  const SnapshotFigures figures = SurfaceLightFieldSnapshot(mesh, maps, shapes, data, 1).figures();
   EXPECT_DOUBLE_EQ(figures.median_rank, 3.5);
   EXPECT_EQ(figures.most_rank, 5);
-  EXPECT_DOUBLE_EQ(figures.seen, 5.0 / 18);
-  EXPECT_DOUBLE_EQ(figures.measured, 4.0 / 18) << "one is imputed";
+  EXPECT_DOUBLE_EQ(figures.seen, 5.0 / 15);
+  EXPECT_DOUBLE_EQ(figures.measured, 4.0 / 15) << "one is imputed";
 }
 
 }  // namespace

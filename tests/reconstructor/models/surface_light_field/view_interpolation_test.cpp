@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/image/color.h"
-#include "reconstructor/models/surface_light_field/ring_model.h"
+#include "reconstructor/models/surface_light_field/patch_model.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/test_matrices.h"
 
@@ -37,40 +37,50 @@ InterpolationErrors errors_of_row(const Eigen::MatrixXf& coefficients) {
   return interpolation_errors(directions, coefficients, Eigen::VectorXf::Constant(n, 0.05f), Eigen::VectorXf());
 }
 
-/// Vertices 0 .. 8 in rows of three; 4 is in the middle.
-Mesh small_square() {
-  return square_mesh(0.1f, 0, 2);
+/// Vertices 0 .. 8 in rows of three, 4 in the middle; a patch for each of the eight triangles.
+std::shared_ptr<const PatchShapes> small_square() {
+  const Mesh mesh = square_mesh(0.1f, 0, 2);
+  const VertexRings maps(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 2));
+  return std::make_shared<const PatchShapes>(cut_into_patches(mesh, maps, 1));
 }
 
-TEST(InterpolationChoice, NeighboursOutvoteARingThatHardlyKnows) {
-  InterpolationChoice choice(small_square());
-  for (std::uint32_t v = 0; v < 9; ++v) choice.count(v, best_at(v == 4 ? 1 : 2, v == 4 ? 1.05f : 3));
+TEST(InterpolationChoice, PatchesRoundAVertexOutvoteOneThatHardlyKnows) {
+  const auto shapes = small_square();
+  InterpolationChoice choice(shapes);
+  const std::uint32_t one = shapes->round(4).front().patch;
+  for (std::uint32_t p = 0; p < 8; ++p) choice.count(p, best_at(p == one ? 1 : 2, p == one ? 1.05f : 3));
   EXPECT_EQ(choice.choose(4).kernel, kViewKernels[2]);
 }
 
-TEST(InterpolationChoice, ARingThatKnowsKeepsItsOwn) {
-  InterpolationChoice choice(small_square());
-  for (std::uint32_t v = 0; v < 9; ++v) choice.count(v, best_at(v == 4 ? 1 : 2, v == 4 ? 50 : 1.5f));
-  EXPECT_EQ(choice.choose(4).kernel, kViewKernels[1]);
-  EXPECT_FALSE(choice.choose(4).drift);
+TEST(InterpolationChoice, PatchesThatKnowOutvoteAllOthers) {
+  const auto shapes = small_square();
+  InterpolationChoice choice(shapes);
+  std::vector<bool> near(8);
+  for (const PatchVertex& round : shapes->round(0)) near[round.patch] = true;
+  for (std::uint32_t p = 0; p < 8; ++p) choice.count(p, best_at(near[p] ? 1 : 2, near[p] ? 50 : 1.5f));
+  EXPECT_EQ(choice.choose(0).kernel, kViewKernels[1]);
+  EXPECT_FALSE(choice.choose(0).drift);
 }
 
-TEST(InterpolationChoice, TheDriftIsNotForARingThatCannotHaveIt) {
-  InterpolationChoice choice(small_square());
-  for (std::uint32_t v = 0; v < 9; ++v) choice.count(v, best_at(kKernels + 2));
+TEST(InterpolationChoice, TheDriftIsNotForAVertexThatCannotHaveIt) {
+  const auto shapes = small_square();
+  InterpolationChoice choice(shapes);
+  for (std::uint32_t p = 0; p < 8; ++p) choice.count(p, best_at(kKernels + 2));
   EXPECT_TRUE(choice.choose(4).drift);
   InterpolationErrors without = best_at(1);
   std::fill(without.begin() + kKernels, without.end(), std::numeric_limits<float>::infinity());
-  choice.count(4, without);
+  choice.count(shapes->round(4).front().patch, without);
+  EXPECT_TRUE(choice.choose(4).drift) << "a patch without says nothing against it";
+  for (const PatchVertex& round : shapes->round(4)) choice.count(round.patch, without);
   EXPECT_FALSE(choice.choose(4).drift);
-  EXPECT_TRUE(choice.choose(0).drift) << "a neighbour without says nothing against it";
 }
 
 TEST(InterpolationChoice, ClearedItKnowsNothingOfBefore) {
   InterpolationChoice choice(small_square()), fresh(small_square());
-  for (std::uint32_t v = 0; v < 9; ++v) choice.count(v, best_at(2, 9));
+  for (std::uint32_t p = 0; p < 8; ++p) choice.count(p, best_at(2, 9));
   choice.clear();
-  for (InterpolationChoice* c : {&choice, &fresh}) c->count(4, best_at(1, 1.01f));
+  const std::uint32_t one = small_square()->round(4).front().patch;
+  for (InterpolationChoice* c : {&choice, &fresh}) c->count(one, best_at(1, 1.01f));
   EXPECT_EQ(choice.choose(4), fresh.choose(4));
 }
 
@@ -92,26 +102,26 @@ TEST(InterpolationErrors, DoNotDependOnTheScaleOfTheCoefficients) {
   }
 }
 
-TEST(InterpolationErrors, OfARingWithoutTermsAreAlike) {
+TEST(InterpolationErrors, OfAPatchWithoutTermsAreAlike) {
   const InterpolationErrors errors = errors_of_row(Eigen::MatrixXf(0, 9));
   for (std::size_t k = 0; k < errors.size(); ++k)
     if (k < kKernels || std::isfinite(errors[k])) EXPECT_EQ(errors[k], 1);
 }
 
 TEST(InterpolationSchedule, EveryImageHasItsShareOfTheChoices) {
-  constexpr int kSamples = 4, kRings = 200, kImages = 40;
+  constexpr int kSamples = 4, kPatches = 200, kImages = 40;
   const std::vector<std::uint8_t> visible(kSamples, 1);
   std::vector<int> choices(kImages + 1, 0);
-  for (unsigned phase = 0; phase < kRings; ++phase) {
-    RingModel ring(kSamples, {}, phase);
+  for (unsigned phase = 0; phase < kPatches; ++phase) {
+    PatchModel patch(kSamples, 1, {}, {}, phase);
     int last = 0;
     for (int image = 1; image <= kImages; ++image) {
       const Eigen::VectorXf column = gaussian_matrix(3 * kSamples, 1, static_cast<std::uint32_t>(image));
       const Eigen::Vector3f direction =
           Eigen::Vector3f(std::sin(0.1f * image), std::cos(0.07f * image), 1).normalized();
-      if (!ring.absorb({shared_rows(column)}, visible, direction, 1, 1).wants_interpolation) continue;
+      if (!patch.absorb(column, visible, direction, std::array{1.0f}).wants_interpolation) continue;
       EXPECT_LE(image, std::max(7.0, std::ceil(1.4 * last + 1))) << "phase " << phase;
-      ring.set_interpolation({kViewKernels[0], false});
+      patch.interpolation_chosen();
       last = image;
       ++choices[image];
     }
@@ -119,7 +129,7 @@ TEST(InterpolationSchedule, EveryImageHasItsShareOfTheChoices) {
   }
   // Spread evenly over the logarithm of the number of images.
   for (int image = 8; image <= kImages; ++image)
-    EXPECT_LE(choices[image], kRings * (1.2 * std::log(image / (image - 1.0)) / std::log(1.4) + 0.02)) << image;
+    EXPECT_LE(choices[image], kPatches * (1.2 * std::log(image / (image - 1.0)) / std::log(1.4) + 0.02)) << image;
 }
 
 TEST(Prediction, IsTheErrorOfThePictureThatTheModelWouldHavePainted) {

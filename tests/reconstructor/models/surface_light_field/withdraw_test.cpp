@@ -53,12 +53,15 @@ class Withdraw : public ::testing::Test {
   }
 
   static void expect_same_views(const SurfaceLightFieldSnapshot& a, const SurfaceLightFieldSnapshot& b) {
-    for (std::size_t v = 0; v < a.ring_data().size(); ++v) {
-      if (!a.ring_data()[v] && !b.ring_data()[v]) continue;
-      ASSERT_TRUE(a.ring_data()[v] && b.ring_data()[v]) << v;
-      EXPECT_EQ(a.ring_data()[v]->views_folded, b.ring_data()[v]->views_folded);
-      EXPECT_EQ(a.ring_data()[v]->directions.cols(), b.ring_data()[v]->directions.cols());
-      EXPECT_EQ(a.ring_data()[v]->shown, b.ring_data()[v]->shown);
+    for (std::size_t i = 0; i < a.patches().size(); ++i) {
+      if (!a.patches()[i] && !b.patches()[i]) continue;
+      ASSERT_TRUE(a.patches()[i] && b.patches()[i]) << i;
+      EXPECT_EQ(a.patches()[i]->shown, b.patches()[i]->shown);
+      for (std::size_t k = 0; k < a.patches()[i]->vertices.size(); ++k) {
+        const VertexInterpolant &v = a.patches()[i]->vertices[k], &w = b.patches()[i]->vertices[k];
+        EXPECT_EQ(v.views_folded, w.views_folded);
+        EXPECT_EQ(v.directions.cols(), w.directions.cols());
+      }
     }
   }
 
@@ -74,7 +77,7 @@ TEST_F(Withdraw, TheErrorIsThatOfAModelThatNeverSawTheImage) {
 
 TEST_F(Withdraw, AnImageThatWasMergedWithOthersIsTakenOutOfThem) {
   SurfaceLightFieldOptions options = plain_options();
-  options.ring.max_views = 24;
+  options.patch.max_views = 24;
   std::vector<Capture> images = captures(scene_, eyes(40, kDistance, kLowest));
   spoil(images[9]);
   SurfaceLightField model(object_.mesh, options), never(object_.mesh, options);

@@ -39,6 +39,16 @@ Eigen::Vector3f pattern(const Eigen::Vector3f& p, int r) {
   return r == 0 ? Eigen::Vector3f(Eigen::Vector3f(0.55f, 0.45f, 0.35f) + 0.16f * rgb) : 0.25f / (1.0f + r) * rgb;
 }
 
+/// What all patches show together, however many terms each of them has: the last one is what the others leave of it.
+Eigen::Vector3f surface(const Eigen::Vector3f& p) {
+  return pattern(p, 0) + pattern(p, 1) + pattern(p, 2);
+}
+
+/// Coefficient of term r of every patch, as a multiple of how bright the surface is from a direction.
+float share(int r) {
+  return (r % 2 ? -1.0f : 1.0f) * (1 + 0.5f * static_cast<float>(r));
+}
+
 }  // namespace
 
 SyntheticLightField::SyntheticLightField(const SyntheticOptions& options) : options_(options) {
@@ -48,84 +58,102 @@ SyntheticLightField::SyntheticLightField(const SyntheticOptions& options) : opti
   normals_ = vertex_normals(*mesh);
   mesh_ = mesh;
   rings_ = std::make_shared<VertexRings>(*mesh, std::move(resolution));
-  std::vector<std::shared_ptr<const RingSnapshot>> data(mesh_->vertices.size());
-  for (std::size_t v = 0; v < data.size(); ++v) {
-    const bool unseen = static_cast<double>(v) < options.unseen * static_cast<double>(data.size()) || v % 97 == 96;
-    if (!unseen) data[v] = make_ring(v, 1 + static_cast<int>(v * 7 % static_cast<std::size_t>(options.max_rank)));
+  constexpr std::size_t kTriangles = 2;
+  shapes_ = std::make_shared<const PatchShapes>(cut_into_patches(*mesh_, *rings_, kTriangles));
+  SurfaceLightFieldSnapshot::Patches data(shapes_->patches.size());
+  for (std::size_t p = 0; p < data.size(); ++p) {
+    const bool unseen = static_cast<double>(p) < options.unseen * static_cast<double>(data.size()) || p % 97 == 96;
+    if (!unseen) data[p] = make_patch(p, 1 + static_cast<int>(p * 7 % static_cast<std::size_t>(options.max_rank)));
   }
-  snapshot_ = std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, std::move(data), options.version);
+  snapshot_ = std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, shapes_, std::move(data), options.version);
 }
 
-std::shared_ptr<const RingSnapshot> SyntheticLightField::make_ring(std::size_t vertex, int rank) const {
-  auto ring = std::make_shared<RingSnapshot>();
-  const int samples = rings_->ring_samples(vertex);
-  ring->basis.resize(3 * samples, rank);
-  ring->shown.resize(samples);
-  for (const RingTriangle& member : rings_->ring(vertex)) {
-    const int n = rings_->resolution(member.triangle);
+std::shared_ptr<const PatchSnapshot> SyntheticLightField::make_patch(std::size_t index, int rank,
+                                                                     float brightness) const {
+  const PatchShape& shape = shapes_->patches[index];
+  auto patch = std::make_shared<PatchSnapshot>();
+  patch->basis.resize(3 * Eigen::Index{shape.samples}, rank);
+  patch->shown.resize(shape.samples);
+  for (std::size_t k = 0; k < shape.triangles.size(); ++k) {
+    const std::uint32_t t = shape.triangles[k];
+    const int n = rings_->resolution(t);
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j) {
         const float u = static_cast<float>(i) / (n - 1), v = static_cast<float>(j) / (n - 1);
-        const Eigen::Vector3f p = (1 - u - v) * mesh_->corner(member.triangle, 0) +
-                                  u * mesh_->corner(member.triangle, 1) + v * mesh_->corner(member.triangle, 2);
-        const int row = 3 * (static_cast<int>(member.first_sample) + lattice_index(n, i, j));
-        for (int r = 0; r < rank; ++r) ring->basis.block<3, 1>(row, r) = pattern(p, r);
+        const Eigen::Vector3f p = (1 - u - v) * mesh_->corner(t, 0) + u * mesh_->corner(t, 1) + v * mesh_->corner(t, 2);
+        const int row = 3 * (static_cast<int>(shape.first_sample[k]) + lattice_index(n, i, j));
+        Eigen::Vector3f left = brightness * surface(p);
+        for (int r = 0; r + 1 < rank; ++r) {
+          patch->basis.block<3, 1>(row, r) = pattern(p, r) / share(r);
+          left -= pattern(p, r);
+        }
+        patch->basis.block<3, 1>(row, rank - 1) = left / share(rank - 1);
         const bool side = options_.unseen > 0 && std::abs(p.y()) < 0.02f;
-        ring->shown[row / 3] = !side ? 255 : p.x() < 0 ? 0 : 60;
+        patch->shown[row / 3] = !side ? 255 : p.x() < 0 ? 0 : 60;
       }
   }
+  for (const std::uint32_t v : shape.vertices) patch->vertices.push_back(make_vertex(v, rank));
+  return patch;
+}
+
+VertexInterpolant SyntheticLightField::make_vertex(std::uint32_t vertex, int rank) const {
   constexpr int kViews = 10;
-  ring->frame = hemisphere_frame(normals_[vertex]);
-  ring->directions.resize(3, kViews);
+  VertexInterpolant at;
+  at.frame = hemisphere_frame(normals_[vertex]);
+  at.directions.resize(3, kViews);
   for (int j = 0; j < kViews; ++j) {
     const float turn = 2.4f * static_cast<float>(j), lean = 0.13f * static_cast<float>(j);
     const Eigen::Vector3f local(std::sin(lean) * std::cos(turn), std::sin(lean) * std::sin(turn), std::cos(lean));
-    ring->directions.col(j) = ring->frame.transpose() * local;
+    at.directions.col(j) = at.frame.transpose() * local;
   }
-  ring->reliability = Eigen::VectorXf::Ones(kViews);
-  ring->kernel = {0.6f, 0.05f};
-  ring->mean = Eigen::VectorXf::Constant(rank, 0.2f);
-  ring->mean[0] = 1;
-  ring->weights.resize(rank, kViews);
-  for (int r = 0; r < rank; ++r)
-    for (int j = 0; j < kViews; ++j) ring->weights(r, j) = r == 0 ? 0.0f : 0.6f * std::cos(1.1f * (r + 1) * (j + 1));
-  ring->sill = 0.006f + 0.006f * std::sin(40 * mesh_->vertices[vertex].x());
-  ring->best_cosine = mesh_->vertices[vertex].y() > 0.05f ? 0.2f : 0.9f;
-  ring->views_folded = kViews;
-  return ring;
+  at.reliability = Eigen::VectorXf::Ones(kViews);
+  at.kernel = {0.6f, 0.05f};
+  at.mean.resize(rank);
+  at.weights.resize(rank, kViews);
+  for (int r = 0; r < rank; ++r) {
+    at.mean[r] = share(r);
+    for (int j = 0; j < kViews; ++j) at.weights(r, j) = 0.2f * share(r) * std::cos(1.1f * static_cast<float>(j + 1));
+  }
+  at.sill = 0.006f + 0.006f * std::sin(40 * mesh_->vertices[vertex].x());
+  at.best_cosine = mesh_->vertices[vertex].y() > 0.05f ? 0.2f : 0.9f;
+  at.views_folded = kViews;
+  return at;
 }
 
-std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_changed_rings(int stride,
-                                                                                         int max_rank) const {
-  auto data = snapshot_->ring_data();
-  for (std::size_t v = 0; v < data.size(); v += static_cast<std::size_t>(stride))
-    data[v] = make_ring(v, 1 + static_cast<int>(v * 5 % static_cast<std::size_t>(max_rank)));
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, std::move(data), snapshot_->version() + 1);
+std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_changed_patches(int stride,
+                                                                                           int max_rank) const {
+  constexpr float kBrighter = 1.3f;
+  auto data = snapshot_->patches();
+  for (std::size_t p = 0; p < data.size(); p += static_cast<std::size_t>(stride))
+    data[p] = make_patch(p, 1 + static_cast<int>(p * 5 % static_cast<std::size_t>(max_rank)), kBrighter);
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, shapes_, std::move(data), snapshot_->version() + 1);
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_other_bases() const {
-  auto data = snapshot_->ring_data();
-  for (auto& ring : data) {
-    if (!ring) continue;
-    auto other = std::make_shared<RingSnapshot>(*ring);
-    for (int r = 0; r < ring->rank(); ++r) {
-      const int from = ring->rank() - 1 - r;
+  auto data = snapshot_->patches();
+  for (auto& patch : data) {
+    if (!patch) continue;
+    auto other = std::make_shared<PatchSnapshot>(*patch);
+    for (int r = 0; r < patch->rank(); ++r) {
+      const int from = patch->rank() - 1 - r;
       const float sign = r % 2 ? -1.0f : 1.0f;
-      other->basis.col(r) = sign * ring->basis.col(from);
-      other->mean[r] = sign * ring->mean[from];
-      other->weights.row(r) = sign * ring->weights.row(from);
+      other->basis.col(r) = sign * patch->basis.col(from);
+      for (std::size_t k = 0; k < patch->vertices.size(); ++k) {
+        other->vertices[k].mean[r] = sign * patch->vertices[k].mean[from];
+        other->vertices[k].weights.row(r) = sign * patch->vertices[k].weights.row(from);
+      }
     }
-    ring = other;
+    patch = other;
   }
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, std::move(data), snapshot_->version() + 1);
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, shapes_, std::move(data), snapshot_->version() + 1);
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_exposure(float factor) const {
   ExposureField exposure;
   exposure.directions = Eigen::Vector3f(0, 0, 1);
   exposure.log_gain = {.mean = Eigen::VectorXf::Constant(1, std::log(factor)), .weights = Eigen::MatrixXf::Zero(1, 1)};
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, snapshot_->ring_data(), snapshot_->version() + 1,
-                                                     exposure);
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, shapes_, snapshot_->patches(),
+                                                     snapshot_->version() + 1, exposure);
 }
 
 std::shared_ptr<const Capture> synthetic_capture(const Eigen::Vector3d& eye) {

@@ -9,10 +9,11 @@
 
 namespace sheen {
 
-/// A light field made by formula, with no capture behind it: a bumpy ring with patterns that change with the direction.
+/// A light field made by formula, with no capture behind it: a bumpy ring with patterns, as bright as the direction
+/// says. Patches of differing rank show the same, so that there are no seams between them.
 struct SyntheticOptions {
   int around = 64, across = 24;  ///< 2 * around * across triangles
-  int max_rank = 6;              ///< ranks differ from ring to ring: 1 .. max_rank
+  int max_rank = 6;              ///< ranks differ from patch to patch: 1 .. max_rank
   double unseen = 0.1;  ///< share of the way round that no image has reached; behind it lies a part that is guessed,
                         ///< opposite one that is imputed
   std::uint64_t version = 1;
@@ -23,19 +24,22 @@ class SyntheticLightField {
   explicit SyntheticLightField(const SyntheticOptions& options);
 
   std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot() const { return snapshot_; }
-  /// The next snapshot: every `stride`-th ring has new maps of another rank, all others are shared.
-  std::shared_ptr<const SurfaceLightFieldSnapshot> with_changed_rings(int stride, int max_rank) const;
-  /// The same light field in other bases: the terms of every ring in reverse order, every other one negated.
+  /// The next snapshot: every `stride`-th patch has new, brighter maps of another rank, all others are
+  /// shared.
+  std::shared_ptr<const SurfaceLightFieldSnapshot> with_changed_patches(int stride, int max_rank) const;
+  /// The same light field in other bases: the terms of every patch in reverse order, every other one negated.
   std::shared_ptr<const SurfaceLightFieldSnapshot> with_other_bases() const;
   /// The same light field, as much brighter from everywhere.
   std::shared_ptr<const SurfaceLightFieldSnapshot> with_exposure(float factor) const;
 
  private:
-  std::shared_ptr<const RingSnapshot> make_ring(std::size_t vertex, int rank) const;
+  std::shared_ptr<const PatchSnapshot> make_patch(std::size_t index, int rank, float brightness = 1) const;
+  VertexInterpolant make_vertex(std::uint32_t vertex, int rank) const;
 
   SyntheticOptions options_;
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const VertexRings> rings_;
+  std::shared_ptr<const PatchShapes> shapes_;
   std::vector<Eigen::Vector3f> normals_;
   std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot_;
 };

@@ -23,10 +23,10 @@ TEST_F(Window, IncrementalUploadEqualsAFullOne) {
   // Small buffers and a small budget: several buffers, several calls, growth, and maps that change their size.
   ASSERT_TRUE(open({.texels_per_update = 20000, .max_buffer_texels = 1000000}));
   draw(light_field.snapshot());
-  const ImageU8 incremental = draw(light_field.with_changed_rings(3, 9));
+  const ImageU8 incremental = draw(light_field.with_changed_patches(3, 9));
   const ImageU8 and_back = draw(light_field.snapshot());
   ASSERT_TRUE(open({}));
-  EXPECT_EQ(largest_difference(incremental, draw(light_field.with_changed_rings(3, 9))), 0);
+  EXPECT_EQ(largest_difference(incremental, draw(light_field.with_changed_patches(3, 9))), 0);
   EXPECT_EQ(largest_difference(and_back, draw(light_field.snapshot())), 0);
   EXPECT_GT(largest_difference(and_back, incremental), 10) << "the change can be seen at all";
 }
@@ -160,9 +160,9 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
 
 TEST_F(Window, BeforeTheFirstImageTheMeshIsThereInGrey) {
   const auto model = SyntheticLightField({}).snapshot();
-  const auto empty = std::make_shared<SurfaceLightFieldSnapshot>(
-      model->shared_mesh(), model->shared_rings(),
-      std::vector<std::shared_ptr<const RingSnapshot>>(model->mesh().vertices.size()), 0);
+  const auto empty =
+      std::make_shared<SurfaceLightFieldSnapshot>(model->shared_mesh(), model->shared_rings(), model->shared_shapes(),
+                                                  SurfaceLightFieldSnapshot::Patches(model->patches().size()), 0);
   const ImageU8 picture = draw(empty);
   const Viewpoint view = window_->controls().orbit.viewpoint(kWidth, kHeight);
   const RayPainter painter(model->mesh());

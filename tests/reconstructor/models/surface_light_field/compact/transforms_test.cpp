@@ -6,8 +6,8 @@
 
 #include "reconstructor/models/surface_light_field/compact/canonical_mesh.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
-#include "reconstructor/models/surface_light_field/compact/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/compact/view_haar.h"
+#include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "tests/support/test_meshes.h"
 
 namespace sheen {

@@ -23,8 +23,8 @@ std::vector<PosedCamera> two_cameras() {
           {camera, look_at({-1, 0.1, 0.4}, {0, 0, 0}, {0, 0, 1})}};
 }
 
-/// An octahedron whose rings hold random numbers: no image would give them, but every one of them must come back. The
-/// last vertex has no ring, the one before a ring of rank 0.
+/// An octahedron of four patches that hold random numbers: no image would give them, but every one of them must come
+/// back. No image has reached the last patch; the one before is of rank 0.
 std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
   auto mesh = std::make_shared<Mesh>();
   mesh->vertices = {{0.1f, 0, 0}, {0, 0.1f, 0}, {-0.1f, 0, 0}, {0, -0.1f, 0}, {0, 0, 0.1f}, {0, 0, -0.1f}};
@@ -32,38 +32,43 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
     mesh->triangles.push_back({i, (i + 1) % 4, 4});
     mesh->triangles.push_back({(i + 1) % 4, i, 5});
   }
-  auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 3, 4, 5, 6, 7, 16, 2});
+  auto maps = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 3, 4, 5, 6, 7, 16, 2});
+  auto shapes = std::make_shared<const PatchShapes>(patch_shapes(*mesh, *maps, {0, 0, 1, 1, 1, 2, 3, 3}));
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
-  std::vector<std::shared_ptr<const RingSnapshot>> data(6);
+  const auto draw = [&] { return normal(random); };
   auto reflection = std::make_shared<ReflectionDrift>();
-  reflection->coefficients = Harmonics::NullaryExpr([&] { return normal(random); });
-  for (int v = 0; v < 5; ++v) {
-    auto ring = std::make_shared<RingSnapshot>();
-    const int samples = rings->ring_samples(v), rank = v == 4 ? 0 : 1 + 2 * v, views = 1 + 3 * v;
-    const auto draw = [&] { return normal(random); };
-    ring->basis = Eigen::MatrixXf::NullaryExpr(3 * samples, rank, draw);
-    ring->weights = Eigen::MatrixXf::NullaryExpr(rank, views, draw);
-    ring->mean = Eigen::VectorXf::NullaryExpr(rank, draw);
-    ring->reliability = Eigen::VectorXf::NullaryExpr(views, [&] { return 0.1f + std::abs(draw()); });
-    ring->frame = hemisphere_frame(mesh->vertices[v].normalized());
-    ring->directions.resize(3, views);
-    for (int k = 0; k < views; ++k)
-      ring->directions.col(k) =
-          (ring->frame.transpose() * Eigen::Vector3f(0.4f * draw(), 0.4f * draw(), 1)).normalized();
-    if (v > 0 && v < 3) {
-      ring->drift = Eigen::VectorXf::NullaryExpr(rank, draw);
-      ring->reflection = reflection;
+  reflection->coefficients = Harmonics::NullaryExpr(draw);
+  SurfaceLightFieldSnapshot::Patches data(4);
+  for (std::size_t p = 0; p < 3; ++p) {
+    auto patch = std::make_shared<PatchSnapshot>();
+    const PatchShape& shape = shapes->patches[p];
+    const int rank = p == 2 ? 0 : 3 + 4 * static_cast<int>(p);
+    patch->basis = Eigen::MatrixXf::NullaryExpr(3 * shape.samples, rank, draw);
+    for (std::uint32_t s = 0; s < shape.samples; ++s) patch->shown.push_back(static_cast<std::uint8_t>(random()));
+    for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
+      VertexInterpolant& at = patch->vertices.emplace_back();
+      const int views = 1 + 3 * static_cast<int>(i);
+      at.weights = Eigen::MatrixXf::NullaryExpr(rank, views, draw);
+      at.mean = Eigen::VectorXf::NullaryExpr(rank, draw);
+      at.reliability = Eigen::VectorXf::NullaryExpr(views, [&] { return 0.1f + std::abs(draw()); });
+      at.frame = hemisphere_frame(mesh->vertices[shape.vertices[i]].normalized());
+      at.directions.resize(3, views);
+      for (int k = 0; k < views; ++k)
+        at.directions.col(k) = (at.frame.transpose() * Eigen::Vector3f(0.4f * draw(), 0.4f * draw(), 1)).normalized();
+      if (p < 2 && i > 0 && i < 3) {
+        at.drift = Eigen::VectorXf::NullaryExpr(rank, draw);
+        at.reflection = reflection;
+      }
+      at.kernel = kViewKernels[i + 1];  // of both shapes
+      at.sill = 0.001f * static_cast<float>(i);
+      at.residual = 0.1f * static_cast<float>(p);
+      at.best_cosine = 1.0f / static_cast<float>(1 + i);
+      at.views_folded = 10 + static_cast<int>(p);
     }
-    ring->kernel = kViewKernels[v + 1];  // of both shapes
-    for (int s = 0; s < samples; ++s) ring->shown.push_back(static_cast<std::uint8_t>(random()));
-    ring->sill = 0.001f * v;
-    ring->residual = 0.1f * v;
-    ring->best_cosine = 1.0f / (1 + v);
-    ring->views_folded = 10 + v;
-    data[v] = std::move(ring);
+    data[p] = std::move(patch);
   }
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, rings, std::move(data), 4711, ExposureField{},
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh, maps, shapes, std::move(data), 4711, ExposureField{},
                                                      two_cameras());
 }
 
@@ -91,21 +96,28 @@ TEST(ModelFiles, AReopenedModelIsTheSameBitForBit) {
   const auto again = load_model(folder.path() / "new" / "model");
   EXPECT_EQ(again->mesh().vertices, model->mesh().vertices);
   EXPECT_EQ(again->mesh().triangles, model->mesh().triangles);
-  ASSERT_EQ(again->ring_data().size(), 6u);
-  EXPECT_EQ(again->ring_data()[5], nullptr);
-  for (int v = 0; v < 5; ++v) {
-    const RingSnapshot &a = *model->ring_data()[v], &b = *again->ring_data()[v];
+  ASSERT_EQ(again->patches().size(), 4u);
+  EXPECT_EQ(again->shapes().patch_of, model->shapes().patch_of);
+  EXPECT_EQ(again->patches()[3], nullptr);
+  for (std::size_t p = 0; p < 3; ++p) {
+    const PatchSnapshot &a = *model->patches()[p], &b = *again->patches()[p];
     EXPECT_EQ(a.basis, b.basis);
-    EXPECT_EQ(a.directions, b.directions);
-    EXPECT_EQ(a.weights, b.weights);
-    EXPECT_EQ(a.mean, b.mean);
-    EXPECT_EQ(a.frame, b.frame);
-    EXPECT_EQ(a.kernel, b.kernel);
     EXPECT_EQ(a.shown, b.shown);
-    EXPECT_EQ(a.sill, b.sill);
-    EXPECT_EQ(a.residual, b.residual);
-    EXPECT_EQ(a.best_cosine, b.best_cosine);
-    EXPECT_EQ(a.views_folded, b.views_folded);
+    ASSERT_EQ(a.vertices.size(), b.vertices.size());
+    for (std::size_t i = 0; i < a.vertices.size(); ++i) {
+      const VertexInterpolant &v = a.vertices[i], &w = b.vertices[i];
+      EXPECT_EQ(v.directions, w.directions);
+      EXPECT_EQ(v.reliability, w.reliability);
+      EXPECT_EQ(v.weights, w.weights);
+      EXPECT_EQ(v.mean, w.mean);
+      EXPECT_EQ(v.drift, w.drift);
+      EXPECT_EQ(v.frame, w.frame);
+      EXPECT_EQ(v.kernel, w.kernel);
+      EXPECT_EQ(v.sill, w.sill);
+      EXPECT_EQ(v.residual, w.residual);
+      EXPECT_EQ(v.best_cosine, w.best_cosine);
+      EXPECT_EQ(v.views_folded, w.views_folded);
+    }
   }
   expect_same_pictures(*model, *again);
   EXPECT_EQ(load_model_metadata(folder.path() / "new" / "model"),
@@ -157,8 +169,8 @@ TEST(ModelFiles, ASaveThatIsStoppedAnywhereLeavesTheOlderModel) {
 TEST(ModelFiles, AModelThatNoImageReached) {
   const TempFolder folder;
   const auto model = random_model(1);
-  const SurfaceLightFieldSnapshot empty(model->shared_mesh(), model->shared_rings(),
-                                        std::vector<std::shared_ptr<const RingSnapshot>>(6), 0);
+  const SurfaceLightFieldSnapshot empty(model->shared_mesh(), model->shared_rings(), model->shared_shapes(),
+                                        SurfaceLightFieldSnapshot::Patches(4), 0);
   save_model(empty, folder.path());
   const auto again = load_model(folder.path());
   EXPECT_EQ(again->max_rank(), 0);
@@ -170,8 +182,8 @@ TEST(ModelFiles, HalfPrecisionIsClose) {
   const auto model = random_model(1);
   save_model(*model, folder.path(), {}, {.surface = ExrPrecision::kHalf});
   const auto again = load_model(folder.path());
-  for (int v = 0; v < 4; ++v) {
-    const Eigen::MatrixXf &a = model->ring_data()[v]->basis, &b = again->ring_data()[v]->basis;
+  for (std::size_t p = 0; p < 2; ++p) {
+    const Eigen::MatrixXf &a = model->patches()[p]->basis, &b = again->patches()[p]->basis;
     EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 5.0f / 2048);
     EXPECT_NE(a, b);
   }
@@ -185,18 +197,21 @@ TEST(ModelFiles, ViewMapsHoldTheCoefficients) {
   ASSERT_NE(maps.find("view.rank06"), nullptr);
   EXPECT_EQ(maps.find("view.rank07"), nullptr);
   EXPECT_EQ(maps.parts[0].name, "surface.rank00");
-  const ImageF& image = maps.find("view.rank06")->image;  // five rings: tiles 3 across, 2 down
-  ASSERT_EQ(image.width(), 96);
-  ASSERT_EQ(image.height(), 64);
-  const RingSnapshot& ring = *model->ring_data()[3];  // the only one of rank 7: left tile of the second row
+  const ImageF& image = maps.find("view.rank06")->image;
+  // The vertices of three patches, 4 + 5 + 3: tiles 4 across, 3 down. Those of the second patch, of rank 7, follow
+  // four.
+  ASSERT_EQ(model->patches()[0]->vertices.size() + model->patches()[1]->vertices.size(), 9u);
+  ASSERT_EQ(image.width(), 128);
+  ASSERT_EQ(image.height(), 96);
+  const VertexInterpolant& at = model->patches()[1]->vertices[0];  // left tile of the second row
   const float step = 2.0f / 32;
   for (const auto& [x, y] : {std::pair(16, 16), {10, 20}, {25, 9}}) {
     const Eigen::Vector2f p(step * (x + 0.5f) - 1, step * (y + 0.5f) - 1);
     const Eigen::Vector3f local(p.x(), p.y(), std::sqrt(1 - p.squaredNorm()));
-    const float expected = ring.coefficients(ring.frame.transpose() * local)[6];
+    const float expected = at.coefficients(at.frame.transpose() * local)[6];
     EXPECT_NEAR(image.at(x, 32 + y), expected, 1e-3 * (1 + std::abs(expected)));
   }
-  EXPECT_EQ(image.at(16, 16), 0) << "another ring's tile: it has no such rank";
+  EXPECT_EQ(image.at(16, 16), 0) << "another patch's tile: it has no such rank";
 }
 
 /// Saves a model, changes its model.json by `change` and expects opening to fail with `words`.
@@ -211,13 +226,13 @@ void expect_refused(Change change, const std::vector<std::string>& words) {
 }
 
 TEST(ModelFiles, ANewerVersionIsRefusedNamingBoth) {
-  expect_refused([](Json& json) { json["version"] = 5; },
-                 {"model.json", "version 5", "reads version 4", "newer Sheen"});
+  expect_refused([](Json& json) { json["version"] = 6; },
+                 {"model.json", "version 6", "reads version 5", "newer Sheen"});
   expect_refused([](Json& json) { json["version"] = std::int64_t(1) << 33; },
-                 {"version 8589934592", "reads version 4"});
-  for (const int version : {1, 2, 3})
+                 {"version 8589934592", "reads version 5"});
+  for (const int version : {1, 2, 3, 4})
     expect_refused([&](Json& json) { json["version"] = version; },
-                   {"model.json", "version " + std::to_string(version), "reads version 4", "again"});
+                   {"model.json", "version " + std::to_string(version), "reads version 5", "again"});
   expect_refused([](Json& json) { json["version"] = 0; }, {"model.json", "version"});
   expect_refused([](Json& json) { json["version"] = "1"; }, {"model.json", "version", "whole number"});
 }
@@ -225,7 +240,11 @@ TEST(ModelFiles, ANewerVersionIsRefusedNamingBoth) {
 TEST(ModelFiles, EveryWrongFieldIsNamed) {
   expect_refused([](Json& json) { json = Json::array(); }, {"model.json", "no surface light field"});
   expect_refused([](Json& json) { json["format"] = "another"; }, {"model.json", "no surface light field"});
-  expect_refused([](Json& json) { json.erase("rings"); }, {"model.json", "rings"});
+  expect_refused([](Json& json) { json.erase("patches"); }, {"model.json", "patches"});
+  expect_refused([](Json& json) { json.erase("vertices"); }, {"model.json", "vertices"});
+  expect_refused([](Json& json) { json["patch_of_triangle"].erase(0); }, {"patch_of_triangle", "7", "8"});
+  expect_refused([](Json& json) { json["patch_of_triangle"][5] = 8; }, {"patch_of_triangle", "entry 5"});
+  expect_refused([](Json& json) { json["patch_of_triangle"][5] = 1; }, {"patch_of_triangle", "patch 2", "no triangle"});
   expect_refused([](Json& json) { json.erase("id"); }, {"model.json", "id"});
   expect_refused([](Json& json) { json["id"] = "0"; }, {"maps.exr", "does not belong"});
   expect_refused([](Json& json) { json["mesh_hash"] = "0"; }, {"mesh.ply", "not the mesh"});
@@ -233,18 +252,19 @@ TEST(ModelFiles, EveryWrongFieldIsNamed) {
   expect_refused([](Json& json) { json["lattice_resolution"][3] = 1; }, {"lattice_resolution", "entry 3"});
   expect_refused([](Json& json) { json["lattice_resolution"][3] = 256; }, {"lattice_resolution", "entry 3"});
   expect_refused([](Json& json) { json["lattice_resolution"][3] = 4; }, {"maps.exr", "pixels instead of"});
-  expect_refused([](Json& json) { json["rings"]["vertex"][0] = 6; }, {"vertex", "entry 0"});
-  expect_refused([](Json& json) { json["rings"]["vertex"][1] = 0; }, {"vertex", "rise"});
-  expect_refused([](Json& json) { json["rings"]["rank"].push_back(1); }, {"rank", "6", "5"});
-  expect_refused([](Json& json) { json["rings"]["rank"][0] = 101; }, {"rank", "entry 0"});
-  expect_refused([](Json& json) { json["rings"]["rank"][3] = 8; }, {"maps.exr", "surface.rank07", "missing"});
-  expect_refused([](Json& json) { json["rings"]["rank"][2] = 1e9; }, {"rank", "entry 2"});
-  expect_refused([](Json& json) { json["rings"]["views"][2] = 1000; }, {"maps.exr", "views", "pixels instead of"});
-  expect_refused([](Json& json) { json["rings"]["views"][2] = -1; }, {"views", "entry 2"});
-  expect_refused([](Json& json) { json["rings"]["views"][2] = 1000000000; }, {"views", "entry 2"});
-  expect_refused([](Json& json) { json["rings"]["kernel_scale_rad"][2] = 0; }, {"kernel_scale_rad", "entry 2"});
-  expect_refused([](Json& json) { json["rings"]["sill"][2] = -1; }, {"sill", "entry 2"});
-  expect_refused([](Json& json) { json["rings"]["residual"][2] = nullptr; }, {"residual", "entry 2"});
+  expect_refused([](Json& json) { json["patches"]["patch"][0] = 4; }, {"patch", "entry 0"});
+  expect_refused([](Json& json) { json["patches"]["patch"][1] = 0; }, {"patch", "rise"});
+  expect_refused([](Json& json) { json["patches"]["rank"].push_back(1); }, {"rank", "4", "3"});
+  expect_refused([](Json& json) { json["patches"]["rank"][0] = 101; }, {"rank", "entry 0"});
+  expect_refused([](Json& json) { json["patches"]["rank"][1] = 8; }, {"maps.exr", "surface.rank07", "missing"});
+  expect_refused([](Json& json) { json["patches"]["rank"][2] = 1e9; }, {"rank", "entry 2"});
+  expect_refused([](Json& json) { json["vertices"]["views"][2] = 1000; }, {"maps.exr", "views", "pixels instead of"});
+  expect_refused([](Json& json) { json["vertices"]["views"][2] = -1; }, {"views", "entry 2"});
+  expect_refused([](Json& json) { json["vertices"]["views"][2] = 1000000000; }, {"views", "entry 2"});
+  expect_refused([](Json& json) { json["vertices"]["views"].erase(0); }, {"views", "11", "12"});
+  expect_refused([](Json& json) { json["vertices"]["kernel_scale_rad"][2] = 0; }, {"kernel_scale_rad", "entry 2"});
+  expect_refused([](Json& json) { json["vertices"]["sill"][2] = -1; }, {"sill", "entry 2"});
+  expect_refused([](Json& json) { json["vertices"]["residual"][2] = nullptr; }, {"residual", "entry 2"});
   expect_refused([](Json& json) { json.erase("reflection"); }, {"reflection", "must be a list"});
   expect_refused([](Json& json) { json["reflection"].push_back(1); }, {"reflection", "50", "49"});
   expect_refused([](Json& json) { json["reflection"][3] = "x"; }, {"reflection", "entry 3"});
@@ -271,7 +291,7 @@ TEST(ModelFiles, BrokenAndMissingFilesAreNamed) {
     refused({"maps.exr"});
   }
   folder.write("maps.exr", maps.substr(0, maps.size() - 30));
-  refused({"maps.exr", "\"rings\""});
+  refused({"maps.exr", "\"vertices\""});
   for (std::size_t size = 0; size < json.size() - 1; size += 1 + json.size() / 61) {
     folder.write("model.json", json.substr(0, size));
     refused({"model.json"});
@@ -300,7 +320,7 @@ TEST(ModelFiles, RanksThatTheMapsCannotHoldAreNotGivenTheMemory) {
   write_exr(folder.path() / "maps.exr", maps);
   Json json = Json::parse(read_file(folder.path() / "model.json"));
   for (Json& resolution : json["lattice_resolution"]) resolution = 255;
-  for (Json& rank : json["rings"]["rank"]) rank = 99;
+  for (Json& rank : json["patches"]["rank"]) rank = 99;
   folder.write("model.json", json.dump());
   expect_error([&] { load_model(folder.path()); }, {"maps.exr", "too small for", "MB of surface maps"});
 }
@@ -309,9 +329,11 @@ TEST(ModelFiles, LatticesOfMoreSamplesThanCanBeCountedAreRefused) {
   const TempFolder folder;
   auto mesh = std::make_shared<Mesh>();
   mesh->vertices = {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}};
-  mesh->triangles.assign(30'000, {0, 1, 2});  // all of one ring: its samples would not fit 32 bits
-  const auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>(30'000, 2));
-  save_model({mesh, rings, std::vector<std::shared_ptr<const RingSnapshot>>(3), 1}, folder.path());
+  mesh->triangles.assign(30'000, {0, 1, 2});  // of all together more samples than 32 bits count
+  const auto maps = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>(30'000, 2));
+  const auto shapes = std::make_shared<const PatchShapes>(
+      patch_shapes(*mesh, *maps, std::vector<std::uint32_t>(mesh->triangles.size(), 0)));
+  save_model({mesh, maps, shapes, SurfaceLightFieldSnapshot::Patches(1), 1}, folder.path());
   Json json = Json::parse(read_file(folder.path() / "model.json"));
   for (Json& resolution : json["lattice_resolution"]) resolution = 255;
   folder.write("model.json", json.dump());
@@ -339,11 +361,11 @@ TEST(ModelFiles, DamagedMapsAreReadOrRefused) {
 TEST(ModelFiles, AValueThatIsNotFiniteIsRefused) {
   const TempFolder folder;
   const auto model = random_model(1);
-  auto data = model->ring_data();
-  auto broken = std::make_shared<RingSnapshot>(*data[2]);
+  auto data = model->patches();
+  auto broken = std::make_shared<PatchSnapshot>(*data[1]);
   broken->basis(3, 1) = std::nanf("");
-  data[2] = broken;
-  save_model({model->shared_mesh(), model->shared_rings(), data, 1}, folder.path());
+  data[1] = broken;
+  save_model({model->shared_mesh(), model->shared_rings(), model->shared_shapes(), data, 1}, folder.path());
   expect_error([&] { load_model(folder.path()); }, {"maps.exr", "surface.rank01", "finite"});
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/compact/triangle_edges.h"
+#include "reconstructor/models/surface_light_field/triangle_edges.h"
 
 #include <algorithm>
 #include <tuple>

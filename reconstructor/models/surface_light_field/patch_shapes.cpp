@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/compact/patch_shapes.h"
+#include "reconstructor/models/surface_light_field/patch_shapes.h"
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <utility>
 
-#include "reconstructor/models/surface_light_field/compact/triangle_edges.h"
+#include "reconstructor/models/surface_light_field/triangle_edges.h"
 
 namespace sheen {
 namespace {
@@ -24,7 +25,52 @@ std::vector<std::vector<std::uint32_t>> neighbours_of(const Mesh& mesh) {
   return neighbours;
 }
 
+/// The columns of the vertices, and the patches round each.
+void number_vertices(const Mesh& mesh, PatchShapes& shapes) {
+  shapes.first_column.assign(1, 0);
+  shapes.corner_column.resize(3 * mesh.triangles.size());
+  shapes.first_round.assign(mesh.vertices.size() + 1, 0);
+  for (const PatchShape& shape : shapes.patches) {
+    for (const std::uint32_t t : shape.triangles)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto at = std::lower_bound(shape.vertices.begin(), shape.vertices.end(), mesh.triangles[t][c]);
+        shapes.corner_column[3 * std::size_t{t} + c] =
+            shapes.first_column.back() + static_cast<std::uint32_t>(at - shape.vertices.begin());
+      }
+    shapes.first_column.push_back(shapes.first_column.back() + static_cast<std::uint32_t>(shape.vertices.size()));
+    for (const std::uint32_t v : shape.vertices) ++shapes.first_round[v + 1];
+  }
+  std::partial_sum(shapes.first_round.begin(), shapes.first_round.end(), shapes.first_round.begin());
+  shapes.patch_vertices.resize(shapes.columns());
+  std::vector<std::uint32_t> next(shapes.first_round.begin(), shapes.first_round.end() - 1);
+  for (std::uint32_t p = 0; p < shapes.patches.size(); ++p)
+    for (std::uint32_t i = 0; i < shapes.patches[p].vertices.size(); ++i)
+      shapes.patch_vertices[next[shapes.patches[p].vertices[i]]++] = {p, i};
+}
+
 }  // namespace
+
+PatchShapes patch_shapes(const Mesh& mesh, const VertexRings& rings, std::vector<std::uint32_t> patch_of) {
+  PatchShapes shapes;
+  shapes.patch_of = std::move(patch_of);
+  shapes.first_sample.resize(mesh.triangles.size());
+  const auto last = std::max_element(shapes.patch_of.begin(), shapes.patch_of.end());
+  if (last != shapes.patch_of.end()) shapes.patches.resize(*last + std::size_t{1});
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    PatchShape& shape = shapes.patches[shapes.patch_of[t]];
+    shapes.first_sample[t] = shape.samples;
+    shape.triangles.push_back(t);
+    shape.first_sample.push_back(shape.samples);
+    shape.samples += static_cast<std::uint32_t>(lattice_samples(rings.resolution(t)));
+    shape.vertices.insert(shape.vertices.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
+  }
+  for (PatchShape& shape : shapes.patches) {
+    std::sort(shape.vertices.begin(), shape.vertices.end());
+    shape.vertices.erase(std::unique(shape.vertices.begin(), shape.vertices.end()), shape.vertices.end());
+  }
+  number_vertices(mesh, shapes);
+  return shapes;
+}
 
 /// From triangle to triangle: a patch takes the free neighbour that has most corners in it already, the earliest of
 /// equals. What is left over goes to the smallest patch beside it.
@@ -75,26 +121,13 @@ PatchShapes cut_into_patches(const Mesh& mesh, const VertexRings& rings, std::si
     members[patch].clear();
   }
 
-  PatchShapes shapes;
-  shapes.patch_of.resize(count);
-  shapes.first_sample.resize(count);
-  for (std::vector<std::uint32_t>& triangles : members) {
+  std::uint32_t patches = 0;
+  for (const std::vector<std::uint32_t>& triangles : members) {
     if (triangles.empty()) continue;
-    std::sort(triangles.begin(), triangles.end());
-    PatchShape shape;
-    for (const std::uint32_t t : triangles) {
-      shapes.patch_of[t] = static_cast<std::uint32_t>(shapes.patches.size());
-      shapes.first_sample[t] = shape.samples;
-      shape.first_sample.push_back(shape.samples);
-      shape.samples += static_cast<std::uint32_t>(lattice_samples(rings.resolution(t)));
-      shape.vertices.insert(shape.vertices.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
-    }
-    std::sort(shape.vertices.begin(), shape.vertices.end());
-    shape.vertices.erase(std::unique(shape.vertices.begin(), shape.vertices.end()), shape.vertices.end());
-    shape.triangles = std::move(triangles);
-    shapes.patches.push_back(std::move(shape));
+    for (const std::uint32_t t : triangles) patch_of[t] = patches;
+    ++patches;
   }
-  return shapes;
+  return patch_shapes(mesh, rings, std::move(patch_of));
 }
 
 }  // namespace sheen

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/compact/patch_model.h"
+#include "reconstructor/models/surface_light_field/compact/compact_model.h"
 
 #include <algorithm>
 
 namespace sheen {
 
-Eigen::Vector3f camera_direction(const PatchModel& model, std::size_t vertex, std::size_t camera) {
+Eigen::Vector3f camera_direction(const CompactModel& model, std::size_t vertex, std::size_t camera) {
   return (camera_centre(model.cameras[camera].camera_from_object).cast<float>() - model.mesh->vertices[vertex])
       .normalized();
 }
 
-void find_sources(PatchModel& model) {
+void find_sources(CompactModel& model) {
   std::vector<std::uint8_t> seen;
   for (const CompactRing& ring : model.rings) seen.push_back(ring.seen);
   model.source = nearest_seen(*model.mesh, *model.rings_of_mesh, seen);
 }
 
-std::vector<std::uint16_t> patch_images(const PatchModel& model, const PatchShape& shape) {
+std::vector<std::uint16_t> patch_images(const CompactModel& model, const PatchShape& shape) {
   std::vector<std::uint16_t> images;
   for (const std::uint32_t vertex : shape.vertices)
     if (const CompactRing* ring = model.ring(vertex))
@@ -34,7 +34,7 @@ std::vector<Eigen::Index> places(const CompactRing& ring, const std::vector<std:
   return places;
 }
 
-RingSystem ring_system(const PatchModel& model, const CompactRing& ring, const Eigen::Vector3f& normal) {
+RingSystem ring_system(const CompactModel& model, const CompactRing& ring, const Eigen::Vector3f& normal) {
   RingSystem system;
   const auto views = static_cast<Eigen::Index>(ring.views.size());
   system.directions.resize(3, views);

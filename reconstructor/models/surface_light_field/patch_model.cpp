@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/ring_model.h"
+#include "reconstructor/models/surface_light_field/patch_model.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
-
-#include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 namespace sheen {
 namespace {
@@ -27,7 +25,7 @@ std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std:
 
 }  // namespace
 
-RingFactorOptions ring_factor_options(RingFactorOptions options) {
+RingFactorOptions patch_factor_options(RingFactorOptions options) {
   options.channels = 3;
   options.sensor_variance = kSensorVariance;
   return options;
@@ -37,51 +35,53 @@ double image_weight(const RingFactorOptions& options, double share_shown) {
   return options.imputation == Imputation::kLeastSquares ? 1 : share_shown * share_shown;
 }
 
-RingModel::RingModel(int samples, const RingModelOptions& options, unsigned phase)
+PatchModel::PatchModel(int samples, std::size_t vertices, const SurfaceSite& centre, const PatchModelOptions& options,
+                       unsigned phase)
     : options_(options),
-      factor_(3 * samples, ring_factor_options(options.factor), phase),
-      interpolation_(phase),
+      centre_(centre),
+      factor_(3 * samples, patch_factor_options(options.factor), phase),
+      views_(centre.place, vertices),
+      schedule_(phase),
       shown_(static_cast<std::size_t>(samples), 0) {}
 
-/// The paper's imputation takes images that show part of a ring only with half of it visible, and when the basis rests
+/// The paper's imputation takes images that show part of a patch only with half of it visible, and when the basis rests
 /// on some that show all (000 sec. 3.2: after 8 to 10).
-bool RingModel::shows_enough(std::size_t shown, std::size_t samples) const {
+bool PatchModel::shows_enough(std::size_t shown, std::size_t samples) const {
   constexpr int kFirstWhole = 9;
   const bool gated = options_.factor.imputation == Imputation::kLeastSquares && shown < samples;
   if (gated && (images_ < kFirstWhole || 2 * shown < samples)) return false;
   return shown > 0 && static_cast<double>(shown) >= options_.min_visible * static_cast<double>(samples);
 }
 
-RingModel::Absorbed RingModel::absorb(std::vector<SharedRows<float>> column, std::span<const std::uint8_t> visible,
-                                      const Eigen::Vector3f& direction, float cosine, float reliability) {
+PatchModel::Absorbed PatchModel::absorb(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+                                        const Eigen::Vector3f& eye, std::span<const float> reliability) {
   Absorbed result;
   const auto shown = static_cast<std::size_t>(std::count(visible.begin(), visible.end(), 1));
   if (!shows_enough(shown, visible.size())) return result;
   result.used = true;
   const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
   const RingFactor::Reports folded =
-      factor_.add(std::move(column), known_rows(visible, shown), image_weight(options_.factor, share));
+      factor_.add(column, known_rows(visible, shown), image_weight(options_.factor, share));
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
-  views_.add(direction, reliability * share);
-  best_cosine_ = std::max(best_cosine_, cosine);
+  views_.add(eye, reliability);
   ++images_;
   follow(folded, result);
   snapshot_.reset();
-  result.wants_interpolation = can_choose_interpolation() && interpolation_.due(images_);
+  result.wants_interpolation = can_choose_interpolation() && schedule_.due(images_);
   return result;
 }
 
-void RingModel::fold_pending() {
+void PatchModel::fold_pending() {
   Absorbed unused;
   follow(factor_.fold(), unused);
 }
 
-void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
-                         const Eigen::Vector3f& direction) {
+void PatchModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+                          const Eigen::Vector3f& eye) {
   const auto shown = static_cast<std::size_t>(std::count(visible.begin(), visible.end(), 1));
   if (images_ == 0 || !shows_enough(shown, visible.size())) return;
-  const int view = views_.view_from(direction), folded = factor_.folded_views();
+  const int view = views_.view_from(eye), folded = factor_.folded_views();
   if (view < folded) {
     const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
     const double weight = factor_.weight_of(view), taken = image_weight(options_.factor, share);
@@ -89,7 +89,7 @@ void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uin
     if (factor_.folded_views() < folded)
       views_.remove(view);
     else  // it was merged: the view moves back to where the others are
-      views_.take_from(view, static_cast<float>(weight), direction, static_cast<float>(taken));
+      views_.take_from(view, static_cast<float>(weight), eye, static_cast<float>(taken));
   } else {
     factor_.remove(view);
     views_.remove(view);
@@ -100,18 +100,18 @@ void RingModel::withdraw(const Eigen::VectorXf& column, std::span<const std::uin
   snapshot_.reset();
 }
 
-float RingModel::nearest_cosine(const Eigen::Vector3f& direction) const {
-  return views_.nearest(direction).cosine;
+float PatchModel::nearest_cosine(const Eigen::Vector3f& eye) const {
+  return views_.nearest(eye).cosine;
 }
 
-bool RingModel::may_repeat(const Eigen::Vector3f& direction) const {
-  return options_.repeat_angle > 0 && nearest_cosine(direction) >= std::cos(static_cast<float>(options_.repeat_angle));
+bool PatchModel::may_repeat(const Eigen::Vector3f& eye) const {
+  return options_.repeat_angle > 0 && nearest_cosine(eye) >= std::cos(static_cast<float>(options_.repeat_angle));
 }
 
-bool RingModel::repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
-                        const Eigen::Vector3f& direction) const {
-  if (!may_repeat(direction)) return false;
-  const int view = views_.nearest(direction).view;
+bool PatchModel::repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+                         const Eigen::Vector3f& eye) const {
+  if (!may_repeat(eye)) return false;
+  const int view = views_.nearest(eye).view;
   const int waiting = view - factor_.folded_views();  // < 0: folded
   const Eigen::VectorXf coefficients = waiting < 0 ? factor_.coefficients().col(view) : Eigen::VectorXf();
   const auto kept = [&](Eigen::Index row) -> float {
@@ -132,7 +132,7 @@ bool RingModel::repeats(const Eigen::VectorXf& column, std::span<const std::uint
   return rows > 0 && unexplained <= (waiting < 0 ? kRepeatedNoise : kRepeatedColumn) * factor_.row_noise() * rows;
 }
 
-void RingModel::follow(const RingFactor::Reports& reports, Absorbed& result) {
+void PatchModel::follow(const RingFactor::Reports& reports, Absorbed& result) {
   for (const ColumnReport& report : reports) {
     result.energy += report.norm * report.norm;
     result.residual_energy += report.residual_norm * report.residual_norm;
@@ -145,7 +145,7 @@ void RingModel::follow(const RingFactor::Reports& reports, Absorbed& result) {
 }
 
 /// Two views that nearly coincide say the same: of more than `max_views`, the nearest two become one.
-void RingModel::thin_views() {
+void PatchModel::thin_views() {
   views_.set_folded(factor_.folded_views());
   while (factor_.folded_views() > options_.max_views) {
     const auto [kept, removed] = views_.closest_pair();
@@ -155,19 +155,18 @@ void RingModel::thin_views() {
   }
 }
 
-void RingModel::limit_terms(int max_rank, int internal_rank, int block) {
+void PatchModel::limit_terms(int max_rank, int internal_rank, int block) {
   Absorbed unused;
   follow(factor_.limit(max_rank, internal_rank, block), unused);
   snapshot_.reset();
 }
 
-RingModel::Prediction RingModel::predict(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
-                                         const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const {
+PatchModel::Prediction PatchModel::predict(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible,
+                                           const Eigen::Vector3f& eye, const SharedInterpolation& interpolation) const {
   Prediction predicted;
   if (rank() == 0) return predicted;
-  const ViewInterpolant interpolant =
-      interpolation_.krige(views_, with_pending(factor_.displayed_coefficients()), normal);
-  const Eigen::VectorXf h = interpolation_.at(interpolant, views_, direction, normal);
+  const Eigen::VectorXf h = interpolated(views_.seen_from_centre(), with_pending(factor_.displayed_coefficients()),
+                                         interpolation, centre_.normal, (eye - centre_.place).normalized());
   for (std::size_t s = 0; s < visible.size(); ++s) {
     const auto row = static_cast<Eigen::Index>(3 * s);
     const auto basis = factor_.displayed_basis().middleRows<3>(row);
@@ -178,40 +177,29 @@ RingModel::Prediction RingModel::predict(const Eigen::VectorXf& column, std::spa
   return predicted;
 }
 
-bool RingModel::can_choose_interpolation() const {
-  return RingInterpolation::can_choose(views());
+bool PatchModel::can_choose_interpolation() const {
+  return views() >= ChoiceSchedule::kFirstChoice;
 }
 
 /// Those of the folded views, and of the pending ones: rank x views.
-Eigen::MatrixXf RingModel::with_pending(const Eigen::Ref<const Eigen::MatrixXf>& folded) const {
+Eigen::MatrixXf PatchModel::with_pending(const Eigen::Ref<const Eigen::MatrixXf>& folded) const {
   Eigen::MatrixXf coefficients(rank(), views());
   coefficients << folded, factor_.pending_coefficients().topRows(rank());
   return coefficients;
 }
 
-/// Of all views. To tell how the ring varies, those that are at hand do: the ones that a picture is made of
+/// Of all views. To tell how the patch varies, those that are at hand do: the ones that a picture is made of
 /// (`displayed_coefficients`) differ for views that hide rows alone, and cost as much again as all the comparing.
-Eigen::MatrixXf RingModel::known_coefficients() const {
+Eigen::MatrixXf PatchModel::known_coefficients() const {
   return with_pending(factor_.coefficients().topRows(rank()));
 }
 
-InterpolationErrors RingModel::interpolation_errors(const Eigen::Vector3f& normal) const {
-  return interpolation_.errors(views_, known_coefficients(), normal);
+InterpolationErrors PatchModel::interpolation_errors(const ReflectionDrift* reflection) const {
+  return sheen::interpolation_errors(views_.seen_from_centre(), known_coefficients(), reflection, centre_.normal);
 }
 
-void RingModel::set_interpolation(const ViewInterpolation& interpolation) {
-  const bool same = interpolation_.chosen() == interpolation;
-  interpolation_.choose(interpolation, images_);
-  if (!same) snapshot_.reset();
-}
-
-void RingModel::set_reflection(std::shared_ptr<const ReflectionDrift> reflection) {
-  interpolation_.share(std::move(reflection));
-  if (interpolation_.chosen().drift) snapshot_.reset();
-}
-
-RingLevels RingModel::levels(const Eigen::Vector3f& normal) const {
-  if (rank() == 0) return {normal, {}, {}, {}};  // all is black, or waits to be folded
+/// Of the displayed basis, per channel: 3 x rank.
+Eigen::MatrixXf PatchModel::mean_shown_rows() const {
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, rank());
   int seen = 0;
   for (std::size_t s = 0; s < shown_.size(); ++s)
@@ -219,65 +207,58 @@ RingLevels RingModel::levels(const Eigen::Vector3f& normal) const {
       mean += factor_.displayed_basis().middleRows<3>(static_cast<Eigen::Index>(3 * s));
       ++seen;
     }
-  return {normal, views_.direction_matrix(), mean / static_cast<float>(std::max(seen, 1)) * known_coefficients(),
-          views_.reliability()};
+  return mean / static_cast<float>(std::max(seen, 1));
 }
 
-std::size_t RingModel::bytes() const {
+RingLevels PatchModel::levels() const {
+  return patch_levels(views_.seen_from_centre(), mean_shown_rows(), known_coefficients(), centre_.normal);
+}
+
+std::size_t PatchModel::bytes() const {
   return sizeof(*this) + factor_.bytes() + shown_.size() * sizeof(shown_[0]) + views_.bytes();
 }
 
-std::size_t RingModel::snapshot_bytes() const {
+std::size_t PatchModel::snapshot_bytes(std::size_t vertices) const {
   if (images_ == 0) return 0;
   const auto rank = static_cast<std::size_t>(factor_.displayed_rank()),
              views = static_cast<std::size_t>(factor_.views());
-  return sizeof(RingSnapshot) + shown_.size() +
-         sizeof(float) * (3 * shown_.size() * rank + views * (4 + rank) + 2 * rank);
+  return sizeof(PatchSnapshot) + shown_.size() + sizeof(float) * 3 * shown_.size() * rank +
+         vertices * (sizeof(VertexInterpolant) + sizeof(float) * (views * (4 + rank) + 2 * rank));
 }
 
-double RingModel::largest_bytes(double samples, const RingModelOptions& options) {
+double PatchModel::largest_bytes(double samples, double vertices, const PatchModelOptions& options) {
   const RingFactorOptions& factor = options.factor;
   const double rows = 3 * samples, views = options.max_views + factor.block;
-  return sizeof(RingModel) + sizeof(std::uint16_t) * samples + views * ViewSet::bytes_for(1) +
+  return sizeof(PatchModel) + sizeof(std::uint16_t) * samples +
+         views * static_cast<double>(ViewSet::bytes_for(1, static_cast<std::size_t>(vertices))) +
          RingFactor::bytes_for(rows, factor.terms_kept(), factor.block, views,
                                factor.witnesses(static_cast<int>(rows)));
 }
 
-double RingModel::largest_snapshot_bytes(double samples, const RingModelOptions& options) {
+double PatchModel::largest_snapshot_bytes(double samples, double vertices, const PatchModelOptions& options) {
   const double rank = options.factor.max_rank, views = options.max_views + options.factor.block;
-  return sizeof(RingSnapshot) + samples + sizeof(float) * (3.0 * samples * rank + views * (4 + rank) + 2 * rank);
+  return sizeof(PatchSnapshot) + samples + sizeof(float) * 3.0 * samples * rank +
+         vertices * (sizeof(VertexInterpolant) + sizeof(float) * (views * (4 + rank) + 2 * rank));
 }
 
-std::shared_ptr<const RingSnapshot> RingModel::snapshot(const Eigen::Matrix3f& frame, std::span<const int> resolution) {
-  if (snapshot_ || images_ == 0) return snapshot_;
-  if (factor_.pending() == 0) {
-    snapshot_ = settled_snapshot(frame, resolution);
-  } else {  // what is seen must not depend on when it is looked at: a copy is folded
-    RingModel settled = *this;
-    settled.fold_pending();
-    snapshot_ = settled.settled_snapshot(frame, resolution);
-  }
-  return snapshot_;
+std::optional<FactorizedPatch> PatchModel::factorized() const {
+  if (images_ == 0) return std::nullopt;
+  if (factor_.pending() == 0) return settled();
+  PatchModel folded = *this;  // what is seen must not depend on when it is looked at
+  folded.fold_pending();
+  return folded.settled();
 }
 
-std::shared_ptr<const RingSnapshot> RingModel::settled_snapshot(const Eigen::Matrix3f& frame,
-                                                                std::span<const int> resolution) const {
-  auto snapshot = std::make_shared<RingSnapshot>();
-  snapshot->basis = factor_.displayed_basis();
-  snapshot->directions = views_.direction_matrix();
-  snapshot->reliability = views_.reliability();
-  snapshot->frame = frame;
-  snapshot->shown.resize(shown_.size());
-  for (std::size_t s = 0; s < shown_.size(); ++s) snapshot->shown[s] = shown_share(shown_[s], images_);
-  snapshot->set_interpolation(interpolation_.krige(views_, factor_.displayed_coefficients(), frame.row(2)),
-                              interpolation_.chosen().kernel, interpolation_.reflection());
-  if (options_.interpolation.method == ViewMethod::kDelaunay)
-    snapshot->set_triangulation(factor_.displayed_coefficients());
-  snapshot->residual = residual_;
-  snapshot->best_cosine = best_cosine_;
-  snapshot->views_folded = images_;
-  fill_unseen_samples(*snapshot, resolution);
-  return snapshot;
+FactorizedPatch PatchModel::settled() const {
+  FactorizedPatch patch{.basis = factor_.displayed_basis(),
+                        .coefficients = factor_.displayed_coefficients(),
+                        .shown = {},
+                        .residual = residual_,
+                        .images = images_,
+                        .views = views_};
+  patch.shown.reserve(shown_.size());
+  for (const std::uint16_t images : shown_) patch.shown.push_back(shown_share(images, images_));
+  return patch;
 }
 
 }  // namespace sheen

@@ -9,7 +9,7 @@
 #include "common/camera/posed_camera.h"
 #include "common/geometry/mesh.h"
 #include "reconstructor/models/model_snapshot.h"
-#include "reconstructor/models/surface_light_field/compact/patch_shapes.h"
+#include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/numerics/view_kernel.h"
 #include "reconstructor/radiance/exposure_field.h"
@@ -20,7 +20,7 @@ namespace sheen {
 
 /// A view of a ring: the image that it stands for. Views that were merged stand a little beside it.
 struct CompactView {
-  std::uint16_t image = 0;    ///< index into PatchModel::cameras
+  std::uint16_t image = 0;    ///< index into CompactModel::cameras
   Eigen::Vector3f direction;  ///< unit, from the vertex; of the camera itself unless `moved`
   bool moved = false;
   float reliability = 1;
@@ -30,7 +30,7 @@ struct CompactView {
 struct CompactRing {
   bool seen = false;               ///< by any image; a ring that is not takes the views of its `source`
   std::vector<CompactView> views;  ///< by ascending image
-  std::uint8_t kernel = 0;         ///< index into PatchModel::kernels
+  std::uint8_t kernel = 0;         ///< index into CompactModel::kernels
   bool drift = false;              ///< takes part in the reflection that all rings share
   float sill = 0, residual = 0;
   int views_folded = 0;
@@ -48,7 +48,7 @@ struct Patch {
 /// A surface light field with one basis for a few triangles: colour(s, d) = mean(s) + basis(s) sum_c beta_c A w_c(d),
 /// where A are the patch's coefficients in the images and w_c(d) the weights by which the ring of corner c krigs
 /// between its views. Nothing is stored for three rings; blending is the rings' own.
-struct PatchModel {
+struct CompactModel {
   std::shared_ptr<const Mesh> mesh;
   std::shared_ptr<const VertexRings> rings_of_mesh;
   std::vector<PosedCamera> cameras;  ///< of the images
@@ -68,13 +68,13 @@ struct PatchModel {
 };
 
 /// From a vertex to a camera.
-Eigen::Vector3f camera_direction(const PatchModel& model, std::size_t vertex, std::size_t camera);
+Eigen::Vector3f camera_direction(const CompactModel& model, std::size_t vertex, std::size_t camera);
 
-/// Where each vertex takes its views from (`PatchModel::source`), once it is known which rings were seen.
-void find_sources(PatchModel& model);
+/// Where each vertex takes its views from (`CompactModel::source`), once it is known which rings were seen.
+void find_sources(CompactModel& model);
 
 /// Images that any ring of the patch's corners has a view of, ascending.
-std::vector<std::uint16_t> patch_images(const PatchModel& model, const PatchShape& shape);
+std::vector<std::uint16_t> patch_images(const CompactModel& model, const PatchShape& shape);
 
 /// For each view of a ring, where its image stands among those of a patch.
 std::vector<Eigen::Index> places(const CompactRing& ring, const std::vector<std::uint16_t>& images);
@@ -86,6 +86,6 @@ struct RingSystem {
   ViewKernel kernel;
 };
 /// `normal`: of the vertex whose views these are.
-RingSystem ring_system(const PatchModel& model, const CompactRing& ring, const Eigen::Vector3f& normal);
+RingSystem ring_system(const CompactModel& model, const CompactRing& ring, const Eigen::Vector3f& normal);
 
 }  // namespace sheen

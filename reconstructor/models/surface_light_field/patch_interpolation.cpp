@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/patch_interpolation.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "reconstructor/models/surface_light_field/fill_unseen.h"
+#include "reconstructor/numerics/view_kriging.h"
+
+namespace sheen {
+namespace {
+
+/// Empty without a reflection.
+Eigen::VectorXf drift_of(const Eigen::Matrix3Xf& directions, const ReflectionDrift* reflection,
+                         const Eigen::Vector3f& normal) {
+  Eigen::VectorXf drift(reflection ? directions.cols() : 0);
+  for (Eigen::Index j = 0; j < drift.size(); ++j) drift[j] = reflection->at(directions.col(j), normal);
+  return drift;
+}
+
+const ReflectionDrift* drift_function(const SharedInterpolation& interpolation) {
+  return interpolation.chosen.drift ? interpolation.reflection.get() : nullptr;
+}
+
+/// A patch on its way: at its vertices are its views, not yet what lies between them.
+struct Begun {
+  std::shared_ptr<PatchSnapshot> snapshot;
+  Eigen::MatrixXf coefficients;
+  std::size_t shown_samples = 0;
+};
+
+Begun begun(FactorizedPatch patch, const PatchShape& shape,
+            const std::function<InterpolatedVertex(std::uint32_t)>& vertex) {
+  Begun begun{std::make_shared<PatchSnapshot>(), std::move(patch.coefficients), 0};
+  PatchSnapshot& snapshot = *begun.snapshot;
+  snapshot.basis = std::move(patch.basis);
+  snapshot.shown = std::move(patch.shown);
+  begun.shown_samples = snapshot.shown_samples();
+  snapshot.vertices.reserve(shape.vertices.size());
+  for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
+    const InterpolatedVertex here = vertex(shape.vertices[i]);
+    SiteViews seen = patch.views.seen_from_vertex(i, here.place);
+    VertexInterpolant& at = snapshot.vertices.emplace_back();
+    at.frame = here.frame;
+    at.residual = patch.residual;
+    at.best_cosine = (here.frame.row(2) * seen.directions).maxCoeff();
+    at.views_folded = patch.images;
+    at.directions = std::move(seen.directions);
+    at.reliability = std::move(seen.reliability);
+  }
+  return begun;
+}
+
+/// All patches that were begun round a vertex.
+void interpolate_at(const InterpolatedVertex& vertex, std::span<const PatchVertex> round,
+                    const std::vector<Begun>& patches, ViewMethod method) {
+  struct Waiting {
+    const Begun* patch;
+    VertexInterpolant* at;
+  };
+  std::vector<Waiting> waiting;
+  for (const auto& [patch, index] : round)
+    if (patches[patch].snapshot) waiting.push_back({&patches[patch], &patches[patch].snapshot->vertices[index]});
+  const SharedInterpolation& interpolation = vertex.interpolation;
+  const Eigen::Vector3f normal = vertex.frame.row(2);
+  while (!waiting.empty()) {
+    const VertexInterpolant& first = *waiting.back().at;
+    const auto same = std::partition(waiting.begin(), waiting.end(),
+                                     [&](const Waiting& other) { return !same_views(*other.at, first); });
+    const ViewKriging kriging(first.directions, first.reliability, interpolation.chosen.kernel,
+                              drift_of(first.directions, drift_function(interpolation), normal));
+    for (auto patch = same; patch != waiting.end(); ++patch) {
+      patch->at->set_interpolation(kriging.of(patch->patch->coefficients), interpolation.chosen.kernel,
+                                   interpolation.reflection, patch->patch->shown_samples);
+      if (method == ViewMethod::kDelaunay) patch->at->set_triangulation(patch->patch->coefficients);
+    }
+    waiting.erase(same, waiting.end());
+  }
+}
+
+}  // namespace
+
+std::vector<std::shared_ptr<const PatchSnapshot>> interpolated(
+    const PatchShapes& shapes, const VertexRings& maps,
+    const std::function<std::optional<FactorizedPatch>(std::uint32_t)>& settle,
+    const std::function<InterpolatedVertex(std::uint32_t)>& vertex, ViewMethod method) {
+  std::vector<Begun> patches(shapes.patches.size());
+  const auto count = static_cast<std::uint32_t>(patches.size());
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, count, 8), [&](const auto& range) {
+    for (std::uint32_t p = range.begin(); p < range.end(); ++p)
+      if (std::optional<FactorizedPatch> patch = settle(p))
+        patches[p] = begun(std::move(*patch), shapes.patches[p], vertex);
+  });
+  const auto vertices = static_cast<std::uint32_t>(shapes.first_round.size() - 1);
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, vertices, 8), [&](const auto& range) {
+    for (std::uint32_t v = range.begin(); v < range.end(); ++v)
+      interpolate_at(vertex(v), shapes.round(v), patches, method);
+  });
+  std::vector<std::shared_ptr<const PatchSnapshot>> snapshots(patches.size());
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, count, 32), [&](const auto& range) {
+    std::vector<int> resolution;
+    for (std::uint32_t p = range.begin(); p < range.end(); ++p) {
+      if (!patches[p].snapshot) continue;
+      resolution.clear();
+      for (const std::uint32_t t : shapes.patches[p].triangles) resolution.push_back(maps.resolution(t));
+      fill_unseen_samples(*patches[p].snapshot, resolution);
+      snapshots[p] = std::move(patches[p].snapshot);
+    }
+  });
+  return snapshots;
+}
+
+Eigen::VectorXf interpolated(const SiteViews& views, const Eigen::MatrixXf& coefficients,
+                             const SharedInterpolation& interpolation, const Eigen::Vector3f& normal,
+                             const Eigen::Vector3f& direction) {
+  const ViewInterpolant interpolant =
+      krige(views.directions, coefficients, views.reliability, interpolation.chosen.kernel,
+            drift_of(views.directions, drift_function(interpolation), normal));
+  Eigen::VectorXf h = interpolate(interpolant, views.directions, interpolation.chosen.kernel, direction);
+  if (interpolant.drift.size() > 0) h += interpolation.reflection->at(direction, normal) * interpolant.drift;
+  return h;
+}
+
+InterpolationErrors interpolation_errors(const SiteViews& views, const Eigen::MatrixXf& coefficients,
+                                         const ReflectionDrift* reflection, const Eigen::Vector3f& normal) {
+  return interpolation_errors(views.directions, coefficients, views.reliability,
+                              drift_of(views.directions, reflection, normal));
+}
+
+RingLevels patch_levels(SiteViews views, const Eigen::MatrixXf& mean_rows, const Eigen::MatrixXf& coefficients,
+                        const Eigen::Vector3f& normal) {
+  if (mean_rows.cols() == 0) return {normal, {}, {}, {}};  // all is black, or waits to be folded
+  return {normal, std::move(views.directions), mean_rows * coefficients, std::move(views.reliability)};
+}
+
+}  // namespace sheen

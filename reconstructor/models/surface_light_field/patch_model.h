@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "reconstructor/models/surface_light_field/choice_schedule.h"
+#include "reconstructor/models/surface_light_field/patch_interpolation.h"
+#include "reconstructor/models/surface_light_field/view_set.h"
+#include "reconstructor/numerics/ring_factor.h"
+
+namespace sheen {
+
+struct PatchModelOptions {
+  RingFactorOptions factor;
+  int triangles = 2;             ///< of a patch, at most
+  int max_views = 96;            ///< kept per patch; beyond it the two nearest ones become one
+  double min_visible = 0.1;      ///< fraction of a patch's samples that an image must show
+  double repeat_angle = 0.0175;  ///< rad from a kept view within which an image may be a repetition of it; 0 = none is
+  ViewInterpolationOptions interpolation;
+  double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
+};
+
+/// As the factor of a patch takes them: three channels, and the noise of a camera.
+RingFactorOptions patch_factor_options(RingFactorOptions options);
+
+/// Weight of an image in a patch's factor: what it does not show is a guess that only repeats the basis, so it counts
+/// for less than its fraction (docs/decisions/missing_samples.md). The paper's imputation has no weights.
+double image_weight(const RingFactorOptions& options, double share_shown);
+
+/// The surface light field of one patch as it grows: the online SVD of what was seen (RingFactor) and from where
+/// (ViewSet), in the same numbering. How it varies between the views is the vertices' own (InterpolationUpkeep).
+class PatchModel {
+ public:
+  /// `centre`: of the patch. Patches of differing `phase` fold their columns and want to choose their interpolation at
+  /// different images, which spreads the work.
+  PatchModel(int samples, std::size_t vertices, const SurfaceSite& centre, const PatchModelOptions& options,
+             unsigned phase = 0);
+
+  struct Absorbed {
+    bool used = false;                 ///< false: too little of the patch is visible
+    bool wants_interpolation = false;  ///< enough images have come to choose it again
+    double energy = 0;                 ///< of the columns that this one's coming folded: ||c||^2 over what they show
+    double residual_energy = 0;        ///< of the same: ||p||^2, what the patch's basis did not predict of them
+  };
+
+  /// Ingests what one image shows. `column`: encoded values of all rows; values of samples that are not `visible` mean
+  /// nothing, here and below. `eye`: object frame. `reliability` in (0, 1], at each vertex, weighs the image in the
+  /// interpolation between views.
+  Absorbed absorb(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& eye,
+                  std::span<const float> reliability);
+
+  void fold_pending();  ///< the images that wait to be folded
+
+  /// Takes out again what an image gave: the arguments are those with which it was absorbed. Exact for the view itself;
+  /// what the image left in the others (samples that were imputed with its help, the filtered residual) stays.
+  void withdraw(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& eye);
+
+  /// Cosine of the angle at the patch's centre between an eye and the nearest view; -1 when there is none.
+  float nearest_cosine(const Eigen::Vector3f& eye) const;
+  /// Whether an image from there is near enough to a view to be a repetition of it.
+  bool may_repeat(const Eigen::Vector3f& eye) const;
+  /// Whether a column from there is also what that view showed, as closely as the basis explains any image: absorbing
+  /// it would add nothing. Looks at an eighth of the samples; every sample that it looks at must have been shown
+  /// before.
+  bool repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& eye) const;
+
+  /// Lets go of terms beyond lower limits (RingFactor::limit); they hold from now on.
+  void limit_terms(int max_rank, int internal_rank, int block);
+
+  /// How the patch as it stands, before an image is absorbed, predicts the image, interpolated at its centre: over the
+  /// values that the image shows and earlier ones did, encoded.
+  struct Prediction {
+    double squared_error = 0;
+    std::size_t values = 0;
+  };
+  Prediction predict(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& eye,
+                     const SharedInterpolation& interpolation) const;
+
+  bool can_choose_interpolation() const;  ///< there are views enough to say how fast the patch varies
+  /// At its centre. Errors with the drift are infinite without a reflection, and with too few views.
+  InterpolationErrors interpolation_errors(const ReflectionDrift* reflection) const;
+  void interpolation_chosen() { schedule_.chosen_at(images_); }
+  RingLevels levels() const;
+
+  int rank() const { return factor_.displayed_rank(); }
+  int views() const { return factor_.views(); }
+  const RingFactor& factor() const { return factor_; }
+  std::size_t bytes() const;
+  std::size_t snapshot_bytes(std::size_t vertices) const;  ///< of `snapshot`, whether it is there or not
+  /// Upper bounds of these for a patch of so many samples, whatever images come; of many patches, by their mean.
+  static double largest_bytes(double samples, double vertices, const PatchModelOptions& options);
+  static double largest_snapshot_bytes(double samples, double vertices, const PatchModelOptions& options);
+
+  /// The patch as it now stands, columns that wait to be folded included; none before an image. Taking it changes
+  /// nothing.
+  std::optional<FactorizedPatch> factorized() const;
+  /// The snapshot made of that, which is kept until something changes; null when it was not made or no longer is true.
+  void keep(std::shared_ptr<const PatchSnapshot> snapshot) { snapshot_ = std::move(snapshot); }
+  const std::shared_ptr<const PatchSnapshot>& snapshot() const { return snapshot_; }
+
+ private:
+  FactorizedPatch settled() const;
+  Eigen::MatrixXf mean_shown_rows() const;
+  Eigen::MatrixXf with_pending(const Eigen::Ref<const Eigen::MatrixXf>& folded) const;
+  Eigen::MatrixXf known_coefficients() const;
+  void follow(const RingFactor::Reports& reports, Absorbed& result);
+  bool shows_enough(std::size_t shown, std::size_t samples) const;
+  void thin_views();
+
+  PatchModelOptions options_;
+  SurfaceSite centre_;
+  RingFactor factor_;
+  ViewSet views_;
+  ChoiceSchedule schedule_;
+  std::vector<std::uint16_t> shown_;  ///< for each sample: images that showed it, as far as the type counts
+  int images_ = 0;                    ///< ingested
+  float residual_ = 1;
+  std::shared_ptr<const PatchSnapshot> snapshot_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/patch_set.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace sheen {
+namespace {
+
+std::vector<SurfaceSite> centres_of(const Mesh& mesh, const PatchShapes& shapes) {
+  std::vector<SurfaceSite> centres;
+  centres.reserve(shapes.patches.size());
+  for (const PatchShape& patch : shapes.patches) centres.push_back(centre_of(mesh, patch));
+  return centres;
+}
+
+}  // namespace
+
+SurfaceSite centre_of(const Mesh& mesh, const PatchShape& patch) {
+  SurfaceSite centre{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+  float area = 0;
+  for (const std::uint32_t t : patch.triangles) {
+    const Eigen::Vector3f normal = mesh.area_normal(t);
+    centre.place += normal.norm() * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
+    centre.normal += normal;
+    area += normal.norm();
+  }
+  if (area > 0)
+    centre.place /= area;
+  else
+    centre.place = mesh.corner(patch.triangles.front(), 0);
+  centre.normal.normalize();
+  return centre;
+}
+
+PatchSet::PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> maps,
+                   std::span<const Eigen::Matrix3f> frames, const PatchModelOptions& options)
+    : mesh_(std::move(mesh)),
+      maps_(std::move(maps)),
+      shapes_(std::make_shared<const PatchShapes>(
+          cut_into_patches(*mesh_, *maps_, static_cast<std::size_t>(options.triangles)))),
+      frames_(frames),
+      options_(options),
+      centres_(centres_of(*mesh_, *shapes_)),
+      models_(shapes_->patches.size()),
+      interpolation_(shapes_, options.interpolation) {}
+
+bool PatchSet::gather(std::size_t patch, const ShownImage& image, PatchColumn& column) const {
+  return sheen::gather(*maps_, shapes_->patches[patch], image, column);
+}
+
+std::vector<std::uint32_t> PatchSet::shown_by(const SurfaceView& view) const {
+  std::vector<std::uint32_t> shown;
+  for (std::uint32_t p = 0; p < shapes_->patches.size(); ++p)
+    if (shows(view, shapes_->patches[p])) shown.push_back(p);
+  return shown;
+}
+
+std::vector<std::uint32_t> PatchSet::newest(Indices shown, const SurfaceView& view, std::size_t wanted) const {
+  std::vector<std::pair<float, std::uint32_t>> by_novelty(shown.size());
+  tbb::parallel_for(std::size_t{0}, shown.size(), [&](std::size_t i) {
+    const std::uint32_t p = shown[i];
+    by_novelty[i] = {models_[p] ? models_[p]->nearest_cosine(view.eye.cast<float>()) : -2.0f, p};
+  });
+  std::nth_element(by_novelty.begin(), by_novelty.begin() + static_cast<std::ptrdiff_t>(wanted), by_novelty.end());
+  std::vector<std::uint32_t> newest(wanted);
+  for (std::size_t i = 0; i < wanted; ++i) newest[i] = by_novelty[i].second;
+  std::sort(newest.begin(), newest.end());
+  return newest;
+}
+
+std::size_t PatchSet::count_repeated(Indices tested, const ShownImage& image) const {
+  PatchColumn column;
+  const auto repeated = std::count_if(tested.begin(), tested.end(), [&](std::uint32_t p) {
+    return models_[p] && gather(p, image, column) &&
+           models_[p]->repeats(column.values, column.visible, image.view.eye.cast<float>());
+  });
+  return static_cast<std::size_t>(repeated);
+}
+
+PatchModel::Prediction PatchSet::predict(Indices asked, const ShownImage& image) const {
+  std::vector<PatchModel::Prediction> predicted(asked.size());
+  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
+    const std::uint32_t p = asked[i];
+    PatchColumn column;
+    if (gather(p, image, column))
+      predicted[i] = models_[p]->predict(column.values, column.visible, image.view.eye.cast<float>(),
+                                         interpolation_.of(shapes_->patches[p].vertices.front()));
+  });
+  PatchModel::Prediction all;
+  for (const PatchModel::Prediction& patch : predicted) {
+    all.squared_error += patch.squared_error;
+    all.values += patch.values;
+  }
+  return all;
+}
+
+PatchSet::Update PatchSet::absorb(Indices chosen, const ShownImage& image, std::size_t images) {
+  Update update;
+  update.repeated.assign(chosen.size(), 0);
+  std::vector<PatchModel::Absorbed> absorbed(chosen.size());
+  const Eigen::Vector3f eye = image.view.eye.cast<float>();
+  const std::vector<float> reliability = reliability_at_vertices(*maps_, image.view);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chosen.size(), 4), [&](const auto& range) {
+    PatchColumn column;
+    std::vector<float> at_vertices;
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const std::uint32_t p = chosen[i];
+      std::unique_ptr<PatchModel>& patch = models_[p];
+      if (!patch)
+        patch = std::make_unique<PatchModel>(static_cast<int>(shapes_->patches[p].samples),
+                                             shapes_->patches[p].vertices.size(), centres_[p], options_, p);
+      gather(p, image, column);
+      update.repeated[i] = patch->repeats(column.values, column.visible, eye);
+      if (update.repeated[i]) continue;
+      at_vertices.clear();
+      for (const std::uint32_t v : shapes_->patches[p].vertices) at_vertices.push_back(reliability[v]);
+      absorbed[i] = patch->absorb(column.values, column.visible, eye, at_vertices);
+    }
+  });
+  const auto repeated = static_cast<std::size_t>(std::count(update.repeated.begin(), update.repeated.end(), 1));
+  if (2 * repeated > chosen.size())
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chosen.size(), 4), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i)
+        if (absorbed[i].used) models_[chosen[i]]->fold_pending();
+    });
+  std::vector<std::uint32_t> undecided;
+  for (std::size_t i = 0; i < absorbed.size(); ++i) {
+    if (!absorbed[i].used) continue;
+    ++update.updated;
+    update.energy += absorbed[i].energy;
+    update.residual_energy += absorbed[i].residual_energy;
+    if (absorbed[i].wants_interpolation) undecided.push_back(chosen[i]);
+  }
+  interpolation_.after_image(images, undecided, models_);
+  return update;
+}
+
+void PatchSet::withdraw(const ShownImage& image, const std::vector<bool>& taken, std::size_t images) {
+  const Eigen::Vector3f eye = image.view.eye.cast<float>();
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, models_.size(), 8), [&](const auto& range) {
+    PatchColumn column;
+    for (std::size_t p = range.begin(); p < range.end(); ++p)
+      if ((taken.empty() ? models_[p] != nullptr : taken[p]) && gather(p, image, column))
+        models_[p]->withdraw(column.values, column.visible, eye);
+  });
+  interpolation_.rebuild(images, models_);
+}
+
+void PatchSet::limit_terms(int max_rank, int internal_rank, int block) {
+  options_.factor = options_.factor.limited_to(max_rank, internal_rank, block);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, models_.size(), 8), [&](const auto& range) {
+    for (std::size_t p = range.begin(); p < range.end(); ++p)
+      if (models_[p]) models_[p]->limit_terms(max_rank, internal_rank, block);
+  });
+}
+
+/// Whether the patch's snapshot interpolates as its vertices now do.
+bool PatchSet::is_latest(std::uint32_t patch) const {
+  const PatchSnapshot* const snapshot = models_[patch]->snapshot().get();
+  if (!snapshot) return false;
+  const std::vector<std::uint32_t>& vertices = shapes_->patches[patch].vertices;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const VertexInterpolant& shown = snapshot->vertices[i];
+    const auto [chosen, reflection] = interpolation_.of(vertices[i]);
+    if (shown.kernel != chosen.kernel || shown.reflection != (chosen.drift ? reflection : nullptr)) return false;
+  }
+  return true;
+}
+
+std::vector<std::shared_ptr<const PatchSnapshot>> PatchSet::snapshots() {
+  const auto settle = [&](std::uint32_t p) {
+    return models_[p] && !is_latest(p) ? models_[p]->factorized() : std::nullopt;
+  };
+  std::vector<std::shared_ptr<const PatchSnapshot>> snapshots = interpolated(
+      *shapes_, *maps_, settle, [&](std::uint32_t v) { return at_vertex(v); }, options_.interpolation.method);
+  for (std::size_t p = 0; p < snapshots.size(); ++p) {
+    if (snapshots[p]) models_[p]->keep(snapshots[p]);
+    if (models_[p]) snapshots[p] = models_[p]->snapshot();
+  }
+  return snapshots;
+}
+
+std::vector<std::shared_ptr<const PatchSnapshot>> PatchSet::finish() {
+  const auto settle = [&](std::uint32_t p) {
+    const std::unique_ptr<PatchModel> last = std::move(models_[p]);
+    return last ? last->factorized() : std::nullopt;
+  };
+  return interpolated(
+      *shapes_, *maps_, settle, [&](std::uint32_t v) { return at_vertex(v); }, options_.interpolation.method);
+}
+
+std::size_t PatchSet::bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& patch : models_)
+    if (patch) bytes += patch->bytes();
+  return bytes;
+}
+
+std::size_t PatchSet::snapshot_bytes() const {
+  std::size_t bytes = 0;
+  for (std::size_t p = 0; p < models_.size(); ++p)
+    if (models_[p]) bytes += models_[p]->snapshot_bytes(shapes_->patches[p].vertices.size());
+  return bytes;
+}
+
+std::vector<std::size_t> PatchSet::rank_histogram() const {
+  std::vector<std::size_t> histogram;
+  for (const auto& patch : models_) {
+    if (!patch || patch->views() == 0) continue;
+    const auto rank = static_cast<std::size_t>(patch->rank());
+    if (histogram.size() <= rank) histogram.resize(rank + 1, 0);
+    ++histogram[rank];
+  }
+  return histogram;
+}
+
+}  // namespace sheen

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
+#include "reconstructor/models/surface_light_field/patch_column.h"
+#include "reconstructor/models/surface_light_field/patch_model.h"
+#include "reconstructor/models/surface_light_field/patch_shapes.h"
+#include "reconstructor/surface/ring_visibility.h"
+#include "reconstructor/surface/vertex_ring.h"
+
+namespace sheen {
+
+/// Mean of a patch's triangles, by their areas.
+SurfaceSite centre_of(const Mesh& mesh, const PatchShape& patch);
+
+/// The patches of a light field and what images do to them. Patches do not depend on each other but by how their
+/// vertices interpolate, so they are worked on in parallel; everything here depends on the images alone.
+class PatchSet {
+ public:
+  using Indices = std::span<const std::uint32_t>;  ///< of patches, ascending
+
+  /// `frames`: of the vertices' hemispheres.
+  PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> maps,
+           std::span<const Eigen::Matrix3f> frames, const PatchModelOptions& options);
+
+  const std::shared_ptr<const PatchShapes>& shapes() const { return shapes_; }
+  bool reached(std::uint32_t patch) const { return models_[patch] != nullptr; }  ///< by an image that shows enough
+
+  /// Patches of which an image shows something.
+  std::vector<std::uint32_t> shown_by(const SurfaceView& view) const;
+  /// Of these, so many: those for which the direction of the image is newest.
+  std::vector<std::uint32_t> newest(Indices shown, const SurfaceView& view, std::size_t wanted) const;
+  /// How many of these have seen what the image shows of them (PatchModel::repeats).
+  std::size_t count_repeated(Indices tested, const ShownImage& image) const;
+  /// How the patches, before they ingest the image, predict what it shows of them.
+  PatchModel::Prediction predict(Indices asked, const ShownImage& image) const;
+
+  struct Update {
+    std::vector<std::uint8_t> repeated;  ///< for each patch: it was shown nothing new and took nothing
+    std::size_t updated = 0;
+    double energy = 0, residual_energy = 0;  ///< PatchModel::Absorbed, of all
+  };
+  /// The patches `chosen` ingest the image, the `images`th. Where most have seen what it shows, the few that use it
+  /// fold it at once.
+  Update absorb(Indices chosen, const ShownImage& image, std::size_t images);
+  /// The patches that ingested the image, all that it shows when `taken` is empty, remove it; `images` are left.
+  void withdraw(const ShownImage& image, const std::vector<bool>& taken, std::size_t images);
+
+  /// In all patches at once.
+  void limit_terms(int max_rank, int internal_rank, int block);
+  std::vector<std::shared_ptr<const PatchSnapshot>> snapshots();
+  /// The same for the last time: each patch is let go of when its snapshot is there.
+  std::vector<std::shared_ptr<const PatchSnapshot>> finish();
+
+  std::size_t size() const { return models_.size(); }
+  std::size_t bytes() const;
+  std::size_t snapshot_bytes() const;
+  /// [patches of rank 0, 1, ...], patches that no image reached left out.
+  std::vector<std::size_t> rank_histogram() const;
+
+ private:
+  bool is_latest(std::uint32_t patch) const;
+  InterpolatedVertex at_vertex(std::uint32_t vertex) const {
+    return {mesh_->vertices[vertex], frames_[vertex], interpolation_.of(vertex)};
+  }
+  bool gather(std::size_t patch, const ShownImage& image, PatchColumn& column) const;
+
+  std::shared_ptr<const Mesh> mesh_;
+  std::shared_ptr<const VertexRings> maps_;
+  std::shared_ptr<const PatchShapes> shapes_;
+  std::span<const Eigen::Matrix3f> frames_;
+  PatchModelOptions options_;
+  std::vector<SurfaceSite> centres_;  ///< per patch
+  std::vector<std::unique_ptr<PatchModel>> models_;
+  InterpolationUpkeep interpolation_;
+};
+
+}  // namespace sheen

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/geometry/mesh.h"
+#include "reconstructor/surface/vertex_ring.h"
+
+namespace sheen {
+
+/// Triangles that share one basis.
+struct PatchShape {
+  std::vector<std::uint32_t> triangles;
+  std::vector<std::uint32_t> first_sample;  ///< of each triangle among the patch's
+  std::uint32_t samples = 0;
+  std::vector<std::uint32_t> vertices;  ///< corners of the triangles, ascending
+};
+
+/// A vertex of a patch: the patch, and which of `PatchShape::vertices`.
+struct PatchVertex {
+  std::uint32_t patch;
+  std::uint32_t vertex;
+};
+
+/// What a triangle is drawn with.
+struct TrianglePlace {
+  std::uint32_t patch;
+  std::uint32_t first_sample;            ///< of the triangle's samples among the patch's
+  std::array<std::uint32_t, 3> columns;  ///< of `LightFieldSnapshot::coefficients_for`, for its corners
+};
+
+/// A mesh cut into patches.
+struct PatchShapes {
+  std::vector<PatchShape> patches;
+  std::vector<std::uint32_t> patch_of;      ///< per triangle
+  std::vector<std::uint32_t> first_sample;  ///< per triangle, in its patch
+
+  /// The vertices of all patches in a row, a patch after the other: what view coefficients are numbered by.
+  std::vector<std::uint32_t> first_column;   ///< per patch, and behind the last: of its vertices
+  std::vector<std::uint32_t> corner_column;  ///< three per triangle: of its corner in its patch
+  std::size_t columns() const { return first_column.back(); }
+  TrianglePlace place(std::size_t triangle) const {
+    const std::uint32_t* const columns = &corner_column[3 * triangle];
+    return {patch_of[triangle], first_sample[triangle], {columns[0], columns[1], columns[2]}};
+  }
+
+  /// The patches that have the vertex.
+  std::span<const PatchVertex> round(std::size_t vertex) const {
+    return std::span(patch_vertices).subspan(first_round[vertex], first_round[vertex + 1] - first_round[vertex]);
+  }
+  std::vector<PatchVertex> patch_vertices;  ///< by vertex
+  std::vector<std::uint32_t> first_round;   ///< per vertex, and behind the last
+};
+
+/// `patch_of`: for each triangle its patch; of 0 .. n - 1, each must have a triangle.
+PatchShapes patch_shapes(const Mesh& mesh, const VertexRings& rings, std::vector<std::uint32_t> patch_of);
+
+/// Patches of so many neighbouring triangles. They depend on connections alone, in whole numbers, so that a reader cuts
+/// a mesh the same way.
+PatchShapes cut_into_patches(const Mesh& mesh, const VertexRings& rings, std::size_t most_triangles);
+
+}  // namespace sheen

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "reconstructor/models/surface_light_field/light_field_snapshot.h"
+#include "reconstructor/numerics/view_kriging.h"
+#include "reconstructor/surface/view_hemisphere.h"
+
+namespace sheen {
+
+/// View functions h_r of a patch at one of its vertices, interpolated by kriging between the patch's views as they are
+/// seen from the vertex:
+/// h(d) = mean + drift * reflection(d mirrored about the normal) + sum_j weights.col(j) * k(angle(d,
+/// directions.col(j))).
+struct VertexInterpolant : RingViews {
+  Eigen::MatrixXf weights;  ///< rank x views: kriging in its dual form
+  Eigen::VectorXf mean;     ///< rank
+  Eigen::VectorXf drift;    ///< rank: of the reflection that all share; empty where the vertex does without
+  /// Where views are interpolated as the paper does it, for comparison: `weights` are the views' own coefficients then,
+  /// and mean and drift are none. Null for kriging.
+  std::shared_ptr<const ViewTriangulation> triangulation;
+
+  /// Takes over mean, weights, drift and sill of a patch of which images showed so many `samples`. `shared`: the
+  /// reflection that the interpolant's drift is of, if it has one.
+  void set_interpolation(ViewInterpolant interpolant, const ViewKernel& view_kernel,
+                         std::shared_ptr<const ReflectionDrift> shared, std::size_t samples);
+
+  /// Interpolates the views' coefficients (rank x views) over the Delaunay triangulation of their directions instead.
+  void set_triangulation(const Eigen::MatrixXf& coefficients);
+
+  std::size_t bytes() const;
+  /// h(d) for a unit direction from the vertex to the eye.
+  Eigen::VectorXf coefficients(const Eigen::Vector3f& direction) const;
+};
+
+/// Whether both see the same images from the same place, to the last bit.
+bool same_views(const VertexInterpolant& a, const VertexInterpolant& b);
+
+/// `VertexInterpolant::coefficients` of patches that share a vertex, for one direction: those that have the same views
+/// as the one before them share what kernel and reflection are there.
+class CoefficientsAtVertex {
+ public:
+  /// `direction`: unit, from the vertex to the eye.
+  explicit CoefficientsAtVertex(const Eigen::Vector3f& direction) : direction_(direction) {}
+
+  Eigen::VectorXf of(const VertexInterpolant& vertex);
+
+ private:
+  Eigen::Vector3f direction_, normal_ = Eigen::Vector3f::Zero();
+  const VertexInterpolant* last_ = nullptr;
+  Eigen::VectorXf covariances_;
+  const ReflectionDrift* reflection_ = nullptr;
+  float reflected_ = 0;
+};
+
+/// The light field of one patch, factorized (000 sec. 4.1): surface maps of its triangles, and view functions at each
+/// of its vertices.
+struct PatchSnapshot : SurfacePatch {
+  std::vector<VertexInterpolant> vertices;  ///< as `PatchShape::vertices`
+
+  bool seen() const;  ///< some image showed something of it
+  std::size_t shown_samples() const;
+  std::size_t bytes() const;
+};
+
+}  // namespace sheen
