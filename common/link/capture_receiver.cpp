@@ -23,9 +23,10 @@ using std::chrono::milliseconds;
 
 constexpr std::int64_t kMaxIncomingBytes = std::int64_t(300) << 20;
 constexpr milliseconds kPoll{100}, kPollUntilWelcome{10};
-constexpr milliseconds kHelloAgain{500};   // while no welcome comes
-constexpr milliseconds kResendPause{100};  // between two requests to send again
-constexpr milliseconds kReopenPause{500};  // after a refused handshake
+constexpr milliseconds kHelloAgain{500};    // while no welcome comes; then twice as late each time, for only the answer
+constexpr milliseconds kHelloLatest{8000};  // to the latest hello counts, and it may come behind images on a slow link
+constexpr milliseconds kResendPause{100};   // between two requests to send again
+constexpr milliseconds kReopenPause{500};   // after a refused handshake
 constexpr milliseconds kCompareClocks{1000};
 constexpr milliseconds kLastWords{250};  // for acknowledgements to leave when the receiver closes
 constexpr int kMaxCredits = 256;
@@ -85,8 +86,9 @@ struct CaptureReceiver::Impl {
   std::string session;                 ///< the sender's, once it has welcomed us
   bool link_up = false, welcomed = false, end_unsaid = false;
   Clock::time_point hello_due{}, last_hello{};
-  std::int64_t hello_clock_ns = 0;  ///< of the latest hello
-  std::int64_t asked_clock_ns = 0;  ///< of the latest question about the sender's clock
+  milliseconds hello_wait = kHelloAgain;  ///< for the answer to the next hello
+  std::int64_t hello_clock_ns = 0;        ///< of the latest hello
+  std::int64_t asked_clock_ns = 0;        ///< of the latest question about the sender's clock
   Clock::time_point ask_clock_due{};
   ClockComparison clock;
   std::optional<Clock::time_point> reopen_due;
@@ -153,6 +155,7 @@ void CaptureReceiver::Impl::handle_events() {
     link_up = kind == SocketEvents::Kind::kConnected;
     welcomed = stats.connected = false;
     hello_due = Clock::now();
+    hello_wait = kHelloAgain;
     clock.forget();  // who comes back may be another machine
     stats.clock.reset();
     if (kind == SocketEvents::Kind::kKeyRefused)
@@ -265,6 +268,7 @@ void CaptureReceiver::Impl::take_welcome(const Welcome& welcome) {
   if (session != welcome.source_session) stats.ended = false;
   session = welcome.source_session;
   welcomed = stats.connected = true;
+  hello_wait = kHelloAgain;
 }
 
 void CaptureReceiver::Impl::take_end(const End& end) {
@@ -281,6 +285,7 @@ void CaptureReceiver::Impl::take_refusal(const Refuse& refuse) {
   stats.last_error = "the sender refused: " + refuse.reason;
   welcomed = stats.connected = false;
   hello_due = Clock::now() + kHelloAgain;
+  hello_wait = kHelloAgain;
 }
 
 /// A new hello makes the sender go on after what this side has.
@@ -327,7 +332,8 @@ void CaptureReceiver::Impl::say_hello() {
                     .clock_ns = steady_now_ns()};
   last_hello = Clock::now();
   if (!send(MessageType::kHello, encode(hello))) return;
-  hello_due = last_hello + kHelloAgain;
+  hello_due = last_hello + hello_wait;
+  hello_wait = std::min(2 * hello_wait, kHelloLatest);
   hello_clock_ns = asked_clock_ns = hello.clock_ns;
   ask_clock_due = last_hello + kCompareClocks;
   granted_by_hello = hello.credits;

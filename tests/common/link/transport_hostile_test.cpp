@@ -72,6 +72,16 @@ TEST(HostileSender, AGapIsNotAcceptedButAskedForAgain) {
   EXPECT_EQ(peer.receiver->stats().missing, 0u);
 }
 
+TEST(HostileSender, AnAnswerMayTakeLongerThanAHelloIsRepeatedAfter) {
+  FakeSender peer;
+  for (int hello = 0; hello < 2; ++hello) {
+    const Hello heard = peer.hear_hello();
+    std::this_thread::sleep_for(700ms);  // behind large images on a slow link
+    peer.say(MessageType::kWelcome, Welcome{"s", 1, heard.clock_ns, heard.clock_ns + FakeSender::kAhead_ns});
+  }
+  EXPECT_TRUE(eventually([&] { return peer.receiver->stats().connected; }));
+}
+
 TEST(HostileSender, DuplicatesAreDroppedAndCounted) {
   FakeSender peer;
   peer.welcome();
