@@ -74,7 +74,7 @@ struct Run {
   std::vector<double> ms;  ///< an accepted image
   double psnr_db = 0;      ///< of the held-out stations
   std::size_t bytes = 0;
-  double bytes_per_ring = 0;
+  double bytes_per_patch = 0;
   double eye_ms = 0;  ///< what a picture from a new place costs before it is drawn
   std::map<std::string, double> stage_ms;
   Reconstruction::Effort effort;
@@ -88,7 +88,7 @@ struct Run {
   }
 };
 
-/// Median over places round the object: the view coefficients of all rings.
+/// Median over places round the object: the view coefficients of all patches.
 double eye_ms(const ModelSnapshot& model) {
   const auto& snapshot = dynamic_cast<const SurfaceLightFieldSnapshot&>(model);
   std::vector<double> ms;
@@ -116,7 +116,7 @@ Run ingest(const Mesh& mesh, const SurfaceLightFieldOptions& options, const std:
   run.psnr_db = reconstruction.judge().model.psnr_db;
   run.eye_ms = eye_ms(*reconstruction.snapshot());
   run.bytes = reconstruction.model().figures().bytes;
-  run.bytes_per_ring = reconstruction.model().figures().bytes_per_patch;
+  run.bytes_per_patch = reconstruction.model().figures().bytes_per_patch;
   for (const auto& [stage, seconds] : reconstruction.account().stages()) run.stage_ms[stage] = 1e3 * seconds.median_s();
   run.effort = reconstruction.effort();
   run.patches = reconstruction.account().patches();
@@ -149,8 +149,8 @@ void measure(GoalReport& report) {
   const double early = paper.around(30), late = paper.around(static_cast<std::ptrdiff_t>(paper.ms.size()) - 10);
   report.add(at_most(1.2, {}, "image 300 over image 30", late / early, "ratio",
                      {{"image_30_ms", early}, {"image_300_ms", late}}));
-  report.add(at_most(400, {}, "state a ring", paper.bytes_per_ring / 1e3, "kB"));
-  report.add({.name = "view coefficients of all rings for an eye", .value = paper.eye_ms, .unit = "ms"});
+  report.add(at_most(400, {}, "state of a patch", paper.bytes_per_patch / 1e3, "kB"));
+  report.add({.name = "view coefficients of all patches for an eye", .value = paper.eye_ms, .unit = "ms"});
 
   const Run hurried = ingest(object.mesh, options, captures, {.image_ms = kBudgetMs});
   report.add(at_least(30, {}, "ingest, --budget 33ms", hurried.rate(), "images/s",
@@ -173,8 +173,8 @@ void measure(GoalReport& report) {
   report.add(at_most(1.01, {}, "memory, session ten times as long", double(often.bytes) / double(once.bytes), "ratio",
                      {{"images_per_s", often.rate()},
                       {"lost_db", once.psnr_db - often.psnr_db},
-                      {"rings_skipped", often.patches.skipped},
-                      {"rings_updated", often.patches.updated}}));
+                      {"patches_skipped", often.patches.skipped},
+                      {"patches_updated", often.patches.updated}}));
 }
 
 }  // namespace
