@@ -79,7 +79,7 @@ void continuity(GoalReport& report) {
   }
   std::vector<double> all = ours;
   all.insert(all.end(), ours_early.begin(), ours_early.end());
-  report.add(at_most(2, 0.5, "change of old displayed coefficients a column, p95", 100 * quantile(all, 0.95), "%",
+  report.add(at_most(2, 0.5, "change of old displayed coefficients per column, p95", 100 * quantile(all, 0.95), "%",
                      {{"median", 100 * quantile(all, 0.5)},
                       {"p95_of_columns_24_to_60", 100 * quantile(ours_early, 0.95)},
                       {"p95_behind_column_60", 100 * quantile(ours, 0.95)},
@@ -127,7 +127,7 @@ void bytes(GoalReport& report) {
   }
   const double rows = static_cast<double>(columns.rows()), views = static_cast<double>(columns.cols());
   report.add(at_most(
-      400, 250, "state a ring, internal 24, after 300 views", most, "kB",
+      400, 250, "state per ring, internal 24, after 300 views", most, "kB",
       {{"brand_cap_24_kB", 8 * 24 * (rows + views) / 1e3}, {"batch_keeps_columns_kB", 4 * rows * views / 1e3}}));
 }
 

@@ -145,7 +145,7 @@ void measure_speed(GoalReport& report) {
 
   const std::vector<double> ms = ms_an_image(columns, 12, 180, true);
   const double median = quantile(ms, 0.5);
-  report.add(at_most(60, 33, "3,500 rings all visible, an image, internal 12", median, "ms",
+  report.add(at_most(60, 33, "3,500 rings all visible, per image, internal 12", median, "ms",
                      {{"one_thread_ms", quantile(ms_an_image(columns, 12, 24, false), 0.5)},
                       {"brand_cap_12_ms", brand_ms_an_image(columns)},
                       {"batch_gram_ms", kRings * gram_ms}}));
