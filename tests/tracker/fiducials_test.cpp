@@ -92,7 +92,7 @@ TEST(CornerRefiner, HitsRenderedCornersThroughAPinholeAndALens) {
       EXPECT_GE(found.size(), detected - 1);
       const auto errors = corner_errors(found, r.tags);
       ASSERT_GT(errors.size(), 60u);
-      EXPECT_LT(percentile(errors, 0.5), 0.014);  // 0.018 with profiles that reach farther than the edge is blurred
+      EXPECT_LT(percentile(errors, 0.5), 0.014);
       EXPECT_LT(percentile(errors, 0.95), 0.05);
     }
 }
