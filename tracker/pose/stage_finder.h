@@ -31,8 +31,8 @@ struct StageSighting {
 
 /// Finds a stage coarse to fine. Tags are searched in an image so small that a few remain; the pose that they determine
 /// says where the others are, and each is read there at full resolution. So the search, which is most of the work,
-/// costs a fraction, and small and slanted tags are found that no search sees. Where a coarse image does not show
-/// enough tags, the next finer one is searched, down to `detector.quad_decimate`.
+/// costs a fraction. Where a coarse image does not show enough tags, the next finer one is searched, down to
+/// `detector.quad_decimate`.
 class StageFinder {
  public:
   StageFinder(const Camera& camera, const StageLayout& stage, const StageFinderOptions& options = {});
