@@ -92,19 +92,20 @@ class Kriging {
     return true;
   }
 
+  bool has_drift() const { return drift_.size() > 0; }
   /// Y Z without the drift.
   Matrix<Scalar> ordinary_weights(const Matrix<Scalar>& y) const {
     return y * q_ - (y * row_sums_) * row_sums_.transpose() / total_;
   }
   /// Of the drift: rank; empty without.
   Vector<Scalar> factor(const Matrix<Scalar>& y) const {
-    return drift_.size() > 0 ? Vector<Scalar>(y * drift_weights_ / drift_power_) : Vector<Scalar>();
+    return has_drift() ? Vector<Scalar>(y * drift_weights_ / drift_power_) : Vector<Scalar>();
   }
   /// What Y Z with the drift is less: rank x views.
   Matrix<Scalar> taken_by_drift(const Matrix<Scalar>& y) const { return factor(y) * drift_weights_.transpose(); }
   Vector<Scalar> mean(const Matrix<Scalar>& y) const {
     Vector<Scalar> mean = y * row_sums_ / total_;
-    if (drift_.size() > 0) mean -= factor(y) * (drift_.dot(row_sums_) / total_);
+    if (has_drift()) mean -= factor(y) * (drift_.dot(row_sums_) / total_);
     return mean;
   }
 
@@ -144,7 +145,12 @@ ViewKriging::ViewKriging(const Eigen::Matrix3Xf& directions, const Eigen::Ref<co
   if (views > 2 && drift.size() > 0) system_->kriging.project_out(drift);
 }
 
+ViewKriging::ViewKriging(ViewKriging&&) noexcept = default;
 ViewKriging::~ViewKriging() = default;
+
+bool ViewKriging::has_drift() const {
+  return system_ && system_->kriging.has_drift();
+}
 
 ViewInterpolant ViewKriging::of(const Eigen::Ref<const MatrixXf>& coefficients) const {
   ViewInterpolant result;

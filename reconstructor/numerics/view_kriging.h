@@ -39,8 +39,10 @@ class ViewKriging {
   /// Arguments as of `krige`.
   ViewKriging(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::VectorXf>& reliability,
               const ViewKernel& kernel, const Eigen::VectorXf& drift = {});
+  ViewKriging(ViewKriging&&) noexcept;
   ~ViewKriging();
 
+  bool has_drift() const;  ///< the views are enough for one, and it varies over them
   ViewInterpolant of(const Eigen::Ref<const Eigen::MatrixXf>& coefficients) const;
 
  private:

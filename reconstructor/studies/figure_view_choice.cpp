@@ -92,7 +92,7 @@ std::size_t by_red(const std::vector<Candidate>& all, const std::vector<std::siz
                    const std::vector<std::size_t>& left, SurfaceLightField& model) {
   const auto snapshot = model.light_field_snapshot();
   return most_wanting(all, left, [&](std::size_t vertex, const Eigen::Vector3d& eye) {
-    const RingViews* ring = snapshot->seen_ring(vertex);
+    const SeenRing* ring = snapshot->seen_ring(vertex);
     const Eigen::Vector3f direction = (eye.cast<float>() - snapshot->mesh().vertices[vertex]).normalized();
     return ring ? assess_ring(*ring, direction, snapshot->common_sill()).heuristic() : 1;
   });

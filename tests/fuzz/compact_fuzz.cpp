@@ -41,24 +41,26 @@ SurfaceLightFieldSnapshot small_model() {
     patch->shown.assign(samples, 200);
     for (const std::uint32_t v : shapes->patches[p].vertices) {
       VertexInterpolant& at = patch->vertices.emplace_back();
+      auto from = std::make_shared<RingViews>();
       at.weights = Eigen::MatrixXf::NullaryExpr(2, kViews, [](Eigen::Index i, Eigen::Index j) {
         return 0.3f * static_cast<float>(i + 1) * (j == 1 ? -2.0f : 1.0f);
       });
       at.mean = Eigen::VectorXf::Constant(2, 0.5f);
-      at.frame = hemisphere_frame(mesh->vertices[v].normalized());
-      at.directions.resize(3, kViews);
+      from->frame = hemisphere_frame(mesh->vertices[v].normalized());
+      from->directions.resize(3, kViews);
       for (int k = 0; k < kViews; ++k)
-        at.directions.col(k) =
+        from->directions.col(k) =
             (camera_centre(cameras[static_cast<std::size_t>(k)].camera_from_object).cast<float>() - mesh->vertices[v])
                 .normalized();
-      at.reliability = Eigen::VectorXf::Constant(kViews, 0.5f);
+      from->reliability = Eigen::VectorXf::Constant(kViews, 0.5f);
       if (v == 2) {
         at.drift = Eigen::VectorXf::Constant(2, 0.1f);
-        at.reflection = reflection;
+        from->reflection = reflection;
       }
-      at.kernel = kViewKernels[v];
+      from->kernel = kViewKernels[v];
       at.sill = 0.01f;
       at.views_folded = kViews;
+      at.views = std::move(from);
     }
     data[p] = std::move(patch);
   }

@@ -40,19 +40,21 @@ SurfaceLightFieldSnapshot small_model() {
     patch->shown.assign(shape.samples, 200);
     for (const std::uint32_t v : shape.vertices) {
       VertexInterpolant& at = patch->vertices.emplace_back();
+      auto from = std::make_shared<RingViews>();
       at.weights = Eigen::MatrixXf::Constant(rank, views, 0.3f);
       at.mean = Eigen::VectorXf::Constant(rank, 0.5f);
-      at.frame = hemisphere_frame(mesh->vertices[v].normalized());
-      at.directions.resize(3, views);
+      from->frame = hemisphere_frame(mesh->vertices[v].normalized());
+      from->directions.resize(3, views);
       for (int k = 0; k < views; ++k)
-        at.directions.col(k) = (mesh->vertices[v] * 10 + Eigen::Vector3f(0, 0, 0.1f * k)).normalized();
-      at.reliability = Eigen::VectorXf::Constant(views, 0.5f);
+        from->directions.col(k) = (mesh->vertices[v] * 10 + Eigen::Vector3f(0, 0, 0.1f * k)).normalized();
+      from->reliability = Eigen::VectorXf::Constant(views, 0.5f);
       if (p == 2) {
         at.drift = Eigen::VectorXf::Constant(rank, 0.1f);
-        at.reflection = reflection;
+        from->reflection = reflection;
       }
-      at.kernel = kViewKernels[v];
+      from->kernel = kViewKernels[v];
       at.views_folded = views;
+      at.views = std::move(from);
     }
     data[static_cast<std::size_t>(p)] = std::move(patch);
   }

@@ -41,7 +41,7 @@ struct Sight {
   Eigen::VectorXd variance;  ///< in units of how much the ring varies with the view
 };
 
-Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, const RingViews* ring,
+Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, const SeenRing* ring,
                std::span<const Eigen::Vector3d> eyes) {
   Sight sight;
   std::vector<Eigen::Vector3f> directions;
@@ -54,16 +54,16 @@ Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, con
     directions.push_back(direction);
   }
   const auto n = static_cast<Eigen::Index>(directions.size());
-  const Eigen::Index views = ring ? ring->directions.cols() : 0;
+  const Eigen::Index views = ring ? ring->views->directions.cols() : 0;
   sight.variance = Eigen::VectorXd::Constant(n, kLevel + 1);
   if (views == 0 || n == 0) return sight;
+  const Eigen::Matrix3Xf& seen_from = ring->views->directions;
   Eigen::MatrixXd among(views, views), across(views, n);
   for (Eigen::Index a = 0; a < views; ++a) {
-    for (Eigen::Index b = 0; b <= a; ++b)
-      among(a, b) = among(b, a) = covariance(ring->directions.col(a), ring->directions.col(b));
-    among(a, a) += noise(normal.dot(ring->directions.col(a)));
+    for (Eigen::Index b = 0; b <= a; ++b) among(a, b) = among(b, a) = covariance(seen_from.col(a), seen_from.col(b));
+    among(a, a) += noise(normal.dot(seen_from.col(a)));
     for (Eigen::Index i = 0; i < n; ++i)
-      across(a, i) = covariance(ring->directions.col(a), directions[static_cast<std::size_t>(i)]);
+      across(a, i) = covariance(seen_from.col(a), directions[static_cast<std::size_t>(i)]);
   }
   Eigen::LLT<Eigen::MatrixXd>(among).matrixL().solveInPlace(across);
   sight.variance -= across.colwise().squaredNorm().transpose();
@@ -82,8 +82,8 @@ std::vector<double> image_worth(const LightFieldSnapshot& snapshot, std::span<co
 
   std::vector<Variation> variations(looked_at.size());
   tbb::parallel_for(std::size_t{0}, looked_at.size(), [&](std::size_t i) {
-    if (const RingViews* ring = ring_of(i)) {
-      const auto views = static_cast<double>(ring->directions.cols());
+    if (const SeenRing* ring = ring_of(i)) {
+      const auto views = static_cast<double>(ring->views->directions.cols());
       variations[i] = {snapshot.ring_variation(looked_at[i]) * views, views};
     }
   });
@@ -98,7 +98,7 @@ std::vector<double> image_worth(const LightFieldSnapshot& snapshot, std::span<co
     const std::size_t v = looked_at[i];
     const double variation =
         (variations[i].sum + kPriorViews * common.sum / common.views) / (variations[i].views + kPriorViews);
-    const RingViews* const ring = ring_of(i);
+    const SeenRing* const ring = ring_of(i);
     const Sight sight = sight_of(mesh.vertices[v], normals[v], ring, eyes);
     by_ring[i].assign(eyes.size(), 0);
     for (std::size_t k = 0; k < sight.eyes.size(); ++k)

@@ -84,7 +84,7 @@ std::vector<SurfaceQuality> LightFieldSnapshot::quality_for(const Eigen::Vector3
   std::vector<SurfaceQuality> rings(mesh_->vertices.size()), triangles;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rings.size(), 64), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (const RingViews* ring = seen_ring(v))
+      if (const SeenRing* ring = seen_ring(v))
         rings[v] = assess_ring(*ring, (eye.cast<float>() - mesh_->vertices[v]).normalized(), common_sill());
   });
   triangles.reserve(mesh_->triangles.size());

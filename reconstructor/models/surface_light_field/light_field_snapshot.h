@@ -30,17 +30,27 @@ struct SurfacePatch {
   SampleState state(int sample) const { return sample_state(shown[sample]); }
 };
 
-/// From where the triangles round a vertex were seen, and how what they show varies with the view.
+/// From where triangles round a vertex were seen, and how what lies between is interpolated. Patches of which the same
+/// images showed something share it.
 struct RingViews {
   Eigen::Matrix3Xf directions;  ///< unit vectors from the vertex to the cameras, object frame; a column per view
   Eigen::VectorXf reliability;  ///< per view, > 0: the kernel's nugget is divided by it
   std::shared_ptr<const ReflectionDrift> reflection;  ///< what all patches share; null where the vertex does without
   ViewKernel kernel;
   Eigen::Matrix3f frame;  ///< of the vertex's hemisphere
-  float sill = 0;         ///< mean square per value: how much it varies with the view (`ViewInterpolant::sill`)
-  float residual = 0;     ///< psi_p: smoothed relative projection error of new images, 0..1
   float best_cosine = 0;  ///< of the most frontal view: cos of the angle to the vertex normal
-  int views_folded = 0;   ///< images ingested, thinned ones included
+
+  std::size_t bytes() const {
+    return sizeof(*this) + static_cast<std::size_t>(directions.size() + reliability.size()) * sizeof(float);
+  }
+};
+
+/// How what the triangles round a vertex show varies with the view.
+struct SeenRing {
+  std::shared_ptr<const RingViews> views;  ///< never null
+  float sill = 0;                          ///< mean square per value: how much it varies (`ViewInterpolant::sill`)
+  float residual = 0;                      ///< psi_p: smoothed relative projection error of new images, 0..1
+  int views_folded = 0;                    ///< images ingested, thinned ones included
 };
 
 /// An immutable surface light field (000): a triangle's surface maps times the mean of its corners' view coefficients,
@@ -79,7 +89,7 @@ class LightFieldSnapshot : public ModelSnapshot {
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const = 0;
 
   /// Null where no image showed anything of the vertex's triangles.
-  virtual const RingViews* seen_ring(std::size_t vertex) const = 0;
+  virtual const SeenRing* seen_ring(std::size_t vertex) const = 0;
   /// How much the ring varies with the view: mean over its views of the mean square over its rows, encoded.
   virtual double ring_variation(std::size_t vertex) const = 0;
   virtual float common_sill() const = 0;  ///< mean of the rings' sills

@@ -58,7 +58,7 @@ Prospect prospect_from(const LightFieldSnapshot& snapshot, const std::vector<Eig
     const double facing = normals[v].dot(direction);
     if (facing < 0.2) continue;
     SurfaceQuality quality;
-    if (const RingViews* ring = snapshot.seen_ring(v)) quality = assess_ring(*ring, direction, snapshot.common_sill());
+    if (const SeenRing* ring = snapshot.seen_ring(v)) quality = assess_ring(*ring, direction, snapshot.common_sill());
     sum += facing * quality.heuristic();
     squared_error += facing * quality.error * quality.error;
     weight += facing;

@@ -19,8 +19,8 @@ struct Terms {
   bool seen = false;
 };
 
-Terms assess(const RingViews& ring, const ViewTriangulation& views, const Eigen::Vector3f& direction) {
-  const ViewTriangulation::Location at = views.locate(hemisphere_point(ring.frame, direction));
+Terms assess(const SeenRing& ring, const ViewTriangulation& views, const Eigen::Vector3f& direction) {
+  const ViewTriangulation::Location at = views.locate(hemisphere_point(ring.views->frame, direction));
   return {.projection = std::min(1.0f, ring.residual / kHighResidual),
           .hemisphere = at.triangle < 0 ? 1.0f : std::min(1.0f, views.area(at.triangle) / kSparseArea),
           .seen = true};
@@ -31,13 +31,13 @@ Terms assess(const RingViews& ring, const ViewTriangulation& views, const Eigen:
 PaperHeuristic::PaperHeuristic(const LightFieldSnapshot& snapshot, std::size_t every)
     : snapshot_(snapshot), views_(snapshot.mesh().vertices.size()) {
   tbb::parallel_for(std::size_t{0}, views_.size(), [&](std::size_t v) {
-    const RingViews* ring = snapshot_.seen_ring(v);
-    if (v % every == 0 && ring) views_[v] = triangulate_views(ring->frame, ring->directions);
+    const SeenRing* ring = snapshot_.seen_ring(v);
+    if (v % every == 0 && ring) views_[v] = triangulate_views(ring->views->frame, ring->views->directions);
   });
 }
 
 float PaperHeuristic::of_ring(std::size_t vertex, const Eigen::Vector3d& eye) const {
-  const RingViews* ring = snapshot_.seen_ring(vertex);
+  const SeenRing* ring = snapshot_.seen_ring(vertex);
   if (!ring) return 1;
   const Terms terms =
       assess(*ring, views_[vertex], (eye.cast<float>() - snapshot_.mesh().vertices[vertex]).normalized());
@@ -48,7 +48,7 @@ std::vector<float> PaperHeuristic::seen_from(const Eigen::Vector3d& eye) const {
   const Mesh& mesh = snapshot_.mesh();
   std::vector<Terms> rings(views_.size());
   tbb::parallel_for(std::size_t{0}, rings.size(), [&](std::size_t v) {
-    if (const RingViews* ring = snapshot_.seen_ring(v))
+    if (const SeenRing* ring = snapshot_.seen_ring(v))
       rings[v] = assess(*ring, views_[v], (eye.cast<float>() - mesh.vertices[v]).normalized());
   });
   std::vector<float> heuristic;

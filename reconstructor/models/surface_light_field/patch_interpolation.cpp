@@ -26,57 +26,68 @@ const ReflectionDrift* drift_function(const SharedInterpolation& interpolation) 
   return interpolation.chosen.drift ? interpolation.reflection.get() : nullptr;
 }
 
-/// A patch on its way: at its vertices are its views, not yet what lies between them.
+/// A patch on its way: what its vertices see is there, but not yet what lies between.
 struct Begun {
   std::shared_ptr<PatchSnapshot> snapshot;
   Eigen::MatrixXf coefficients;
+  ViewSet views;
   std::size_t shown_samples = 0;
 };
 
-Begun begun(FactorizedPatch patch, const PatchShape& shape,
-            const std::function<InterpolatedVertex(std::uint32_t)>& vertex) {
-  Begun begun{std::make_shared<PatchSnapshot>(), std::move(patch.coefficients), 0};
+Begun begun(FactorizedPatch patch, std::size_t vertices) {
+  Begun begun{std::make_shared<PatchSnapshot>(), std::move(patch.coefficients), std::move(patch.views), 0};
   PatchSnapshot& snapshot = *begun.snapshot;
   snapshot.basis = std::move(patch.basis);
   snapshot.shown = std::move(patch.shown);
   begun.shown_samples = snapshot.shown_samples();
-  snapshot.vertices.reserve(shape.vertices.size());
-  for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
-    const InterpolatedVertex here = vertex(shape.vertices[i]);
-    SiteViews seen = patch.views.seen_from_vertex(i, here.place);
-    VertexInterpolant& at = snapshot.vertices.emplace_back();
-    at.frame = here.frame;
+  snapshot.vertices.resize(vertices);
+  for (VertexInterpolant& at : snapshot.vertices) {
     at.residual = patch.residual;
-    at.best_cosine = (here.frame.row(2) * seen.directions).maxCoeff();
     at.views_folded = patch.images;
-    at.directions = std::move(seen.directions);
-    at.reliability = std::move(seen.reliability);
   }
   return begun;
 }
 
-/// All patches that were begun round a vertex.
-void interpolate_at(const InterpolatedVertex& vertex, std::span<const PatchVertex> round,
-                    const std::vector<Begun>& patches, ViewMethod method) {
-  struct Waiting {
-    const Begun* patch;
-    VertexInterpolant* at;
-  };
-  std::vector<Waiting> waiting;
-  for (const auto& [patch, index] : round)
-    if (patches[patch].snapshot) waiting.push_back({&patches[patch], &patches[patch].snapshot->vertices[index]});
+/// What a vertex has of these views, and the kriging between them.
+struct Kriged {
+  std::shared_ptr<const RingViews> views;
+  ViewKriging kriging;
+};
+
+Kriged kriged(const InterpolatedVertex& vertex, SiteViews seen) {
   const SharedInterpolation& interpolation = vertex.interpolation;
   const Eigen::Vector3f normal = vertex.frame.row(2);
+  auto views = std::make_shared<RingViews>();
+  views->directions = std::move(seen.directions);
+  views->reliability = std::move(seen.reliability);
+  views->kernel = interpolation.chosen.kernel;
+  views->frame = vertex.frame;
+  views->best_cosine = (normal.transpose() * views->directions).maxCoeff();
+  ViewKriging kriging(views->directions, views->reliability, views->kernel,
+                      drift_of(views->directions, drift_function(interpolation), normal));
+  if (kriging.has_drift()) views->reflection = interpolation.reflection;
+  return {std::move(views), std::move(kriging)};
+}
+
+/// All patches that were begun round a vertex.
+void interpolate_at(const InterpolatedVertex& vertex, std::span<const PatchVertex> round,
+                    const std::vector<std::optional<Begun>>& patches, ViewMethod method) {
+  std::vector<PatchVertex> waiting;
+  for (const PatchVertex& here : round)
+    if (patches[here.patch]) waiting.push_back(here);
   while (!waiting.empty()) {
-    const VertexInterpolant& first = *waiting.back().at;
-    const auto same = std::partition(waiting.begin(), waiting.end(),
-                                     [&](const Waiting& other) { return !same_views(*other.at, first); });
-    const ViewKriging kriging(first.directions, first.reliability, interpolation.chosen.kernel,
-                              drift_of(first.directions, drift_function(interpolation), normal));
-    for (auto patch = same; patch != waiting.end(); ++patch) {
-      patch->at->set_interpolation(kriging.of(patch->patch->coefficients), interpolation.chosen.kernel,
-                                   interpolation.reflection, patch->patch->shown_samples);
-      if (method == ViewMethod::kDelaunay) patch->at->set_triangulation(patch->patch->coefficients);
+    const PatchVertex first = waiting.back();
+    const ViewSet& views = patches[first.patch]->views;
+    const auto same = std::partition(waiting.begin(), waiting.end(), [&](const PatchVertex& other) {
+      return !views.same_at_vertex(first.vertex, patches[other.patch]->views, other.vertex);
+    });
+    const Kriged shared = kriged(vertex, views.seen_from_vertex(first.vertex, vertex.place));
+    for (auto here = same; here != waiting.end(); ++here) {
+      const Begun& patch = *patches[here->patch];
+      VertexInterpolant& at = patch.snapshot->vertices[here->vertex];
+      at.views = shared.views;
+      at.set_interpolation(shared.kriging.of(patch.coefficients), patch.shown_samples);
+      if (method == ViewMethod::kDelaunay) at.set_triangulation(patch.coefficients);
     }
     waiting.erase(same, waiting.end());
   }
@@ -88,12 +99,12 @@ std::vector<std::shared_ptr<const PatchSnapshot>> interpolated(
     const PatchShapes& shapes, const VertexRings& maps,
     const std::function<std::optional<FactorizedPatch>(std::uint32_t)>& settle,
     const std::function<InterpolatedVertex(std::uint32_t)>& vertex, ViewMethod method) {
-  std::vector<Begun> patches(shapes.patches.size());
+  std::vector<std::optional<Begun>> patches(shapes.patches.size());
   const auto count = static_cast<std::uint32_t>(patches.size());
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, count, 8), [&](const auto& range) {
     for (std::uint32_t p = range.begin(); p < range.end(); ++p)
       if (std::optional<FactorizedPatch> patch = settle(p))
-        patches[p] = begun(std::move(*patch), shapes.patches[p], vertex);
+        patches[p] = begun(std::move(*patch), shapes.patches[p].vertices.size());
   });
   const auto vertices = static_cast<std::uint32_t>(shapes.first_round.size() - 1);
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, vertices, 8), [&](const auto& range) {
@@ -104,11 +115,11 @@ std::vector<std::shared_ptr<const PatchSnapshot>> interpolated(
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, count, 32), [&](const auto& range) {
     std::vector<int> resolution;
     for (std::uint32_t p = range.begin(); p < range.end(); ++p) {
-      if (!patches[p].snapshot) continue;
+      if (!patches[p]) continue;
       resolution.clear();
       for (const std::uint32_t t : shapes.patches[p].triangles) resolution.push_back(maps.resolution(t));
-      fill_unseen_samples(*patches[p].snapshot, resolution);
-      snapshots[p] = std::move(patches[p].snapshot);
+      fill_unseen_samples(*patches[p]->snapshot, resolution);
+      snapshots[p] = std::move(patches[p]->snapshot);
     }
   });
   return snapshots;

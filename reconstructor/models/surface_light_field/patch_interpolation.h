@@ -32,7 +32,7 @@ struct InterpolatedVertex {
 struct FactorizedPatch {
   Eigen::MatrixXf basis, coefficients;  ///< rows x rank, rank x views
   std::vector<std::uint8_t> shown;      ///< `SurfacePatch::shown`
-  float residual = 0;                   ///< `RingViews::residual`
+  float residual = 0;                   ///< `SeenRing::residual`
   int images = 0;                       ///< ingested
   ViewSet views;
 };

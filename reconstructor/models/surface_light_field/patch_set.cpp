@@ -166,7 +166,8 @@ bool PatchSet::is_latest(std::uint32_t patch) const {
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const VertexInterpolant& shown = snapshot->vertices[i];
     const auto [chosen, reflection] = interpolation_.of(vertices[i]);
-    if (shown.kernel != chosen.kernel || shown.reflection != (chosen.drift ? reflection : nullptr)) return false;
+    if (shown.views->kernel != chosen.kernel || shown.views->reflection != (chosen.drift ? reflection : nullptr))
+      return false;
   }
   return true;
 }

@@ -6,61 +6,51 @@
 
 namespace sheen {
 
-void VertexInterpolant::set_interpolation(ViewInterpolant interpolant, const ViewKernel& view_kernel,
-                                          std::shared_ptr<const ReflectionDrift> shared, std::size_t samples) {
-  kernel = view_kernel;
+void VertexInterpolant::set_interpolation(ViewInterpolant interpolant, std::size_t samples) {
   mean = std::move(interpolant.mean);
   weights = std::move(interpolant.weights);
   drift = std::move(interpolant.drift);
-  if (drift.size() > 0) reflection = std::move(shared);
   const double values = 3.0 * static_cast<double>(std::max<std::size_t>(samples, 1));
   constexpr double kMostSill = 1e6;  // of images without bounds: what files hold, and as bad as can be
   sill = static_cast<float>(std::min(interpolant.sill / values, kMostSill));
 }
 
 void VertexInterpolant::set_triangulation(const Eigen::MatrixXf& coefficients) {
-  triangulation = std::make_shared<ViewTriangulation>(triangulate_views(frame, directions));
+  triangulation = std::make_shared<ViewTriangulation>(triangulate_views(views->frame, views->directions));
   weights = coefficients;
   mean.setZero();
   drift.resize(0);
-  reflection.reset();
 }
 
 Eigen::VectorXf VertexInterpolant::coefficients(const Eigen::Vector3f& direction) const {
-  return CoefficientsAtVertex(direction).of(*this);
-}
-
-bool same_views(const VertexInterpolant& a, const VertexInterpolant& b) {
-  return a.directions.cols() == b.directions.cols() && a.directions == b.directions && a.reliability == b.reliability;
-}
-
-Eigen::VectorXf CoefficientsAtVertex::of(const VertexInterpolant& vertex) {
-  if (vertex.triangulation)
-    return vertex.weights * delaunay_weights(*vertex.triangulation, hemisphere_point(vertex.frame, direction_));
-  if (!last_ || last_->kernel != vertex.kernel || !same_views(*last_, vertex)) {
-    covariances_ = covariances(vertex.kernel, vertex.directions, direction_);
-    last_ = &vertex;
-  }
-  Eigen::VectorXf h = vertex.mean;
-  h.noalias() += vertex.weights * covariances_;
-  if (!vertex.reflection) return h;
-  const Eigen::Vector3f normal = vertex.frame.row(2);
-  if (reflection_ != vertex.reflection.get() || normal != normal_) {
-    reflected_ = vertex.reflection->at(direction_, normal);
-    reflection_ = vertex.reflection.get();
-    normal_ = normal;
-  }
-  h += reflected_ * vertex.drift;
+  Eigen::VectorXf h(mean.size());
+  CoefficientsAtVertex(direction).of(*this, h);
   return h;
 }
 
+void CoefficientsAtVertex::of(const VertexInterpolant& vertex, Eigen::Ref<Eigen::VectorXf> h) {
+  const RingViews& views = *vertex.views;
+  if (vertex.triangulation) {
+    h = vertex.weights * delaunay_weights(*vertex.triangulation, hemisphere_point(views.frame, direction_));
+    return;
+  }
+  if (views_ != &views) {
+    views_ = &views;
+    covariances_ = covariances(views.kernel, views.directions, direction_);
+    reflected_ = views.reflection ? views.reflection->at(direction_, views.frame.row(2)) : 0;
+  }
+  h = vertex.mean;
+  h.noalias() += vertex.weights * covariances_;
+  if (vertex.drift.size() > 0) h += reflected_ * vertex.drift;
+}
+
 std::size_t VertexInterpolant::bytes() const {
-  const Eigen::Index values = weights.size() + mean.size() + drift.size() + directions.size() + reliability.size();
+  const Eigen::Index values = weights.size() + mean.size() + drift.size();
   return sizeof(*this) + static_cast<std::size_t>(values) * sizeof(float);
 }
 
 bool PatchSnapshot::seen() const {
-  return rank() > 0 && !vertices.empty() && vertices.front().directions.cols() > 0 && shown_samples() > 0;
+  return rank() > 0 && !vertices.empty() && vertices.front().views->directions.cols() > 0 && shown_samples() > 0;
 }
 
 std::size_t PatchSnapshot::shown_samples() const {

@@ -16,7 +16,7 @@ namespace sheen {
 /// seen from the vertex:
 /// h(d) = mean + drift * reflection(d mirrored about the normal) + sum_j weights.col(j) * k(angle(d,
 /// directions.col(j))).
-struct VertexInterpolant : RingViews {
+struct VertexInterpolant : SeenRing {
   Eigen::MatrixXf weights;  ///< rank x views: kriging in its dual form
   Eigen::VectorXf mean;     ///< rank
   Eigen::VectorXf drift;    ///< rank: of the reflection that all share; empty where the vertex does without
@@ -24,36 +24,31 @@ struct VertexInterpolant : RingViews {
   /// and mean and drift are none. Null for kriging.
   std::shared_ptr<const ViewTriangulation> triangulation;
 
-  /// Takes over mean, weights, drift and sill of a patch of which images showed so many `samples`. `shared`: the
-  /// reflection that the interpolant's drift is of, if it has one.
-  void set_interpolation(ViewInterpolant interpolant, const ViewKernel& view_kernel,
-                         std::shared_ptr<const ReflectionDrift> shared, std::size_t samples);
+  /// Takes over mean, weights, drift and sill of a patch of which images showed so many `samples`.
+  void set_interpolation(ViewInterpolant interpolant, std::size_t samples);
 
   /// Interpolates the views' coefficients (rank x views) over the Delaunay triangulation of their directions instead.
   void set_triangulation(const Eigen::MatrixXf& coefficients);
 
-  std::size_t bytes() const;
+  std::size_t bytes() const;  ///< without the views, which patches share
   /// h(d) for a unit direction from the vertex to the eye.
   Eigen::VectorXf coefficients(const Eigen::Vector3f& direction) const;
 };
 
-/// Whether both see the same images from the same place, to the last bit.
-bool same_views(const VertexInterpolant& a, const VertexInterpolant& b);
-
-/// `VertexInterpolant::coefficients` of patches that share a vertex, for one direction: those that have the same views
-/// as the one before them share what kernel and reflection are there.
+/// `VertexInterpolant::coefficients` of patches that share a vertex, for one direction: what kernel and reflection are
+/// there is found once for patches that share their views and come one after the other.
 class CoefficientsAtVertex {
  public:
   /// `direction`: unit, from the vertex to the eye.
   explicit CoefficientsAtVertex(const Eigen::Vector3f& direction) : direction_(direction) {}
 
-  Eigen::VectorXf of(const VertexInterpolant& vertex);
+  /// `h`: rank.
+  void of(const VertexInterpolant& vertex, Eigen::Ref<Eigen::VectorXf> h);
 
  private:
-  Eigen::Vector3f direction_, normal_ = Eigen::Vector3f::Zero();
-  const VertexInterpolant* last_ = nullptr;
+  Eigen::Vector3f direction_;
+  const RingViews* views_ = nullptr;  ///< of which the following is
   Eigen::VectorXf covariances_;
-  const ReflectionDrift* reflection_ = nullptr;
   float reflected_ = 0;
 };
 

@@ -13,14 +13,15 @@ constexpr float kCommonViews = 1;  // images that the other rings' sills count f
 
 }  // namespace
 
-SurfaceQuality assess_ring(const RingViews& ring, const Eigen::Vector3f& direction, float common_sill) {
+SurfaceQuality assess_ring(const SeenRing& ring, const Eigen::Vector3f& direction, float common_sill) {
   SurfaceQuality quality;
   quality.seen = true;
-  const auto views = static_cast<float>(ring.directions.cols());
+  const RingViews& from = *ring.views;
+  const auto views = static_cast<float>(from.directions.cols());
   const float sill = (views * ring.sill + kCommonViews * common_sill) / (views + kCommonViews);
-  quality.error = std::sqrt(sill * prediction_variance(ring.directions, ring.kernel, direction));
-  quality.nearest_cosine = (ring.directions.transpose() * direction).maxCoeff();
-  quality.best_cosine = ring.best_cosine;
+  quality.error = std::sqrt(sill * prediction_variance(from.directions, from.kernel, direction));
+  quality.nearest_cosine = (from.directions.transpose() * direction).maxCoeff();
+  quality.best_cosine = from.best_cosine;
   return quality;
 }
 

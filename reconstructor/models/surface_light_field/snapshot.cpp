@@ -22,9 +22,10 @@ float mean_sill(const SurfaceLightFieldSnapshot::Patches& patches) {
   for (const auto& patch : patches) {
     if (!patch) continue;
     for (const VertexInterpolant& vertex : patch->vertices) {
-      if (vertex.directions.cols() < 2) continue;
-      sum += vertex.sill * static_cast<double>(vertex.directions.cols());
-      views += static_cast<double>(vertex.directions.cols());
+      const Eigen::Index count = vertex.views->directions.cols();
+      if (count < 2) continue;
+      sum += vertex.sill * static_cast<double>(count);
+      views += static_cast<double>(count);
     }
   }
   return static_cast<float>(sum / views);
@@ -66,7 +67,7 @@ const VertexInterpolant* SurfaceLightFieldSnapshot::seen_at(std::size_t vertex) 
     const PatchSnapshot* patch = patches_[round.patch].get();
     if (!patch || !patch->seen()) continue;
     const VertexInterpolant& here = patch->vertices[round.vertex];
-    if (!most || here.directions.cols() > most->directions.cols()) most = &here;
+    if (!most || here.views->directions.cols() > most->views->directions.cols()) most = &here;
   }
   return most;
 }
@@ -77,13 +78,14 @@ double SurfaceLightFieldSnapshot::ring_variation(std::size_t vertex) const {
   for (const PatchVertex& round : shapes_->round(vertex))
     if (patches_[round.patch] && &patches_[round.patch]->vertices[round.vertex] == at)
       patch = patches_[round.patch].get();
+  const Eigen::Matrix3Xf& directions = at->views->directions;
   double sum = 0;
-  for (Eigen::Index j = 0; j < at->directions.cols(); ++j) {
-    const Eigen::VectorXf h = at->coefficients(at->directions.col(j));
+  for (Eigen::Index j = 0; j < directions.cols(); ++j) {
+    const Eigen::VectorXf h = at->coefficients(directions.col(j));
     const double unexplained = at->residual * at->residual * h.squaredNorm();
     sum += (h - at->mean).squaredNorm() + unexplained;
   }
-  return sum / (static_cast<double>(patch->basis.rows()) * static_cast<double>(at->directions.cols()));
+  return sum / (static_cast<double>(patch->basis.rows()) * static_cast<double>(directions.cols()));
 }
 
 int SurfaceLightFieldSnapshot::max_rank() const {
@@ -129,8 +131,8 @@ Eigen::MatrixXf SurfaceLightFieldSnapshot::coefficients_for(const Eigen::Vector3
       for (const auto& [p, i] : shapes_->round(v)) {
         const PatchSnapshot* patch = patches_[p].get();
         if (!patch || patch->rank() == 0) continue;
-        coefficients.col(static_cast<Eigen::Index>(shapes_->first_column[p] + i)).head(patch->rank()) =
-            from_here.of(patch->vertices[i]);
+        from_here.of(patch->vertices[i],
+                     coefficients.col(static_cast<Eigen::Index>(shapes_->first_column[p] + i)).head(patch->rank()));
       }
     }
   });
@@ -145,6 +147,15 @@ std::size_t SurfaceLightFieldSnapshot::memory_bytes() const {
   std::size_t bytes = 0;
   for (const auto& patch : patches_)
     if (patch) bytes += patch->bytes();
+  for (std::size_t v = 0; v < mesh().vertices.size(); ++v) {
+    std::vector<const RingViews*> counted;  // those that patches share
+    for (const auto& [p, i] : shapes_->round(v)) {
+      const RingViews* views = patches_[p] ? patches_[p]->vertices[i].views.get() : nullptr;
+      if (!views || std::find(counted.begin(), counted.end(), views) != counted.end()) continue;
+      counted.push_back(views);
+      bytes += views->bytes();
+    }
+  }
   return bytes;
 }
 

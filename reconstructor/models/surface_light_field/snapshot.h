@@ -45,7 +45,7 @@ class SurfaceLightFieldSnapshot : public LightFieldSnapshot {
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const override;
   std::shared_ptr<const LightFieldSnapshot> with_patches(
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const override;
-  const RingViews* seen_ring(std::size_t vertex) const override { return seen_at(vertex); }
+  const SeenRing* seen_ring(std::size_t vertex) const override { return seen_at(vertex); }
   double ring_variation(std::size_t vertex) const override;
   int max_rank() const override;
   float common_sill() const override { return common_sill_; }

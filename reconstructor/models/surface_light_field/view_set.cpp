@@ -14,6 +14,13 @@ SiteViews ViewSet::seen_from_vertex(std::size_t vertex, const Eigen::Vector3f& p
   return seen;
 }
 
+bool ViewSet::same_at_vertex(std::size_t vertex, const ViewSet& other, std::size_t others) const {
+  if (eyes_ != other.eyes_) return false;
+  for (std::size_t j = 0; j < eyes_.size(); ++j)
+    if (reliability_[j * vertices_ + vertex] != other.reliability_[j * other.vertices_ + others]) return false;
+  return true;
+}
+
 SiteViews ViewSet::seen_from_centre() const {
   SiteViews seen{Eigen::Matrix3Xf(3, count()), Eigen::VectorXf(count())};
   const Eigen::Map<const Eigen::MatrixXf> reliability(reliability_.data(), static_cast<Eigen::Index>(vertices_),

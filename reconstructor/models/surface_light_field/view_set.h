@@ -29,9 +29,10 @@ class ViewSet {
   ViewSet(const Eigen::Vector3f& centre, std::size_t vertices) : centre_(centre), vertices_(vertices) {}
 
   int count() const { return static_cast<int>(directions_.size()); }
-  /// From a vertex, which lies at `place`. Two patches that share the vertex have the same of the same images, to the
-  /// last bit.
+  /// From a vertex, which lies at `place`.
   SiteViews seen_from_vertex(std::size_t vertex, const Eigen::Vector3f& place) const;
+  /// Whether another patch that shares this vertex, its `others`, has the same views there, to the last bit.
+  bool same_at_vertex(std::size_t vertex, const ViewSet& other, std::size_t others) const;
   /// From the patch's centre; relied on as at its vertices on average.
   SiteViews seen_from_centre() const;
 

@@ -48,7 +48,7 @@ TEST(BatchLightField, IsTheOnlineOneWhereNothingIsMissingAndTheRankIsFull) {
     const PatchSnapshot &a = *online->patches()[p], &b = *batch->patches()[p];
     for (std::size_t i = 0; i < of_patch.size(); ++i) {
       ++vertices;
-      if (!(a.vertices[i].kernel == b.vertices[i].kernel)) continue;
+      if (!(a.vertices[i].views->kernel == b.vertices[i].views->kernel)) continue;
       ++same_kernel;
       for (const Eigen::Vector3d& eye : eyes(4, 0.5, 0.63, 0.95)) {
         const Eigen::Vector3f direction = (eye.cast<float>() - object.mesh->vertices[of_patch[i]]).normalized();

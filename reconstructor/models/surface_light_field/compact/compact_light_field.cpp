@@ -45,10 +45,7 @@ std::shared_ptr<const RingViews> ring_views(const CompactModel& model, const Com
   views->kernel = system.kernel;
   if (ring.drift) views->reflection = model.reflection;
   views->frame = hemisphere_frame(normal);
-  views->sill = ring.sill;
-  views->residual = ring.residual;
   views->best_cosine = views->directions.cols() > 0 ? (normal.transpose() * views->directions).maxCoeff() : -1;
-  views->views_folded = ring.views_folded;
   return views;
 }
 
@@ -101,10 +98,11 @@ CompactLightField::CompactLightField(CompactModel model, std::shared_ptr<const s
   });
   double sum = 0, views = 0;
   for (std::size_t v = 0; v < vertices; ++v) {
-    if (!model.rings[v].seen) continue;
-    seen_[v] = interpolants_[v].views;
-    sum += model.rings[v].sill * static_cast<double>(model.rings[v].views.size());
-    views += static_cast<double>(model.rings[v].views.size());
+    const CompactRing& ring = model.rings[v];
+    if (!ring.seen) continue;
+    seen_[v] = {interpolants_[v].views, ring.sill, ring.residual, ring.views_folded};
+    sum += ring.sill * static_cast<double>(ring.views.size());
+    views += static_cast<double>(ring.views.size());
   }
   common_sill_ = views > 0 ? static_cast<float>(sum / views) : 0;
   for (const Patch& patch : model.patches)
@@ -178,8 +176,8 @@ std::shared_ptr<const ModelSnapshot> CompactLightField::filled() const {
   return shared_from_this();
 }
 
-const RingViews* CompactLightField::seen_ring(std::size_t vertex) const {
-  return seen_[vertex].get();
+const SeenRing* CompactLightField::seen_ring(std::size_t vertex) const {
+  return seen_[vertex].views ? &seen_[vertex] : nullptr;
 }
 
 std::size_t CompactLightField::memory_bytes() const {

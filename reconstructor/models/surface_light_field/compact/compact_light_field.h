@@ -29,8 +29,8 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const override;
   std::shared_ptr<const LightFieldSnapshot> with_patches(
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const override;
-  const RingViews* seen_ring(std::size_t vertex) const override;
-  double ring_variation(std::size_t vertex) const override { return seen_[vertex]->sill; }
+  const SeenRing* seen_ring(std::size_t vertex) const override;
+  double ring_variation(std::size_t vertex) const override { return seen_[vertex].sill; }
   int max_rank() const override { return patches_.empty() ? 0 : 1 + max_terms_; }
   float common_sill() const override { return common_sill_; }
 
@@ -47,8 +47,8 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
 
   std::vector<std::shared_ptr<const SurfacePatch>> patches_;  ///< the mean map, then the terms
   PatchShapes shapes_;
-  std::vector<Interpolant> interpolants_;               ///< per vertex
-  std::vector<std::shared_ptr<const RingViews>> seen_;  ///< per vertex; null where no image showed it
+  std::vector<Interpolant> interpolants_;  ///< per vertex
+  std::vector<SeenRing> seen_;             ///< per vertex; without views where no image showed it
   float common_sill_ = 0;
   int max_terms_ = 0;
   SnapshotFigures figures_;

@@ -60,10 +60,11 @@ std::uint8_t kernel_index(std::vector<ViewKernel>& kernels, const ViewKernel& ke
 /// Coefficients of a patch's views, in grey levels: what kriging displays there, at any vertex, and what the nugget
 /// kept from being displayed.
 Eigen::MatrixXf view_coefficients(const VertexInterpolant& at) {
-  Eigen::MatrixXf coefficients(at.weights.rows(), at.directions.cols());
+  const RingViews& views = *at.views;
+  Eigen::MatrixXf coefficients(at.weights.rows(), views.directions.cols());
   for (Eigen::Index j = 0; j < coefficients.cols(); ++j)
     coefficients.col(j) =
-        at.coefficients(at.directions.col(j)) + at.weights.col(j) * (at.kernel.nugget / at.reliability[j]);
+        at.coefficients(views.directions.col(j)) + at.weights.col(j) * (views.kernel.nugget / views.reliability[j]);
   return kGreyLevels * coefficients;
 }
 
@@ -146,7 +147,7 @@ class PatchFit {
       if (!patch || !patch->seen() || model_.cameras.empty()) return;
       const VertexInterpolant& first = patch->vertices.front();
       const Eigen::Vector3f& place = snapshot_.mesh().vertices[snapshot_.shapes().patches[p].vertices.front()];
-      grown_[p] = {images_of(first.directions, camera_directions(place)), view_coefficients(first)};
+      grown_[p] = {images_of(first.views->directions, camera_directions(place)), view_coefficients(first)};
     });
   }
 
@@ -157,7 +158,7 @@ class PatchFit {
     CompactRing& ring = model_.rings[vertex];
     if (!most || model_.cameras.empty()) return;
     ring.seen = true;
-    ring.kernel = kernel_index(model_.kernels, most->kernel);
+    ring.kernel = kernel_index(model_.kernels, most->views->kernel);
     ring.sill = most->sill;
     ring.residual = most->residual;
     ring.views_folded = most->views_folded;
@@ -165,8 +166,8 @@ class PatchFit {
     for (const PatchVertex& round : snapshot_.shapes().round(old_vertex)) {
       const std::vector<std::uint16_t>& images = grown_[round.patch].images;
       if (images.empty()) continue;
-      const VertexInterpolant& at = snapshot_.patches()[round.patch]->vertices[round.vertex];
-      if (at.drift.size() > 0) {
+      const RingViews& at = *snapshot_.patches()[round.patch]->vertices[round.vertex].views;
+      if (at.reflection) {
         ring.drift = true;
         model_.reflection = at.reflection;
       }

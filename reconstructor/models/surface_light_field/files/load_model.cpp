@@ -153,6 +153,7 @@ std::shared_ptr<const PatchShapes> read_shapes(const Description& description, c
 struct Patches {
   ModelLayout layout;
   std::vector<std::shared_ptr<PatchSnapshot>> data;  ///< in the order of the layout
+  std::vector<std::shared_ptr<RingViews>> views;     ///< of all their vertices one after the other, as in the layout
   std::shared_ptr<const ReflectionDrift> reflection;
 
   VertexInterpolant& vertex(std::size_t i) {
@@ -191,10 +192,12 @@ Patches read_patch_list(const Description& description, const PatchShapes& shape
     data->vertices.resize(shapes.patches[patch[i]].vertices.size());
     for (VertexInterpolant& vertex : data->vertices) {
       patches.layout.add_vertex(views[next]);
-      vertex.kernel = {scale[next], nugget[next], static_cast<KernelShape>(shape[next])};
+      auto& from = patches.views.emplace_back(std::make_shared<RingViews>());
+      from->kernel = {scale[next], nugget[next], static_cast<KernelShape>(shape[next])};
+      from->best_cosine = cosine[next];
+      vertex.views = from;
       vertex.sill = sill[next];
       vertex.residual = residual[next];
-      vertex.best_cosine = cosine[next];
       vertex.views_folded = folded[next];
       ++next;
     }
@@ -299,14 +302,14 @@ class MapsReader {
     const int channels = image.channels();
     for (std::size_t i = 0; i < patches_.layout.vertices.size(); ++i) {
       const VertexEntry& entry = patches_.layout.vertices[i];
-      VertexInterpolant& vertex = patches_.vertex(i);
+      RingViews& views = *patches_.views[i];
       const Eigen::Map<const Eigen::MatrixXf> pixels(image.data() + channels * entry.first_view, channels, entry.views);
-      vertex.directions = pixels.topRows<3>();
-      vertex.reliability = pixels.row(3).transpose();
-      if (!(vertex.reliability.array() > 0).all()) fail("views", name_of(entry) + ": a reliability is not above 0");
-      vertex.weights = pixels.middleRows(kViewChannels, entry.rank);
+      views.directions = pixels.topRows<3>();
+      views.reliability = pixels.row(3).transpose();
+      if (!(views.reliability.array() > 0).all()) fail("views", name_of(entry) + ": a reliability is not above 0");
+      patches_.vertex(i).weights = pixels.middleRows(kViewChannels, entry.rank);
       for (int k = 0; k < entry.views; ++k)
-        if (std::abs(vertex.directions.col(k).norm() - 1) > 1e-3f)
+        if (std::abs(views.directions.col(k).norm() - 1) > 1e-3f)
           fail("views", name_of(entry) + ": a direction is not a unit vector");
     }
   }
@@ -314,15 +317,16 @@ class MapsReader {
     for (std::size_t i = 0; i < patches_.layout.vertices.size(); ++i) {
       const VertexEntry& entry = patches_.layout.vertices[i];
       VertexInterpolant& vertex = patches_.vertex(i);
+      RingViews& views = *patches_.views[i];
       const float* pixel = image.data() + std::size_t(image.channels()) * i;
-      vertex.frame = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(pixel);
-      if ((vertex.frame * vertex.frame.transpose() - Eigen::Matrix3f::Identity()).cwiseAbs().maxCoeff() > 1e-3f)
+      views.frame = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(pixel);
+      if ((views.frame * views.frame.transpose() - Eigen::Matrix3f::Identity()).cwiseAbs().maxCoeff() > 1e-3f)
         fail("vertices", name_of(entry) + ": the frame is not orthonormal");
       vertex.mean = Eigen::Map<const Eigen::VectorXf>(pixel + 9, entry.rank);
       const Eigen::Map<const Eigen::VectorXf> drift(pixel + 9 + patches_.layout.max_rank, entry.rank);
       if (!patches_.reflection || drift.isZero(0)) continue;
       vertex.drift = drift;
-      vertex.reflection = patches_.reflection;
+      views.reflection = patches_.reflection;
     }
   }
 
@@ -330,6 +334,27 @@ class MapsReader {
   Patches& patches_;
   std::map<std::string, Expected> expected_;
 };
+
+bool alike(const RingViews& a, const RingViews& b) {
+  return a.directions.cols() == b.directions.cols() && a.directions == b.directions && a.reliability == b.reliability &&
+         a.kernel == b.kernel && a.reflection == b.reflection && a.frame == b.frame && a.best_cosine == b.best_cosine;
+}
+
+/// Patches round a vertex that have the same views share them again.
+void share_views(Patches& patches, const PatchShapes& shapes) {
+  std::vector<std::vector<std::shared_ptr<const RingViews>>> round(shapes.first_round.size() - 1);
+  for (std::size_t i = 0; i < patches.layout.vertices.size(); ++i) {
+    const VertexEntry& entry = patches.layout.vertices[i];
+    const std::uint32_t patch = patches.layout.patches[entry.entry].patch;
+    auto& there = round[shapes.patches[patch].vertices[entry.vertex]];
+    const auto same =
+        std::find_if(there.begin(), there.end(), [&](const auto& views) { return alike(*views, *patches.views[i]); });
+    if (same == there.end())
+      there.push_back(patches.views[i]);
+    else
+      patches.vertex(i).views = *same;
+  }
+}
 
 }  // namespace
 
@@ -343,6 +368,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& fold
   Patches patches = read_patch_list(description, *shapes);
   patches.reflection = read_part(description, "reflection", reflection_from_json);
   MapsReader(folder / kMapsFile, patches).read(description.text("id"));
+  share_views(patches, *shapes);
 
   SurfaceLightFieldSnapshot::Patches all(shapes->patches.size());
   for (std::size_t i = 0; i < patches.data.size(); ++i) all[patches.layout.patches[i].patch] = patches.data[i];

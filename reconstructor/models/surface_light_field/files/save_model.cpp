@@ -27,7 +27,7 @@ ModelLayout layout_of(const Snapshot& model) {
     if (!patch) continue;
     layout.add_patch(static_cast<std::uint32_t>(p), static_cast<int>(model.shapes().patches[p].samples), patch->rank());
     for (const VertexInterpolant& vertex : patch->vertices)
-      layout.add_vertex(static_cast<int>(vertex.directions.cols()));
+      layout.add_vertex(static_cast<int>(vertex.views->directions.cols()));
   }
   return layout;
 }
@@ -70,7 +70,7 @@ const ReflectionDrift* reflection_of(const Snapshot& model) {
   for (const auto& patch : model.patches()) {
     if (!patch) continue;
     for (const VertexInterpolant& vertex : patch->vertices)
-      if (vertex.reflection) return vertex.reflection.get();
+      if (vertex.views->reflection) return vertex.views->reflection.get();
   }
   return nullptr;
 }
@@ -102,12 +102,12 @@ Json description_of(const Snapshot& model, const ModelLayout& layout, const std:
     const VertexInterpolant& vertex = vertex_of(model, layout, entry);
     vertices["views"].push_back(entry.views);
     vertices["views_folded"].push_back(vertex.views_folded);
-    vertices["kernel_scale_rad"].push_back(vertex.kernel.scale_rad);
-    vertices["kernel_nugget"].push_back(vertex.kernel.nugget);
-    vertices["kernel_shape"].push_back(static_cast<int>(vertex.kernel.shape));
+    vertices["kernel_scale_rad"].push_back(vertex.views->kernel.scale_rad);
+    vertices["kernel_nugget"].push_back(vertex.views->kernel.nugget);
+    vertices["kernel_shape"].push_back(static_cast<int>(vertex.views->kernel.shape));
     vertices["sill"].push_back(vertex.sill);
     vertices["residual"].push_back(vertex.residual);
-    vertices["best_cosine"].push_back(vertex.best_cosine);
+    vertices["best_cosine"].push_back(vertex.views->best_cosine);
   }
   return json;
 }
@@ -125,12 +125,12 @@ std::string id_of(const Json& description, const Snapshot& model) {
     add(patch->basis);
     add(patch->shown);
     for (const VertexInterpolant& vertex : patch->vertices) {
-      add(vertex.directions);
-      add(vertex.reliability);
+      add(vertex.views->directions);
+      add(vertex.views->reliability);
       add(vertex.weights);
       add(vertex.mean);
       add(vertex.drift);
-      add(vertex.frame);
+      add(vertex.views->frame);
     }
   }
   return content_hash(contents);
@@ -166,8 +166,8 @@ ImageF views_image(const Snapshot& model, const ModelLayout& layout) {
   for (const VertexEntry& entry : layout.vertices) {
     const VertexInterpolant& vertex = vertex_of(model, layout, entry);
     Eigen::Map<Eigen::MatrixXf> pixels(image.data() + channels * entry.first_view, channels, entry.views);
-    pixels.topRows<3>() = vertex.directions;
-    pixels.row(3) = vertex.reliability.transpose();
+    pixels.topRows<3>() = vertex.views->directions;
+    pixels.row(3) = vertex.views->reliability.transpose();
     pixels.middleRows(kViewChannels, entry.rank) = vertex.weights;
   }
   return image;
@@ -179,7 +179,7 @@ ImageF vertices_image(const Snapshot& model, const ModelLayout& layout) {
   for (std::size_t i = 0; i < layout.vertices.size(); ++i) {
     const VertexInterpolant& vertex = vertex_of(model, layout, layout.vertices[i]);
     float* pixel = image.data() + channels * i;
-    Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>{pixel} = vertex.frame;
+    Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>{pixel} = vertex.views->frame;
     Eigen::Map<Eigen::VectorXf>(pixel + 9, vertex.mean.size()) = vertex.mean;
     Eigen::Map<Eigen::VectorXf>(pixel + 9 + layout.max_rank, vertex.drift.size()) = vertex.drift;
   }
@@ -212,11 +212,16 @@ std::vector<ViewMap> view_maps(const Snapshot& model, const ModelLayout& layout,
   }
   tbb::parallel_for(std::size_t(0), round.size(), [&](std::size_t v) {
     if (round[v].empty()) return;
-    const Eigen::Matrix3f object_from_local = vertex_of(model, layout, layout.vertices[round[v][0]]).frame.transpose();
+    Eigen::VectorXf h;
+    const Eigen::Matrix3f object_from_local =
+        vertex_of(model, layout, layout.vertices[round[v][0]]).views->frame.transpose();
     for (Eigen::Index k = 0; k < local.cols(); ++k) {
       CoefficientsAtVertex seen_from(object_from_local * local.col(k));
-      for (const std::size_t i : round[v])
-        maps[i].col(k) = seen_from.of(vertex_of(model, layout, layout.vertices[i])).cast<Eigen::half>();
+      for (const std::size_t i : round[v]) {
+        h.resize(maps[i].rows());
+        seen_from.of(vertex_of(model, layout, layout.vertices[i]), h);
+        maps[i].col(k) = h.cast<Eigen::half>();
+      }
     }
   });
   return maps;

@@ -85,13 +85,13 @@ void expect_same_patches(const ModelSnapshot& first, const ModelSnapshot& second
     EXPECT_EQ(p->shown, q->shown) << "patch " << i;
     for (std::size_t k = 0; k < p->vertices.size(); ++k) {
       const VertexInterpolant &v = p->vertices[k], &w = q->vertices[k];
-      EXPECT_TRUE(same_bits(v.directions, w.directions)) << "patch " << i;
+      EXPECT_TRUE(same_bits(v.views->directions, w.views->directions)) << "patch " << i;
       EXPECT_TRUE(same_bits(v.weights, w.weights)) << "patch " << i;
       EXPECT_TRUE(same_bits(v.mean, w.mean)) << "patch " << i;
-      EXPECT_EQ(v.kernel, w.kernel) << "patch " << i;
+      EXPECT_EQ(v.views->kernel, w.views->kernel) << "patch " << i;
       EXPECT_EQ(v.sill, w.sill) << "patch " << i;
       EXPECT_EQ(v.residual, w.residual) << "patch " << i;
-      EXPECT_EQ(v.best_cosine, w.best_cosine) << "patch " << i;
+      EXPECT_EQ(v.views->best_cosine, w.views->best_cosine) << "patch " << i;
       EXPECT_EQ(v.views_folded, w.views_folded) << "patch " << i;
     }
   }

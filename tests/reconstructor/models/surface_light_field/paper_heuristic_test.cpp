@@ -15,14 +15,16 @@ namespace {
 
 /// Three views close round the normal: a small triangle on the view map, and large ones.
 VertexInterpolant three_views(float residual) {
-  VertexInterpolant at;
-  at.frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
-  at.residual = residual;
-  at.directions.resize(3, 3);
+  auto views = std::make_shared<RingViews>();
+  views->frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
+  views->directions.resize(3, 3);
   for (int j = 0; j < 3; ++j) {
     const float angle = 2.0f * static_cast<float>(j);
-    at.directions.col(j) = Eigen::Vector3f(0.2f * std::cos(angle), 0.2f * std::sin(angle), 1).normalized();
+    views->directions.col(j) = Eigen::Vector3f(0.2f * std::cos(angle), 0.2f * std::sin(angle), 1).normalized();
   }
+  VertexInterpolant at;
+  at.views = std::move(views);
+  at.residual = residual;
   return at;
 }
 
@@ -51,7 +53,7 @@ std::vector<float> heuristic(const std::array<float, 4>& residuals, const Eigen:
 /// Of the three views, over what counts as no view near.
 float small_area() {
   const VertexInterpolant at = three_views(0);
-  const auto point = [&](int j) { return hemisphere_point(at.frame, at.directions.col(j)); };
+  const auto point = [&](int j) { return hemisphere_point(at.views->frame, at.views->directions.col(j)); };
   const Eigen::Vector2f u = point(1) - point(0), v = point(2) - point(0);
   return 0.5f * std::abs(u.x() * v.y() - u.y() * v.x()) / 0.25f;
 }

@@ -63,7 +63,8 @@ TEST(PapersWays, DelaunayPassesThroughTheViewsAndIsLinearBetweenThem) {
   const VertexInterpolant& ring = *snapshot->seen_at(middle);
   ASSERT_TRUE(ring.triangulation);
   for (int j = 0; j < 25; ++j)
-    EXPECT_LT((ring.coefficients(ring.directions.col(j)) - ring.weights.col(j)).norm(), 0.02 * ring.weights.norm() / 5)
+    EXPECT_LT((ring.coefficients(ring.views->directions.col(j)) - ring.weights.col(j)).norm(),
+              0.02 * ring.weights.norm() / 5)
         << j;
   int inside = 0;
   for (const auto& corners : ring.triangulation->triangles) {
@@ -76,7 +77,7 @@ TEST(PapersWays, DelaunayPassesThroughTheViewsAndIsLinearBetweenThem) {
       mean += ring.weights.col(p - ViewTriangulation::kCorners) / 3;
     }
     const Eigen::Vector3f local(place.x(), place.y(), std::sqrt(1 - place.squaredNorm()));
-    EXPECT_LT((ring.coefficients(ring.frame.transpose() * local) - mean).norm(), 1e-3 * mean.norm());
+    EXPECT_LT((ring.coefficients(ring.views->frame.transpose() * local) - mean).norm(), 1e-3 * mean.norm());
   }
   EXPECT_GT(inside, 10);
 }
@@ -92,7 +93,7 @@ TEST(PapersWays, WithoutTheDriftNoVertexHasOne) {
     const auto snapshot = model.light_field_snapshot();
     int with = 0;
     for (std::size_t v = 0; v < object.mesh->vertices.size(); ++v)
-      if (const VertexInterpolant* at = snapshot->seen_at(v)) with += at->reflection != nullptr;
+      if (const VertexInterpolant* at = snapshot->seen_at(v)) with += at->views->reflection != nullptr;
     EXPECT_EQ(with > 0, drift);
   }
 }
@@ -110,7 +111,7 @@ TEST(PapersWays, WithoutExponentialKernelsNoVertexHasOne) {
     if (!patch) continue;
     for (const VertexInterpolant& vertex : patch->vertices) {
       ++vertices;
-      EXPECT_EQ(vertex.kernel.shape, KernelShape::kMatern);
+      EXPECT_EQ(vertex.views->kernel.shape, KernelShape::kMatern);
     }
   }
   EXPECT_GT(vertices, 100);

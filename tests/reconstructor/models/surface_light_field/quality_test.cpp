@@ -64,29 +64,33 @@ TEST(Quality, ATriangleIsKnownAsTheMeanOfItsRingsAndUnseenWithAnyOfThem) {
 
 /// A ring of three views close round the normal.
 VertexInterpolant ring_of_three() {
-  VertexInterpolant ring;
-  ring.frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
-  ring.best_cosine = 0.8f;
-  ring.kernel = kViewKernels[0];
-  ring.sill = 0.004f;
-  ring.directions.resize(3, 3);
+  auto views = std::make_shared<RingViews>();
+  views->frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
+  views->best_cosine = 0.8f;
+  views->kernel = kViewKernels[0];
+  views->directions.resize(3, 3);
   for (int j = 0; j < 3; ++j) {
     const float angle = 2.0f * j;
-    ring.directions.col(j) = Eigen::Vector3f(0.2f * std::cos(angle), 0.2f * std::sin(angle), 1).normalized();
+    views->directions.col(j) = Eigen::Vector3f(0.2f * std::cos(angle), 0.2f * std::sin(angle), 1).normalized();
   }
+  VertexInterpolant ring;
+  ring.views = std::move(views);
+  ring.sill = 0.004f;
   return ring;
 }
 
 TEST(Quality, TheErrorOfARingIsKrigings) {
   const VertexInterpolant ring = ring_of_three();
+  const auto variance = [&](const Eigen::Vector3f& direction) {
+    return prediction_variance(ring.views->directions, ring.views->kernel, direction);
+  };
   constexpr float kCommon = 0.012f;  // counts for one view beside the three
   const Eigen::Vector3f far = Eigen::Vector3f(0.9f, 0, 0.4f).normalized();
   const SurfaceQuality near = assess_ring(ring, Eigen::Vector3f::UnitZ(), kCommon),
                        aside = assess_ring(ring, far, kCommon);
   EXPECT_TRUE(near.seen && aside.seen);
-  EXPECT_NEAR(near.error,
-              std::sqrt(0.006f * prediction_variance(ring.directions, ring.kernel, Eigen::Vector3f::UnitZ())), 1e-6);
-  EXPECT_NEAR(aside.error, std::sqrt(0.006f * prediction_variance(ring.directions, ring.kernel, far)), 1e-6);
+  EXPECT_NEAR(near.error, std::sqrt(0.006f * variance(Eigen::Vector3f::UnitZ())), 1e-6);
+  EXPECT_NEAR(aside.error, std::sqrt(0.006f * variance(far)), 1e-6);
   EXPECT_GT(aside.error, 2 * near.error) << "no image is near there";
   EXPECT_NEAR(near.nearest_cosine, 1 / std::sqrt(1.04), 1e-6);
   EXPECT_EQ(near.best_cosine, 0.8f);
@@ -103,7 +107,7 @@ TEST(Quality, AGuessIsUnseen) {
   patch.shown = {0};
   EXPECT_FALSE(patch.seen()) << "its colour is a neighbour's";
   patch.shown = {255};
-  patch.vertices[0].directions.resize(3, 0);
+  patch.vertices[0].views = std::make_shared<RingViews>();
   EXPECT_FALSE(patch.seen()) << "a patch without views";
 }
 
@@ -111,7 +115,7 @@ TEST(Quality, ASillWithoutBoundsIsAsBadAsCanBeAndFitsAFile) {
   VertexInterpolant ring = ring_of_three();
   ViewInterpolant interpolant;
   interpolant.sill = 1e80;
-  ring.set_interpolation(interpolant, ring.kernel, nullptr, 1);
+  ring.set_interpolation(interpolant, 1);
   EXPECT_EQ(ring.sill, 1e6f);
   EXPECT_EQ(assess_ring(ring, Eigen::Vector3f::UnitZ(), ring.sill).heuristic(), 1);
 }

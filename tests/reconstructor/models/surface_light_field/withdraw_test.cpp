@@ -60,7 +60,7 @@ class Withdraw : public ::testing::Test {
       for (std::size_t k = 0; k < a.patches()[i]->vertices.size(); ++k) {
         const VertexInterpolant &v = a.patches()[i]->vertices[k], &w = b.patches()[i]->vertices[k];
         EXPECT_EQ(v.views_folded, w.views_folded);
-        EXPECT_EQ(v.directions.cols(), w.directions.cols());
+        EXPECT_EQ(v.views->directions.cols(), w.views->directions.cols());
       }
     }
   }

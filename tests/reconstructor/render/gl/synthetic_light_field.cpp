@@ -98,16 +98,19 @@ std::shared_ptr<const PatchSnapshot> SyntheticLightField::make_patch(std::size_t
 
 VertexInterpolant SyntheticLightField::make_vertex(std::uint32_t vertex, int rank) const {
   constexpr int kViews = 10;
-  VertexInterpolant at;
-  at.frame = hemisphere_frame(normals_[vertex]);
-  at.directions.resize(3, kViews);
+  auto views = std::make_shared<RingViews>();
+  views->frame = hemisphere_frame(normals_[vertex]);
+  views->directions.resize(3, kViews);
   for (int j = 0; j < kViews; ++j) {
     const float turn = 2.4f * static_cast<float>(j), lean = 0.13f * static_cast<float>(j);
     const Eigen::Vector3f local(std::sin(lean) * std::cos(turn), std::sin(lean) * std::sin(turn), std::cos(lean));
-    at.directions.col(j) = at.frame.transpose() * local;
+    views->directions.col(j) = views->frame.transpose() * local;
   }
-  at.reliability = Eigen::VectorXf::Ones(kViews);
-  at.kernel = {0.6f, 0.05f};
+  views->reliability = Eigen::VectorXf::Ones(kViews);
+  views->kernel = {0.6f, 0.05f};
+  views->best_cosine = mesh_->vertices[vertex].y() > 0.05f ? 0.2f : 0.9f;
+  VertexInterpolant at;
+  at.views = std::move(views);
   at.mean.resize(rank);
   at.weights.resize(rank, kViews);
   for (int r = 0; r < rank; ++r) {
@@ -115,7 +118,6 @@ VertexInterpolant SyntheticLightField::make_vertex(std::uint32_t vertex, int ran
     for (int j = 0; j < kViews; ++j) at.weights(r, j) = 0.2f * share(r) * std::cos(1.1f * static_cast<float>(j + 1));
   }
   at.sill = 0.006f + 0.006f * std::sin(40 * mesh_->vertices[vertex].x());
-  at.best_cosine = mesh_->vertices[vertex].y() > 0.05f ? 0.2f : 0.9f;
   at.views_folded = kViews;
   return at;
 }

@@ -48,23 +48,27 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
     for (std::uint32_t s = 0; s < shape.samples; ++s) patch->shown.push_back(static_cast<std::uint8_t>(random()));
     for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
       VertexInterpolant& at = patch->vertices.emplace_back();
+      auto seen_from = std::make_shared<RingViews>();
       const int views = 1 + 3 * static_cast<int>(i);
       at.weights = Eigen::MatrixXf::NullaryExpr(rank, views, draw);
       at.mean = Eigen::VectorXf::NullaryExpr(rank, draw);
-      at.reliability = Eigen::VectorXf::NullaryExpr(views, [&] { return 0.1f + std::abs(draw()); });
-      at.frame = hemisphere_frame(mesh->vertices[shape.vertices[i]].normalized());
-      at.directions.resize(3, views);
-      for (int k = 0; k < views; ++k)
-        at.directions.col(k) = (at.frame.transpose() * Eigen::Vector3f(0.4f * draw(), 0.4f * draw(), 1)).normalized();
+      seen_from->reliability = Eigen::VectorXf::NullaryExpr(views, [&] { return 0.1f + std::abs(draw()); });
+      seen_from->frame = hemisphere_frame(mesh->vertices[shape.vertices[i]].normalized());
+      seen_from->directions.resize(3, views);
+      for (int k = 0; k < views; ++k) {
+        const Eigen::Vector3f local(0.4f * draw(), 0.4f * draw(), 1);
+        seen_from->directions.col(k) = (seen_from->frame.transpose() * local).normalized();
+      }
       if (p < 2 && i > 0 && i < 3) {
         at.drift = Eigen::VectorXf::NullaryExpr(rank, draw);
-        at.reflection = reflection;
+        seen_from->reflection = reflection;
       }
-      at.kernel = kViewKernels[i + 1];  // of both shapes
+      seen_from->kernel = kViewKernels[i + 1];  // of both shapes
       at.sill = 0.001f * static_cast<float>(i);
       at.residual = 0.1f * static_cast<float>(p);
-      at.best_cosine = 1.0f / static_cast<float>(1 + i);
+      seen_from->best_cosine = 1.0f / static_cast<float>(1 + i);
       at.views_folded = 10 + static_cast<int>(p);
+      at.views = std::move(seen_from);
     }
     data[p] = std::move(patch);
   }
@@ -106,16 +110,16 @@ TEST(ModelFiles, AReopenedModelIsTheSameBitForBit) {
     ASSERT_EQ(a.vertices.size(), b.vertices.size());
     for (std::size_t i = 0; i < a.vertices.size(); ++i) {
       const VertexInterpolant &v = a.vertices[i], &w = b.vertices[i];
-      EXPECT_EQ(v.directions, w.directions);
-      EXPECT_EQ(v.reliability, w.reliability);
+      EXPECT_EQ(v.views->directions, w.views->directions);
+      EXPECT_EQ(v.views->reliability, w.views->reliability);
       EXPECT_EQ(v.weights, w.weights);
       EXPECT_EQ(v.mean, w.mean);
       EXPECT_EQ(v.drift, w.drift);
-      EXPECT_EQ(v.frame, w.frame);
-      EXPECT_EQ(v.kernel, w.kernel);
+      EXPECT_EQ(v.views->frame, w.views->frame);
+      EXPECT_EQ(v.views->kernel, w.views->kernel);
       EXPECT_EQ(v.sill, w.sill);
       EXPECT_EQ(v.residual, w.residual);
-      EXPECT_EQ(v.best_cosine, w.best_cosine);
+      EXPECT_EQ(v.views->best_cosine, w.views->best_cosine);
       EXPECT_EQ(v.views_folded, w.views_folded);
     }
   }
@@ -208,7 +212,7 @@ TEST(ModelFiles, ViewMapsHoldTheCoefficients) {
   for (const auto& [x, y] : {std::pair(16, 16), {10, 20}, {25, 9}}) {
     const Eigen::Vector2f p(step * (x + 0.5f) - 1, step * (y + 0.5f) - 1);
     const Eigen::Vector3f local(p.x(), p.y(), std::sqrt(1 - p.squaredNorm()));
-    const float expected = at.coefficients(at.frame.transpose() * local)[6];
+    const float expected = at.coefficients(at.views->frame.transpose() * local)[6];
     EXPECT_NEAR(image.at(x, 32 + y), expected, 1e-3 * (1 + std::abs(expected)));
   }
   EXPECT_EQ(image.at(16, 16), 0) << "another patch's tile: it has no such rank";
