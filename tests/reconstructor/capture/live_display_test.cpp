@@ -20,7 +20,8 @@ TEST(LiveDisplay, SaysWhetherImagesAreStillToCome) {
   };
   LoopStatus status;
   EXPECT_EQ(shown(status), TrackerLink::kWaiting);
-  status.link.ended = true;
+  status.links.resize(1);
+  status.links[0].stats.ended = true;
   EXPECT_EQ(shown(status), TrackerLink::kEnded) << "not a saved model that is looked at";
 }
 
@@ -28,7 +29,7 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   const auto mesh = std::make_shared<const Mesh>(sphere_mesh(0.1f, 2));
   const RayPainter painter(*mesh);
   Reconstruction nothing_yet(*mesh, SurfaceLightFieldOptions{});
-  LiveDisplay display(painter, {.endpoint = "tcp://127.0.0.1:7410", .tracker_command = "sheen-tracker run"});
+  LiveDisplay display(painter, {.trackers = {{"tcp://127.0.0.1:7410", "sheen-tracker run"}}});
   display.observer().on_snapshot(nothing_yet.snapshot());
   const auto now = MonitorState::Clock::now();
   const MonitorState waiting = display.monitor_state({});
@@ -43,9 +44,11 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   EXPECT_EQ(display.feed().latest()->message, "start a tracker: sheen-tracker run");
 
   LoopStatus status;
-  status.link.connected = true;
+  status.links.resize(1);
+  ReceiverStats& link = status.links[0].stats;
+  link.connected = link.came = true;
   EXPECT_EQ(display.monitor_state(status).hint, "");
-  status.link.tracker = {56, {{"motion_blur", 55}}, "too fast: motion blur"};
+  link.tracker = {56, {{"motion_blur", 55}}, "too fast: motion blur"};
   EXPECT_EQ(display.monitor_state(status).tracker.trouble, "too fast: motion blur");
   EXPECT_EQ(display.monitor_state(status).tracker.refused.at("motion_blur"), 55u);
   display.publish_to_window(status);
@@ -56,7 +59,7 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   display.publish_to_window(status);
   EXPECT_EQ(display.feed().latest()->message, "the mesh stands elsewhere; run `sheen-tracker register`");
   EXPECT_EQ(display.monitor_state(status).warnings.size(), 1u);
-  status.link.connected = false;
+  link.connected = false;
   EXPECT_EQ(display.monitor_state(status).tracker.trouble, "") << "what was wrong when it was last heard of";
   EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kDisconnected);
 }
