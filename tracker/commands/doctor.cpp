@@ -14,6 +14,8 @@
 #include "tracker/rig_config.h"
 #include "tracker/sources/aravis_camera.h"
 #include "tracker/sources/aravis_devices.h"
+#include "tracker/sources/video_device.h"
+#include "tracker/sources/video_source.h"
 
 namespace sheen {
 namespace {
@@ -121,13 +123,19 @@ void check_source(const CameraConfig& config, std::vector<SetupCheck>& checks) {
 
 /// Opens the camera as `run` does: what it does not take is named.
 void check_locks(const CameraConfig& config, std::vector<SetupCheck>& checks) {
-  if (!config.source_uri || !config.source_uri->starts_with("aravis:") || *config.source_uri == kPlaceholder) return;
-  checks.push_back(check_loading(check_name("camera settings", config), [&] {
-    const AravisCamera camera(parse_source_uri(*config.source_uri).target, config.source);
+  if (!config.source_uri || *config.source_uri == kPlaceholder) return;
+  const bool aravis = config.source_uri->starts_with("aravis:");
+  if (!aravis && !config.source_uri->starts_with("video:")) return;
+  checks.push_back(check_loading(check_name("camera settings", config), [&]() -> std::string {
+    const std::string target = parse_source_uri(*config.source_uri).target;
+    if (!aravis && !is_video_device(target))
+      return open_video(target, config.source), "the file has the size and the rate that are asked for";
+    const std::vector<LockedFeature> locks =
+        aravis ? AravisCamera(target, config.source).locks() : VideoDevice(target, config.source).locks();
     std::string text;
-    for (const LockedFeature& feature : camera.locks())
+    for (const LockedFeature& feature : locks)
       text += (text.empty() ? "" : ", ") + feature.feature + " = " + feature.got;
-    return text.empty() ? std::string("nothing is to be set, and nothing changes by itself") : text;
+    return text.empty() ? "nothing is to be set, and nothing changes by itself" : text;
   }));
 }
 
