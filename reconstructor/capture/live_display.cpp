@@ -162,14 +162,22 @@ LoopObserver LiveDisplay::observer() {
               },
           .on_capture =
               [this](const Capture& capture) {
-                const auto now = MonitorState::Clock::now();
+                if (!takes_turn(capture)) return;
+                auto copy = std::make_shared<const Capture>(capture);
                 const std::lock_guard lock(mutex_);
-                latest_.capture_at = now;
-                const bool same = latest_.capture && same_camera(*latest_.capture, capture);
-                if (!same && latest_.capture && now - turn_began_ < kTurn) return;  // a picture that flickers is none
-                if (!same) turn_began_ = now;
-                latest_.capture = std::make_shared<const Capture>(capture);
+                latest_.capture = std::move(copy);
               }};
+}
+
+/// Whether it is of the camera that is shown now; each has a while, for a picture that flickers is none.
+bool LiveDisplay::takes_turn(const Capture& capture) {
+  const auto now = MonitorState::Clock::now();
+  const std::lock_guard lock(mutex_);
+  latest_.capture_at = now;
+  if (latest_.capture && same_camera(*latest_.capture, capture)) return true;
+  if (latest_.capture && now - turn_began_ < kTurn) return false;
+  turn_began_ = now;
+  return true;
 }
 
 void LiveDisplay::warn(const std::string& warning) {
@@ -201,7 +209,8 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
     figures.held_out_psnr_db = status.held_out_curve.back().psnr_db;
     figures.held_out_ssim = status.held_out_curve.back().ssim;
   }
-  std::string message = message_of(status, stats, commands_for_missing(names_.trackers, status.links));
+  const bool capturing = end.stage == EndStage::kCapturing;
+  std::string message = message_of(status, stats, capturing ? commands_for_missing(names_.trackers, status.links) : "");
   if (message.empty() && !now.warnings.empty()) message = now.warnings.front();
   feed_.publish({.snapshot = now.snapshot,
                  .capture = now.capture,

@@ -51,6 +51,7 @@ class LiveDisplay {
     std::optional<MonitorState::Clock::time_point> capture_at;  ///< of any camera
     std::vector<std::string> warnings;
   };
+  bool takes_turn(const Capture& capture);
   Latest latest() const;
   void update_previews(const Latest& now);
   void update_next_view(const Latest& now);

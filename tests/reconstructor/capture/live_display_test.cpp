@@ -42,6 +42,8 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   EXPECT_LT(picture.at(2, 2, 0), 20);
   display.publish_to_window({});
   EXPECT_EQ(display.feed().latest()->message, "start a tracker: sheen-tracker run");
+  display.publish_to_window({}, {EndStage::kSaving, 3, 12});
+  EXPECT_EQ(display.feed().latest()->message, "") << "nobody is waited for any more";
 
   LoopStatus status;
   status.links.resize(1);
@@ -62,6 +64,43 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   link.connected = false;
   EXPECT_EQ(display.monitor_state(status).tracker.trouble, "") << "what was wrong when it was last heard of";
   EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kDisconnected);
+}
+
+TEST(LiveDisplay, OneOfTwoTrackersIsStillToComeAndAnotherIsGone) {
+  const Mesh mesh = square_mesh(0.1f, 0, 1);
+  const RayPainter painter(mesh);
+  LiveDisplay display(painter, {.trackers = {{"tcp://a:1", "start a"}, {"tcp://b:1", "start b"}}});
+  EXPECT_EQ(display.monitor_state({}).hint, "start a and start b");
+  LoopStatus status;
+  status.links = {{"tcp://a:1", {}}, {"tcp://b:1", {}}};
+  ReceiverStats &a = status.links[0].stats, &b = status.links[1].stats;
+  a.connected = a.came = true;
+  EXPECT_EQ(display.monitor_state(status).hint, "start b");
+  display.publish_to_window(status);
+  EXPECT_EQ(display.feed().latest()->message, "start a tracker: start b");
+  b.came = true;
+  display.publish_to_window(status);
+  EXPECT_EQ(display.feed().latest()->message, "tcp://b:1: the tracker is gone");
+  const auto now = MonitorState::Clock::now();
+  EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kDisconnected);
+  EXPECT_EQ(display.monitor_state(status).links[1].name, "tracker 2");
+  b.ended = true;
+  EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kWaiting) << "it is not gone";
+}
+
+TEST(LiveDisplay, CamerasAreShownInTurnWithoutAFlicker) {
+  const Object object = square_object();
+  auto images = captures({object.surface, analytic::two_terms(0.1)}, {{0.02, 0, 0.5}, {0.05, 0.02, 0.5}});
+  images[0].calibration_hash = "left";
+  images[1].calibration_hash = "right";
+  const RayPainter painter(*object.mesh);
+  LiveDisplay display(painter, {});
+  const LoopObserver observer = display.observer();
+  for (const Capture& image : {images[0], images[1], images[0], images[1]}) {
+    observer.on_capture(image);
+    display.publish_to_window({});
+    EXPECT_EQ(display.feed().latest()->capture->calibration_hash, "left");
+  }
 }
 
 TEST(LiveDisplay, ThePageSaysInWhichDirectionTheNextImageIs) {
