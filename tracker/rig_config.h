@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/camera/camera.h"
 #include "common/stage/stage_layout.h"
@@ -12,6 +13,18 @@
 #include "tracker/sources/source_uri.h"
 
 namespace sheen {
+
+/// What a rig's file says of one camera.
+struct CameraConfig {
+  std::string name;  ///< letters, digits, - and _; empty where the rig has one camera and no [[cameras]]
+  std::optional<Camera> camera;
+  bool still = false;
+  std::optional<Photometry> photometry;  ///< of the camera's file, where that has one
+  std::optional<LightOptions> light;
+  std::optional<std::string> source_uri;
+  SourceSettings source;
+  GateOptions gate;
+};
 
 /// What a rig's TOML file says. Paths are relative to the file.
 ///
@@ -25,20 +38,21 @@ namespace sheen {
 ///   [source]  uri frame_rate_hz exposure_us gain_db black_level white_balance pixel_format
 ///   [link]    endpoint keys allow            keys: the .key file; allow: the public keys that may connect
 ///   [gate]    min_tags max_blur_px max_overexposed min_bright min_angle_deg min_distance_m max_uncertainty_px
+///
+/// Of several cameras each has an entry [[cameras]] with a `name` and a `camera`, `source`, `light` and `gate` of its
+/// own: camera.file = "left.json", source.uri = "aravis:LEFT". What [source], [light] and [gate] say holds for all of
+/// them, where an entry does not say otherwise.
 struct RigConfig {
-  std::optional<Camera> camera;
-  bool still_camera = false;
-  std::optional<Photometry> photometry;  ///< of the camera's file, where that has one
+  std::vector<CameraConfig> cameras{1};  ///< one at least
   std::optional<std::filesystem::path> stage_file;
-  std::optional<LightOptions> light;
-  std::optional<std::string> source_uri;
-  SourceSettings source;
   std::string endpoint = "tcp://127.0.0.1:7410";
   std::filesystem::path keys, allow;  ///< empty: none
-  GateOptions gate;
 };
 
 /// Throws ConfigError naming file, line and key (unknown keys too), FileError when the file cannot be read.
 RigConfig load_rig_config(const std::filesystem::path& file);
+
+/// The camera of this name, or the only one where `name` is empty. Throws ConfigError that lists the names.
+CameraConfig& camera_named(RigConfig& config, const std::string& name);
 
 }  // namespace sheen

@@ -23,7 +23,8 @@ constexpr milliseconds kPoll{50};
 constexpr milliseconds kKeepWait{100};
 constexpr int kLiveKeepWaits = 10;  ///< a camera's keyframe waits a second for room, a file's for ever
 constexpr std::int64_t kPublishEvery_ns = 200'000'000;
-constexpr double kMoved_px = 1;  ///< by which a still camera's tags are elsewhere
+constexpr std::int64_t kSilent_ns = 1'000'000'000;  ///< a person is told that a camera delivers nothing
+constexpr double kMoved_px = 1;                     ///< by which a still camera's tags are elsewhere
 constexpr std::size_t kTimesKept = 4096;
 constexpr std::size_t kLatest =
     12;  ///< frames that say whether something is wrong now: one that is kept, and nothing is
@@ -117,6 +118,7 @@ struct TrackingLoop::Impl {
   std::exception_ptr grab_error;  ///< read once the queue is closed
   TrackingReport report;
   std::int64_t published_ns = 0;
+  std::optional<std::int64_t> stale_since_ns;
   SourceState published_state = SourceState::kStarting;
   std::string last_verdict;
   std::deque<Fate> latest;  ///< the newest last
@@ -190,7 +192,8 @@ TrackingLoop::Impl::Measured TrackingLoop::Impl::measure(Frame frame) {
   Capture capture;
   capture.source_session = options.source_session;
   capture.camera_frame_id = frame.camera_frame_id;
-  capture.name = "frame " + std::to_string(frame.camera_frame_id);
+  capture.name =
+      (options.camera_name.empty() ? "" : options.camera_name + " ") + "frame " + std::to_string(frame.camera_frame_id);
   capture.times = frame.times;
   capture.camera = rig->camera;
   capture.exposure = frame.exposure;
@@ -262,7 +265,6 @@ void TrackingLoop::Impl::note(const std::string& fate, bool kept, const std::str
   last_verdict = fate;
   latest.push_back({kept, trouble});
   if (latest.size() > kLatest) latest.pop_front();
-  report.trouble = trouble_of(latest);
 }
 
 void TrackingLoop::Impl::send(Measured measured, const Hooks& hooks) {
@@ -306,6 +308,9 @@ void TrackingLoop::Impl::publish(const Hooks& hooks) {
   published_ns = now;
   report.grabbed = grabbed_count;
   report.overrun = overrun_count;
+  if (state != SourceState::kStale) stale_since_ns.reset();
+  if (state == SourceState::kStale && !stale_since_ns) stale_since_ns = now;
+  report.trouble = stale_since_ns && now - *stale_since_ns >= kSilent_ns ? source.message() : trouble_of(latest);
   if (hooks.progress) hooks.progress(report);
   if (!hooks.publish) return;
   Status status{.role = "tracker",
@@ -313,7 +318,7 @@ void TrackingLoop::Impl::publish(const Hooks& hooks) {
                 .clock_ns = now,
                 .state = state,
                 .message = source.message()};
-  if (!report.trouble.empty()) status.message += "; " + report.trouble;
+  if (!report.trouble.empty() && report.trouble != status.message) status.message += "; " + report.trouble;
   if (!last_verdict.empty()) status.message += "; last frame: " + last_verdict;
   status.gauges = {{"frames_grabbed", double(grabbed_count)}, {"frames_overrun", double(overrun_count)},
                    {"frames_kept", double(report.kept)},      {"frames_live", double(report.live)},

@@ -33,6 +33,7 @@ struct TrackingOptions {
   std::uint64_t max_frames = 0;  ///< grabbed; 0 is all that come
   std::size_t queue = 4;         ///< frames that wait between grabbing and tracking
   std::string source_session;    ///< of the captures; empty leaves it to the sink
+  std::string camera_name;       ///< in front of the captures' names, where a rig has several cameras; else empty
 };
 
 /// grab -> detect -> refine -> solve -> gate -> send. Grabbing has its own thread and a bounded queue: a camera that is

@@ -25,7 +25,8 @@ struct TrackingReport {
   std::uint64_t kept = 0;    ///< keyframes handed to the link
   std::uint64_t unsent = 0;  ///< keyframes for which the link had no room
   std::uint64_t live = 0;    ///< frames sent to look at only
-  std::string trouble;       ///< for a person: why most of the latest frames were refused; empty while some are kept
+  /// For a person: why most of the latest frames were refused, or none comes; empty while some are kept.
+  std::string trouble;
   SourceStats source;
   std::exception_ptr failure;  ///< what ended the run before its time; empty when the source ended or was told to
   std::map<std::string, std::vector<float>> stage_ms;  ///< the latest times of each stage of the pipeline
@@ -34,15 +35,27 @@ struct TrackingReport {
   std::string failure_text() const;  ///< empty when nothing failed
 };
 
+/// A camera of a rig.
+struct CameraReport {
+  std::string name;  ///< empty where the rig has one camera
+  TrackingReport report;
+  std::uint64_t unacknowledged = 0;  ///< of its keyframes that the link took
+};
+using RigReport = std::vector<CameraReport>;
+
+/// The cameras' counts added up, and their times together. Trouble and failure name the cameras that have them. Frame
+/// ids mean nothing across cameras: only a rig of one has them.
+TrackingReport total(const RigReport& rig);
+
 /// The report as JSON: frames {camera, received, lost, grabbed, missed, overrun, sent, live, unsent, refused {reason:
 /// n}}, poses, source, stage_ms, failure (null when there is none). camera = received + lost, and received = refused +
-/// what a receiver has acknowledged.
-std::string to_json(const TrackingReport& report, const std::map<std::string, std::uint64_t>& link);
+/// what a receiver has acknowledged. Of several cameras this is the total, and `cameras` has the same of each by name.
+std::string to_json(const RigReport& rig, const std::map<std::string, std::uint64_t>& link);
 
 /// What the link tells of it.
 TrackerFrames frames_for_link(const TrackingReport& report);
 
-/// One line for a person.
-std::string summary(const TrackingReport& report);
+/// One line for a person, and one for each of several cameras.
+std::string summary(const RigReport& rig);
 
 }  // namespace sheen

@@ -243,6 +243,7 @@ void CaptureReceiver::Impl::deliver(Capture capture, bool live) {
   ++(live ? stats.live : stats.kept);
   queue.push_back({std::move(capture), live});
   arrived.notify_one();
+  if (options.on_arrival) options.on_arrival();
 }
 
 void CaptureReceiver::Impl::take_welcome(const Welcome& welcome) {
@@ -267,7 +268,7 @@ void CaptureReceiver::Impl::take_welcome(const Welcome& welcome) {
   }
   if (session != welcome.source_session) stats.ended = false;
   session = welcome.source_session;
-  welcomed = stats.connected = true;
+  welcomed = stats.connected = stats.came = true;
   hello_wait = kHelloAgain;
 }
 

@@ -387,6 +387,7 @@ bool CaptureSender::finish(milliseconds timeout, const std::string& failure) {
 void CaptureSender::report(const TrackerFrames& frames) {
   const std::lock_guard lock(impl_->mutex);
   impl_->frames = frames;
+  impl_->frames.trouble = sayable(frames.trouble);
 }
 
 std::string CaptureSender::endpoint() const {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -85,6 +86,8 @@ struct ReceiverOptions {
   int credits = 2;
   /// What is already durable: source session -> highest acknowledged sequence.
   std::map<std::string, std::uint64_t> held;
+  /// Called whenever `next` has something more to give, by the receiver's thread: must be quick and not call it.
+  std::function<void()> on_arrival = {};
 };
 
 struct Received {
@@ -100,6 +103,7 @@ struct ReceiverStats {
   RigMotion motion;                  ///< of the sender's captures, as it says; unspecified before it came
   std::optional<ClockOffset> clock;  ///< the sender's steady clock against this one; measured again every second
   bool connected = false;
+  bool came = false;   ///< a sender has been connected since the start
   bool ended = false;  ///< the sender said that its source has ended, and `next` has returned everything it kept
   std::string source_failure;  ///< why the source ended before its time, as the sender said; else empty
   std::string last_error;

@@ -24,14 +24,14 @@ constexpr int kJudgementsRest = 4;  // times as long as the last live judgement 
 }  // namespace
 
 CaptureLoop::CaptureLoop(const std::filesystem::path& session_folder, Session session,
-                         std::unique_ptr<CaptureReceiver> link, Reconstruction& reconstruction,
+                         std::unique_ptr<TrackerLinks> links, Reconstruction& reconstruction,
                          const CaptureLoopOptions& options, LoopObserver observer)
     : folder_(session_folder),
       session_(std::move(session)),
       reconstruction_(reconstruction),
       options_(options),
       observer_(std::move(observer)),
-      receiver_(std::move(link)) {
+      links_(std::move(links)) {
   status_.journaled = session_.size();
   effort_record_ = session_.metadata(kEffortKey).value_or("");
 }
@@ -63,19 +63,18 @@ void CaptureLoop::stop() {
 void CaptureLoop::receive(std::stop_token stop) {
   std::uint64_t journaled = status().journaled;
   while (!stop.stop_requested()) {
-    std::optional<Received> received = receiver_->next(kPoll);
-    if (received && !store(*received, journaled, stop)) return;
-    report_link(received, journaled);
+    std::optional<TrackerLinks::Arrival> arrival = links_->next(kPoll);
+    if (arrival && !store(*arrival, journaled, stop)) return;
+    report_links(arrival, journaled);
   }
 }
 
 /// False where a capture could not be stored: it is not acknowledged, so the tracker keeps it for the next start.
-bool CaptureLoop::store(Received& received, std::uint64_t& journaled, const std::stop_token& stop) {
-  Capture& capture = received.capture;
-  if (observer_.on_capture) observer_.on_capture(capture);
-  if (received.live) return true;
+bool CaptureLoop::store(TrackerLinks::Arrival& arrival, std::uint64_t& journaled, const std::stop_token& stop) {
+  if (observer_.on_capture) observer_.on_capture(arrival.received.capture);
+  if (arrival.received.live) return true;
   try {
-    const std::uint64_t index = store_capture(session_, *receiver_, capture, stop);
+    const std::uint64_t index = store_capture(session_, *links_, arrival, stop);
     journaled = std::max(journaled, index + 1);
   } catch (const SessionBusy&) {
     return false;  // asked to stop while it waited
@@ -86,15 +85,17 @@ bool CaptureLoop::store(Received& received, std::uint64_t& journaled, const std:
   return true;
 }
 
-void CaptureLoop::report_link(const std::optional<Received>& received, std::uint64_t journaled) {
-  const ReceiverStats link = receiver_->stats();
-  if (observer_.on_link) observer_.on_link(link);
+void CaptureLoop::report_links(const std::optional<TrackerLinks::Arrival>& arrival, std::uint64_t journaled) {
+  std::vector<LinkState> links = links_->states();
+  if (observer_.on_link) observer_.on_link(links);
   const std::lock_guard lock(mutex_);
-  status_.link = link;
+  status_.links = std::move(links);
   status_.journaled = journaled;
-  if (received && !received->live && status_.link.clock) {
-    const std::int64_t trackers_now_ns = steady_now_ns() + status_.link.clock->offset_ns;
-    status_.latency.add(1e-9 * static_cast<double>(trackers_now_ns - received->capture.times.grabbed_ns));
+  if (arrival && !arrival->received.live) {
+    if (const std::optional<ClockOffset>& clock = status_.links[arrival->tracker].stats.clock) {
+      const std::int64_t trackers_now_ns = steady_now_ns() + clock->offset_ns;
+      status_.latency.add(1e-9 * static_cast<double>(trackers_now_ns - arrival->received.capture.times.grabbed_ns));
+    }
   }
   journaled_changed_.notify_all();
 }
@@ -183,8 +184,9 @@ CaptureLoop::Waited CaptureLoop::wait_for_capture(std::uint64_t index, std::stop
   std::unique_lock lock(mutex_);
   journaled_changed_.wait_for(lock, stop, kPoll, [&] { return status_.journaled > index; });
   if (status_.journaled > index) return Waited::kArrived;
-  if (finishing_ || (status_.link.ended && options_.stop_when_source_ends)) return Waited::kOver;
-  return status_.link.ended ? Waited::kSourceEnded : Waited::kNothing;
+  const bool ended = status_.link().ended;
+  if (finishing_ || (ended && options_.stop_when_source_ends)) return Waited::kOver;
+  return ended ? Waited::kSourceEnded : Waited::kNothing;
 }
 
 CaptureLoop::Followed CaptureLoop::follow_withdrawals(const Session& journal, std::uint64_t ingested) {

@@ -16,9 +16,9 @@
 #include <thread>
 #include <vector>
 
-#include "common/link/transport.h"
 #include "common/session/session.h"
 #include "reconstructor/capture/reconstruction.h"
+#include "reconstructor/capture/tracker_links.h"
 #include "reconstructor/evaluation/held_out_curve.h"
 
 namespace sheen {
@@ -36,7 +36,8 @@ struct LoopStatus {
   std::uint64_t waiting() const { return journaled - std::min(journaled, ingested); }
   /// False from a withdrawal until the model is, to the bit, one that never saw the image.
   bool exact = true;
-  ReceiverStats link;
+  std::vector<LinkState> links;                         ///< to each tracker
+  ReceiverStats link() const { return joined(links); }  ///< as one
   IngestReport last;
   double images_per_s = 0;
   Reconstruction::Effort effort;
@@ -55,8 +56,8 @@ struct LoopStatus {
 /// Who watches a loop. Calls come from the loop's threads, must be quick and must not throw.
 struct LoopObserver {
   std::function<void(std::shared_ptr<const ModelSnapshot>)> on_snapshot;
-  std::function<void(const Capture&)> on_capture;     ///< every capture that arrives, live or to be kept
-  std::function<void(const ReceiverStats&)> on_link;  ///< many times per second, from the start
+  std::function<void(const Capture&)> on_capture;              ///< every capture that arrives, live or to be kept
+  std::function<void(const std::vector<LinkState>&)> on_link;  ///< many times per second, from the start
 };
 
 struct CaptureLoopOptions {
@@ -76,8 +77,8 @@ struct CaptureLoopOptions {
 /// next pause of the capture the model is rebuilt without it, to the bit, while the last snapshot stays.
 class CaptureLoop {
  public:
-  /// The session's captures so far are ingested first. `link`: that knows what the session holds.
-  CaptureLoop(const std::filesystem::path& session_folder, Session session, std::unique_ptr<CaptureReceiver> link,
+  /// The session's captures so far are ingested first. `links`: that know what the session holds.
+  CaptureLoop(const std::filesystem::path& session_folder, Session session, std::unique_ptr<TrackerLinks> links,
               Reconstruction& reconstruction, const CaptureLoopOptions& options, LoopObserver observer);
   ~CaptureLoop();
 
@@ -97,8 +98,8 @@ class CaptureLoop {
  private:
   struct Pending;
   void receive(std::stop_token stop);
-  bool store(Received& received, std::uint64_t& journaled, const std::stop_token& stop);
-  void report_link(const std::optional<Received>& received, std::uint64_t journaled);
+  bool store(TrackerLinks::Arrival& arrival, std::uint64_t& journaled, const std::stop_token& stop);
+  void report_links(const std::optional<TrackerLinks::Arrival>& arrival, std::uint64_t journaled);
   void ingest(std::stop_token stop);
   void apply_withdrawals(const Session& journal, std::uint64_t& next, Pending& pending);
   void show_when_due(bool late, bool ended, Pending& pending);
@@ -121,7 +122,7 @@ class CaptureLoop {
   Reconstruction& reconstruction_;
   CaptureLoopOptions options_;
   LoopObserver observer_;
-  std::unique_ptr<CaptureReceiver> receiver_;
+  std::unique_ptr<TrackerLinks> links_;
 
   mutable std::mutex mutex_;
   std::condition_variable_any journaled_changed_;

@@ -61,6 +61,17 @@ json memory_report(const Reconstruction& reconstruction) {
           {"peak_resident_bytes", resident.peak_bytes}};
 }
 
+json tracker_report(const LinkState& tracker) {
+  const ReceiverStats& link = tracker.stats;
+  return {{"endpoint", tracker.endpoint},
+          {"received", link.kept},
+          {"duplicates", link.duplicates},
+          {"lost", link.missing},
+          {"judged", link.tracker.judged},
+          {"refused", link.tracker.refused},
+          {"failure", link.source_failure.empty() ? json() : json(link.source_failure)}};
+}
+
 }  // namespace
 
 json reconstruction_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged) {
@@ -111,12 +122,15 @@ json reconstruction_report(const Reconstruction& reconstruction, const Reconstru
 json live_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged,
                  const LoopStatus& status) {
   json report = reconstruction_report(reconstruction, judged);
-  report["frames"].update({{"sent", status.journaled + status.link.missing},
+  const ReceiverStats link = status.link();
+  report["frames"].update({{"sent", status.journaled + link.missing},
                            {"received", status.journaled},
                            {"waiting", status.waiting()},
-                           {"lost", status.link.missing},
+                           {"lost", link.missing},
                            {"journaled", status.journaled},
-                           {"duplicates", status.link.duplicates}});
+                           {"duplicates", link.duplicates}});
+  report["trackers"] = json::array();
+  for (const LinkState& tracker : status.links) report["trackers"].push_back(tracker_report(tracker));
   const auto ms = [&](double q) { return 1e3 * status.latency.quantile_s(q); };
   report["latency_ms"] = nullptr;  // nothing came, or the machines' clocks could not be compared
   if (status.latency.count() > 0) report["latency_ms"] = {{"p50", ms(0.50)}, {"p95", ms(0.95)}, {"p99", ms(0.99)}};

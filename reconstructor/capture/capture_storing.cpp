@@ -5,10 +5,12 @@
 
 namespace sheen {
 
-std::uint64_t store_capture(Session& session, CaptureReceiver& link, Capture& capture, const std::stop_token& stop) {
+std::uint64_t store_capture(Session& session, TrackerLinks& links, TrackerLinks::Arrival& arrival,
+                            const std::stop_token& stop) {
+  Capture& capture = arrival.received.capture;
   capture.times.received_ns = steady_now_ns();
   const std::uint64_t index = patiently(stop, [&] { return session.append(capture); });
-  link.acknowledge(capture.source_session, capture.sequence);
+  links.acknowledge(arrival);
   return index;
 }
 

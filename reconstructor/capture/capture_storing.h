@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "common/base/log.h"
-#include "common/link/transport.h"
 #include "common/session/session.h"
+#include "reconstructor/capture/tracker_links.h"
 
 namespace sheen {
 
@@ -30,6 +30,7 @@ auto patiently(const std::stop_token& stop, const Action& action) {
 
 /// Makes a capture that came durable, then acknowledges it; returns its index. Throws FileError, or SessionBusy once it
 /// is asked to stop: it is then not acknowledged, and the tracker keeps it.
-std::uint64_t store_capture(Session& session, CaptureReceiver& link, Capture& capture, const std::stop_token& stop);
+std::uint64_t store_capture(Session& session, TrackerLinks& links, TrackerLinks::Arrival& arrival,
+                            const std::stop_token& stop);
 
 }  // namespace sheen

@@ -26,10 +26,10 @@ RigMotion completed(RigMotion motion, const LightState& light) {
 
 }  // namespace
 
-FirstCapture::FirstCapture(Session& session, CaptureReceiver& link, bool once,
-                           std::function<void(const ReceiverStats&)> on_link)
+FirstCapture::FirstCapture(Session& session, TrackerLinks& links, bool once,
+                           std::function<void(const std::vector<LinkState>&)> on_link)
     : session_(session),
-      link_(link),
+      links_(links),
       once_(once),
       on_link_(std::move(on_link)),
       thread_([this](const std::stop_token& stop) {
@@ -93,14 +93,15 @@ void FirstCapture::look(const std::stop_token& stop) {
     found_ = {*std::move(known), *motion};
   }
   while (!found_ && !stop.stop_requested()) {
-    std::optional<Received> received = link_.next(kPoll);
-    const ReceiverStats link = link_.stats();
-    if (on_link_) on_link_(link);
-    if (!received && link.ended && once_) return;
-    if (!received || received->live) continue;
-    Capture& capture = received->capture;
+    std::optional<TrackerLinks::Arrival> arrival = links_.next(kPoll);
+    const std::vector<LinkState> states = links_.states();
+    const ReceiverStats link = joined(states);
+    if (on_link_) on_link_(states);
+    if (!arrival && link.ended && once_) return;
+    if (!arrival || arrival->received.live) continue;
+    Capture& capture = arrival->received.capture;
     if (capture.pose.usable()) note(motion.emplace(completed(link.motion, capture.light)), stop);
-    store_capture(session_, link_, capture, stop);
+    store_capture(session_, links_, *arrival, stop);
     if (capture.pose.usable()) found_ = {std::move(capture), *motion};
   }
 }

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "common/capture/rig_motion.h"
-#include "common/link/transport.h"
 #include "common/session/session.h"
+#include "reconstructor/capture/tracker_links.h"
 
 namespace sheen {
 
@@ -26,7 +26,8 @@ class FirstCapture {
 
   /// Both must outlive it; nothing else uses them until it is over. `once`: no other source follows one that ends.
   /// `on_link`: called by that thread, many times per second.
-  FirstCapture(Session& session, CaptureReceiver& link, bool once, std::function<void(const ReceiverStats&)> on_link);
+  FirstCapture(Session& session, TrackerLinks& links, bool once,
+               std::function<void(const std::vector<LinkState>&)> on_link);
 
   /// It is there, or none will come.
   bool over() const { return over_; }
@@ -41,9 +42,9 @@ class FirstCapture {
   void note(const RigMotion& motion, const std::stop_token& stop);
 
   Session& session_;
-  CaptureReceiver& link_;
+  TrackerLinks& links_;
   const bool once_;
-  std::function<void(const ReceiverStats&)> on_link_;
+  std::function<void(const std::vector<LinkState>&)> on_link_;
   std::optional<Found> found_;
   std::exception_ptr failure_;
   std::atomic<bool> over_{false};

@@ -18,6 +18,7 @@ namespace {
 
 constexpr int kPreviewWidth = 480;
 constexpr int kJpegQuality = 80;
+constexpr std::chrono::seconds kTurn{3};  ///< for which one of several cameras is shown
 
 std::shared_ptr<const std::string> jpeg_text(const ImageU8& image) {
   const std::vector<std::uint8_t> bytes = encode_jpeg(image, kJpegQuality);
@@ -39,28 +40,56 @@ ImageU8 thumbnail(const ImageU8& image, int width) {
   return small;
 }
 
-TrackerLink link_of(const LoopStatus& status, const EndProgress& end,
+TrackerLink link_of(const ReceiverStats& link, const EndProgress& end,
                     const std::optional<MonitorState::Clock::time_point>& last) {
-  if (status.link.ended || end.stage != EndStage::kCapturing) return TrackerLink::kEnded;
+  if (link.ended || end.stage != EndStage::kCapturing) return TrackerLink::kEnded;
   if (!last) return TrackerLink::kWaiting;
   const bool fresh = MonitorState::Clock::now() - *last < kStaleAfter;
-  return status.link.connected && fresh ? TrackerLink::kConnected : TrackerLink::kStale;
+  return link.connected && fresh ? TrackerLink::kConnected : TrackerLink::kStale;
 }
 
-std::string message_of(const LoopStatus& status, TrackerLink link, const std::string& tracker_command) {
+/// What starts the trackers that have not come yet.
+std::string commands_for_missing(const std::vector<LiveDisplay::Names::Tracker>& trackers,
+                                 const std::vector<LinkState>& links) {
+  std::string commands;
+  for (std::size_t i = 0; i < trackers.size(); ++i)
+    if (i >= links.size() || !links[i].stats.came) commands += (commands.empty() ? "" : " and ") + trackers[i].command;
+  return commands;
+}
+
+std::string message_of(const LoopStatus& status, const ReceiverStats& link, const std::string& missing) {
   if (!status.error.empty()) return status.error;
   if (status.rebuild_until > 0)
     return "without what was taken back: image " + std::to_string(status.ingested) + " of " +
            std::to_string(status.rebuild_until);
-  const bool nobody = link == TrackerLink::kWaiting && !status.link.connected && status.link.last_error.empty();
-  if (nobody && !tracker_command.empty()) return "start a tracker: " + tracker_command;
-  return status.link.last_error;
+  if (!link.ended && link.last_error.empty() && !missing.empty()) return "start a tracker: " + missing;
+  return link.last_error;
 }
 
 /// What the tracker finds wrong with what the camera sees now.
-std::string trouble_of(const LoopStatus& status, const EndProgress& end) {
-  const bool running = status.link.connected && !status.link.ended && end.stage == EndStage::kCapturing;
-  return running ? status.link.tracker.trouble : "";
+std::string trouble_of(const ReceiverStats& link, const EndProgress& end) {
+  const bool running = link.connected && !link.ended && end.stage == EndStage::kCapturing;
+  return running ? link.tracker.trouble : "";
+}
+
+std::vector<MonitorState::Link> links_of(const LiveDisplay::Names& names, const std::vector<LinkState>& links) {
+  std::vector<MonitorState::Link> shown;
+  for (std::size_t i = 0; i < names.trackers.size(); ++i) {
+    const ReceiverStats link = i < links.size() ? links[i].stats : ReceiverStats{};
+    shown.push_back({.name = names.trackers.size() == 1 ? "tracker" : "tracker " + std::to_string(i + 1),
+                     .endpoint = names.trackers[i].endpoint,
+                     .connected = link.connected,
+                     .encrypted = names.encrypted,
+                     .last_error = link.last_error,
+                     .came = link.came,
+                     .ended = link.ended});
+  }
+  return shown;
+}
+
+/// Whether two captures are of the same camera, as far as they tell.
+bool same_camera(const Capture& a, const Capture& b) {
+  return a.source_session == b.source_session && a.calibration_hash == b.calibration_hash;
 }
 
 /// The mesh lit from the eye, where there is no model yet; as the window has it.
@@ -133,11 +162,22 @@ LoopObserver LiveDisplay::observer() {
               },
           .on_capture =
               [this](const Capture& capture) {
+                if (!takes_turn(capture)) return;
                 auto copy = std::make_shared<const Capture>(capture);
                 const std::lock_guard lock(mutex_);
                 latest_.capture = std::move(copy);
-                latest_.capture_at = MonitorState::Clock::now();
               }};
+}
+
+/// Whether it is of the camera that is shown now; each has a while, for a picture that flickers is none.
+bool LiveDisplay::takes_turn(const Capture& capture) {
+  const auto now = MonitorState::Clock::now();
+  const std::lock_guard lock(mutex_);
+  latest_.capture_at = now;
+  if (latest_.capture && same_camera(*latest_.capture, capture)) return true;
+  if (latest_.capture && now - turn_began_ < kTurn) return false;
+  turn_began_ = now;
+  return true;
 }
 
 void LiveDisplay::warn(const std::string& warning) {
@@ -153,14 +193,15 @@ LiveDisplay::Latest LiveDisplay::latest() const {
 void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress& end) {
   const Latest now = latest();
   update_next_view(now);
+  const ReceiverStats stats = status.link();
   CaptureFigures figures{.frames_received = status.journaled,
                          .frames_accepted = status.counts.accepted + status.counts.held_out,
                          .frames_held_out = status.counts.held_out,
                          .frames_refused = status.counts.refused,
                          .frames_withdrawn = status.counts.withdrawn,
                          .frames_waiting = status.waiting(),
-                         .tracker_judged = status.link.tracker.judged,
-                         .tracker_refused = status.link.tracker.refused,
+                         .tracker_judged = stats.tracker.judged,
+                         .tracker_refused = stats.tracker.refused,
                          .images_per_s = status.images_per_s};
   if (status.counts.accepted > 0) figures.residual = status.last.relative_residual;
   if (std::isfinite(status.last.predicted_psnr_db)) figures.predicted_psnr_db = status.last.predicted_psnr_db;
@@ -168,31 +209,26 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
     figures.held_out_psnr_db = status.held_out_curve.back().psnr_db;
     figures.held_out_ssim = status.held_out_curve.back().ssim;
   }
-  const TrackerLink link = link_of(status, end, now.capture_at);
-  std::string message = message_of(status, link, names_.tracker_command);
+  const bool capturing = end.stage == EndStage::kCapturing;
+  std::string message = message_of(status, stats, capturing ? commands_for_missing(names_.trackers, status.links) : "");
   if (message.empty() && !now.warnings.empty()) message = now.warnings.front();
   feed_.publish({.snapshot = now.snapshot,
                  .capture = now.capture,
                  .figures = figures,
-                 .link = link,
+                 .link = link_of(stats, end, now.capture_at),
                  .next_view = next_view_,
                  .work = work_of(end),
                  .message = std::move(message),
-                 .trouble = trouble_of(status, end)});
+                 .trouble = trouble_of(stats, end)});
 }
 
-MonitorState state_before_first(const LiveDisplay::Names& names, const ReceiverStats& link) {
+MonitorState state_before_first(const LiveDisplay::Names& names, const std::vector<LinkState>& links) {
   MonitorState state;
   state.version = SHEEN_VERSION;
   state.model = names.model;
   state.session_folder = names.session_folder;
-  state.links.push_back({.name = "tracker",
-                         .endpoint = names.endpoint,
-                         .connected = link.connected,
-                         .encrypted = names.encrypted,
-                         .last_error = link.last_error,
-                         .came = link.connected});
-  if (!link.connected) state.hint = names.tracker_command;
+  state.links = links_of(names, links);
+  state.hint = commands_for_missing(names.trackers, links);
   return state;
 }
 
@@ -209,15 +245,10 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
     state.source_session = now.capture->source_session;
     state.photometric = photometric_knowledge(*now.capture);
   }
-  tracker_came_ |= status.link.connected || now.capture;
-  state.links.push_back({.name = "tracker",
-                         .endpoint = names_.endpoint,
-                         .connected = status.link.connected,
-                         .encrypted = names_.encrypted,
-                         .last_error = status.link.last_error,
-                         .came = tracker_came_});
-  if (!tracker_came_) state.hint = names_.tracker_command;
-  state.ended = status.link.ended;
+  const ReceiverStats stats = status.link();
+  state.links = links_of(names_, status.links);
+  state.hint = commands_for_missing(names_.trackers, status.links);
+  state.ended = stats.ended;
   state.ending = ending_of(end);
   state.error = status.error;
   state.warnings = now.warnings;
@@ -228,9 +259,9 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.withdrawn = status.counts.withdrawn;
   state.waiting = status.waiting();
   state.journaled = status.journaled;
-  state.sequence_gaps = status.link.missing;
+  state.sequence_gaps = stats.missing;
   state.refused = status.counts.refused;
-  state.tracker = {status.link.tracker.judged, status.link.tracker.refused, trouble_of(status, end)};
+  state.tracker = {stats.tracker.judged, stats.tracker.refused, trouble_of(stats, end)};
   state.images_per_s = status.images_per_s;
   state.queues["ingest"] = {status.waiting(), 0};
   state.stage_s = status.stage_s;

@@ -21,11 +21,14 @@ namespace sheen {
 class LiveDisplay {
  public:
   struct Names {
-    std::string session_folder, endpoint;
+    struct Tracker {
+      std::string endpoint, command;  ///< that starts one for us
+    };
+    std::string session_folder;
+    std::vector<Tracker> trackers;
     std::string model;         ///< its kind; empty while it is not known
     std::string model_reason;  ///< why it was chosen; empty where the scene names it
     bool encrypted = false;
-    std::string tracker_command;  ///< that starts a tracker for us
   };
   LiveDisplay(const RayPainter& painter, Names names) : painter_(painter), names_(std::move(names)) {}
 
@@ -45,9 +48,10 @@ class LiveDisplay {
   struct Latest {
     std::shared_ptr<const ModelSnapshot> snapshot;
     std::shared_ptr<const Capture> capture;
-    std::optional<MonitorState::Clock::time_point> capture_at;
+    std::optional<MonitorState::Clock::time_point> capture_at;  ///< of any camera
     std::vector<std::string> warnings;
   };
+  bool takes_turn(const Capture& capture);
   Latest latest() const;
   void update_previews(const Latest& now);
   void update_next_view(const Latest& now);
@@ -58,15 +62,15 @@ class LiveDisplay {
   ViewerFeed feed_;
   mutable std::mutex mutex_;
   Latest latest_;
+  MonitorState::Clock::time_point turn_began_;  ///< of the camera whose captures are shown
   std::uint64_t drawn_version_ = ~std::uint64_t{0};
   std::shared_ptr<const Capture> drawn_capture_;
   std::shared_ptr<const std::string> preview_jpeg_, camera_jpeg_;
   std::uint64_t advised_version_ = ~std::uint64_t{0};
   std::optional<NextView> next_view_;
-  bool tracker_came_ = false;
 };
 
 /// What the monitor page shows before the first image, while it is not known what will be modelled.
-MonitorState state_before_first(const LiveDisplay::Names& names, const ReceiverStats& link);
+MonitorState state_before_first(const LiveDisplay::Names& names, const std::vector<LinkState>& links);
 
 }  // namespace sheen

@@ -154,11 +154,10 @@ IngestReport Reconstruction::take(const Capture& capture) {
   return report;
 }
 
-/// Once for each source, and again when that changes.
+/// Once for each source, and again for a camera of it of which something else is known.
 void Reconstruction::say_what_is_known_of_light(const Capture& capture) {
   const std::string known = capture.source_session + ": " + photometric_knowledge(capture);
-  if (known == light_said_) return;
-  light_said_ = known;
+  if (!light_said_.insert(known).second) return;
   if (capture.photometry && !capture.photometry->vignette.none()) return;
   log_info("light", std::string("what the camera makes of light: ") + photometric_knowledge(capture) +
                         "; `sheen-tracker calibrate photometric` measures it");

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -98,9 +99,9 @@ class Reconstruction {
   EffortPlan effort_;
   std::optional<CaptureSize> image_size_;  ///< of the first image
   double held_out_bytes_ = 0;
-  bool memory_exceeded_ = false;  ///< although all that can be left out is: told once
-  std::string light_said_;        ///< of the latest capture's camera
-  EffortProbe probe_;             ///< empty once the effort level is chosen
+  bool memory_exceeded_ = false;      ///< although all that can be left out is: told once
+  std::set<std::string> light_said_;  ///< of the cameras so far
+  EffortProbe probe_;                 ///< empty once the effort level is chosen
 };
 
 }  // namespace sheen

@@ -46,7 +46,8 @@ constexpr const char* kMeshHashKey = "mesh_hash";
 constexpr const char* kNoMesh = "none";
 
 struct ServeArguments {
-  std::string mesh, session, config, model, endpoint = ReceiverOptions{}.endpoint, keys, tracker_key, json;
+  std::string mesh, session, config, model, keys, json;
+  std::vector<std::string> endpoints{ReceiverOptions{}.endpoint}, tracker_keys;
   std::string monitor_host = MonitorOptions{}.host, monitor_token, monitor_token_file;
   int monitor_port = MonitorOptions{}.port;
   LimitArguments limits;
@@ -73,16 +74,23 @@ Session open_session(const std::filesystem::path& folder, const std::string& mes
   return session;
 }
 
-ReceiverOptions link_options(const ServeArguments& arguments) {
-  ReceiverOptions link;
-  link.endpoint = arguments.endpoint;
-  if (arguments.keys.empty() != arguments.tracker_key.empty())
+/// A link to each tracker.
+std::vector<ReceiverOptions> link_options(const ServeArguments& arguments) {
+  const std::size_t trackers = arguments.endpoints.size(), keys = arguments.tracker_keys.size();
+  if (arguments.keys.empty() != arguments.tracker_keys.empty())
     throw ConfigError("--keys and --tracker-key go together: your own secret key and the public key of the tracker");
-  if (!arguments.keys.empty()) {
-    link.keys = load_keys(arguments.keys);
-    link.server_public_key = load_public_key(arguments.tracker_key);
+  if (keys > 1 && keys != trackers)
+    throw ConfigError("--tracker-key: " + std::to_string(keys) + " keys for " + std::to_string(trackers) +
+                      " trackers; give one for all of them, or one for each --endpoint in their order");
+  std::optional<CurveKeys> own;
+  if (!arguments.keys.empty()) own = load_keys(arguments.keys);
+  std::vector<ReceiverOptions> links(trackers);
+  for (std::size_t i = 0; i < trackers; ++i) {
+    links[i].endpoint = arguments.endpoints[i];
+    links[i].keys = own;
+    if (own) links[i].server_public_key = load_public_key(arguments.tracker_keys[keys == 1 ? 0 : i]);
   }
-  return link;
+  return links;
 }
 
 /// What starts a tracker that this reconstructor finds.
@@ -172,17 +180,18 @@ std::unique_ptr<Reconstruction> reconstruction_for(const ServeArguments& argumen
 /// Nothing when a signal, or the window's closing, ended the wait. Throws Error where the only source ended without an
 /// image.
 std::optional<FirstCapture::Found> wait_for_first(const ServeArguments& arguments, Session& session,
-                                                  CaptureReceiver& link, LinkLog& log, MonitorServer* monitor,
+                                                  TrackerLinks& links, LinkLog& log, MonitorServer* monitor,
                                                   ViewerWindow*& window, const LiveDisplay::Names& names) {
-  FirstCapture first(session, link, arguments.once, [&log](const ReceiverStats& stats) { log.look(stats); });
+  FirstCapture first(session, links, arguments.once,
+                     [&log](const std::vector<LinkState>& states) { log.look(states); });
   ViewerFeed feed;
-  feed.publish({.message = "the first image begins the model; start a tracker: " + names.tracker_command});
+  feed.publish({.message = "the first image begins the model; start a tracker: " + names.trackers.front().command});
   auto publish_at = std::chrono::steady_clock::now();
   wait_until(
       [&] {
         if (const auto now = std::chrono::steady_clock::now(); monitor && now >= publish_at) {
           publish_at = now + kMonitorInterval;
-          monitor->publish(state_before_first(names, link.stats()));
+          monitor->publish(state_before_first(names, links.states()));
         }
         return first.over() || stop_requested();
       },
@@ -199,7 +208,7 @@ void serve(ServeArguments arguments) {
   std::signal(SIGPIPE, SIG_IGN);  // the reader of our messages may be gone before the model is saved
   ReportFile json(arguments.json);
   const SceneRequest request(arguments.config, arguments.model);
-  ReceiverOptions link = link_options(arguments);
+  std::vector<ReceiverOptions> trackers = link_options(arguments);
   std::optional<Plan> plan;
   if (!request.automatic()) plan = plan_for(arguments, request.named());
   const bool waits = !plan || (arguments.mesh.empty() && surface_needs_camera(*plan->scene.settings, arguments.mesh));
@@ -208,11 +217,12 @@ void serve(ServeArguments arguments) {
   if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
 
   LiveDisplay::Names names{.session_folder = arguments.session,
-                           .endpoint = link.endpoint,
+                           .trackers = {},
                            .model = plan ? plan->scene.kind->name() : "",
                            .model_reason = "",
-                           .encrypted = link.keys.has_value(),
-                           .tracker_command = tracker_command(link)};
+                           .encrypted = !arguments.keys.empty()};
+  for (const ReceiverOptions& tracker : trackers)
+    names.trackers.push_back({tracker.endpoint, tracker_command(tracker)});
   std::optional<MonitorServer> monitor;
   if (!arguments.no_monitor) {
     const std::string token = monitor_token(arguments.monitor_token, arguments.monitor_token_file);
@@ -224,18 +234,19 @@ void serve(ServeArguments arguments) {
   if (!arguments.headless && !plan) require_display();
   ViewerWindow* window = screen ? &*screen : nullptr;
 
-  link.held = session.held();
-  auto receiver = std::make_unique<CaptureReceiver>(link);
+  for (ReceiverOptions& tracker : trackers) tracker.held = session.held();
+  auto links = std::make_unique<TrackerLinks>(trackers);
   // Said when it is so: from then on a stop signal finishes the model.
-  const auto tell_it_waits = [&link] {
-    log_info("link", "waiting for a tracker", {{"endpoint", link.endpoint}, {"start", tracker_command(link)}});
+  const auto tell_it_waits = [&names] {
+    for (const LiveDisplay::Names::Tracker& tracker : names.trackers)
+      log_info("link", "waiting for a tracker", {{"endpoint", tracker.endpoint}, {"start", tracker.command}});
     tell_service_is_ready();
   };
   LinkLog link_log;
   if (waits) {
     tell_it_waits();
     const std::optional<FirstCapture::Found> first =
-        wait_for_first(arguments, session, *receiver, link_log, monitor ? &*monitor : nullptr, window, names);
+        wait_for_first(arguments, session, *links, link_log, monitor ? &*monitor : nullptr, window, names);
     if (!first) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
     if (!plan) {
       names.model_reason = in_words(first->motion);
@@ -257,12 +268,12 @@ void serve(ServeArguments arguments) {
                              plan->scene.measured);
   LiveDisplay display(reconstruction.painter(), names);
   LoopObserver observer = display.observer();
-  observer.on_link = [&link_log](const ReceiverStats& stats) { link_log.look(stats); };
+  observer.on_link = [&link_log](const std::vector<LinkState>& states) { link_log.look(states); };
   observer.on_snapshot(reconstruction.snapshot());  // the mesh, to be shown before the first image
   if (!surface_needs_camera(*plan->scene.settings, arguments.mesh))
     watch_mesh(reconstruction.mesh(), display, observer);
   watch_motion(*plan->scene.kind, display, observer);
-  CaptureLoop loop(arguments.session, std::move(session), std::move(receiver), reconstruction,
+  CaptureLoop loop(arguments.session, std::move(session), std::move(links), reconstruction,
                    {.stop_when_source_ends = arguments.once}, std::move(observer));
   CaptureEnd end(loop, reconstruction, arguments.session, plan->size);
   if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
@@ -285,7 +296,8 @@ void serve(ServeArguments arguments) {
   nlohmann::json report = *result.report;
   if (request.automatic()) report["model_choice"] = {{"model", names.model}, {"why", names.model_reason}};
   print_summary(report);
-  if (!status.link.source_failure.empty()) log_warning("link", "the source failed: " + status.link.source_failure);
+  if (const std::string failure = status.link().source_failure; !failure.empty())
+    log_warning("link", "the source failed: " + failure);
   json.write(to_text(report));
   if (status.ingested > status.counts.withdrawn &&
       reconstruction.account().counts().accepted + reconstruction.account().counts().held_out == 0)
@@ -318,11 +330,15 @@ void add_serve_command(CLI::App& app) {
   a->limits.add_to(*command,
                    "PSNR that held-out views must reach, such as 35dB; no patch is kept more exactly than that");
   a->size.add_to(*command);
-  command->add_option("--endpoint", a->endpoint, "endpoint of the tracker")
+  command->add_option("--endpoint", a->endpoints, "endpoint of the tracker; once for each of several")
       ->check(endpoint_error)
+      ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--keys", a->keys, "own secret key (NAME.key); encrypts the link");
-  command->add_option("--tracker-key", a->tracker_key, "the tracker's public key (NAME.pub)");
+  command
+      ->add_option("--tracker-key", a->tracker_keys,
+                   "the tracker's public key (NAME.pub); of several one for all, or one for each --endpoint")
+      ->allow_extra_args(false);
   command->add_flag("--headless", a->headless, "no window");
   command->add_flag("--once", a->once, "end when the source has ended and everything is in the model");
   command->add_flag("--no-monitor", a->no_monitor, "no status page");

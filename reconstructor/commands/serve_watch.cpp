@@ -46,13 +46,18 @@ void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const 
   look.join();
 }
 
-void LinkLog::look(const ReceiverStats& link) {
-  if (link.connected && !link_.connected) log_info("link", "connected to the tracker");
-  if (link.ended && !link_.ended) log_info("link", "the tracker's source has ended");
-  if (!link.connected && link_.connected)
-    log_info("link", link.ended ? "the tracker has ended and is disconnected" : "the tracker is disconnected");
-  if (!link.last_error.empty() && link.last_error != link_.last_error) log_warning("link", link.last_error);
-  link_ = link;
+void LinkLog::look(const std::vector<LinkState>& links) {
+  links_.resize(links.size());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const ReceiverStats &now = links[i].stats, &before = links_[i].stats;
+    const LogFields at = links.size() > 1 ? LogFields{{"endpoint", links[i].endpoint}} : LogFields{};
+    if (now.connected && !before.connected) log_info("link", "connected to the tracker", at);
+    if (now.ended && !before.ended) log_info("link", "the tracker's source has ended", at);
+    if (!now.connected && before.connected)
+      log_info("link", now.ended ? "the tracker has ended and is disconnected" : "the tracker is disconnected", at);
+    if (!now.last_error.empty() && now.last_error != before.last_error) log_warning("link", now.last_error, at);
+  }
+  links_ = links;
 }
 
 void watch_mesh(const Mesh& mesh, LiveDisplay& display, LoopObserver& observer) {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "common/link/transport.h"
 #include "reconstructor/capture/capture_loop.h"
 #include "reconstructor/capture/live_display.h"
 #include "reconstructor/models/model_kind.h"
@@ -25,13 +25,13 @@ void require_display();
 void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const ViewerFeed& feed,
                 const std::function<std::string()>& take_back = {});
 
-/// Tells the log when the tracker comes and goes, why it refuses, and when its source has ended.
+/// Tells the log when each tracker comes and goes, why it refuses, and when its source has ended.
 class LinkLog {
  public:
-  void look(const ReceiverStats& link);
+  void look(const std::vector<LinkState>& links);
 
  private:
-  ReceiverStats link_;
+  std::vector<LinkState> links_;
 };
 
 /// Adds to an observer: the first captures tell whether the mesh, which must outlive it, is where and as large as the

@@ -31,6 +31,8 @@ json views_to_json(const Scores& scores) {
   json views = json::array();
   for (const ViewScore& v : scores.views)
     views.push_back({{"file", v.name},
+                     {"source_session", v.source_session},
+                     {"sequence", v.sequence},
                      {"psnr_db", json_number(v.psnr_db)},
                      {"ssim", json_number(v.ssim)},
                      {"psnr_gain_aligned_db", json_number(v.psnr_gain_aligned_db)},

@@ -105,7 +105,7 @@ double predicted_psnr_db(const PaintedView& painted, const ImageU8& mask) {
 ViewScore score(const HeldOutView& view, const Appearance& model, const RayPainter& painter) {
   const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object, view.light);
   const ImageU8 picture = to_srgb8(painted.beauty);
-  ViewScore score{.name = view.name};
+  ViewScore score{.name = view.name, .source_session = view.source_session, .sequence = view.sequence};
   score.error = squared_error(picture, view.truth, view.object);
   score.psnr_db = score.error.psnr_db();
   score.ssim = ssim(picture, view.truth, view.object);

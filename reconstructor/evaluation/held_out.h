@@ -39,7 +39,8 @@ void take_truth_from(const std::filesystem::path& folder, HeldOutView& view);
 double predicted_psnr_db(const PaintedView& painted, const ImageU8& mask);
 
 struct ViewScore {
-  std::string name;
+  std::string name, source_session;
+  std::uint64_t sequence = 0;
   double psnr_db = 0;               ///< object pixels, 8-bit sRGB
   double ssim = 0;                  ///< object pixels
   double psnr_inside_db = 0;        ///< the object's pixels but for those at its edge

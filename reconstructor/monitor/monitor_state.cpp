@@ -47,7 +47,7 @@ CaptureState capture_state(const MonitorState& state, MonitorState::Clock::time_
   if (state.ending) return state.ending->state;
   if (state.ended) return CaptureState::kEnded;
   if (std::any_of(state.links.begin(), state.links.end(),
-                  [](const auto& link) { return link.came && !link.connected; }))
+                  [](const auto& link) { return link.came && !link.connected && !link.ended; }))
     return CaptureState::kDisconnected;
   if (!state.last_frame) return CaptureState::kWaiting;
   return now - *state.last_frame > kStaleAfter ? CaptureState::kStale : CaptureState::kLive;

@@ -51,7 +51,8 @@ struct MonitorState {
     bool connected = false;
     bool encrypted = false;
     std::string last_error;
-    bool came = false;  ///< it has been connected since the start
+    bool came = false;   ///< it has been connected since the start
+    bool ended = false;  ///< it said that nothing more comes
   };
   std::vector<Link> links;
   bool ended = false;  ///< the source said that nothing more comes

@@ -61,6 +61,7 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
                              {"connected", link.connected},
                              {"encrypted", link.encrypted},
                              {"came", link.came},
+                             {"ended", link.ended},
                              {"last_error", link.last_error}});
   json["ending"] = nullptr;
   if (state.ending) json["ending"] = {{"done", state.ending->done}, {"total", state.ending->total}};

@@ -117,6 +117,7 @@ TEST_F(CameraLock, WhatIsAskedForIsSetReadBackAndListed) {
                                           "BalanceRatioRaw[Green]=100", "BalanceRatioRaw[Blue]=220"));
   EXPECT_TRUE(camera.exposure().locked);
   EXPECT_NEAR(camera.exposure().exposure_s, 0.008, 1e-9);
+  camera.start();
   const auto frame = camera.grab(std::chrono::milliseconds(2000));
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->image.format, PixelFormat::kMono8);

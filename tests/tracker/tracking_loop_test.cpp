@@ -59,6 +59,10 @@ class RecordingSink : public CaptureSink {
   std::vector<Capture> kept, shown;
 };
 
+RigReport alone(const TrackingReport& report) {
+  return {{.name = "", .report = report}};
+}
+
 const TrackingLoop::Hooks kNoHooks{.stop = [] { return false; }};
 
 /// Frames of a stage from a few places, rendered once.
@@ -126,7 +130,7 @@ TEST_F(TrackedStage, EveryFrameIsAccountedForByReason) {
     EXPECT_EQ(capture.camera, rig().camera);
     EXPECT_LT((camera_centre(capture.pose.camera_from_object) - camera_centre(poses[i])).norm(), 1e-4);
   }
-  const auto json = nlohmann::json::parse(to_json(report, {{"acknowledged", 3}}));
+  const auto json = nlohmann::json::parse(to_json(alone(report), {{"acknowledged", 3}}));
   EXPECT_EQ(json["frames"]["grabbed"], 7);
   EXPECT_EQ(json["frames"]["sent"], 3);
   EXPECT_EQ(json["frames"]["refused"].size(), 3u);
@@ -160,7 +164,7 @@ TEST_F(TrackedStage, ALampThatMovesMakesAViewNew) {
   EXPECT_EQ(report.verdicts.at(FrameVerdict::kTooNear), 1u);
   EXPECT_EQ(report.rig_refusals.at("beyond_light_table"), 1u);
   EXPECT_EQ(frames_for_link(report).refused.at("beyond_light_table"), 1u);
-  const auto json = nlohmann::json::parse(to_json(report, {}));
+  const auto json = nlohmann::json::parse(to_json(alone(report), {}));
   EXPECT_EQ(json["frames"]["refused"]["beyond_light_table"], 1);
 }
 
@@ -194,8 +198,8 @@ TEST_F(TrackedStage, WhatTheCameraSentIsReceivedOrLost) {
   RecordingSink sink;
   sink.slow = true;
   const TrackingReport report = TrackingLoop(source, sink, rig(), {}).run(kNoHooks);
-  const auto frames =
-      nlohmann::json::parse(to_json(report, {{"acknowledged", report.kept - 1}, {"unacknowledged", 1}}))["frames"];
+  const auto frames = nlohmann::json::parse(
+      to_json(alone(report), {{"acknowledged", report.kept - 1}, {"unacknowledged", 1}}))["frames"];
   std::uint64_t refused = 0;
   for (const auto& count : frames["refused"]) refused += count.get<std::uint64_t>();
   EXPECT_EQ(frames["camera"], 17);
@@ -233,7 +237,7 @@ TEST_F(TrackedStage, SaysWhatIsWrongWhileItRefusesWhatComes) {
   EXPECT_EQ(sent.judged, 16u);
   EXPECT_EQ(sent.refused.at("motion_blur"), 15u);
   EXPECT_EQ(sent.refused.count("keyframe"), 0u);
-  EXPECT_EQ(live_line(report), "TOO FAST: MOTION BLUR  16 frames, 1 kept, 15 refused (15 motion_blur)");
+  EXPECT_EQ(live_line(alone(report)), "TOO FAST: MOTION BLUR  16 frames, 1 kept, 15 refused (15 motion_blur)");
 }
 
 TEST_F(TrackedStage, ACameraFasterThanTheTrackerLosesCountedFrames) {
@@ -305,7 +309,7 @@ TEST_F(TrackedStage, ASourceThatFailsLosesNothingOfWhatItGave) {
   expect_accounted(report);
   EXPECT_EQ(report.grabbed, 3u);
   EXPECT_EQ(sink.kept.size(), 3u) << "what was grabbed before is kept";
-  EXPECT_EQ(nlohmann::json::parse(to_json(report, {}))["failure"], "image 3: is broken");
+  EXPECT_EQ(nlohmann::json::parse(to_json(alone(report), {}))["failure"], "image 3: is broken");
 
   ScriptedSource other_size(false);
   for (int i = 0; i < 10; ++i) other_size.frames.push_back(frame(ImageU8(640, 480, 1, 0), i));

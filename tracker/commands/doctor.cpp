@@ -14,12 +14,15 @@
 #include "tracker/rig_config.h"
 #include "tracker/sources/aravis_camera.h"
 #include "tracker/sources/aravis_devices.h"
+#include "tracker/sources/video_device.h"
+#include "tracker/sources/video_source.h"
 
 namespace sheen {
 namespace {
 
 constexpr long kReceiveBuffer = 8 << 20;  ///< bytes; 10 frames of 786 KB, so that a busy moment costs no packet
 constexpr long kJumboMtu = 9000;
+constexpr const char* kPlaceholder = "aravis:CAMERA";
 
 long read_number(const std::filesystem::path& file) {
   std::ifstream in(file);
@@ -77,35 +80,62 @@ SetupCheck check_key(const std::filesystem::path& file) {
       "keys", [&] { return load_keys(file), file.string(); }, "`sheen-tracker keygen` makes keys");
 }
 
+/// What a check of one camera is called.
+std::string check_name(const std::string& what, const CameraConfig& camera) {
+  return camera.name.empty() ? what : what + " of " + camera.name;
+}
+
 /// No calibrated camera has its principal point exactly in the middle and no distortion at all.
-void check_camera(const Camera& camera, std::vector<SetupCheck>& checks) {
+void check_intrinsics(const CameraConfig& config, std::vector<SetupCheck>& checks) {
+  if (!config.camera) {
+    checks.push_back(
+        {check_name("camera", config), Finding::kWarn, "no [camera]: only data sets can be run; calibrate the camera"});
+    return;
+  }
+  const Camera& camera = *config.camera;
   const bool in_the_middle = camera.cx == (camera.width - 1) / 2.0 && camera.cy == (camera.height - 1) / 2.0;
   if (camera.has_distortion() || !in_the_middle || camera.fx != camera.fy) return;
-  checks.push_back({"camera", Finding::kFail,
+  checks.push_back({check_name("camera", config), Finding::kFail,
                     "its numbers are an example's or a guess (principal point exactly in the middle, no distortion): "
                     "`sheen-tracker calibrate` finds the true ones"});
 }
 
-void check_photometry(const RigConfig& config, std::vector<SetupCheck>& checks) {
+void check_photometry(const CameraConfig& config, std::vector<SetupCheck>& checks) {
   if (!config.camera) return;
+  const std::string name = check_name("light", config);
   if (!config.photometry)
-    checks.push_back({"light", Finding::kWarn,
+    checks.push_back({name, Finding::kWarn,
                       "what the camera makes of light is not measured: `sheen-tracker calibrate photometric` does it"});
   else if (config.photometry->vignette.none())
-    checks.push_back({"light", Finding::kWarn, "the response is measured, the vignette is not (--flat)"});
+    checks.push_back({name, Finding::kWarn, "the response is measured, the vignette is not (--flat)"});
   else
-    checks.push_back({"light", Finding::kOk, "response and vignette are measured"});
+    checks.push_back({name, Finding::kOk, "response and vignette are measured"});
+}
+
+void check_source(const CameraConfig& config, std::vector<SetupCheck>& checks) {
+  if (!config.source_uri) return;
+  const std::string name = check_name("source", config);
+  if (*config.source_uri == kPlaceholder)
+    checks.push_back({name, Finding::kFail,
+                      "\"aravis:CAMERA\" is the example's placeholder; `sheen-tracker cameras` lists the IDs"});
+  checks.push_back(check_loading(name, [&] { return parse_source_uri(*config.source_uri), *config.source_uri; }));
 }
 
 /// Opens the camera as `run` does: what it does not take is named.
-void check_locks(const RigConfig& config, std::vector<SetupCheck>& checks) {
-  if (!config.source_uri || !config.source_uri->starts_with("aravis:") || config.source_uri == "aravis:CAMERA") return;
-  checks.push_back(check_loading("camera settings", [&] {
-    const AravisCamera camera(parse_source_uri(*config.source_uri).target, config.source);
+void check_locks(const CameraConfig& config, std::vector<SetupCheck>& checks) {
+  if (!config.source_uri || *config.source_uri == kPlaceholder) return;
+  const bool aravis = config.source_uri->starts_with("aravis:");
+  if (!aravis && !config.source_uri->starts_with("video:")) return;
+  checks.push_back(check_loading(check_name("camera settings", config), [&]() -> std::string {
+    const std::string target = parse_source_uri(*config.source_uri).target;
+    if (!aravis && !is_video_device(target))
+      return open_video(target, config.source), "the file has the size and the rate that are asked for";
+    const std::vector<LockedFeature> locks =
+        aravis ? AravisCamera(target, config.source).locks() : VideoDevice(target, config.source).locks();
     std::string text;
-    for (const LockedFeature& feature : camera.locks())
+    for (const LockedFeature& feature : locks)
       text += (text.empty() ? "" : ", ") + feature.feature + " = " + feature.got;
-    return text.empty() ? std::string("nothing is to be set, and nothing changes by itself") : text;
+    return text.empty() ? "nothing is to be set, and nothing changes by itself" : text;
   }));
 }
 
@@ -116,22 +146,19 @@ void check_config(const std::filesystem::path& file, std::vector<SetupCheck>& ch
     return file.string();
   }));
   if (checks.back().finding == Finding::kFail) return;
-  if (config.camera) check_camera(*config.camera, checks);
-  if (config.source_uri == "aravis:CAMERA")
-    checks.push_back({"source", Finding::kFail,
-                      "\"aravis:CAMERA\" is the example's placeholder; `sheen-tracker cameras` lists the IDs"});
-  if (!config.camera)
-    checks.push_back({"camera", Finding::kWarn, "no [camera]: only data sets can be run; calibrate the camera"});
   if (config.stage_file)
     checks.push_back(check_loading("stage", [&] {
       return std::to_string(load_stage(*config.stage_file).tags.size()) + " tags in " + config.stage_file->string();
     }));
   else
-    checks.push_back({"stage", Finding::kWarn, "no [stage]: only data sets can be run; make one with `stage`"});
-  if (config.source_uri)
-    checks.push_back(check_loading("source", [&] { return parse_source_uri(*config.source_uri), *config.source_uri; }));
-  check_photometry(config, checks);
-  check_locks(config, checks);
+    checks.push_back({"stage", config.cameras.size() > 1 ? Finding::kFail : Finding::kWarn,
+                      "no [stage]: only data sets can be run; make one with `stage`"});
+  for (const CameraConfig& camera : config.cameras) {
+    check_intrinsics(camera, checks);
+    check_source(camera, checks);
+    check_photometry(camera, checks);
+    check_locks(camera, checks);
+  }
   if (!config.keys.empty()) checks.push_back(check_key(config.keys));
 }
 

@@ -14,7 +14,8 @@ constexpr std::size_t kWidth = 100;        // of a line that is written over
 
 }  // namespace
 
-std::string live_line(const TrackingReport& report) {
+std::string live_line(const RigReport& rig) {
+  const TrackingReport report = total(rig);
   std::string text = report.trouble;
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
   if (!text.empty()) text += "  ";
@@ -24,8 +25,13 @@ std::string live_line(const TrackingReport& report) {
     refused += count;
     reasons += (reasons.empty() ? "" : ", ") + std::to_string(count) + " " + reason;
   }
-  text += std::to_string(report.judged) + " frames, " + std::to_string(report.kept) + " kept, " +
-          std::to_string(refused) + " refused";
+  std::string kept;
+  for (const CameraReport& camera : rig)
+    if (!camera.name.empty())
+      kept += (kept.empty() ? " (" : ", ") + camera.name + " " + std::to_string(camera.report.kept) + " of " +
+              std::to_string(camera.report.judged);
+  text += std::to_string(report.judged) + " frames, " + std::to_string(report.kept) + " kept" +
+          (kept.empty() ? "" : kept + ")") + ", " + std::to_string(refused) + " refused";
   return reasons.empty() ? text : text + " (" + reasons + ")";
 }
 
@@ -35,19 +41,21 @@ LiveLine::~LiveLine() {
   if (terminal_) std::fputs("\r\033[K", stream_);
 }
 
-void LiveLine::show(const TrackingReport& report) {
-  if (report.judged == 0) return;
+void LiveLine::show(const RigReport& rig) {
+  const std::string trouble = total(rig).trouble;
+  const bool silent = std::all_of(rig.begin(), rig.end(), [](const auto& camera) { return camera.report.judged == 0; });
+  if (silent && trouble.empty()) return;
   if (terminal_) {
-    std::fprintf(stream_, "\r\033[K%s", live_line(report).substr(0, kWidth).c_str());
+    std::fprintf(stream_, "\r\033[K%s", live_line(rig).substr(0, kWidth).c_str());
     std::fflush(stream_);
     return;
   }
   const auto now = std::chrono::steady_clock::now();
-  if (report.trouble == told_ || (told_at_ && now - *told_at_ < kQuiet)) return;
-  told_ = report.trouble;
+  if (trouble == told_ || (told_at_ && now - *told_at_ < kQuiet)) return;
+  told_ = trouble;
   told_at_ = now;
   std::fprintf(stream_, "sheen-tracker: %s%s\n", told_.empty() ? "frames are kept again: " : "",
-               live_line(report).c_str());
+               live_line(rig).c_str());
 }
 
 }  // namespace sheen

@@ -19,7 +19,7 @@ class LiveLine {
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;
 
-  void show(const TrackingReport& report);
+  void show(const RigReport& rig);
 
  private:
   std::FILE* stream_;
@@ -28,7 +28,8 @@ class LiveLine {
   std::optional<std::chrono::steady_clock::time_point> told_at_;
 };
 
-/// "TOO FAST: MOTION BLUR  56 frames, 1 kept, 55 refused (54 motion_blur, 1 too_near)".
-std::string live_line(const TrackingReport& report);
+/// "TOO FAST: MOTION BLUR  56 frames, 1 kept, 55 refused (54 motion_blur, 1 too_near)". Of several cameras with what
+/// each kept: "LEFT: TOO FAST: MOTION BLUR  112 frames, 8 kept (left 1 of 56, right 7 of 56), 104 refused (...)".
+std::string live_line(const RigReport& rig);
 
 }  // namespace sheen

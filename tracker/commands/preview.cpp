@@ -30,7 +30,7 @@ constexpr std::chrono::seconds kNothingComes{5};
 
 struct PreviewArguments {
   std::filesystem::path config, grab, json;
-  std::string source;
+  std::string source, camera;
   double exposure_us = 0, every_s = 0;
   std::uint64_t frames = 0;
 };
@@ -117,7 +117,8 @@ void preview(const PreviewArguments& arguments) {
     series.emplace(arguments.grab, arguments.every_s);
   else if (!arguments.grab.empty())
     check_writable(arguments.grab);
-  RigConfig config = arguments.config.empty() ? RigConfig{} : load_rig_config(arguments.config);
+  RigConfig rig = arguments.config.empty() ? RigConfig{} : load_rig_config(arguments.config);
+  CameraConfig& config = camera_named(rig, arguments.camera);
   if (!arguments.source.empty()) config.source_uri = arguments.source;
   if (arguments.exposure_us > 0) config.source.exposure_us = arguments.exposure_us;
   if (!config.source_uri) throw ConfigError("no source; give --source URI or a --config whose [source] has a uri");
@@ -164,6 +165,7 @@ void add_preview_command(CLI::App& app) {
   const auto arguments = std::make_shared<PreviewArguments>();
   command->add_option("--source", arguments->source, "aravis:ID, video:PATH or dataset:DIR");
   command->add_option("--config", arguments->config, "rig.toml; only its [source] counts");
+  command->add_option("--camera", arguments->camera, "which camera of a --config with several, by its name");
   command->add_option("--exposure-us", arguments->exposure_us, "exposure to set, microseconds")
       ->check(number_in(0.001, 1e8));
   command->add_option("--frames", arguments->frames, "end after so many frames; 0: with Ctrl-C")

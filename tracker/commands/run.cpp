@@ -8,11 +8,12 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <random>
 
-#include "common/base/clock.h"
 #include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
+#include "common/base/format.h"
 #include "common/base/log.h"
 #include "common/base/report_file.h"
 #include "common/base/service_manager.h"
@@ -22,8 +23,10 @@
 #include "common/link/transport.h"
 #include "tracker/commands/commands.h"
 #include "tracker/commands/live_line.h"
+#include "tracker/link_sink.h"
+#include "tracker/open_rig.h"
 #include "tracker/rig_config.h"
-#include "tracker/tracking_loop.h"
+#include "tracker/rig_tracking.h"
 
 namespace sheen {
 namespace {
@@ -39,22 +42,6 @@ struct RunArguments {
   double linger_s = 30;
 };
 
-class LinkSink : public CaptureSink {
- public:
-  explicit LinkSink(CaptureSender& sender) : sender_(sender) {}
-  bool keep(Capture capture, std::chrono::milliseconds timeout) override {
-    capture.times.sent_ns = steady_now_ns();
-    return sender_.keep(std::move(capture), timeout);
-  }
-  void live(Capture capture) override {
-    capture.times.sent_ns = steady_now_ns();
-    sender_.live(std::move(capture));
-  }
-
- private:
-  CaptureSender& sender_;
-};
-
 /// The link's warnings go to standard error while this lives.
 struct Logging {
   Logging() { start_logging({}); }
@@ -64,41 +51,27 @@ struct Logging {
 /// Command line over configuration file.
 RigConfig configuration(const RunArguments& arguments) {
   RigConfig config = arguments.config.empty() ? RigConfig{} : load_rig_config(arguments.config);
-  if (!arguments.source.empty()) config.source_uri = arguments.source;
+  if (!arguments.source.empty()) {
+    if (config.cameras.size() > 1)
+      throw ConfigError("--source: " + arguments.config.string() + " has " + std::to_string(config.cameras.size()) +
+                        " cameras, each with its own source");
+    config.cameras.front().source_uri = arguments.source;
+  }
   if (!arguments.endpoint.empty()) config.endpoint = arguments.endpoint;
   if (!arguments.keys.empty()) config.keys = arguments.keys;
   if (!arguments.allow.empty()) config.allow = arguments.allow;
-  if (!config.source_uri) throw ConfigError("no source; give --source URI or a --config whose [source] has a uri");
+  if (!config.cameras.front().source_uri)
+    throw ConfigError("no source; give --source URI or a --config whose [source] has a uri");
   return config;
 }
 
-std::optional<Rig> rig_of(const RigConfig& config) {
-  if (config.light && (!config.camera || !config.stage_file))
-    throw ConfigError("[light] is in the frame of the stage: the configuration must name [camera] and [stage], too");
-  if (!config.camera || !config.stage_file) return std::nullopt;
-  Rig rig{
-      .camera = *config.camera, .stage = load_stage(*config.stage_file), .still = config.still_camera, .lights = {}};
-  rig.photometry = config.photometry;
-  if (config.light) rig.lights = make_frame_lights(*config.light);
-  if (config.light && config.light->tag && rig.stage.find(*config.light->tag))
-    throw ConfigError("light.tag: " + std::to_string(*config.light->tag) +
-                      " is a tag of the stage; the lamp's must be another");
-  return rig;
-}
-
-/// What changes between the captures: the source knows it of its files, the rig's file says it of a camera.
-RigMotion motion_of(const FrameSource& source, const std::optional<Rig>& rig) {
-  if (!source.session().empty() || !rig) return source.motion();
-  return {.camera = rig->still ? Motion::kStill : Motion::kMoves,
-          .light = rig->lights ? Motion::kMoves : Motion::kStill};
-}
-
-/// Names a run of a camera: the second it began in and the process.
+/// Names a run of a camera: the second it began in, the process, and a random number, for two machines may start at
+/// once.
 std::string new_session() {
   const std::time_t now = std::time(nullptr);
   char text[64];
   std::strftime(text, sizeof text, "live:%Y%m%dT%H%M%SZ:", std::gmtime(&now));
-  return text + std::to_string(getpid());
+  return text + std::to_string(getpid()) + format(":%08x", std::random_device()());
 }
 
 /// Waits until everything is acknowledged, for so long; whoever presses Ctrl-C waits no longer than `kHurriedLinger_s`.
@@ -134,38 +107,48 @@ std::map<std::string, std::uint64_t> link_counters(const SenderStats& s) {
           {"unacknowledged", s.kept > s.acknowledged ? s.kept - s.acknowledged : 0}};
 }
 
+/// "aravis:LEFT", or "left aravis:LEFT, right aravis:RIGHT".
+std::string sources_of(const RigConfig& config) {
+  std::string text;
+  for (const CameraConfig& camera : config.cameras)
+    text += (text.empty() ? "" : ", ") + (camera.name.empty() ? "" : camera.name + " ") + *camera.source_uri;
+  return text;
+}
+
 void run(const RunArguments& arguments) {
   ReportFile json(arguments.json);
   const Logging logging;
   const RigConfig config = configuration(arguments);
-  const std::optional<Rig> rig = rig_of(config);
-  std::optional<EndOnStop> opening("sheen-tracker: stopped before the source was open");
-  const auto source = open_source(parse_source_uri(*config.source_uri), config.source);
-  opening.reset();
-  if (config.light && !source->session().empty())
-    throw ConfigError("[light] is for a camera or a video: this source's images come with their lights");
-
-  TrackingOptions options{.gate = config.gate, .max_frames = arguments.frames};
-  options.source_session = source->session().empty() ? new_session() : source->session();
+  std::vector<TrackedCamera> cameras;
+  {
+    const EndOnStop opening("sheen-tracker: stopped before the source was open");
+    cameras = open_cameras(config, arguments.frames);
+  }
+  const std::string replayed = cameras.front().source->session(), session = replayed.empty() ? new_session() : replayed;
   std::optional<CurveKeys> keys;
   if (!config.keys.empty()) keys = load_keys(config.keys);
   CaptureSender sender({.endpoint = config.endpoint,
                         .keys = keys,
                         .allowlist = config.allow,
                         .retained = kRetainedKeyframes,
-                        .source_session = options.source_session,
-                        .sent_before = source->session_size(),
-                        .motion = motion_of(*source, rig)});
+                        .source_session = session,
+                        .sent_before = cameras.front().source->session_size(),
+                        .motion = motion_of(cameras)});
   std::unique_ptr<MonitorPublisher> publisher;
   if (!arguments.publish.empty())
     publisher = std::make_unique<MonitorPublisher>(
         PublisherOptions{.endpoint = arguments.publish, .keys = keys, .allowlist = config.allow});
-  LinkSink sink(sender);
-  TrackingLoop loop(*source, sink, rig, options);
-  if (const std::string doubt = source->warning(); !doubt.empty()) std::cerr << "sheen-tracker: " << doubt << '\n';
-  std::cerr << "sheen-tracker: " << *config.source_uri << " to " << sender.endpoint() << '\n';
+  LinkSink sink(sender, cameras.size());
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    cameras[i].sink = &sink.of(i);
+    cameras[i].options.source_session = session;
+    if (const std::string doubt = cameras[i].source->warning(); !doubt.empty())
+      std::cerr << "sheen-tracker: " << doubt << '\n';
+  }
+  RigTracking tracking(std::move(cameras));
+  std::cerr << "sheen-tracker: " << sources_of(config) << " to " << sender.endpoint() << '\n';
 
-  TrackingLoop::Hooks hooks{.stop = stop_requested};
+  RigTracking::Hooks hooks{.stop = stop_requested};
   if (publisher)
     hooks.publish = [&](const Status& status) {
       Status with_link = status;
@@ -176,40 +159,47 @@ void run(const RunArguments& arguments) {
     };
   tell_service_is_ready();
   std::optional<LiveLine> line(std::in_place);
-  hooks.progress = [&](const TrackingReport& so_far) {
-    sender.report(frames_for_link(so_far));
+  hooks.progress = [&](const RigReport& so_far) {
+    sender.report(frames_for_link(total(so_far)));
     line->show(so_far);
   };
-  const TrackingReport report = loop.run(hooks);
+  hooks.failed = [&](const std::string& failure) {
+    line.reset();
+    std::cerr << "sheen-tracker: the source failed: " << failure << '\n';
+    line.emplace();
+  };
+  RigReport report = tracking.run(hooks);
   tell_service_is_stopping();
   line.reset();
-  const std::string failure = report.failure_text();
-  if (!failure.empty()) std::cerr << "sheen-tracker: the source failed: " << failure << '\n';
-  drain(sender, arguments.linger_s, failure);
+  const TrackingReport all = total(report);
+  drain(sender, arguments.linger_s, all.failure_text());
   const SenderStats sent = sender.stats();
   const auto link = link_counters(sent);
+  const std::vector<std::uint64_t> unacknowledged = sink.unacknowledged();
+  for (std::size_t i = 0; i < report.size(); ++i) report[i].unacknowledged = unacknowledged[i];
   json.write(to_json(report, link));
   std::cerr << "sheen-tracker: " << summary(report) << '\n';
-  const std::uint64_t undelivered = link.at("unacknowledged") + report.unsent;
-  if (undelivered > 0 && report.failure)
-    std::cerr << "sheen-tracker: " << undelivered_text(undelivered, sender.endpoint(), sent, !source->session().empty())
-              << '\n';
-  if (report.failure) std::rethrow_exception(report.failure);
-  if (undelivered > 0) throw Error(undelivered_text(undelivered, sender.endpoint(), sent, !source->session().empty()));
+  const std::uint64_t undelivered = link.at("unacknowledged") + all.unsent;
+  const std::string words =
+      undelivered > 0 ? undelivered_text(undelivered, sender.endpoint(), sent, !replayed.empty()) : "";
+  if (undelivered > 0 && all.failure) std::cerr << "sheen-tracker: " << words << '\n';
+  if (all.failure) std::rethrow_exception(all.failure);
+  if (undelivered > 0) throw Error(words);
 }
 
 }  // namespace
 
 void add_run_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("run", "Tracks a camera, video or data set and streams posed images.");
+  CLI::App* command = app.add_subcommand("run", "Tracks cameras, a video or a data set and streams posed images.");
   const auto a = std::make_shared<RunArguments>();
   command->add_option("--config", a->config, "rig description (TOML): camera, stage, light, source, link, gate");
-  command->add_option("--source", a->source, "aravis:ID, video:PATH or dataset:DIR; overrides --config");
+  command->add_option("--source", a->source,
+                      "aravis:ID, video:PATH or dataset:DIR; overrides the one camera of --config");
   command->add_option("--endpoint", a->endpoint, "address to listen on, default tcp://127.0.0.1:7410")
       ->check(endpoint_error);
   command->add_option("--keys", a->keys, "own .key file; without keys only loopback addresses are allowed");
   command->add_option("--allow", a->allow, "file with the public keys that may connect");
-  command->add_option("--frames", a->frames, "end after this number of frames; 0 = when the source ends")
+  command->add_option("--frames", a->frames, "end after this number of frames of each camera; 0 = when the source ends")
       ->check(whole_number_in(0, std::int64_t{1} << 53));
   command->add_option("--json", a->json, "report to write at the end; - for standard output");
   command->add_option("--publish", a->publish, "address to publish status on, e.g. tcp://127.0.0.1:7411")

@@ -31,8 +31,10 @@ struct SurveyArguments {
 CameraFile camera_of(const std::filesystem::path& file) {
   if (file.extension() != ".toml") return load_camera(file);
   const RigConfig rig = load_rig_config(file);
-  if (!rig.camera) throw ConfigError(file.string() + ": has no [camera]");
-  return {*rig.camera, 0};
+  if (rig.cameras.size() > 1)
+    throw ConfigError(file.string() + ": has several cameras; give the camera file of the one that took the images");
+  if (!rig.cameras.front().camera) throw ConfigError(file.string() + ": has no [camera]");
+  return {*rig.cameras.front().camera, 0};
 }
 
 std::vector<SurveyImage> find_tags(const ImageSet& images, const Camera& camera) {

@@ -89,19 +89,17 @@ struct AravisCamera::Impl {
   [[noreturn]] void refuse_size(int width, int height, const SourceSettings& settings) const;
   void choose_pixel_format(const SourceSettings& settings);
   void lock_exposure(const SourceSettings& settings);
-  void start();
 };
 
 AravisCamera::AravisCamera(const std::string& id, const SourceSettings& settings) : impl_(std::make_unique<Impl>()) {
   impl_->id = id;
   impl_->open();
   impl_->set_up(settings);
-  impl_->start();
 }
 
 AravisCamera::~AravisCamera() {
   g_signal_handler_disconnect(arv_camera_get_device(impl_->camera.get()), impl_->lost_handler);
-  if (!impl_->lost) arv_camera_stop_acquisition(impl_->camera.get(), nullptr);
+  if (impl_->stream && !impl_->lost) arv_camera_stop_acquisition(impl_->camera.get(), nullptr);
 }
 
 void AravisCamera::Impl::open() {
@@ -195,14 +193,15 @@ void AravisCamera::Impl::lock_exposure(const SourceSettings& settings) {
   exposure.locked &= !read_gain.failed();
 }
 
-void AravisCamera::Impl::start() {
-  Call call(id, "stream");
-  stream.reset(arv_camera_create_stream(camera.get(), nullptr, nullptr, call));
+void AravisCamera::start() {
+  ArvCamera* const camera = impl_->camera.get();
+  Call call(impl_->id, "stream");
+  impl_->stream.reset(arv_camera_create_stream(camera, nullptr, nullptr, call));
   call.require();
-  const guint payload = arv_camera_get_payload(camera.get(), call);
+  const guint payload = arv_camera_get_payload(camera, call);
   call.require();
-  for (int i = 0; i < kBuffers; ++i) arv_stream_push_buffer(stream.get(), arv_buffer_new_allocate(payload));
-  arv_camera_start_acquisition(camera.get(), call);
+  for (int i = 0; i < kBuffers; ++i) arv_stream_push_buffer(impl_->stream.get(), arv_buffer_new_allocate(payload));
+  arv_camera_start_acquisition(camera, call);
   call.require();
 }
 
@@ -248,13 +247,14 @@ double AravisCamera::frame_rate_hz() const {
 }
 
 std::uint64_t AravisCamera::underruns() const {
+  if (!impl_->stream) return 0;
   guint64 completed = 0, failures = 0, underruns = 0;
   arv_stream_get_statistics(impl_->stream.get(), &completed, &failures, &underruns);
   return underruns;
 }
 
 std::uint64_t AravisCamera::missing_packets() const {
-  if (!ARV_IS_GV_STREAM(impl_->stream.get())) return 0;
+  if (!impl_->stream || !ARV_IS_GV_STREAM(impl_->stream.get())) return 0;
   guint64 resent = 0, missing = 0;
   arv_gv_stream_get_statistics(ARV_GV_STREAM(impl_->stream.get()), &resent, &missing);
   return missing;

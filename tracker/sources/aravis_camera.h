@@ -11,7 +11,7 @@
 
 namespace sheen {
 
-/// One connection to a GigE Vision or USB3 Vision camera that is acquiring. Not thread-safe. Opening an absent camera
+/// One connection to a GigE Vision or USB3 Vision camera. Not thread-safe. Opening an absent camera
 /// takes seconds, and so does closing one that has vanished.
 class AravisCamera {
  public:
@@ -21,6 +21,8 @@ class AravisCamera {
   AravisCamera(const std::string& id, const SourceSettings& settings);
   ~AravisCamera();
 
+  /// From here on it delivers. Throws DeviceError.
+  void start();
   std::optional<Frame> grab(std::chrono::milliseconds timeout);
   /// Whether the camera has stopped answering its heartbeat.
   bool control_lost() const;

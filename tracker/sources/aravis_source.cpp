@@ -39,6 +39,7 @@ struct AravisSource::Impl {
   std::shared_ptr<AravisCamera> camera;  ///< empty while it is being opened again; used by the thread of `next` only
   std::future<std::shared_ptr<AravisCamera>> reopening;
   std::shared_ptr<std::atomic<bool>> stopping = std::make_shared<std::atomic<bool>>(false);
+  bool started = false;
   Clock::time_point last_frame = Clock::now();
   Exposure exposure;
   std::optional<std::uint64_t> last_id;
@@ -95,7 +96,9 @@ void AravisSource::Impl::start_reopening() {
       [id = id, settings = settings, stopping = stopping]() -> std::shared_ptr<AravisCamera> {
         while (!*stopping) {
           try {
-            return std::make_shared<AravisCamera>(id, settings);
+            auto camera = std::make_shared<AravisCamera>(id, settings);
+            camera->start();
+            return camera;
           } catch (const DeviceError&) {
             std::this_thread::sleep_for(kRetry);
           }
@@ -128,6 +131,11 @@ void AravisSource::Impl::account(Frame& frame) {
 }
 
 std::optional<Frame> AravisSource::next(std::chrono::milliseconds timeout) {
+  if (!impl_->started) {
+    impl_->camera->start();
+    impl_->started = true;
+    impl_->last_frame = Clock::now();
+  }
   if (!impl_->camera) {
     if (impl_->reopening.wait_for(timeout) != std::future_status::ready) return std::nullopt;
     impl_->adopt(impl_->reopening.get());

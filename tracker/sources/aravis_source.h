@@ -10,7 +10,8 @@ namespace sheen {
 
 /// A GigE Vision or USB3 Vision camera that may be unplugged: missing frames are noticed within 200 ms (or two frame
 /// periods, if those are longer; the camera's own loss-of-control notice takes 5 s), the connection is opened again by
-/// a worker, and a camera that comes back goes on delivering.
+/// a worker, and a camera that comes back goes on delivering. It begins to deliver with the first call of `next`: while
+/// other cameras are still being opened, no frame is lost.
 class AravisSource : public FrameSource {
  public:
   AravisSource(const std::string& id, const SourceSettings& settings);  ///< throws DeviceError

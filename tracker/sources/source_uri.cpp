@@ -27,7 +27,7 @@ std::unique_ptr<FrameSource> open_source(const SourceUri& uri, const SourceSetti
     case SourceKind::kAravis:
       return std::make_unique<AravisSource>(uri.target, settings);
     case SourceKind::kVideo:
-      return std::make_unique<VideoSource>(uri.target);
+      return open_video(uri.target, settings);
     case SourceKind::kDataset:
       return std::make_unique<DatasetSource>(uri.target);
   }

@@ -4,95 +4,148 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "common/base/clock.h"
 #include "common/base/errors.h"
+#include "common/base/format.h"
+#include "tracker/sources/video_device.h"
+#include "tracker/sources/video_image.h"
 
 namespace sheen {
-
 namespace {
+
 constexpr double kLeastShare = 0.9;  ///< of the announced frames: rates that vary make estimates of a few percent
-}
 
-struct VideoSource::Impl {
-  std::string path;
-  bool device = false;
-  cv::VideoCapture capture;
-  double announced = 0;  ///< frames that the file says it has; often an estimate, 0 where it says nothing
-  std::atomic<std::uint64_t> frames = 0;
+class VideoDeviceSource : public FrameSource {
+ public:
+  VideoDeviceSource(const std::string& path, const SourceSettings& settings)
+      : path_(path), feed_([path, settings] { return std::make_unique<VideoDevice>(path, settings); }) {}
 
-  [[noreturn]] void fail(const std::string& what) const;
-  void end();
-  std::atomic<SourceState> state = SourceState::kStarting;
+  /// What the device is set to counts as an epoch: a device that comes back is set again.
+  std::optional<Frame> next(std::chrono::milliseconds timeout) override {
+    std::optional<Frame> frame = feed_.next(timeout);
+    if (!frame) return frame;
+    Exposure& now = frame->exposure;
+    if (epoch_ == 0 || now.exposure_s != exposure_s_) ++epoch_;
+    exposure_s_ = now.exposure_s;
+    now.config_epoch = epoch_;
+    return frame;
+  }
+  SourceState state() const override { return feed_.state(); }
+  SourceStats stats() const override { return feed_.stats(); }
+  bool live() const override { return true; }
+  std::string message() const override {
+    const std::string name = "video device " + path_;
+    switch (state()) {
+      case SourceState::kStarting:
+        return name + " is open, no frame yet";
+      case SourceState::kLive:
+        return name + " delivers";
+      default:
+        const std::string why = feed_.trouble();
+        return why.empty() ? name + " has stopped delivering; check its cable" : why;
+    }
+  }
+
+ private:
+  const std::string path_;
+  DeviceFeed feed_;
+  double exposure_s_ = 0;
+  std::uint32_t epoch_ = 0;
 };
 
-void VideoSource::Impl::fail(const std::string& what) const {
-  const std::string text = "frame " + std::to_string(frames) + ": " + what;
-  if (device) throw DeviceError("video device " + path + ": " + text);
-  throw FileError(path, text);
+class VideoFileSource : public FrameSource {
+ public:
+  VideoFileSource(const std::string& path, const SourceSettings& settings);
+
+  std::optional<Frame> next(std::chrono::milliseconds timeout) override;
+  SourceState state() const override { return state_; }
+  SourceStats stats() const override { return {.frames = frames_}; }
+  bool live() const override { return false; }
+  std::string message() const override {
+    return path_ + (ended() ? " has ended" : ", frame " + std::to_string(frames_.load()));
+  }
+
+ private:
+  void check(const SourceSettings& settings) const;
+  [[noreturn]] void fail(const std::string& what) const;
+  void end();
+
+  const std::string path_;
+  cv::VideoCapture capture_;
+  double announced_ = 0;  ///< frames that the file says it has; often an estimate, 0 where it says nothing
+  Exposure exposure_;
+  std::atomic<std::uint64_t> frames_ = 0;
+  std::atomic<SourceState> state_ = SourceState::kStarting;
+};
+
+VideoFileSource::VideoFileSource(const std::string& path, const SourceSettings& settings) : path_(path) {
+  if (!std::filesystem::exists(path)) throw FileError(path, "does not exist");
+  if (!capture_.open(path)) throw FileError(path, "cannot be read as a video");
+  announced_ = capture_.get(cv::CAP_PROP_FRAME_COUNT);
+  check(settings);
+  exposure_.exposure_s = settings.exposure_us * 1e-6;
 }
 
-/// The end of a file is expected, within what its header may be wrong by; a device has none.
-void VideoSource::Impl::end() {
-  state = SourceState::kEnded;
-  if (device) fail("the device has stopped delivering; check its cable");
-  if (static_cast<double>(frames) < kLeastShare * announced)
-    fail("the video ends too early; its header states " + std::to_string(std::llround(announced)) +
+/// Nothing of a file can be set: what is asked for must be what it has.
+void VideoFileSource::check(const SourceSettings& settings) const {
+  const int width = static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_WIDTH));
+  const int height = static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_HEIGHT));
+  if (settings.width > 0 && (width != settings.width || height != settings.height))
+    throw ConfigError(path_ + " has " + format("%d x %d", width, height) +
+                      " pixels, but the configuration's [camera] is " +
+                      format("%d x %d", settings.width, settings.height));
+  const double rate_hz = capture_.get(cv::CAP_PROP_FPS);
+  if (settings.frame_rate_hz > 0 && !holds(settings.frame_rate_hz, rate_hz, 0))
+    throw ConfigError(path_ + ": source.frame_rate_hz: asked " +
+                      format("%g, the file has %g", settings.frame_rate_hz, rate_hz) + "; leave it out");
+  const auto refuse = [&](bool asked, const char* key) {
+    if (asked) throw ConfigError(path_ + ": source." + key + " cannot be set of a video file; leave it out");
+  };
+  refuse(settings.gain_db > 0, "gain_db");
+  refuse(settings.black_level > 0, "black_level");
+  refuse(settings.white_balance[0] > 0, "white_balance");
+  refuse(!settings.pixel_format.empty() && settings.pixel_format != "RGB8", "pixel_format");
+}
+
+void VideoFileSource::fail(const std::string& what) const {
+  throw FileError(path_, "frame " + std::to_string(frames_) + ": " + what);
+}
+
+/// The end of a file is expected, within what its header may be wrong by.
+void VideoFileSource::end() {
+  state_ = SourceState::kEnded;
+  if (static_cast<double>(frames_) < kLeastShare * announced_)
+    fail("the video ends too early; its header states " + std::to_string(std::llround(announced_)) +
          " frames. Is the file whole?");
 }
 
-VideoSource::VideoSource(const std::string& path) : impl_(std::make_unique<Impl>()) {
-  impl_->path = path;
-  impl_->device = path.starts_with("/dev/");
-  if (!std::filesystem::exists(path)) {
-    if (impl_->device) throw DeviceError("video device " + path + " does not exist; plug the camera in");
-    throw FileError(path, "does not exist");
-  }
-  const bool opened = impl_->device ? impl_->capture.open(path, cv::CAP_V4L2) : impl_->capture.open(path);
-  if (!opened && impl_->device) throw DeviceError("video device " + path + " cannot be opened; is it in use?");
-  if (!opened) throw FileError(path, "cannot be read as a video");
-  if (!impl_->device) impl_->announced = impl_->capture.get(cv::CAP_PROP_FRAME_COUNT);
-}
-
-VideoSource::~VideoSource() = default;
-
-std::optional<Frame> VideoSource::next(std::chrono::milliseconds) {
-  cv::Mat bgr, rgb;
-  if (state() == SourceState::kEnded) return std::nullopt;
-  if (!impl_->capture.read(bgr)) {
-    impl_->end();
+std::optional<Frame> VideoFileSource::next(std::chrono::milliseconds) {
+  cv::Mat bgr;
+  if (ended()) return std::nullopt;
+  if (!capture_.read(bgr)) {
+    end();
     return std::nullopt;
   }
-  if (bgr.type() != CV_8UC3) impl_->fail("is not an 8-bit colour image");
-  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  std::optional<RawImage> image = image_of_video(bgr);
+  if (!image) fail("is not an 8-bit colour image");
   Frame frame;
-  frame.camera_frame_id = impl_->frames++;
+  frame.camera_frame_id = frames_++;
   frame.times.grabbed_ns = steady_now_ns();
-  const double played_ms = impl_->capture.get(cv::CAP_PROP_POS_MSEC);
-  frame.times.device_ns = impl_->device ? frame.times.grabbed_ns : std::llround(played_ms * 1e6);
-  frame.image = {.format = PixelFormat::kRGB8,
-                 .transfer = Transfer::kSrgb,
-                 .width = rgb.cols,
-                 .height = rgb.rows,
-                 .stride = std::size_t(rgb.cols) * 3,
-                 .bytes = std::vector<std::uint8_t>(rgb.data, rgb.data + rgb.total() * 3)};
-  impl_->state = SourceState::kLive;
+  frame.times.device_ns = std::llround(capture_.get(cv::CAP_PROP_POS_MSEC) * 1e6);
+  frame.exposure = exposure_;
+  frame.image = *std::move(image);
+  state_ = SourceState::kLive;
   return frame;
 }
 
-SourceState VideoSource::state() const {
-  return impl_->state;
-}
-std::string VideoSource::message() const {
-  return impl_->path + (ended() ? " has ended" : ", frame " + std::to_string(impl_->frames.load()));
-}
-SourceStats VideoSource::stats() const {
-  return {.frames = impl_->frames};
-}
-bool VideoSource::live() const {
-  return impl_->device;
+}  // namespace
+
+std::unique_ptr<FrameSource> open_video(const std::string& path, const SourceSettings& settings) {
+  if (is_video_device(path)) return std::make_unique<VideoDeviceSource>(path, settings);
+  return std::make_unique<VideoFileSource>(path, settings);
 }
 
 }  // namespace sheen

@@ -2,26 +2,22 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "tracker/sources/frame_source.h"
+#include "tracker/sources/source_uri.h"
 
 namespace sheen {
 
-/// A V4L2 device (/dev/videoN) or a video file. Frames are sRGB; their exposure is unknown and not locked.
-class VideoSource : public FrameSource {
- public:
-  explicit VideoSource(const std::string& path);  ///< throws DeviceError or FileError
-  ~VideoSource() override;
-
-  std::optional<Frame> next(std::chrono::milliseconds timeout) override;
-  SourceState state() const override;
-  std::string message() const override;
-  SourceStats stats() const override;
-  bool live() const override;
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
+/// A V4L2 device (/dev/videoN) or a video file. Frames are sRGB.
+///
+/// A device is set up and read back as VideoDevice does. It may be unplugged: missing frames are noticed within 200 ms
+/// (or two frame periods, if those are longer), it is opened again by a worker, and goes on delivering.
+///
+/// A file has one size and rate: others that are asked for are refused. Nobody knows its exposure: the one asked for is
+/// taken to be true, and not locked. Its `next` throws FileError for a file that breaks off.
+///
+/// Throws DeviceError, FileError, or ConfigError for a file that is not as it is asked for.
+std::unique_ptr<FrameSource> open_video(const std::string& path, const SourceSettings& settings);
 
 }  // namespace sheen

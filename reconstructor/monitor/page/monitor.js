@@ -9,7 +9,7 @@ const details = {
   waiting: (s) => s.links.every((l) => l.connected) ? "for the first frame" : "for a tracker",
   live: () => "",
   stale: (s) => "no frame for " + ago(s.frame_age_s),
-  disconnected: (s) => s.links.filter((l) => l.came && !l.connected).map((l) => l.name).join(", ") + " is gone",
+  disconnected: (s) => s.links.filter((l) => l.came && !l.connected && !l.ended).map((l) => l.name).join(", ") + " is gone",
   ended: () => "the source has ended",
   finishing: (s) => "image " + s.ending.done + " of " + s.ending.total,
   saving: (s) => "the model: part " + s.ending.done + " of " + s.ending.total,
@@ -188,9 +188,9 @@ function show(s) {
     const item = document.createElement("li"), dot = document.createElement("span");
     const name = document.createElement("b"), where = document.createElement("code");
     const how = document.createElement("span");
-    item.className = l.connected ? "connected" : l.came ? "gone" : "";
+    item.className = l.connected ? "connected" : l.came && !l.ended ? "gone" : "";
     dot.className = "dot"; name.textContent = l.name; where.textContent = l.endpoint;
-    how.textContent = (l.connected ? "connected" : l.came ? "gone" : "not there yet") + (l.encrypted ? ", encrypted" : "");
+    how.textContent = (l.connected ? "connected" : l.ended ? "has ended" : l.came ? "gone" : "not there yet") + (l.encrypted ? ", encrypted" : "");
     item.append(dot, name, where, how);
     if (l.last_error) {
       const trouble = document.createElement("span");

@@ -32,8 +32,9 @@ class CaptureLoopFaults : public ::testing::Test {
     reconstruction_ = std::make_unique<Reconstruction>(*object_.mesh, plain_options());
     ReceiverOptions link = testing::receiver_options(tracker);
     link.held = session.held();
-    loop_ = std::make_unique<CaptureLoop>(folder_, std::move(session), std::make_unique<CaptureReceiver>(link),
-                                          *reconstruction_, CaptureLoopOptions{}, LoopObserver{});
+    loop_ =
+        std::make_unique<CaptureLoop>(folder_, std::move(session), std::make_unique<TrackerLinks>(std::vector{link}),
+                                      *reconstruction_, CaptureLoopOptions{}, LoopObserver{});
     loop_->start();
   }
   bool ingests(std::uint64_t captures) {
@@ -148,7 +149,7 @@ TEST_P(ClocksOfTwoMachines, DoNotEnterTheLatency) {
     tracker.say(encode_capture(images_[i], MessageType::kKeep, Codec::kRaw));
   }
   ASSERT_TRUE(eventually([&] { return loop_->status().latency.count() == 2; })) << loop_->status().error;
-  const double uncertainty_s = 1e-9 * static_cast<double>(loop_->status().link.clock->round_trip_ns) / 2;
+  const double uncertainty_s = 1e-9 * static_cast<double>(loop_->status().links.at(0).stats.clock->round_trip_ns) / 2;
   EXPECT_GE(loop_->status().latency.min_s(), 0.4 - uncertainty_s);
   EXPECT_LE(loop_->status().latency.max_s(), 20) << "three days are far more";
 }

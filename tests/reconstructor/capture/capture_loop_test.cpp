@@ -20,10 +20,10 @@ using std::chrono::seconds;
 constexpr std::size_t kImages = 14, kRefused = 12, kRepeated = 13;
 
 /// 127.0.0.1 without a tracker.
-std::unique_ptr<CaptureReceiver> nobody() {
+std::unique_ptr<TrackerLinks> nobody() {
   ReceiverOptions link;
   link.endpoint = "tcp://127.0.0.1:9";
-  return std::make_unique<CaptureReceiver>(link);
+  return std::make_unique<TrackerLinks>(std::vector{link});
 }
 
 /// A loop over a session that nobody adds to; images 3, 7 and 11 are held out.

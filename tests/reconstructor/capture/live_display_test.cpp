@@ -20,7 +20,8 @@ TEST(LiveDisplay, SaysWhetherImagesAreStillToCome) {
   };
   LoopStatus status;
   EXPECT_EQ(shown(status), TrackerLink::kWaiting);
-  status.link.ended = true;
+  status.links.resize(1);
+  status.links[0].stats.ended = true;
   EXPECT_EQ(shown(status), TrackerLink::kEnded) << "not a saved model that is looked at";
 }
 
@@ -28,7 +29,7 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   const auto mesh = std::make_shared<const Mesh>(sphere_mesh(0.1f, 2));
   const RayPainter painter(*mesh);
   Reconstruction nothing_yet(*mesh, SurfaceLightFieldOptions{});
-  LiveDisplay display(painter, {.endpoint = "tcp://127.0.0.1:7410", .tracker_command = "sheen-tracker run"});
+  LiveDisplay display(painter, {.trackers = {{"tcp://127.0.0.1:7410", "sheen-tracker run"}}});
   display.observer().on_snapshot(nothing_yet.snapshot());
   const auto now = MonitorState::Clock::now();
   const MonitorState waiting = display.monitor_state({});
@@ -41,11 +42,15 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   EXPECT_LT(picture.at(2, 2, 0), 20);
   display.publish_to_window({});
   EXPECT_EQ(display.feed().latest()->message, "start a tracker: sheen-tracker run");
+  display.publish_to_window({}, {EndStage::kSaving, 3, 12});
+  EXPECT_EQ(display.feed().latest()->message, "") << "nobody is waited for any more";
 
   LoopStatus status;
-  status.link.connected = true;
+  status.links.resize(1);
+  ReceiverStats& link = status.links[0].stats;
+  link.connected = link.came = true;
   EXPECT_EQ(display.monitor_state(status).hint, "");
-  status.link.tracker = {56, {{"motion_blur", 55}}, "too fast: motion blur"};
+  link.tracker = {56, {{"motion_blur", 55}}, "too fast: motion blur"};
   EXPECT_EQ(display.monitor_state(status).tracker.trouble, "too fast: motion blur");
   EXPECT_EQ(display.monitor_state(status).tracker.refused.at("motion_blur"), 55u);
   display.publish_to_window(status);
@@ -56,9 +61,46 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   display.publish_to_window(status);
   EXPECT_EQ(display.feed().latest()->message, "the mesh stands elsewhere; run `sheen-tracker register`");
   EXPECT_EQ(display.monitor_state(status).warnings.size(), 1u);
-  status.link.connected = false;
+  link.connected = false;
   EXPECT_EQ(display.monitor_state(status).tracker.trouble, "") << "what was wrong when it was last heard of";
   EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kDisconnected);
+}
+
+TEST(LiveDisplay, OneOfTwoTrackersIsStillToComeAndAnotherIsGone) {
+  const Mesh mesh = square_mesh(0.1f, 0, 1);
+  const RayPainter painter(mesh);
+  LiveDisplay display(painter, {.trackers = {{"tcp://a:1", "start a"}, {"tcp://b:1", "start b"}}});
+  EXPECT_EQ(display.monitor_state({}).hint, "start a and start b");
+  LoopStatus status;
+  status.links = {{"tcp://a:1", {}}, {"tcp://b:1", {}}};
+  ReceiverStats &a = status.links[0].stats, &b = status.links[1].stats;
+  a.connected = a.came = true;
+  EXPECT_EQ(display.monitor_state(status).hint, "start b");
+  display.publish_to_window(status);
+  EXPECT_EQ(display.feed().latest()->message, "start a tracker: start b");
+  b.came = true;
+  display.publish_to_window(status);
+  EXPECT_EQ(display.feed().latest()->message, "tcp://b:1: the tracker is gone");
+  const auto now = MonitorState::Clock::now();
+  EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kDisconnected);
+  EXPECT_EQ(display.monitor_state(status).links[1].name, "tracker 2");
+  b.ended = true;
+  EXPECT_EQ(capture_state(display.monitor_state(status), now, now), CaptureState::kWaiting) << "it is not gone";
+}
+
+TEST(LiveDisplay, CamerasAreShownInTurnWithoutAFlicker) {
+  const Object object = square_object();
+  auto images = captures({object.surface, analytic::two_terms(0.1)}, {{0.02, 0, 0.5}, {0.05, 0.02, 0.5}});
+  images[0].calibration_hash = "left";
+  images[1].calibration_hash = "right";
+  const RayPainter painter(*object.mesh);
+  LiveDisplay display(painter, {});
+  const LoopObserver observer = display.observer();
+  for (const Capture& image : {images[0], images[1], images[0], images[1]}) {
+    observer.on_capture(image);
+    display.publish_to_window({});
+    EXPECT_EQ(display.feed().latest()->capture->calibration_hash, "left");
+  }
 }
 
 TEST(LiveDisplay, ThePageSaysInWhichDirectionTheNextImageIs) {
