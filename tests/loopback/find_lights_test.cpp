@@ -57,7 +57,50 @@ TEST(FindLights, ABallInTheImagesMakesAListForBuild) {
   expect_outcome(run_to_end(tracker({"lights", "ball", images, "--out", list, "--ball", "20,150"})), 2, {"X,Y,RADIUS"});
   expect_outcome(run_to_end(tracker({"lights", "ball", images, "--out", temp.path() / "dirs.txt"})), 2, {".lp"});
   expect_outcome(run_to_end(tracker({"lights", "ball", temp.path() / "none", "--out", list})), 1, {"none"});
-  expect_outcome(run_to_end(tracker({"lights", "--help"})), 0, {"ball"});
+  expect_outcome(run_to_end(tracker({"lights", "--help"})), 0, {"ball", "shadows"});
+}
+
+TEST(FindLights, ShadowsAndWhatCastsThemMakeAList) {
+  const TempFolder temp;
+  const auto write = [&](const char* name, double near_height) {
+    Json lights = Json::array();
+    for (const auto& [image, lamp] :
+         {std::pair{"a.png", std::array{0.3, 0.1, near_height}}, {"b.png", std::array{-0.2, 0.4, 0.8}}}) {
+      Json pairs = Json::array();
+      for (const auto& object :
+           {std::array{0.1, 0.0, 0.1}, {-0.1, 0.05, 0.08}, {0.0, -0.12, 0.06}, {0.02, 0.1, 0.09}}) {
+        const double part = object[2] / (lamp[2] - object[2]);
+        Json shadow = Json::array(), top = Json::array();
+        for (int k = 0; k < 3; ++k) {
+          top.push_back(1e3 * object[std::size_t(k)]);
+          shadow.push_back(1e3 * (object[std::size_t(k)] + part * (object[std::size_t(k)] - lamp[std::size_t(k)])));
+        }
+        pairs.push_back({{"shadow", shadow}, {"object", top}});
+      }
+      lights.push_back({{"image", image}, {"pairs", pairs}});
+    }
+    return temp.write(
+        name,
+        Json{{"format", "sheen-shadows"}, {"version", 1}, {"unit", "mm"}, {"uncertainty", 0.3}, {"lights", lights}}
+            .dump());
+  };
+  const fs::path list = temp.path() / "lamps.lp", report = temp.path() / "lamps.json";
+  expect_outcome(run_to_end(tracker({"lights", "shadows", write("near.json", 0.7), "--out", list, "--json", report})),
+                 0, {"a.png: a lamp at 0.3000 0.1000 0.7000 m", "4 pairs"});
+  const std::vector<LitView> near = load_lights(list);
+  ASSERT_EQ(near.size(), 2u);
+  EXPECT_LT((near[0].light.position - Eigen::Vector3d(0.3, 0.1, 0.7)).norm(), 1e-6);
+  EXPECT_LT((near[1].light.position - Eigen::Vector3d(-0.2, 0.4, 0.8)).norm(), 1e-6);
+  EXPECT_GT(Json::parse(read_file(report))["lights"][0]["position_uncertainty_m"], 0);
+  expect_outcome(run_to_end(tracker({"lights", "shadows", write("far.json", 90), "--out", list})), 0,
+                 {"all lights are written as directions, because a.png has no known distance", "nearly parallel",
+                  "directional: another light"});
+  for (const LitView& view : load_lights(list)) EXPECT_EQ(view.light.kind, LightKind::kDirectional);
+  const fs::path pixels = temp.write("pixels.json", R"({"format": "sheen-shadows", "version": 1, "lights": [
+      {"image": "a.png", "pairs": [{"shadow": [1, 2], "object": [3, 4]}, {"shadow": [5, 2], "object": [3, 9]}]}]})");
+  expect_outcome(run_to_end(tracker({"lights", "shadows", pixels, "--out", list})), 2, {"--mesh"});
+  expect_outcome(run_to_end(tracker({"lights", "shadows", temp.path() / "no.json", "--out", list})), 1,
+                 {"no.json", "does not exist"});
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ void add_lights_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("lights", "Finds where the lights of images were, and writes a list of them.");
   command->require_subcommand(1);
   add_lights_ball_command(*command);
+  add_lights_shadows_command(*command);
 }
 
 }  // namespace sheen
