@@ -71,7 +71,7 @@ BallLights lights_of_ball(const BallView& view, std::size_t images, const std::f
   for_each_picture([&](const ImageF& picture) {
     for (Candidate& ball : balls) ball.lights.images.push_back(ball.finder.find(picture));
   });
-  const std::size_t least = about ? 1 : (images + 1) / 2;  // a person who says where it is knows
+  const std::size_t least = about ? 1 : (2 * images + 2) / 3;  // a person who says where it is knows
   const Candidate* best = nullptr;
   for (const Candidate& ball : balls) {  // what it mirrors may look like circles inside of it, but not all round
     if (ball.lights.found() < least) continue;

@@ -158,6 +158,14 @@ TEST_F(ChromeBall, ImagesWithoutOneClearHighlightAreNamed) {
     if (!highlight) EXPECT_FALSE(refusal_text(refusal).empty());
 }
 
+/// Something round and glossy may show a highlight now and then: a person must say that it is a ball.
+TEST_F(ChromeBall, HighlightsInHalfOfTheImagesAreTooFew) {
+  std::vector<Lamps> lamps = one_by_one(lamps_on_dome(4, 20));
+  lamps.resize(8);
+  expect_error<Error>([&] { lights(lamps); }, {"no ball was found", "4 of 8 images", "--ball"});
+  EXPECT_EQ(lights(lamps, BallCircle{{253, 168}, 60}).found(), 4u);
+}
+
 TEST_F(ChromeBall, OneImageIsEnough) {
   const Lamps lamps{{.towards = Eigen::Vector3d(-0.3, 0.5, 0.8).normalized()}};
   EXPECT_LT(errors_of(lights({lamps}), lamps).worst_deg, 0.7);
