@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -29,23 +30,33 @@ struct ShadowsArguments {
 
 using Pairs = std::vector<std::vector<ShadowPair>>;
 
+/// By the image's name, or by that of its file alone.
+const PosedCamera& view_of(const std::map<std::string, PosedCamera>& views, const std::string& image,
+                           const fs::path& images) {
+  if (const auto exact = views.find(image); exact != views.end()) return exact->second;
+  const PosedCamera* found = nullptr;
+  for (const auto& [name, view] : views) {
+    if (fs::path(name).filename() != image) continue;
+    if (found) throw ConfigError(images.string() + ": several images are called \"" + image + "\"; give the path");
+    found = &view;
+  }
+  if (!found) throw ConfigError(images.string() + ": has no image \"" + image + "\" with a pose");
+  return *found;
+}
+
 Pairs pairs_of(const ShadowFile& file, const ShadowsArguments& arguments) {
-  std::map<std::string, PosedCamera> views;
-  LoadedMesh mesh;
-  if (file.any_pixels()) {
-    if (arguments.images.empty() || arguments.mesh.empty())
-      throw ConfigError(arguments.pairs.string() +
-                        ": has pixels; name the data set or session of its images and the mesh (--mesh)");
-    views = cameras_by_name(open_posed_images(arguments.images));
-    mesh = load_mesh(arguments.mesh);
-  }
   Pairs pairs;
-  for (const ClickedLight& light : file.lights) {
-    const auto view = views.find(light.image);
-    if (!views.empty() && view == views.end())
-      throw ConfigError(arguments.images.string() + ": has no image \"" + light.image + "\" with a pose");
-    pairs.push_back(pairs_in_space(light, file, views.empty() ? nullptr : &view->second, &mesh.mesh));
+  if (!file.any_pixels()) {
+    for (const ClickedLight& light : file.lights) pairs.push_back(pairs_in_space(light, file, nullptr, nullptr));
+    return pairs;
   }
+  if (arguments.images.empty() || arguments.mesh.empty())
+    throw ConfigError(arguments.pairs.string() +
+                      ": has pixels; name the data set or session of its images (--images) and the mesh (--mesh)");
+  const auto views = cameras_by_name(open_posed_images(arguments.images));
+  const Mesh mesh = load_mesh(arguments.mesh).mesh;
+  for (const ClickedLight& light : file.lights)
+    pairs.push_back(pairs_in_space(light, file, &view_of(views, light.image, arguments.images), &mesh));
   return pairs;
 }
 

@@ -187,11 +187,11 @@ ShadowLight light_of_all(std::span<const ShadowPair> pairs, bool noise_known, bo
       throw Error("the lines through the pairs meet behind the shadows: are shadow and object points swapped?");
     const bool known = found.inverse_distance > kKnownDistance * found.inverse_distance_uncertainty &&
                        found.inverse_distance * extent_of(pairs, guess.centre) > kNearest;
-    found.why_directional =
-        require_directional
-            ? "another light of the list is"
-            : format("the lines through the pairs are nearly parallel: 1 / distance is %.3g +- %.2g per metre",
-                     found.inverse_distance, found.inverse_distance_uncertainty);
+    found.why_directional = require_directional ? "another light of the list is"
+                                                : format(
+                                                      "the pairs' lines are nearly parallel, too few or too rough to "
+                                                      "say it: 1 / distance is %.3g +- %.2g per metre",
+                                                      found.inverse_distance, found.inverse_distance_uncertainty);
     if (known && !require_directional) {
       fit = point;
       found.degrees_of_freedom = freedom;
