@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   sheen::add_stage_command(app);
   sheen::add_preview_command(app);
   sheen::add_register_command(app);
+  sheen::add_lights_command(app);
   sheen::add_cameras_command(app);
   sheen::add_doctor_command(app);
   sheen::add_keygen_command(app);

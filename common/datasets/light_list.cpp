@@ -47,6 +47,12 @@ std::optional<Number> number(std::string_view word) {
   return value;
 }
 
+/// The shortest text that reads back as the same number.
+std::string shortest(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
 /// Lines that are not empty, with their numbers.
 struct Line {
   int number = 0;
@@ -64,21 +70,55 @@ std::vector<Line> lines_of(std::string_view text) {
   return lines;
 }
 
-/// Directions if all are as long as one; positions if hardly any is.
-void find_kind(const std::string& file, const std::vector<Line>& lines, std::vector<LitView>& views) {
-  const auto is_unit = [](const LitView& view) { return std::abs(view.light.position.norm() - 1) <= kUnitWithin; };
-  const auto units = static_cast<std::size_t>(std::count_if(views.begin(), views.end(), is_unit));
-  if (units < views.size() && 2 * units > views.size()) {
-    const std::size_t odd =
-        static_cast<std::size_t>(std::find_if_not(views.begin(), views.end(), is_unit) - views.begin());
-    throw FileError(file, "line " + std::to_string(lines[odd + 1].number) + ": " + views[odd].name +
-                              ": most lights are directions of length 1, but this one has length " +
-                              std::to_string(views[odd].light.position.norm()));
+/// The first line: how many lights follow and, if it says so, what they are.
+struct Heading {
+  std::size_t count = 0;
+  std::optional<LightKind> kind;
+};
+Heading parse_heading(const std::string& file, const std::vector<Line>& lines) {
+  Heading heading;
+  std::string_view rest = lines.empty() ? std::string_view() : lines[0].text;
+  if (rest.find_first_of(kSpace) != std::string_view::npos) {
+    const std::string_view word = last_word(rest);
+    if (word == "directions") heading.kind = LightKind::kDirectional;
+    if (word == "positions") heading.kind = LightKind::kPoint;
+    if (!heading.kind) rest = {};
   }
-  for (LitView& view : views) {
-    view.light.kind = units == views.size() ? LightKind::kDirectional : LightKind::kPoint;
-    if (view.light.kind == LightKind::kDirectional) view.light.position.normalize();
-  }
+  heading.count = number<std::size_t>(rest).value_or(0);
+  if (heading.count == 0 || heading.count > kMostImages)
+    throw FileError(file, "must begin with a line that says how many images follow, 1 to " +
+                              std::to_string(kMostImages) +
+                              ", and may say what they are: \"49\", \"49 directions\" or "
+                              "\"49 positions\"");
+  return heading;
+}
+
+bool is_unit(const LitView& view) {
+  return std::abs(view.light.position.norm() - 1) <= kUnitWithin;
+}
+bool most_are_units(std::span<const LitView> views) {
+  return 2 * std::count_if(views.begin(), views.end(), is_unit) > std::ssize(views);
+}
+
+/// By their lengths: directions if all are as long as one; positions if hardly any is.
+LightKind likely_kind(const std::string& file, const std::vector<Line>& lines, const std::vector<LitView>& views) {
+  if (!most_are_units(views)) return LightKind::kPoint;
+  const auto odd = std::find_if_not(views.begin(), views.end(), is_unit);
+  if (odd == views.end()) return LightKind::kDirectional;
+  const std::string count = std::to_string(views.size());
+  throw FileError(file, "line " + std::to_string(lines[static_cast<std::size_t>(odd - views.begin()) + 1].number) +
+                            ": " + odd->name + ": most lights are directions of length 1, but this one has length " +
+                            std::to_string(odd->light.position.norm()) +
+                            "; correct it, or let the first line say what they are: \"" + count +
+                            " directions\" or \"" + count + " positions\"");
+}
+
+/// What a person may want to correct.
+std::string doubt_about(const fs::path& list, std::string_view text, const std::vector<LitView>& views) {
+  if (views.front().light.kind != LightKind::kDirectional || parse_heading("", lines_of(text)).kind) return {};
+  const std::string count = std::to_string(views.size());
+  return list.string() + ": " + count + " lights of length 1 are taken for directions of far lights; if they are " +
+         "places on a dome of 1 m radius, let the first line say \"" + count + " positions\"";
 }
 
 bool is_file(const fs::path& path) {
@@ -117,12 +157,9 @@ std::vector<LitView> parse_light_list(const std::string& file, std::string_view 
     throw FileError(file, "line " + std::to_string(line.number) + ": " + what);
   };
   const std::vector<Line> lines = lines_of(text);
-  const auto count = lines.empty() ? std::nullopt : number<std::size_t>(lines[0].text);
-  if (!count || *count == 0 || *count > kMostImages)
-    throw FileError(file,
-                    "must begin with a line that says how many images follow, 1 to " + std::to_string(kMostImages));
-  if (lines.size() - 1 != *count)
-    throw FileError(file, "says that " + std::to_string(*count) + " images follow, but has lines for " +
+  const Heading heading = parse_heading(file, lines);
+  if (lines.size() - 1 != heading.count)
+    throw FileError(file, "says that " + std::to_string(heading.count) + " images follow, but has lines for " +
                               std::to_string(lines.size() - 1));
   std::vector<LitView> views;
   std::set<std::string_view> names;
@@ -140,8 +177,24 @@ std::vector<LitView> parse_light_list(const std::string& file, std::string_view 
     if (!(view.light.position.norm() > 1e-9)) fail(lines[i], view.name + ": a light at 0 0 0 has no direction");
     views.push_back(std::move(view));
   }
-  find_kind(file, lines, views);
+  const LightKind kind = heading.kind ? *heading.kind : likely_kind(file, lines, views);
+  for (LitView& view : views) {
+    view.light.kind = kind;
+    if (kind == LightKind::kDirectional) view.light.position.normalize();
+  }
   return views;
+}
+
+std::string light_list_text(std::span<const LitView> views) {
+  std::string text = std::to_string(views.size());
+  if (views.front().light.kind == LightKind::kPoint && most_are_units(views)) text += " positions";
+  text += '\n';
+  for (const LitView& view : views) {
+    text += view.name;
+    for (const double value : view.light.position) text += ' ' + shortest(value);
+    text += '\n';
+  }
+  return text;
 }
 
 std::vector<LitView> load_lights(const fs::path& list) {
@@ -151,6 +204,7 @@ std::vector<LitView> load_lights(const fs::path& list) {
 LightList load_light_list(const fs::path& list) {
   const std::string text = read_file(list, kMostBytes);
   LightList lights{.views = parse_light_list(list.string(), text)};
+  lights.doubt = doubt_about(list, text, lights.views);
   ImageSize first;
   std::string bytes = content_hash(text);
   for (const LitView& view : lights.views) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,10 +18,14 @@ struct LitView {
   LightState light;
 };
 
-/// A list of lights as RTI tools write it (.lp): the number of images, then for each a line `name x y z`. Where all x y
-/// z are unit vectors to 2 %, they are directions towards far lights, else positions of near ones. Axes: x right, y up
+/// A list of lights as RTI tools write it (.lp): the number of images, then for each a line `name x y z`. The first
+/// line may say what x y z are: "49 directions" towards far lights (of any length), or "49 positions" of near ones.
+/// Else they are directions where all are unit vectors to 2 %, and positions where hardly any is. Axes: x right, y up
 /// in the picture, z towards the camera. Throws FileError naming file and line.
 std::vector<LitView> parse_light_list(const std::string& file, std::string_view text);
+/// Such a list, exact; its lights are of one kind, directional or point. Says what they are only where their lengths
+/// would be misread, so that other tools read it, too.
+std::string light_list_text(std::span<const LitView> views);
 /// Lights alone, to be rendered: the images need not be there.
 std::vector<LitView> load_lights(const std::filesystem::path& list);
 
@@ -29,7 +34,8 @@ struct LightList {
   std::vector<LitView> views;
   std::vector<std::filesystem::path> images;  ///< per view
   PosedCamera camera;
-  std::string hash;  ///< of the list and the bytes of every image
+  std::string hash;   ///< of the list and the bytes of every image
+  std::string doubt;  ///< what its lights are taken for where it does not say, a sentence; empty: it is plain
 };
 
 /// Images are looked for beside the list, by their name and by its last part (tools write the paths of their own

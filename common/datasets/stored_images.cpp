@@ -17,7 +17,7 @@ StoredImages of_list(const std::filesystem::path& path) {
           .session = "lights:" + list->hash,
           .cameras = {list->camera},
           .motion = watch.motion(),
-          .warning = "",
+          .warning = list->doubt,
           .read = [list](std::size_t i) { return read_capture(*list, i); }};
 }
 

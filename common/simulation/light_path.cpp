@@ -48,7 +48,9 @@ std::vector<LightState> light_path(const std::string& shape, int frames) {
     if (!shape.ends_with(".lp")) throw ConfigError("light path \"" + shape + "\" is not one of dome, plane, FILE.lp");
     places = load_lights(shape);
     if (places.front().light.kind != LightKind::kPoint)
-      throw ConfigError(shape + ": a lamp's path has positions in metres, not directions of length 1");
+      throw ConfigError(
+          shape + ": a lamp's path has positions in metres, not directions of length 1; its first line may say \"" +
+          std::to_string(places.size()) + " positions\"");
   }
   std::vector<LightState> path;
   for (int i = 0; i < frames; ++i)

@@ -12,6 +12,7 @@
 #include "common/base/files.h"
 #include "common/base/format.h"
 #include "common/datasets/dataset.h"
+#include "common/datasets/light_list.h"
 #include "common/image/color.h"
 #include "common/image/exr.h"
 #include "common/image/image_io.h"
@@ -72,12 +73,9 @@ std::string tracker_config(const Camera& c, bool still_camera, bool lamp) {
 
 /// Where the lamp is at each frame, in the frame of the object.
 std::string light_table(const std::vector<LightState>& lights) {
-  std::string text = std::to_string(lights.size()) + "\n";
-  for (std::size_t i = 0; i < lights.size(); ++i) {
-    const Eigen::Vector3d& p = lights[i].position;
-    text += frame_name(i) + format(" %.17g %.17g %.17g\n", p.x(), p.y(), p.z());
-  }
-  return text;
+  std::vector<LitView> views;
+  for (const LightState& light : lights) views.push_back({frame_name(views.size()), light});
+  return light_list_text(views);
 }
 
 void write_frame(const SimulatedFrame& frame, const fs::path& folder, const std::string& name, bool truth) {

@@ -72,6 +72,10 @@ std::string publish(const Figure& figure, const std::filesystem::path& out, bool
     drawn = write_plot(plot, out / "images" / file) == PlotFiles::kDrawn && drawn;
     section += "![" + plot.title + "](images/" + file + ".svg) ([table](images/" + file + ".csv))\n\n";
   }
+  for (const Figure::Table& table : figure.tables) {
+    write_file(out / "images" / (table.file + ".csv"), table_csv(table));
+    section += table.caption + " ([table](images/" + table.file + ".csv)):\n\n" + table_markdown(table) + "\n";
+  }
   for (const auto& [file, caption, image] : figure.pictures) {
     write_png(out / "images" / (file + ".png"), image);
     section += "![" + caption + "](images/" + file + ".png)\n*" + caption + "*\n\n";

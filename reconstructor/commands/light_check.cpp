@@ -14,7 +14,10 @@ void require_light_kind(const ModelSnapshot& snapshot, std::span<const LitView> 
     throw ConfigError(
         list.string() + " has " +
         (known == LightKind::kPoint ? "directions of far lights, but " : "positions of near lights, but ") +
-        model.string() + " was built from " + (known == LightKind::kPoint ? "positions" : "directions"));
+        model.string() + " was built from " + (known == LightKind::kPoint ? "positions" : "directions") +
+        (known == LightKind::kPoint ? "; of places on a dome of 1 m radius the list's first line has to say \"" +
+                                          std::to_string(lights.size()) + " positions\""
+                                    : ""));
 }
 
 }  // namespace sheen

@@ -8,6 +8,34 @@
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 
 namespace sheen {
+namespace {
+
+std::string joined(const std::vector<std::string>& cells, const char* separator) {
+  std::string line;
+  for (std::size_t i = 0; i < cells.size(); ++i) line += (i > 0 ? separator : "") + cells[i];
+  return line;
+}
+
+}  // namespace
+
+std::string table_csv(const Figure::Table& table) {
+  std::string text;
+  const auto line = [&](std::vector<std::string> cells) {
+    for (std::string& cell : cells) cell = csv_field(cell);
+    text += joined(cells, ",") + '\n';
+  };
+  line(table.columns);
+  for (const std::vector<std::string>& row : table.rows) line(row);
+  return text;
+}
+
+std::string table_markdown(const Figure::Table& table) {
+  std::string text = "| " + joined(table.columns, " | ") + " |\n|";
+  for (std::size_t i = 0; i < table.columns.size(); ++i) text += "---|";
+  text += '\n';
+  for (const std::vector<std::string>& row : table.rows) text += "| " + joined(row, " | ") + " |\n";
+  return text;
+}
 
 double mean_psnr_db(const std::vector<HeldOutView>& views, const Appearance& model, const RayPainter& painter) {
   double sum = 0;

@@ -31,7 +31,16 @@ struct Figure {
     ImageU8 image;
   };
   std::vector<Picture> pictures;
+  struct Table {
+    std::string file, caption;  ///< the file without a suffix
+    std::vector<std::string> columns;
+    std::vector<std::vector<std::string>> rows;
+  };
+  std::vector<Table> tables;
 };
+
+std::string table_csv(const Figure::Table& table);
+std::string table_markdown(const Figure::Table& table);
 
 struct FigureOptions {
   SurfaceLightFieldOptions model;  ///< of every light field; rank is `rank`

@@ -128,11 +128,15 @@ ImageU8 shown_error(const ImageF& error) {
 
 /// What a figure of undersampling finds on one surface.
 struct Undersampling {
+  std::string surface;
+  double planned = 0;        ///< spacing on a grid, metres
   PlotSeries lit, anywhere;  ///< largest error by factor
   ImageU8 pictures;          ///< truth and each factor; their errors below
 };
 Undersampling undersample(const Stage& stage, const std::string& name, int lamps) {
-  Undersampling found{{.name = name + ", lit", .x = {}, .y = {}},
+  Undersampling found{name,
+                      stage.planned().on_grid,
+                      {.name = name + ", lit", .x = {}, .y = {}},
                       {.name = name + ", shadows and horizons too", .x = {}, .y = {}, .style = PlotStyle::kDashed},
                       {}};
   std::mt19937_64 random(11);
@@ -170,6 +174,21 @@ Plot error_plot(const std::string& title, const std::vector<Undersampling>& surf
   return plot;
 }
 
+/// Spacings, and the largest errors beside the tolerance.
+Figure::Table error_table(const std::string& file, const std::vector<Undersampling>& surfaces) {
+  Figure::Table table{file,
+                      "Largest errors of bilinear interpolation, grey levels",
+                      {"surface", "spacing over the planned one", "spacing, m", "largest error where lit", "tolerance",
+                       "within the tolerance", "largest error with shadows and horizons"},
+                      {}};
+  for (const Undersampling& surface : surfaces)
+    for (std::size_t i = 0; i < kFactors.size(); ++i)
+      table.rows.push_back({surface.surface, format("%g", kFactors[i]), format("%.4f", kFactors[i] * surface.planned),
+                            format("%.2f", surface.lit.y[i]), format("%g", kTolerance),
+                            surface.lit.y[i] <= kTolerance ? "yes" : "no", format("%.2f", surface.anywhere.y[i])});
+  return table;
+}
+
 std::string errors_of(const Undersampling& surface) {
   return format("%.1f, %.1f, %.1f and %.1f grey levels at 0.91, 2, 4 and 8 times the spacing", surface.lit.y[0],
                 surface.lit.y[1], surface.lit.y[2], surface.lit.y[3]);
@@ -187,18 +206,36 @@ const AnalyticReflectance& glossy() {
   return reflectance;
 }
 
-/// How far apart samples of a curve may be for linear interpolation to keep the tolerance, whatever their phase.
+/// What linear interpolation of every `gap`-th point of a curve misses at most, whatever the phase.
+double largest_error(const PlotSeries& curve, std::size_t gap) {
+  double largest = 0;
+  for (std::size_t first = 0; first + gap < curve.y.size(); ++first)
+    for (std::size_t i = 1; i < gap; ++i) {
+      const double part = static_cast<double>(i) / static_cast<double>(gap);
+      const double between = (1 - part) * curve.y[first] + part * curve.y[first + gap];
+      largest = std::max(largest, std::abs(between - curve.y[first + i]));
+    }
+  return largest;
+}
+
+/// How far apart samples of a curve may be for linear interpolation to keep the tolerance.
 double own_spacing(const PlotSeries& curve) {
-  const std::size_t n = curve.x.size();
   const double step = curve.x[1] - curve.x[0];
-  for (std::size_t gap = 2; gap < n; ++gap)
-    for (std::size_t first = 0; first + gap < n; ++first)
-      for (std::size_t i = 1; i < gap; ++i) {
-        const double part = static_cast<double>(i) / static_cast<double>(gap);
-        const double between = (1 - part) * curve.y[first] + part * curve.y[first + gap];
-        if (std::abs(between - curve.y[first + i]) > kTolerance) return step * static_cast<double>(gap - 1);
-      }
-  return step * static_cast<double>(n - 1);
+  std::size_t gap = 2;
+  while (gap < curve.x.size() && largest_error(curve, gap) <= kTolerance) ++gap;
+  return step * static_cast<double>(gap - 1);
+}
+
+/// Of one pixel's curve.
+void add_rows(Figure::Table& table, const PlotSeries& curve, double own, double planned) {
+  const double step = curve.x[1] - curve.x[0];
+  for (const double factor : kFactors) {
+    const auto gap = std::max(1L, std::lround(std::floor(factor * planned / step)));
+    const double error = largest_error(curve, static_cast<std::size_t>(gap));
+    table.rows.push_back({curve.name, format("%g", factor), format("%.4f", step * static_cast<double>(gap)),
+                          format("%.2f", error), format("%g", kTolerance), error <= kTolerance ? "yes" : "no",
+                          format("%.4f", own), format("%.4f", planned)});
+  }
 }
 
 }  // namespace
@@ -234,18 +271,25 @@ Figure figure_exposure_curves(const LightFigureOptions& options) {
             .x = {.label = "q, metres"},
             .y = {.label = "exposure, grey levels"}};
   std::array<double, 2> own{};
+  Figure::Table table{"irradiance_exposure_intervals",
+                      "Linear interpolation of the two curves, grey levels",
+                      {"pixel", "spacing over the planned one", "spacing, m", "largest error", "tolerance",
+                       "within the tolerance", "spacing that the pixel needs, m", "planned for all, m"},
+                      {}};
   for (std::size_t k = 0; k < 2; ++k) {
     PlotSeries curve{.name = k == 0 ? "pixel a" : "pixel b", .x = {}, .y = {}, .style = PlotStyle::kLine};
     for (int i = 0; i < kPlaces; ++i)
       curve.add(places[static_cast<std::size_t>(i)],
                 255 * static_cast<double>(pictures[static_cast<std::size_t>(i)].data()[3 * pixels[k]]));
     own[k] = own_spacing(curve);
+    add_rows(table, curve, own[k], stage.planned().along_line);
     plot.series.push_back(std::move(curve));
   }
   figure.ours = format("a needs a sample every %.3f m, b every %.3f m; %.3f m are planned for all", own[0], own[1],
                        stage.planned().along_line);
   figure.holds = std::min(own[0], own[1]) >= 0.95 * stage.planned().along_line && own[0] < own[1];
   figure.plots.push_back({"irradiance_exposure_curves", std::move(plot)});
+  figure.tables.push_back(std::move(table));
   return figure;
 }
 
@@ -258,6 +302,7 @@ Figure figure_undersampling(const LightFigureOptions& options) {
                 .ours = errors_of(found) + format("; tolerance 16, planned %.4f m", stage.planned().on_grid),
                 .holds = tolerance_kept_and_broken(found)};
   figure.plots.push_back({"irradiance_undersampling", error_plot("Glossy surface: samples too far apart", {found})});
+  figure.tables.push_back(error_table("irradiance_undersampling_errors", {found}));
   figure.pictures.push_back({"irradiance_undersampling", kRows, found.pictures});
   return figure;
 }
@@ -275,6 +320,7 @@ Figure figure_brushed_metals(const LightFigureOptions& options) {
                 .ours = "brushed along x: " + errors_of(found[0]) + "; turned: " + errors_of(found[1]),
                 .holds = tolerance_kept_and_broken(found[0]) && tolerance_kept_and_broken(found[1])};
   figure.plots.push_back({"irradiance_brushed_metals", error_plot("Brushed metals: samples too far apart", found)});
+  figure.tables.push_back(error_table("irradiance_brushed_metals_errors", found));
   figure.pictures.push_back(
       {"irradiance_brushed_straight", std::string("brushed along x: ") + kRows, found[0].pictures});
   figure.pictures.push_back({"irradiance_brushed_turned", std::string("turned: ") + kRows, found[1].pictures});

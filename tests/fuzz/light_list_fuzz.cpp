@@ -3,28 +3,13 @@
 // again, or a FileError.
 #include <cmath>
 #include <set>
-#include <sstream>
 #include <string>
 
 #include "common/base/errors.h"
 #include "common/datasets/light_list.h"
 #include "tests/fuzz/fuzz_input.h"
 
-namespace {
-
 using namespace sheen;
-
-std::string as_list(const std::vector<LitView>& views) {
-  std::ostringstream list;
-  list.precision(17);
-  list << views.size() << '\n';
-  for (const LitView& view : views)
-    list << view.name << ' ' << view.light.position.x() << ' ' << view.light.position.y() << ' '
-         << view.light.position.z() << '\n';
-  return list.str();
-}
-
-}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
@@ -40,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       fuzz::demand(std::isfinite(length) && length > 0, "a light that is nowhere");
       fuzz::demand(kind == LightKind::kPoint || std::abs(length - 1) < 1e-9, "a direction of another length than 1");
     }
-    const std::vector<LitView> again = parse_light_list("again", as_list(views));
+    const std::vector<LitView> again = parse_light_list("again", light_list_text(views));
     fuzz::demand(again.size() == views.size(), "lost lights");
     for (std::size_t i = 0; i < views.size(); ++i)
       fuzz::demand(

@@ -15,6 +15,7 @@ void add_calibrate_command(CLI::App& app);
 void add_stage_command(CLI::App& app);
 void add_preview_command(CLI::App& app);
 void add_register_command(CLI::App& app);
+void add_lights_command(CLI::App& app);
 void add_cameras_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 void add_keygen_command(CLI::App& app);

@@ -130,7 +130,9 @@ RelitView IntrinsicLumigraphSnapshot::relit(const IntrinsicView& view, const Lig
 
 std::unique_ptr<ViewShader> IntrinsicLumigraphSnapshot::shader_for(const ViewQuery& query) const {
   const Lamp lamp = data_->lights.lamp(light_place(query.light));
-  ViewBlend blend(data_, query.eye, [&](const IntrinsicView& view) { return relit(view, query.light); });
+  ViewBlend blend(data_, query.eye, [&](const IntrinsicView& view) {
+    return std::make_shared<const RelitView>(relit(view, query.light));
+  });
   if (data_->of_images) return std::make_unique<PlainShader>(*this, std::move(blend), query.eye);
   return std::make_unique<RayShadowShader>(*this, std::move(blend), query.eye, lamp);
 }
@@ -179,7 +181,7 @@ std::unique_ptr<ViewShader> InterpolatedImages::shader_for(const ViewQuery& quer
                   relit.lit =
                       every_light_ ? mean_image(view, data->lights) : interpolated_images(view, data->lights, place);
                   scale(relit, every_light_ ? Eigen::Vector3f::Ones() : query.light.rgb);
-                  return relit;
+                  return std::make_shared<const RelitView>(std::move(relit));
                 }),
       query.eye);
 }

@@ -141,15 +141,4 @@ std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const Int
   return out;
 }
 
-Vector3f sample_rgb(const ImageF& image, const Eigen::Vector2d& pixel) {
-  const int x = std::clamp(static_cast<int>(std::floor(pixel.x())), 0, std::max(0, image.width() - 2)),
-            y = std::clamp(static_cast<int>(std::floor(pixel.y())), 0, std::max(0, image.height() - 2));
-  const auto right = static_cast<float>(std::clamp(pixel.x() - x, 0.0, 1.0)),
-             down = static_cast<float>(std::clamp(pixel.y() - y, 0.0, 1.0));
-  const int next_x = std::min(x + 1, image.width() - 1), next_y = std::min(y + 1, image.height() - 1);
-  const auto at = [&](int px, int py) { return Eigen::Map<const Vector3f>(image.pixel(px, py)); };
-  return (1 - down) * ((1 - right) * at(x, y) + right * at(next_x, y)) +
-         down * ((1 - right) * at(x, next_y) + right * at(next_x, next_y));
-}
-
 }  // namespace sheen

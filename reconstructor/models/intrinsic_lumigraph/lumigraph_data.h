@@ -59,7 +59,4 @@ struct WeightedView {
 std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const IntrinsicView>>& views,
                                      const Eigen::Vector3d& eye);
 
-/// Linear interpolation between pixels, clamped at the border; 3 channels.
-Eigen::Vector3f sample_rgb(const ImageF& image, const Eigen::Vector2d& pixel);
-
 }  // namespace sheen

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
 
@@ -14,6 +15,10 @@ namespace {
 bool same_camera(const PosedCamera& a, const PosedCamera& b) {
   return a.camera == b.camera && a.camera_from_object.translation == b.camera_from_object.translation &&
          a.camera_from_object.rotation.coeffs() == b.camera_from_object.rotation.coeffs();
+}
+
+bool same_light(const LightState& a, const LightState& b) {
+  return a.kind == b.kind && a.position == b.position && a.rgb == b.rgb;
 }
 
 ImageU8 in_bytes(const ImageF& parts) {
@@ -35,11 +40,11 @@ void LumigraphPainter::look_from(const PosedCamera& from) {
     if (same_camera(view->from, from)) captured_ = view;
 }
 
-RelitView LumigraphPainter::blended(const std::function<RelitView(const IntrinsicView&)>& relit) const {
+std::shared_ptr<const RelitView> LumigraphPainter::blended(const ViewBlend::Relight& relit) const {
   if (captured_) return relit(*captured_);
   const ViewBlend blend(model_->data(), camera_centre(from_->camera_from_object), relit);
   const int w = from_->camera.width, h = from_->camera.height;
-  RelitView out{ImageF(w, h, 3), ImageF(w, h, 3)};
+  auto out = std::make_shared<RelitView>(RelitView{ImageF(w, h, 3), ImageF(w, h, 3)});
   const DepthPoints rays(*from_);
   const float guess = static_cast<float>(std::max(1e-3, from_->camera_from_object.translation.z()));
   tbb::parallel_for(0, h, [&](int y) {
@@ -47,8 +52,8 @@ RelitView LumigraphPainter::blended(const std::function<RelitView(const Intrinsi
       const auto point = surface_ ? surface_->point(x, y) : blend.along(rays.eye(), rays.at(x, y, guess));
       if (!point) continue;
       const ViewBlend::Colours colours = blend.at(*point);
-      Eigen::Vector3f::Map(out.lit.pixel(x, y)) = colours.lit;
-      Eigen::Vector3f::Map(out.dark.pixel(x, y)) = colours.dark;
+      Eigen::Vector3f::Map(out->lit.pixel(x, y)) = colours.lit;
+      Eigen::Vector3f::Map(out->dark.pixel(x, y)) = colours.dark;
     }
   });
   return out;
@@ -56,9 +61,16 @@ RelitView LumigraphPainter::blended(const std::function<RelitView(const Intrinsi
 
 ImageF LumigraphPainter::paint(const PosedCamera& from, const LightState& light) {
   look_from(from);
-  RelitView relit = blended([&](const IntrinsicView& view) { return model_->relit(view, light); });
-  if (!surface_) return std::move(relit.lit);
-  return shadowed(relit, surface_->reached(lamp_of(light)));
+  auto before = std::exchange(relit_, {});
+  if (!same_light(light, light_)) before.clear();
+  light_ = light;
+  const auto relit = blended([&](const IntrinsicView& view) {
+    const auto known = before.find(&view);
+    return relit_[&view] =
+               known != before.end() ? known->second : std::make_shared<const RelitView>(model_->relit(view, light));
+  });
+  if (!surface_) return relit->lit;
+  return shadowed(*relit, surface_->reached(lamp_of(light)));
 }
 
 Lamp LumigraphPainter::lamp_of(const LightState& light) const {
@@ -73,15 +85,15 @@ ImageU8 LumigraphPainter::arrives(const PosedCamera& from, const LightState& lig
                     ImageF parts(reached.width(), reached.height(), 3);
                     for (std::size_t i = 0; i < parts.size(); ++i)
                       parts.data()[i] = static_cast<float>(reached.data()[i / 3]) / 255;
-                    return RelitView{std::move(parts), {}};
-                  }).lit);
+                    return std::make_shared<const RelitView>(RelitView{std::move(parts), {}});
+                  })->lit);
 }
 
 ImageF LumigraphPainter::paint_interpolated(const PosedCamera& from, const LightState& light) {
   look_from(from);
   const Eigen::Vector3d place = model_->light_place(light);
-  RelitView relit = blended([&](const IntrinsicView& view) {
-    return RelitView{interpolated_images(view, model_->data()->lights, place), {}};
+  RelitView relit = *blended([&](const IntrinsicView& view) {
+    return std::make_shared<const RelitView>(RelitView{interpolated_images(view, model_->data()->lights, place), {}});
   });
   scale(relit, light.rgb);
   return std::move(relit.lit);
@@ -91,8 +103,9 @@ ImageU8 LumigraphPainter::interpolated_arrives(const PosedCamera& from, const Li
   look_from(from);
   const Eigen::Vector3d place = model_->light_place(light);
   return in_bytes(blended([&](const IntrinsicView& view) {
-                    return RelitView{interpolated_visibility(view, model_->data()->lights, place), {}};
-                  }).lit);
+                    return std::make_shared<const RelitView>(
+                        RelitView{interpolated_visibility(view, model_->data()->lights, place), {}});
+                  })->lit);
 }
 
 }  // namespace sheen

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -10,7 +11,8 @@
 
 namespace sheen {
 
-/// Pictures of a lumigraph in quick succession: what a camera sees is kept while the light moves. Paints what a ray
+/// Pictures of a lumigraph in quick succession: what a camera sees is kept while the light moves, and
+/// the views' colours while the eye does. Paints what a ray
 /// painter makes of the snapshot. Throws ConfigError for a light of another kind.
 class LumigraphPainter {
  public:
@@ -30,12 +32,14 @@ class LumigraphPainter {
   Lamp lamp_of(const LightState& light) const;
   void look_from(const PosedCamera& from);
   /// Colours of the views as `relit` makes them, seen from there.
-  RelitView blended(const std::function<RelitView(const IntrinsicView&)>& relit) const;
+  std::shared_ptr<const RelitView> blended(const ViewBlend::Relight& relit) const;
 
   std::shared_ptr<const IntrinsicLumigraphSnapshot> model_;
   std::optional<PosedCamera> from_;
   std::optional<SeenSurface> surface_;             ///< from there
   std::shared_ptr<const IntrinsicView> captured_;  ///< the view that was taken from there, if any
+  LightState light_;                               ///< of the relit views
+  std::map<const IntrinsicView*, std::shared_ptr<const RelitView>> relit_;  ///< those of the last picture
 };
 
 }  // namespace sheen

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
+#include <span>
 
 namespace sheen {
 namespace {
@@ -38,16 +39,18 @@ SeenSurface::SeenSurface(const Occluders& occluders, const PosedCamera& from)
   const int w = from.camera.width, h = from.camera.height;
   centres_.resize(std::size_t(w) * h);
   corners_.resize(std::size_t(w + 1) * (h + 1));
-  const auto look = [&](double x, double y) -> Occluders::Place {
-    const Ray ray = ray_at(x, y);
-    const Hit hit = occluders.rays().intersect(ray);
-    return hit ? occluders.place(ray, hit) : Occluders::Place{Vector3f::Zero(), Vector3f::Zero()};
+  // A row's rays are alike: many at once.
+  const auto look = [&](double first_x, double y, std::span<Occluders::Place> row) {
+    std::vector<Ray> rays(row.size());
+    std::vector<Hit> hits(row.size());
+    for (std::size_t x = 0; x < row.size(); ++x) rays[x] = ray_at(first_x + static_cast<double>(x), y);
+    occluders.rays().intersect(rays, hits);
+    for (std::size_t x = 0; x < row.size(); ++x)
+      row[x] = hits[x] ? occluders.place(rays[x], hits[x]) : Occluders::Place{Vector3f::Zero(), Vector3f::Zero()};
   };
   tbb::parallel_for(0, h + 1, [&](int y) {
-    for (int x = 0; x <= w; ++x) {
-      corners_[std::size_t(y) * (w + 1) + x] = look(x - 0.5, y - 0.5);
-      if (x < w && y < h) centres_[std::size_t(y) * w + x] = look(x, y);
-    }
+    look(-0.5, y - 0.5, {corners_.data() + std::size_t(y) * (w + 1), std::size_t(w + 1)});
+    if (y < h) look(0, y, {centres_.data() + std::size_t(y) * w, std::size_t(w)});
   });
 }
 

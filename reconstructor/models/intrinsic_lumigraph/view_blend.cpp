@@ -2,6 +2,7 @@
 #include "reconstructor/models/intrinsic_lumigraph/view_blend.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
@@ -11,25 +12,48 @@ namespace {
 
 constexpr double kSameDepth = 0.01;  // of the depth: a point is what a view shows there
 
-/// Whether one of the four pixels round a place shows a surface at this depth.
-bool shows(const ImageF& depth, const Eigen::Vector2d& pixel, double z) {
-  const int x = static_cast<int>(std::floor(pixel.x())), y = static_cast<int>(std::floor(pixel.y()));
-  for (int dy = 0; dy <= 1; ++dy)
-    for (int dx = 0; dx <= 1; ++dx) {
-      const double there =
-          depth.at(std::clamp(x + dx, 0, depth.width() - 1), std::clamp(y + dy, 0, depth.height() - 1));
-      if (std::abs(there - z) <= kSameDepth * z) return true;
-    }
-  return false;
-}
+/// The four pixels round a place of an image, those of the border where it is beside it, and their bilinear weights:
+/// found once for all images of a view.
+class FourPixels {
+ public:
+  FourPixels(const ImageF& image, const Eigen::Vector2d& place) {
+    const auto left = static_cast<int>(std::floor(place.x())), top = static_cast<int>(std::floor(place.y()));
+    const auto u = static_cast<float>(place.x() - left), v = static_cast<float>(place.y() - top);
+    const int x0 = std::clamp(left, 0, image.width() - 1), x1 = std::clamp(left + 1, 0, image.width() - 1);
+    const std::size_t y0 = row(image, top), y1 = row(image, top + 1);
+    pixels_ = {y0 + x0, y0 + x1, y1 + x0, y1 + x1};
+    weights_ = {(1 - v) * (1 - u), (1 - v) * u, v * (1 - u), v * u};
+  }
+
+  /// Whether one of them shows a surface at this depth.
+  bool show(const ImageF& depth, double z) const {
+    return std::any_of(pixels_.begin(), pixels_.end(), [&](std::size_t pixel) {
+      return std::abs(static_cast<double>(depth.data()[pixel]) - z) <= kSameDepth * z;
+    });
+  }
+  Eigen::Vector3f mean(const ImageF& rgb) const {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (std::size_t k = 0; k < pixels_.size(); ++k)
+      sum += weights_[k] * Eigen::Vector3f::Map(rgb.data() + 3 * pixels_[k]);
+    return sum;
+  }
+
+ private:
+  static std::size_t row(const ImageF& image, int y) {
+    return static_cast<std::size_t>(std::clamp(y, 0, image.height() - 1)) * image.width();
+  }
+
+  std::array<std::size_t, 4> pixels_;
+  std::array<float, 4> weights_;
+};
 
 }  // namespace
 
 ViewBlend::ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eigen::Vector3d& eye,
-                     const std::function<RelitView(const IntrinsicView&)>& relit) {
+                     const Relight& relit) {
   for (const WeightedView& near : views_near(data->views, eye)) {
     const auto& view = data->views[near.view];
-    views_.push_back({view, near.weight, relit(*view)});
+    views_.push_back({view, near.weight, relit(*view), view->from.camera_from_object.rotation.toRotationMatrix()});
   }
   std::stable_sort(views_.begin(), views_.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
 }
@@ -60,14 +84,14 @@ ViewBlend::Colours ViewBlend::at(const Eigen::Vector3f& point) const {
   bool guessed = false;
   for (const Prepared& prepared : views_) {
     const PosedCamera& from = prepared.view->from;
-    const Eigen::Vector3d in_camera = from.camera_from_object * point.cast<double>();
+    const Eigen::Vector3d in_camera = prepared.rotation * point.cast<double>() + from.camera_from_object.translation;
     const auto pixel = from.camera.project(in_camera);
     if (!pixel || !from.camera.contains(*pixel, -0.5)) continue;
-    const bool seen = shows(prepared.view->depth, *pixel, in_camera.z());
+    const FourPixels near(prepared.view->depth, *pixel);
+    const bool seen = near.show(prepared.view->depth, in_camera.z());
     if (!seen && guessed) continue;
-    const RelitView& relit = prepared.relit;
-    const Eigen::Vector3f lit = sample_rgb(relit.lit, *pixel),
-                          dark = relit.dark.empty() ? lit : sample_rgb(relit.dark, *pixel);
+    const RelitView& relit = *prepared.relit;
+    const Eigen::Vector3f lit = near.mean(relit.lit), dark = relit.dark.empty() ? lit : near.mean(relit.dark);
     if (!seen) {
       guess = {lit, dark, false};
       guessed = true;

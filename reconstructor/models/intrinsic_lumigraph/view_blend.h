@@ -14,9 +14,9 @@ namespace sheen {
 /// interpolation between views.
 class ViewBlend {
  public:
-  /// `relit`: makes the colours of a view; what it leaves empty in `dark` is as `lit`.
-  ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eigen::Vector3d& eye,
-            const std::function<RelitView(const IntrinsicView&)>& relit);
+  /// Makes, or remembers, the colours of a view; what it leaves empty in `dark` is as `lit`.
+  using Relight = std::function<std::shared_ptr<const RelitView>(const IntrinsicView&)>;
+  ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eigen::Vector3d& eye, const Relight& relit);
 
   struct Colours {
     Eigen::Vector3f lit = Eigen::Vector3f::Zero(), dark = Eigen::Vector3f::Zero();
@@ -35,7 +35,8 @@ class ViewBlend {
   struct Prepared {
     std::shared_ptr<const IntrinsicView> view;
     float weight = 1;
-    RelitView relit;
+    std::shared_ptr<const RelitView> relit;
+    Eigen::Matrix3d rotation;  ///< camera_from_object
   };
   std::vector<Prepared> views_;  ///< the heaviest first
 };

@@ -28,8 +28,8 @@ bool same_place(const LightState& a, const LightState& b) {
   return (p - q).norm() <= kSame * std::max(p.norm(), q.norm());
 }
 
-ImageF encoded_levels(const Capture& capture) {
-  ImageF image = level_radiance(capture, 1);
+ImageF encoded_levels(const Capture& capture, const Undistortion& undistortion) {
+  ImageF image = undistortion.of(level_radiance(capture, 1));
   for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] /= capture.light.rgb[static_cast<Eigen::Index>(i % 3)];
   srgb_encode_fast({image.data(), image.size()});
   for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] *= 255;
@@ -74,8 +74,11 @@ IngestReport IrradianceField::ingest(const Capture& capture) {
     }
   report.status = IngestStatus::kAccepted;
   StageClock clock(report.stage_ms);
-  if (images_.empty()) camera_ = {capture.camera, capture.pose.camera_from_object};
-  images_.push_back({capture.source_session, capture.sequence, capture.light, encoded_levels(capture)});
+  if (images_.empty()) {
+    camera_ = {capture.camera, capture.pose.camera_from_object};
+    undistortion_ = Undistortion(camera_);
+  }
+  images_.push_back({capture.source_session, capture.sequence, capture.light, encoded_levels(capture, undistortion_)});
   clock.done("encode");
   report.patches_updated = tile_grid({capture.camera.width, capture.camera.height}).tiles();
   newest_ = nullptr;
@@ -101,7 +104,7 @@ void IrradianceField::restart(int) {
 
 std::shared_ptr<const ModelSnapshot> IrradianceField::snapshot() {
   if (newest_) return newest_;
-  LitScene scene{.camera = camera_};
+  LitScene scene{.camera = undistortion_.camera()};
   QuantisedField field;
   if (!images_.empty()) {
     scene.kind = images_.front().light.kind;

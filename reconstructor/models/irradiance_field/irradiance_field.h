@@ -8,6 +8,7 @@
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/models/irradiance_field/irradiance_field_options.h"
 #include "reconstructor/models/irradiance_field/irradiance_field_snapshot.h"
+#include "reconstructor/models/irradiance_field/undistortion.h"
 
 namespace sheen {
 
@@ -16,7 +17,7 @@ namespace sheen {
 /// still, each in a light of one kind (directional, or point), none from the same place as another.
 class IrradianceField : public AppearanceModel {
  public:
-  /// mesh: `picture_plane` of the camera. Throws ConfigError for another.
+  /// mesh: `picture_plane` of the camera without its distortion. Throws ConfigError for another.
   IrradianceField(std::shared_ptr<const Mesh> mesh, const IrradianceFieldOptions& options);
 
   /// Refuses as "no_pose", "no_light_direction", "other_kind_of_light", "broken_light", "same_light", "other_camera",
@@ -48,6 +49,7 @@ class IrradianceField : public AppearanceModel {
   IrradianceFieldOptions options_;
   std::vector<LitImage> images_;
   PosedCamera camera_;  ///< of the first image
+  Undistortion undistortion_;
   std::uint64_t version_ = 0;
   std::shared_ptr<const IrradianceFieldSnapshot> newest_;  ///< null where an image came or went since
 };

@@ -27,7 +27,7 @@ class SameInEveryLight : public Peers {
 }  // namespace
 
 std::optional<Mesh> IrradianceFieldOptions::own_mesh(const PosedCamera& camera) const {
-  return picture_plane(camera);
+  return picture_plane(Undistortion(camera).camera());
 }
 
 std::unique_ptr<AppearanceModel> IrradianceFieldOptions::make_model(std::shared_ptr<const Mesh> mesh) const {

@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "common/base/errors.h"
-
 namespace sheen {
 namespace {
 
@@ -45,8 +43,6 @@ std::vector<PointKernel> light_kernels(const Eigen::Matrix3Xd& lights) {
 }
 
 Mesh picture_plane(const PosedCamera& camera) {
-  if (camera.camera.has_distortion())
-    throw ConfigError("an irradiance field needs images without lens distortion; undistort them first");
   const double depth = camera.camera_from_object.translation.z() > 0 ? camera.camera_from_object.translation.z() : 1;
   const Rigid3 object_from_camera = camera.camera_from_object.inverse();
   Mesh mesh;

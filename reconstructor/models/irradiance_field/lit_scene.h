@@ -29,7 +29,7 @@ struct LitScene {
 std::vector<PointKernel> light_kernels(const Eigen::Matrix3Xd& lights);
 
 /// The rectangle that the camera sees, as two triangles: in the plane through the object's origin that faces it, or a
-/// metre away where the origin is not before the camera. Throws ConfigError for a lens with distortion.
+/// metre away where the origin is not before the camera. The camera has no distortion.
 Mesh picture_plane(const PosedCamera& camera);
 
 /// Pixel of the camera's image at barycentric (u, v) of a triangle of its picture plane.

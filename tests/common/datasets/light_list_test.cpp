@@ -50,6 +50,40 @@ TEST(LightListTest, OtherLengthsArePositions) {
   EXPECT_EQ(views[1].light.position, Eigen::Vector3d(-3, 4, 0.5));
 }
 
+TEST(LightListTest, TheFirstLineMaySayWhatTheyAre) {
+  const auto dome = parse_light_list("dirs.lp", "2 positions\na.jpg 0 0.6 0.8\nb.jpg 0 0 1\n");
+  for (const LitView& view : dome) EXPECT_EQ(view.light.kind, LightKind::kPoint) << "a dome of 1 m";
+  EXPECT_EQ(dome[0].light.position, Eigen::Vector3d(0, 0.6, 0.8));
+  const auto far = parse_light_list("dirs.lp", "2 directions\r\na.jpg 0 3 4\nb.jpg 0 0 1\n");
+  for (const LitView& view : far) EXPECT_EQ(view.light.kind, LightKind::kDirectional);
+  EXPECT_LT((far[0].light.position - Eigen::Vector3d(0, 0.6, 0.8)).norm(), 1e-15);
+  for (const char* first : {"2 lamps", "positions 2", "2 positions directions", "positions"})
+    EXPECT_THAT(error_of(first + std::string("\na 0 0 1\nb 0 1 0\n")),
+                AllOf(HasSubstr("must begin with a line"), HasSubstr("\"49 positions\"")));
+}
+
+/// What is written reads back as the same lights, whatever their lengths.
+TEST(LightListTest, WrittenListsReadBackTheSame) {
+  const auto light = [](LightKind kind, const Eigen::Vector3d& at) { return LightState{.kind = kind, .position = at}; };
+  for (const auto kind : {LightKind::kPoint, LightKind::kDirectional}) {
+    for (const double length : {1.0, 1.01, 0.37}) {
+      std::vector<LitView> views;
+      for (const Eigen::Vector3d& way : {Eigen::Vector3d(0.1, 0.2, 0.9), Eigen::Vector3d(-1.0 / 3, 0, 1e-9)}) {
+        const double size = kind == LightKind::kPoint ? length : 1;
+        views.push_back({"a b" + std::to_string(views.size()), light(kind, size * way.normalized())});
+      }
+      views.push_back({"c", light(kind, {0, 0, kind == LightKind::kPoint ? 0.5 : 1})});
+      const auto again = parse_light_list("again.lp", light_list_text(views));
+      ASSERT_EQ(again.size(), views.size());
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        EXPECT_EQ(again[i].name, views[i].name);
+        EXPECT_EQ(again[i].light.kind, kind) << length;
+        EXPECT_LT((again[i].light.position - views[i].light.position).norm(), 1e-15);
+      }
+    }
+  }
+}
+
 TEST(LightListTest, BrokenListsAreRefusedByTheirLine) {
   EXPECT_THAT(error_of(""), HasSubstr("dirs.lp: must begin with a line that says how many images follow"));
   EXPECT_THAT(error_of("a.jpg 0 0 1\n"), HasSubstr("must begin with a line"));
@@ -68,7 +102,7 @@ TEST(LightListTest, BrokenListsAreRefusedByTheirLine) {
   EXPECT_THAT(error_of("1\na\x01 0 0 1\n"), HasSubstr("name of an image"));
   EXPECT_THAT(error_of("2\na 0 0 1\na 0 1 0\n"), AllOf(HasSubstr("line 3"), HasSubstr("a stands there twice")));
   EXPECT_THAT(error_of("3\na 0 0 1\nb 0 1 0\nc 0 1 1\n"),
-              AllOf(HasSubstr("line 4"), HasSubstr("c"), HasSubstr("length 1.41")));
+              AllOf(HasSubstr("line 4"), HasSubstr("c"), HasSubstr("length 1.41"), HasSubstr("\"3 positions\"")));
 }
 
 class LightFolder : public ::testing::Test {

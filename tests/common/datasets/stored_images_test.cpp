@@ -44,6 +44,20 @@ TEST_F(Stored, AListOfLightsIsOfOneCamera) {
   EXPECT_EQ(images.read(1).light.position, Eigen::Vector3d(0, 0.6, 0.8));
 }
 
+/// Unit vectors may be the places of a dome of one metre: a person is told what they are taken for, unless the list
+/// says.
+TEST_F(Stored, AListThatLeavesOpenWhatItsLightsAreIsDoubtful) {
+  const std::string lights = "a.png 0 0 1\nb.png 0 0.6 0.8\n";
+  const StoredImages open = open_stored_images(temp_.write("open.lp", "2\n" + lights));
+  EXPECT_NE(open.warning.find("open.lp: 2 lights of length 1 are taken for directions"), std::string::npos);
+  EXPECT_NE(open.warning.find("\"2 positions\""), std::string::npos);
+  const StoredImages dome = open_stored_images(temp_.write("dome.lp", "2 positions\n" + lights));
+  EXPECT_EQ(dome.warning, "");
+  EXPECT_EQ(dome.read(1).light.kind, LightKind::kPoint);
+  EXPECT_EQ(open_stored_images(temp_.write("far.lp", "2 directions\n" + lights)).warning, "");
+  EXPECT_EQ(open_stored_images(temp_.write("near.lp", "2\na.png 0 0 2\nb.png 0 1 2\n")).warning, "");
+}
+
 TEST_F(Stored, WhatMovesIsSeenInAllViewsOfADataSet) {
   EXPECT_EQ(motion_of({view("a.png", 0, {}), view("b.png", 0, {})}), kAllStill);
   EXPECT_EQ(motion_of({view("a.png", 0, lamp(0)), view("b.png", 0, lamp(0))}), kAllStill);

@@ -23,10 +23,30 @@ TEST(LightFigures, KeepTheTolerance) {
   EXPECT_EQ(pictures.height(), 2 * kSmall.height);
 }
 
+/// Every spacing's largest error stands beside the tolerance.
+TEST(LightFigures, TablesSayWhatTheTextSays) {
+  const Figure figure = figure_brushed_metals(kSmall);
+  EXPECT_EQ(figure.number, 7);
+  EXPECT_TRUE(figure.holds) << figure.ours;
+  const Figure::Table& table = figure.tables.at(0);
+  ASSERT_EQ(table.rows.size(), 8u) << "two surfaces, four spacings";
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const std::vector<std::string>& row = table.rows[i];
+    ASSERT_EQ(row.size(), table.columns.size());
+    const PlotSeries& lit = figure.plots.at(0).plot.series.at(2 * (i / 4));
+    EXPECT_NEAR(std::stod(row[3]), lit.y[i % 4], 0.006);
+    EXPECT_EQ(row[4], "16");
+    EXPECT_EQ(row[5], lit.y[i % 4] <= 16 ? "yes" : "no");
+    EXPECT_NEAR(std::stod(row[2]) / std::stod(table.rows[4 * (i / 4)][2]), lit.x[i % 4] / 0.91, 0.02);
+  }
+}
+
 TEST(LightFigures, EachPixelHasAnIntervalOfItsOwn) {
   const Figure figure = figure_exposure_curves(kSmall);
   EXPECT_TRUE(figure.holds) << figure.ours;
   ASSERT_EQ(figure.plots.at(0).plot.series.size(), 2u);
+  ASSERT_EQ(figure.tables.at(0).rows.size(), 8u) << "two pixels, four spacings";
+  for (const std::size_t row : {0u, 4u}) EXPECT_EQ(figure.tables[0].rows[row][5], "yes") << "at the planned spacing";
 }
 
 }  // namespace

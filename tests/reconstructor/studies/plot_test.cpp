@@ -32,6 +32,14 @@ TEST(Plot, TheTableHoldsEveryPoint) {
             "\"batch, SVD\",1,0.4,\n\"batch, SVD\",2,nan,\nthe paper,,0.1,\n");
 }
 
+TEST(Plot, TablesAreWrittenForProgramsAndForPeople) {
+  const Figure::Table table{
+      "t", "caption", {"surface", "error, grey levels"}, {{"x, brushed", "3.1"}, {"turned", "4"}}};
+  EXPECT_EQ(table_csv(table), "surface,\"error, grey levels\"\n\"x, brushed\",3.1\nturned,4\n");
+  EXPECT_EQ(table_markdown(table),
+            "| surface | error, grey levels |\n|---|---|\n| x, brushed | 3.1 |\n| turned | 4 |\n");
+}
+
 TEST(Plot, CategoriesStandInTheTableByName) {
   Plot plot{.title = "t", .x = {.label = "mesh", .categories = {"bust", "heart"}}, .y = {.label = "s"}};
   plot.series.push_back({.name = "online", .x = {0, 1}, .y = {3, 4}, .style = PlotStyle::kBars});

@@ -93,6 +93,18 @@ TEST_F(IntrinsicLumigraphTest, TheRayPainterAndTheQuickOneAgree) {
   }
 }
 
+/// What a painter remembers of the last picture changes none.
+TEST_F(IntrinsicLumigraphTest, PicturesDoNotDependOnThoseBefore) {
+  LumigraphPainter one(snapshot_);
+  const LightState &a = rig().midway_lights()[1], &b = rig().midway_lights()[3];
+  LightState red = a;
+  red.rgb = {2, 1, 0.5f};
+  for (const auto& [x, light] : {std::pair{0.2, a}, {0.4, a}, {0.4, b}, {0.7, b}, {0.7, red}, {0.0, red}, {0.3, a}}) {
+    const PosedCamera from = rig().camera_at(x, 0);
+    EXPECT_EQ(one.paint(from, light), LumigraphPainter(snapshot_).paint(from, light)) << x;
+  }
+}
+
 TEST_F(IntrinsicLumigraphTest, ColouredLightIsTakenOut) {
   const SmallRig one;
   IntrinsicLumigraph white(one.mesh, {}), red(one.mesh, {});

@@ -49,6 +49,69 @@ TEST(IrradianceFieldTest, RelightsALambertianSurface) {
   }
 }
 
+/// A smooth relief on the plane at a metre from the camera, in tangents of its rays.
+Eigen::Vector3f relief_at(const Eigen::Vector2d& at, const Eigen::Vector3d& light) {
+  const double x = at.x(), y = at.y();
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.1 * std::sin(9 * x), 0.1 * std::cos(7 * y), 1).normalized();
+  return Eigen::Vector3d(0.4 + 0.2 * std::sin(12 * x + 3 * y), 0.5, 0.4 + 0.2 * std::cos(11 * y)).cast<float>() *
+         static_cast<float>(std::max(0.0, normal.dot(light.normalized())));
+}
+ImageF seen_relief(const Camera& camera, const Eigen::Vector3d& light) {
+  ImageF image(camera.width, camera.height, 3);
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const Eigen::Vector3d ray = *camera.ray({x, y});
+      Eigen::Map<Eigen::Vector3f>(image.pixel(x, y)) = relief_at(ray.head<2>() / ray.z(), light);
+    }
+  return image;
+}
+
+/// Images of a lens with distortion make a flat field, which that lens sees as its own images.
+TEST(IrradianceFieldTest, TheLensIsTakenOutOfEachImage) {
+  const LambertianRelief relief;
+  for (const std::array<double, 5>& distortion :
+       {std::array<double, 5>{-0.2, 0.05, 0.002, -0.001, 0}, {0.15, 0, 0, 0.003, 0}}) {
+    PosedCamera lens = relief.camera();
+    lens.camera.distortion = distortion;
+    const IrradianceFieldOptions options;
+    IrradianceField model(std::make_shared<const Mesh>(*options.own_mesh(lens)), options);
+    const std::vector<Eigen::Vector3d> lights = dome_of_lights();
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      Capture capture = relief.capture(lights[i], i + 1);
+      capture.camera = lens.camera;
+      const ImageF image = seen_relief(lens.camera, lights[i]);
+      std::memcpy(capture.image.bytes.data(), image.data(), capture.image.bytes.size());
+      ASSERT_EQ(model.ingest(capture).status, IngestStatus::kAccepted);
+    }
+    const auto snapshot = model.snapshot();
+    const PosedCamera flat = snapshot->cameras().front();
+    EXPECT_FALSE(flat.camera.has_distortion());
+    const Eigen::Vector3d light(0.3, -0.2, 0.9);
+    EXPECT_LT(largest_difference(field_of(snapshot).picture(directional(light.normalized())),
+                                 seen_relief(flat.camera, light)),
+              1.5);
+    const RayPainter painter(snapshot->mesh());
+    const PaintedView painted =
+        painter.paint(*snapshot, lens.camera, lens.camera_from_object, directional(light.normalized()));
+    const ImageF truth = seen_relief(lens.camera, light);
+    std::size_t seen = 0;
+    for (int y = 2; y + 2 < truth.height(); ++y)
+      for (int x = 2; x + 2 < truth.width(); ++x) {
+        const float* shown = painted.beauty.pixel(x, y);
+        if (shown[1] == 0) continue;
+        ++seen;
+        for (int c = 0; c < 3; ++c)
+          EXPECT_NEAR(255 * srgb_encode(shown[c]), 255 * srgb_encode(truth.at(x, y, c)), 2) << x << ' ' << y;
+      }
+    EXPECT_GT(seen, truth.size() / 3 * 4 / 5) << "little is cut off";
+  }
+  PosedCamera wide = relief.camera();
+  wide.camera.lens = LensModel::kFisheye;
+  wide.camera.fx = wide.camera.fy = 20;
+  wide.camera.distortion = {0.01, 0, 0, 0, 0};
+  expect_error<ConfigError>([&] { IrradianceFieldOptions().own_mesh(wide); }, {"flat", "68 degrees"});
+}
+
 TEST(IrradianceFieldTest, TheScreensPictureIsTheSameButForRounding) {
   const LambertianRelief relief;
   const auto snapshot = relief.model(dome_of_lights())->snapshot();
