@@ -8,8 +8,10 @@
 #include <random>
 
 #include "common/image/linear_reader.h"
+#include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/temp_folder.h"
 
 namespace sheen {
 namespace {
@@ -148,6 +150,30 @@ TEST(SurfaceLightField, SnapshotsDoNotChangeAndShareWhatStayedTheSame) {
     const float x = object.mesh->vertices[before->shapes().patches[p].vertices.front()].x();
     if (x > 0.04f) EXPECT_EQ(after->patches()[p], kept[p]) << "the third image does not reach this patch";
     if (x < -0.06f) EXPECT_TRUE(!kept[p] && after->patches()[p]);
+  }
+}
+
+TEST(SurfaceLightField, PatchesThatTheSameImagesShowShareTheirViewsAtAVertexAndWhenReopened) {
+  const Object object = square_object();
+  SurfaceLightField model(object.mesh, plain_options());
+  ingest_all(model, captures({object.surface, analytic::two_terms(0.2)}, training_eyes(12)));
+  const TempFolder folder;
+  const auto grown = model.light_field_snapshot();
+  save_model(*grown, folder.path(), {}, {.view_map = 0});
+  for (const auto& snapshot : {grown, load_model(folder.path())}) {
+    const PatchShapes& shapes = snapshot->shapes();
+    const Eigen::Vector3d eye(0.1, 0.05, 0.5);
+    const Eigen::MatrixXf together = snapshot->coefficients_for(eye);
+    for (std::size_t v = 0; v < object.mesh->vertices.size(); ++v) {
+      const VertexInterpolant* first = nullptr;
+      for (const auto& [p, i] : shapes.round(v)) {
+        const VertexInterpolant& at = snapshot->patches()[p]->vertices[i];
+        if (!first) first = &at;
+        EXPECT_EQ(at.views, first->views) << "vertex " << v;
+        const Eigen::VectorXf alone = at.coefficients((eye.cast<float>() - object.mesh->vertices[v]).normalized());
+        EXPECT_LE((together.col(shapes.first_column[p] + i).head(alone.size()) - alone).norm(), 1e-6 * alone.norm());
+      }
+    }
   }
 }
 
