@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/median.h"
+#include "tracker/lights/image_matrix.h"
 
 namespace sheen {
 namespace {
@@ -24,13 +25,6 @@ constexpr double kFarthest_deg = 3;      // uncertainty
 constexpr double kPlaceFloor_px = 0.05;  // standard deviation of any centroid
 constexpr double kSaturated = 0.9;       // of white
 constexpr double kUneven = 0.05;         // of a highlight's RMS radius: lamps are not equally bright all over
-
-cv::Mat wrapped(const ImageF& image) {
-  return {image.height(), image.width(), CV_32F, const_cast<float*>(image.data())};
-}
-cv::Mat wrapped(const ImageU8& image) {
-  return {image.height(), image.width(), CV_8U, const_cast<std::uint8_t*>(image.data())};
-}
 
 /// Middle and standard deviation of the noise of what lies in the disc.
 struct Level {

@@ -6,6 +6,9 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "tracker/fiducials/grey_sample.h"
+#include "tracker/lights/image_matrix.h"
+
 namespace sheen {
 namespace {
 
@@ -15,24 +18,6 @@ constexpr float kDark = 0.02f;                          // light of a crop that 
 constexpr double kStep = 0.25;                          // pixels of a crop
 constexpr float kEdge = 5;                              // of the quiet part of the crop
 constexpr double kLeastSupport = 0.5, kLeastVisible = 0.3, kUncertain = 1.0 / 30;
-
-cv::Mat wrapped(const ImageF& image) {
-  return {image.height(), image.width(), CV_32F, const_cast<float*>(image.data())};
-}
-
-float quantile(const cv::Mat& image, double q) {
-  std::vector<float> values(image.begin<float>(), image.end<float>());
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-float bilinear(const ImageF& image, const Eigen::Vector2d& at) {
-  const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
-  const float u = static_cast<float>(at.x() - x), v = static_cast<float>(at.y() - y);
-  return (1 - v) * ((1 - u) * image.at(x, y) + u * image.at(x + 1, y)) +
-         v * ((1 - u) * image.at(x, y + 1) + u * image.at(x + 1, y + 1));
-}
 
 }  // namespace
 
@@ -107,12 +92,11 @@ std::vector<RimPoint> BallEvidence::rim_points(const BallCircle& about, std::siz
         before = middle = 0;
         continue;
       }
-      const float xx = bilinear(xx_, at), xy = bilinear(xy_, at), yy = bilinear(yy_, at);
+      const double xx = bilinear(xx_, at), xy = bilinear(xy_, at), yy = bilinear(yy_, at);
       const auto energy = [&](const Eigen::Vector2d& d) {
-        const auto x = static_cast<float>(d.x()), y = static_cast<float>(d.y());
-        return x * x * xx + 2 * x * y * xy + y * y * yy;
+        return d.x() * d.x() * xx + 2 * d.x() * d.y() * xy + d.y() * d.y() * yy;
       };
-      const float here = energy(n) - energy(t);
+      const auto here = static_cast<float>(energy(n) - energy(t));
       if (middle > least && middle > before && middle >= here) {
         const double bend = double(before) - 2 * double(middle) + double(here);
         const double shift = bend < 0 ? 0.5 * (double(before) - double(here)) / bend : 0;

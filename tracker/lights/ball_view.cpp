@@ -6,6 +6,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "tracker/lights/image_matrix.h"
+
 namespace sheen {
 namespace {
 
@@ -16,10 +18,6 @@ Eigen::Vector2d stereographic(const Eigen::Vector3d& ray) {
 Eigen::Vector3d ray_of(const Eigen::Vector2d& m) {
   const double squared = m.squaredNorm();
   return {4 * m.x() / (4 + squared), 4 * m.y() / (4 + squared), (4 - squared) / (4 + squared)};
-}
-
-cv::Mat wrapped(const ImageF& image) {
-  return {image.height(), image.width(), CV_32F, const_cast<float*>(image.data())};
 }
 
 }  // namespace

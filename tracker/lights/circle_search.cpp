@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "tracker/lights/image_matrix.h"
+
 namespace sheen {
 namespace {
 
@@ -15,17 +17,6 @@ constexpr float kEdge = 4;                          // of the median strength: w
 constexpr double kMostEdges = 0.15;                 // of all pixels
 constexpr float kLeastVotes = 0.2f;                 // of the outline's length
 constexpr std::size_t kKeptPerRadius = 8;
-
-cv::Mat wrapped(const ImageF& image) {
-  return {image.height(), image.width(), CV_32F, const_cast<float*>(image.data())};
-}
-
-float quantile(const cv::Mat& image, double q) {
-  std::vector<float> values(image.begin<float>(), image.end<float>());
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 struct Edge {
   cv::Point2f at, normal;

@@ -92,7 +92,8 @@ class PatchModel {
   int views() const { return factor_.views(); }
   const RingFactor& factor() const { return factor_; }
   std::size_t bytes() const;
-  std::size_t snapshot_bytes(std::size_t vertices) const;  ///< of `snapshot`, whether it is there or not
+  /// Of `snapshot`, whether it is there or not; at most, for patches may share their vertices' views.
+  std::size_t snapshot_bytes(std::size_t vertices) const;
   /// Upper bounds of these for a patch of so many samples, whatever images come; of many patches, by their mean.
   static double largest_bytes(double samples, double vertices, const PatchModelOptions& options);
   static double largest_snapshot_bytes(double samples, double vertices, const PatchModelOptions& options);
