@@ -6,14 +6,14 @@
 #include <memory>
 #include <vector>
 
-#include "reconstructor/numerics/ring_basis.h"
 #include "reconstructor/numerics/shown_rows.h"
+#include "reconstructor/numerics/svd_basis.h"
 
 namespace sheen {
 
-/// The ledger of the views that were folded into a ring's online SVD: what each of them is in the basis, what it
+/// The ledger of the views that were folded into an online SVD: what each of them is in the basis, what it
 /// weighs, and what the basis does not hold of it. It follows the basis as that rotates, and it can say what G is
-/// (`RingBasis`) when views were taken out: merged views become their weighted mean, and how they scattered about it is
+/// (`SvdBasis`) when views were taken out: merged views become their weighted mean, and how they scattered about it is
 /// summed up in one matrix, so that always
 ///
 ///   G = Y diag(w) Y^T + S        Y  rank x count    S  rank x rank, empty before the first merger

@@ -28,7 +28,7 @@ BatchPca batch_pca_missing(const Eigen::MatrixXf& columns, const KnownValues& kn
 /// What the online factorization would be if it had all columns at hand from the start: missing values are imputed with
 /// the most probable factorization of `imputing_rank` terms (its internal rank), and of the completed columns the
 /// leading `rank` terms are kept. Columns with missing values have the coefficients that are most probable with these
-/// terms alone, as `RingFactor::displayed_coefficients`. With nothing missing it is `batch_pca`. Throws as `batch_pca`.
+/// terms alone, as `OnlineSvd::displayed_coefficients`. With nothing missing it is `batch_pca`. Throws as `batch_pca`.
 BatchPca batch_pca_imputed(const Eigen::MatrixXf& columns, const KnownValues& known, int rank, int imputing_rank,
                            std::span<const double> weights = {}, const MissingPcaOptions& options = {});
 

@@ -16,11 +16,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using row_panels::columns;
 
-/// Rows of a ring that was dim where it is now bright say little about each other: a channel's mean row is scaled only
+/// Rows of a patch that was dim where it is now bright say little about each other: a channel's mean row is scaled only
 /// where it predicts at least this share of a typical value.
 constexpr double kDim = 0.04;
 
-/// A revealed row that outshines all others of the ring together as much as this is an event, and starts at zero.
+/// A revealed row that outshines all others of the patch together as much as this is an event, and starts at zero.
 constexpr double kBrightest = 1e3;
 
 /// Of all rows; showing fewer, a column that shows none but new ones does not tell how bright they are.
@@ -37,7 +37,7 @@ constexpr std::int64_t kFirst = 10;  // columns; with fewer, the basis knows too
 
 /// Covariance of a column's coefficients: G / n.
 template <typename Scalar>
-MatrixXd prior(const RingBasis<Scalar>& basis, const FoldedViews<Scalar>& views) {
+MatrixXd prior(const SvdBasis<Scalar>& basis, const FoldedViews<Scalar>& views) {
   return basis.gram() / std::max(views.total_weight(), 1e-300);
 }
 
@@ -50,7 +50,7 @@ bool SeenRows::any_but(const RowBits& hidden) const {
 }
 
 template <typename Scalar>
-MissingRows<Scalar>::MissingRows(int rows, const RingFactorOptions& options)
+MissingRows<Scalar>::MissingRows(int rows, const OnlineSvdOptions& options)
     : imputation_(options.imputation), witnesses_(rows, options.channels, options.witnesses(rows)), seen_(rows) {}
 
 /// B_known^T r of views that hide rows, a column each, where r is what B y misses of the witness rows that they showed.

@@ -7,11 +7,11 @@
 #include <span>
 
 #include "reconstructor/numerics/folded_views.h"
+#include "reconstructor/numerics/online_svd_options.h"
 #include "reconstructor/numerics/pending_columns.h"
-#include "reconstructor/numerics/ring_basis.h"
-#include "reconstructor/numerics/ring_factor_options.h"
 #include "reconstructor/numerics/row_bits.h"
 #include "reconstructor/numerics/shown_rows.h"
+#include "reconstructor/numerics/svd_basis.h"
 
 namespace sheen {
 
@@ -35,12 +35,12 @@ class SeenRows {
   int unseen_;
 };
 
-/// What columns do not show of a ring (000 sec. 3.2; docs/decisions/missing_samples.md), and what is made of it. The
+/// What columns do not show of a patch (000 sec. 3.2; docs/decisions/missing_samples.md), and what is made of it. The
 /// coefficients of a column that shows some rows are the most probable ones given these (imputation.h),
 ///
 ///   y = argmin ||c_known - B_known y||^2 / noise + y^T (G / n)^-1 y        n: sum of the weights of all views
 ///
-/// with B and G of the ring's basis and `noise` the variance of a known row. That takes B_known^T B_known of all
+/// with B and G of the patch's basis and `noise` the variance of a known row. That takes B_known^T B_known of all
 /// columns at once (known_grams.h) and B_known^T c_known; with r terms each column costs r^3 for the solution and r^2
 /// for each group of rows that are hidden together.
 template <typename Scalar>
@@ -49,13 +49,13 @@ class MissingRows {
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
   using ConstVectorRef = Eigen::Ref<const Vector>;
-  using Basis = RingBasis<Scalar>;
+  using Basis = SvdBasis<Scalar>;
   using Views = FoldedViews<Scalar>;
   using Pending = PendingColumns<Scalar>;
   using Gathered = row_panels::Columns<Scalar>;
   using Shown = ShownRows<Scalar>;
 
-  MissingRows(int rows, const RingFactorOptions& options);
+  MissingRows(int rows, const OnlineSvdOptions& options);
 
   /// B^T c of each pending column, hidden rows imputed: rank x columns. `gathered`: these columns; `hidden`: their
   /// patterns.
@@ -73,7 +73,7 @@ class MissingRows {
   void impute_again_when_due(Basis& basis, Views& views, std::int64_t columns_folded, double noise);
 
   /// Gives rows that the basis has never seen, and that the pending columns show, the mean row of their channel, scaled
-  /// to what these show: a surface point seen late is taken to have varied like its ring. Returns the columns that
+  /// to what these show: a surface point seen late is taken to have varied like its patch. Returns the columns that
   /// showed no row seen before and were taken for the mean of the views, a bit each. `weights`: of the gathered
   /// columns.
   std::uint64_t reveal(Basis& basis, Views& views, const Pending& pending, const Gathered& gathered,

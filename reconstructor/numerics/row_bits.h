@@ -8,7 +8,7 @@
 
 namespace sheen {
 
-/// A bit for each row of a ring.
+/// A bit for each row.
 using RowBits = std::vector<std::uint64_t>;
 
 inline std::size_t words_of(int rows) {

@@ -53,7 +53,7 @@ Factored factored(const PatchMatrix& matrix, const SurfaceSite& centre, const Ba
   return {std::move(patch), centre};
 }
 
-RingLevels levels(const Factored& factored) {
+PatchLevels levels(const Factored& factored) {
   const FactorizedPatch& patch = factored.patch;
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, patch.basis.cols());
   int seen = 0;
@@ -74,9 +74,9 @@ std::vector<double> PatchMatrix::weights() const {
   return weights;
 }
 
-RingFactor online_factor(const PatchMatrix& patch, const RingFactorOptions& options, std::span<const int> order) {
+OnlineSvd online_factor(const PatchMatrix& patch, const OnlineSvdOptions& options, std::span<const int> order) {
   const std::vector<double> weights = patch.weights();
-  RingFactor factor(static_cast<int>(patch.columns.rows()), patch_factor_options(options));
+  OnlineSvd factor(static_cast<int>(patch.columns.rows()), patch_factor_options(options));
   for (const int j : order)
     factor.add(patch.columns.col(j), {patch.known.col(j).data(), static_cast<std::size_t>(patch.known.rows())},
                weights[static_cast<std::size_t>(j)]);
@@ -158,7 +158,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> BatchLightField::factorize(cons
   const std::vector<Eigen::Vector3f> normals = vertex_normals(*mesh_);
 
   // Between views as the online light field does: with what all patches share, by the errors of all patches.
-  std::vector<RingLevels> shared;
+  std::vector<PatchLevels> shared;
   for (std::size_t p = 0; p < patches.size(); p += std::max<std::size_t>(1, patches.size() / kReflectionPatches))
     if (patches[p]) shared.push_back(levels(*patches[p]));
   const ViewInterpolationOptions& between_views = options_.patch.interpolation;

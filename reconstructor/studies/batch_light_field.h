@@ -33,7 +33,7 @@ struct PatchMatrix {
 };
 
 /// The online factorization of a patch that sees its columns in this order.
-RingFactor online_factor(const PatchMatrix& patch, const RingFactorOptions& options, std::span<const int> order);
+OnlineSvd online_factor(const PatchMatrix& patch, const OnlineSvdOptions& options, std::span<const int> order);
 
 /// How each patch is factorized when all its columns are there.
 struct BatchFactorization {
@@ -42,7 +42,7 @@ struct BatchFactorization {
   MissingPcaOptions missing;
   /// With these, the noise of a patch is what they measure of it online. Without, the most probable one: with as many
   /// terms as images it would be none.
-  std::optional<RingFactorOptions> measures_noise;
+  std::optional<OnlineSvdOptions> measures_noise;
 
   /// What a batch system takes the time for.
   static BatchFactorization quick(int rank) {
@@ -50,7 +50,7 @@ struct BatchFactorization {
   }
   /// What the online factorization is measured against: the same imputation with as many terms as it has inside and the
   /// same noise, until it changes no more.
-  static BatchFactorization reference(const RingFactorOptions& online) {
+  static BatchFactorization reference(const OnlineSvdOptions& online) {
     return {.rank = online.max_rank,
             .imputing_rank = online.terms_kept(),
             .missing = {.max_iterations = 300, .convergence = 1e-4},

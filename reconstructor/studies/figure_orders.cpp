@@ -57,8 +57,8 @@ std::vector<Order> image_orders(const BatchLightField& light_field, int random, 
 Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const FigureOptions& options) {
   const std::vector<Order> orders = image_orders(*batch.columns, options.quick ? 4 : 20, options.seed);
   const std::vector<PatchMatrix> patches = whole_patches(*batch.columns, 16, options.quick ? 100 : 400);
-  const RingFactorOptions paper{.max_rank = options.rank, .internal_rank = options.rank, .tolerance = 0};
-  const RingFactorOptions ours{.max_rank = options.rank, .internal_rank = 2 * options.rank, .tolerance = 0};
+  const OnlineSvdOptions paper{.max_rank = options.rank, .internal_rank = options.rank, .tolerance = 0};
+  const OnlineSvdOptions ours{.max_rank = options.rank, .internal_rank = 2 * options.rank, .tolerance = 0};
   const double best = batch_error(patches, options.rank);
   const std::vector<PatchMatrix> holed = patches_with_holes(*batch.columns, 16, options.quick ? 30 : 100);
   const double best_surprise = batch_surprise(holed, options.rank);

@@ -101,12 +101,12 @@ double batch_error(std::span<const PatchMatrix> patches, int rank) {
 }
 
 double online_error(std::span<const PatchMatrix> patches, std::span<const std::vector<int>> orders,
-                    const RingFactorOptions& options) {
+                    const OnlineSvdOptions& options) {
   return relative_error(patches.size(), [&](std::size_t i) {
     const Eigen::MatrixXf columns = patches[i].columns(Eigen::all, orders[i]);
-    RingFactor factor(static_cast<int>(columns.rows()), options);
+    OnlineSvd factor(static_cast<int>(columns.rows()), options);
     for (Eigen::Index j = 0; j < columns.cols(); ++j) factor.add(columns.col(j));
-    const RingFactor all = factor.settled();
+    const OnlineSvd all = factor.settled();
     const Eigen::MatrixXd left = (columns - all.displayed_basis() * all.displayed_coefficients()).cast<double>();
     return Energies{left.squaredNorm(), columns.cast<double>().squaredNorm()};
   });
@@ -120,7 +120,7 @@ double batch_surprise(std::span<const PatchMatrix> patches, int rank) {
 }
 
 double online_surprise(std::span<const PatchMatrix> patches, std::span<const std::vector<int>> orders,
-                       const RingFactorOptions& options) {
+                       const OnlineSvdOptions& options) {
   return mean_surprise(patches, [&](std::size_t i) -> Eigen::MatrixXd {
     return online_factor(patches[i], options, orders[i]).displayed_basis().cast<double>();
   });

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/numerics/online_svd.h"
 #include "reconstructor/studies/batch_light_field.h"
 
 namespace sheen {
@@ -22,14 +22,14 @@ double batch_error(std::span<const PatchMatrix> patches, int rank);
 /// The same of the displayed terms of online factorizations that see each patch's columns in an order of their own:
 /// `orders[i]` lists the columns of patch i.
 double online_error(std::span<const PatchMatrix> patches, std::span<const std::vector<int>> orders,
-                    const RingFactorOptions& options);
+                    const OnlineSvdOptions& options);
 
 /// How badly the best basis there is, of `rank` terms, explains what images show of patches with holes: nats for each
 /// known value (`surprise`, `batch_pca_missing`); images are weighted as in a light field.
 double batch_surprise(std::span<const PatchMatrix> patches, int rank);
 /// The same of the displayed terms of online factorizations.
 double online_surprise(std::span<const PatchMatrix> patches, std::span<const std::vector<int>> orders,
-                       const RingFactorOptions& options);
+                       const OnlineSvdOptions& options);
 
 /// Columns of each patch in the order in which `images` (a place for each image) runs.
 std::vector<std::vector<int>> orders_by_image(std::span<const PatchMatrix> patches,

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
-#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/numerics/online_svd.h"
 #include "reconstructor/studies/batch_light_field.h"
 
 namespace sheen {
@@ -31,8 +31,8 @@ struct Factorized {
 };
 
 template <typename Scalar>
-Factorized factorize(const PatchMatrix& patch, const RingFactorOptions& options, unsigned phase) {
-  using Factor = BasicRingFactor<Scalar>;
+Factorized factorize(const PatchMatrix& patch, const OnlineSvdOptions& options, unsigned phase) {
+  using Factor = BasicOnlineSvd<Scalar>;
   const typename Factor::Matrix columns = patch.columns.cast<Scalar>();
   Factor factor(static_cast<int>(columns.rows()), options, phase);
   const double start = thread_cpu_s();
@@ -95,7 +95,7 @@ PrecisionStudy study_precision(const Experiment& experiment, const SurfaceLightF
   const std::size_t all = experiment.mesh->triangles.size() / static_cast<std::size_t>(options.patch.triangles);
   BatchLightField columns(experiment.mesh, options, std::max<std::size_t>(1, all / std::max<std::size_t>(patches, 1)));
   for (const Capture& capture : experiment.training) columns.add(capture);
-  RingFactorOptions factor = options.patch.factor;
+  OnlineSvdOptions factor = options.patch.factor;
   factor.channels = 3;
 
   PrecisionStudy study;

@@ -37,9 +37,9 @@ struct RingTriangle {
   std::uint32_t first_sample;  ///< of the triangle's samples among the ring's
 };
 
-/// All triangles round each vertex (000 sec. 4.1). The ring is the unit of factorization; each triangle belongs to the
-/// rings of its three corners. Samples of a ring: its triangles in order, each with its lattice points in order; a
-/// sample has three rows (R, G, B), so row = 3 * sample + channel.
+/// All triangles round each vertex (000 sec. 4.1), which are drawn with the vertex's own interpolation between views;
+/// each triangle belongs to the rings of its three corners. Samples of a ring: its triangles in order, each with its
+/// lattice points in order; a sample has three rows (R, G, B), so row = 3 * sample + channel.
 class VertexRings {
  public:
   /// `resolution[t]` >= 2 is the lattice resolution of triangle t.

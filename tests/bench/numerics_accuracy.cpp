@@ -45,15 +45,15 @@ void error_over_batch(Ring& ring, GoalReport& report) {
   Range twice, once, in_double;
   for (std::size_t i = 0; i < ring.orders.size(); ++i) {
     const Eigen::MatrixXf columns = ring.in_order(i);
-    const RingFactor factor = factor_of(columns, {.max_rank = kDisplayed, .tolerance = 0});
+    const OnlineSvd factor = factor_of(columns, {.max_rank = kDisplayed, .tolerance = 0});
     twice.add(displayed_error(factor, columns) / ring.best.relative_error);
     ring.reported.add(factor.displayed_error() / displayed_error(factor, columns));
     ring.reported.add(factor.relative_error() / relative_error(columns, factor.basis() * factor.coefficients()));
 
-    const RingFactor plain = factor_of(columns, {.max_rank = kDisplayed, .internal_rank = kDisplayed, .tolerance = 0});
+    const OnlineSvd plain = factor_of(columns, {.max_rank = kDisplayed, .internal_rank = kDisplayed, .tolerance = 0});
     once.add(displayed_error(plain, columns) / ring.best.relative_error);
 
-    RingFactorDouble precise(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0});
+    OnlineSvdDouble precise(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0});
     for (Eigen::Index j = 0; j < columns.cols(); ++j) precise.add(columns.col(j).cast<double>());
     precise.fold();
     in_double.add(relative_error(columns, precise.displayed_basis() * precise.displayed_coefficients()) /
@@ -91,7 +91,7 @@ void adaptive_rank(const std::vector<Ring>& rings, GoalReport& report) {
       int worst = 0;
       for (std::size_t i = 0; i < ring.orders.size(); ++i) {
         const Eigen::MatrixXf columns = ring.in_order(i);
-        const RingFactor factor = factor_of(columns, {.max_rank = 24, .internal_rank = 32, .tolerance = tolerance});
+        const OnlineSvd factor = factor_of(columns, {.max_rank = 24, .internal_rank = 32, .tolerance = tolerance});
         worst = std::max(worst, factor.displayed_rank());
         most_error = std::max(most_error, displayed_error(factor, columns) / tolerance);
       }
@@ -110,7 +110,7 @@ void half_precision(const Ring& ring, GoalReport& report) {
   nlohmann::json compared;
   double worst = 0;
   for (const int rank : {12, 24}) {
-    const RingFactor factor = factor_of(ring.columns, {.max_rank = rank, .tolerance = 0});
+    const OnlineSvd factor = factor_of(ring.columns, {.max_rank = rank, .tolerance = 0});
     const auto basis = factor.displayed_basis().eval(), y = factor.displayed_coefficients().eval();
     const auto rounded = [](const Eigen::MatrixXf& m) { return m.cast<Eigen::half>().cast<float>().eval(); };
     const double full = relative_error(ring.columns, basis * y);

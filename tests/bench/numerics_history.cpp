@@ -21,7 +21,7 @@ Eigen::MatrixXf near_duplicates() {
 void million_columns(GoalReport& report) {
   constexpr int kColumns = 1000000;
   const Eigen::MatrixXf pool = near_duplicates();
-  RingFactor factor(static_cast<int>(pool.rows()), {.max_rank = kDisplayed, .tolerance = 0});
+  OnlineSvd factor(static_cast<int>(pool.rows()), {.max_rank = kDisplayed, .tolerance = 0});
   double loss = 0;
   std::vector<double> times(pool.cols(), 0);
   for (int i = 0; i < kColumns; ++i) {
@@ -60,7 +60,7 @@ void continuity(GoalReport& report) {
     const Eigen::MatrixXf columns = test_ring_columns(ring);
     const auto orders = column_orders(columns, 1);
     for (const std::size_t order : {std::size_t(0), std::size_t(3)}) {
-      RingFactor factor(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0});
+      OnlineSvd factor(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0});
       PlainBrand brand(static_cast<int>(columns.rows()), {.cap = kDisplayed});
       Eigen::MatrixXf before(kDisplayed, 0);
       Eigen::MatrixXd brand_before(kDisplayed, 0);
@@ -102,8 +102,8 @@ void removal(GoalReport& report) {
         Eigen::MatrixXf stream = columns;
         // Something else in the picture: nothing of it is in the span of the others.
         if (strange) stream.col(removed) = columns.col(removed).norm() / 49.5f * gaussian_matrix(2448, 1, 5);
-        const RingFactorOptions options{.max_rank = kDisplayed, .tolerance = 0};
-        RingFactor factor = factor_of(stream, options);
+        const OnlineSvdOptions options{.max_rank = kDisplayed, .tolerance = 0};
+        OnlineSvd factor = factor_of(stream, options);
         factor.remove(removed);
         const Eigen::MatrixXf rest = without(stream, removed);
         const double never = displayed_error(factor_of(rest, options), rest);
@@ -119,7 +119,7 @@ void removal(GoalReport& report) {
 
 void bytes(GoalReport& report) {
   const Eigen::MatrixXf columns = test_ring_columns(TestRing::kHard);
-  RingFactor factor(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0});
+  OnlineSvd factor(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0});
   double most = 0;
   for (Eigen::Index j = 0; j < columns.cols(); ++j) {
     factor.add(columns.col(j));

@@ -32,7 +32,7 @@ double visible_share(Known known) {
 /// anything is hidden.
 class GatedStream {
  public:
-  explicit GatedStream(const RingFactorOptions& options, int rows) : factor_(rows, options) {}
+  explicit GatedStream(const OnlineSvdOptions& options, int rows) : factor_(rows, options) {}
   void add(Eigen::VectorXf column, Known known) {
     const double share = visible_share(known);
     if (share < 0.5 || (share < 1 && used_ < 10)) return;
@@ -45,13 +45,13 @@ class GatedStream {
     ++used_;
   }
   int used() const { return used_; }
-  const RingFactor& fold() {
+  const OnlineSvd& fold() {
     factor_.fold();
     return factor_;
   }
 
  private:
-  RingFactor factor_;
+  OnlineSvd factor_;
   int used_ = 0;
 };
 
@@ -73,7 +73,7 @@ void occluded_stream(TestRing kind, const std::string& name, double occluded, do
   const BatchPca best = batch_pca(columns, kDisplayed);
   const Eigen::MatrixXd best_miss = exact - best.basis * best.coefficients;
   const auto orders = column_orders(columns, kOrders);
-  const RingFactorOptions options{.max_rank = kDisplayed, .tolerance = 0, .channels = 3};
+  const OnlineSvdOptions options{.max_rank = kDisplayed, .tolerance = 0, .channels = 3};
   StreamErrors ours, equal_weights, gated;
   std::vector<double> gated_used, reported;
   double missing_batch = 0, missing_batch_span = 0;
@@ -85,7 +85,7 @@ void occluded_stream(TestRing kind, const std::string& name, double occluded, do
     const Eigen::MatrixXd exact_in_order = exact(Eigen::all, order), shown_in_order = shown(Eigen::all, order);
 
     const auto measure = [&](bool weighted, StreamErrors& errors) {
-      RingFactor factor(static_cast<int>(columns.rows()), options);
+      OnlineSvd factor(static_cast<int>(columns.rows()), options);
       for (const int j : order) {
         const Known known(visible.col(j).data(), static_cast<std::size_t>(visible.rows()));
         const double share = visible_share(known);
@@ -137,7 +137,7 @@ void two_percent_visible(GoalReport& report) {
   for (const TestRing kind : {TestRing::kTypical, TestRing::kHard}) {
     const Eigen::MatrixXf columns = test_ring_columns(kind);
     const std::vector<int> order = column_orders(columns, 1)[3];
-    RingFactor factor(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0, .channels = 3});
+    OnlineSvd factor(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0, .channels = 3});
     for (int i = 0; i < 200; ++i) factor.add(columns.col(order[i]));
     factor.fold();
     std::mt19937 engine(3);

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <vector>
 
-#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/numerics/online_svd.h"
 #include "tests/bench/goal_rows.h"
 
 namespace sheen {
@@ -34,8 +34,8 @@ inline double quantile(std::vector<double> values, double q) {
 }
 
 /// The factor of all columns, settled.
-inline RingFactor factor_of(const Eigen::MatrixXf& columns, const RingFactorOptions& options) {
-  RingFactor factor(static_cast<int>(columns.rows()), options);
+inline OnlineSvd factor_of(const Eigen::MatrixXf& columns, const OnlineSvdOptions& options) {
+  OnlineSvd factor(static_cast<int>(columns.rows()), options);
   for (Eigen::Index j = 0; j < columns.cols(); ++j) factor.add(columns.col(j));
   factor.fold();
   return factor;
@@ -47,7 +47,7 @@ double relative_error(const Eigen::MatrixXf& columns, const Model& model) {
   return (columns.cast<double>() - model.template cast<double>()).norm() / columns.cast<double>().norm();
 }
 
-inline double displayed_error(const RingFactor& factor, const Eigen::MatrixXf& columns) {
+inline double displayed_error(const OnlineSvd& factor, const Eigen::MatrixXf& columns) {
   return relative_error(columns, factor.displayed_basis() * factor.displayed_coefficients());
 }
 

@@ -25,7 +25,7 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-RingFactorOptions capped_at(int internal_rank) {
+OnlineSvdOptions capped_at(int internal_rank) {
   return {.max_rank = kDisplayed, .internal_rank = internal_rank, .tolerance = 0};
 }
 
@@ -35,7 +35,7 @@ double us_a_column(const Eigen::MatrixXf& columns, int internal_rank) {
   const auto data = columns.cast<Scalar>().eval();
   std::vector<double> us;
   for (int run = 0; run < 21; ++run) {
-    BasicRingFactor<Scalar> factor(static_cast<int>(data.rows()), capped_at(internal_rank));
+    BasicOnlineSvd<Scalar> factor(static_cast<int>(data.rows()), capped_at(internal_rank));
     for (int j = 0; j < kFullAfter; ++j) factor.add(data.col(j));
     const double start = thread_seconds();
     for (Eigen::Index j = kFullAfter; j < data.cols(); ++j) factor.add(data.col(j));
@@ -76,7 +76,7 @@ double peak_multiply_adds_per_us() {
 /// (3 r n, residuals and what they have left over included), Gram matrices of residuals and, every fourth time, basis,
 /// and the rotation of both (r (r + n)).
 double row_products_us(Eigen::Index rows, int r, double multiply_adds_per_us) {
-  const int n = RingFactorOptions{}.block;
+  const int n = OnlineSvdOptions{}.block;
   const double a_row = 3.0 * r * n + 0.5 * n * n + 0.125 * r * r + 1.0 * r * (r + n);
   return static_cast<double>(rows) * a_row / n / multiply_adds_per_us;
 }
@@ -91,7 +91,7 @@ double brand_us_a_column(const Eigen::MatrixXf& columns, int cap) {
 
 /// Milliseconds of each image that all rings see, once their ranks are full.
 std::vector<double> ms_an_image(const Eigen::MatrixXf& columns, int internal_rank, int images, bool parallel) {
-  std::vector<RingFactor> rings;
+  std::vector<OnlineSvd> rings;
   rings.reserve(kRings);
   for (unsigned r = 0; r < kRings; ++r)
     rings.emplace_back(static_cast<int>(columns.rows()), capped_at(internal_rank), r);

@@ -25,7 +25,7 @@ SurfaceLightFieldOptions at_effort_level(const SurfaceLightFieldOptions& options
   const EffortLevel& r = all_effort_levels()[static_cast<std::size_t>(level)];
   SurfaceLightFieldOptions out = options;
   out.map_scale *= r.map_scale;
-  RingFactorOptions& factor = out.patch.factor;
+  OnlineSvdOptions& factor = out.patch.factor;
   factor.max_rank = std::min(factor.max_rank, r.max_rank);
   if (r.spare > 0)
     factor.internal_rank =
@@ -46,7 +46,7 @@ int finest_level(const Mesh& mesh, const Capture& first_capture, const SurfaceLi
   int level = first;
   for (; level < last; ++level) {
     SurfaceLightFieldOptions limited = at_effort_level(options, level);
-    RingFactorOptions& factor = limited.patch.factor;
+    OnlineSvdOptions& factor = limited.patch.factor;
     factor = factor.limited_to(kWorthwhile.max_rank, kWorthwhile.internal_rank, kWorthwhile.block);
     if (largest_account(mesh, first_capture, limited).total() <= bytes) break;
   }

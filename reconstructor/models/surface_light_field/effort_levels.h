@@ -23,7 +23,7 @@ SurfaceLightFieldOptions at_effort_level(const SurfaceLightFieldOptions& options
 
 /// What patches are cut down to, step by step, when they outgrow the memory that they may take.
 struct TermLimit {
-  int max_rank, internal_rank, block;  ///< as in RingFactorOptions
+  int max_rank, internal_rank, block;  ///< as in OnlineSvdOptions
 };
 std::span<const TermLimit> memory_steps();
 /// The effort level, `first` or a coarser one, with the finest maps of which the memory can hold eight terms (as many

@@ -45,7 +45,7 @@ class InterpolationUpkeep {
   std::vector<ViewInterpolation> chosen_;  ///< per vertex
   std::shared_ptr<const ReflectionDrift> reflection_;
   // The next fit, while it is under way: the levels that are gathered, and then the rounds.
-  std::vector<RingLevels> levels_;
+  std::vector<PatchLevels> levels_;
   std::optional<ReflectionFit> fit_;
   std::size_t fitted_at_ = 0;  ///< images ingested
 };

@@ -142,8 +142,8 @@ InterpolationErrors interpolation_errors(const SiteViews& views, const Eigen::Ma
                               drift_of(views.directions, reflection, normal));
 }
 
-RingLevels patch_levels(SiteViews views, const Eigen::MatrixXf& mean_rows, const Eigen::MatrixXf& coefficients,
-                        const Eigen::Vector3f& normal) {
+PatchLevels patch_levels(SiteViews views, const Eigen::MatrixXf& mean_rows, const Eigen::MatrixXf& coefficients,
+                         const Eigen::Vector3f& normal) {
   if (mean_rows.cols() == 0) return {normal, {}, {}, {}};  // all is black, or waits to be folded
   return {normal, std::move(views.directions), mean_rows * coefficients, std::move(views.reliability)};
 }

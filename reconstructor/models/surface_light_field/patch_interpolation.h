@@ -56,7 +56,7 @@ InterpolationErrors interpolation_errors(const SiteViews& views, const Eigen::Ma
                                          const ReflectionDrift* reflection, const Eigen::Vector3f& normal);
 
 /// Of a patch, from its mean basis row per channel (3 x rank).
-RingLevels patch_levels(SiteViews views, const Eigen::MatrixXf& mean_rows, const Eigen::MatrixXf& coefficients,
-                        const Eigen::Vector3f& normal);
+PatchLevels patch_levels(SiteViews views, const Eigen::MatrixXf& mean_rows, const Eigen::MatrixXf& coefficients,
+                         const Eigen::Vector3f& normal);
 
 }  // namespace sheen

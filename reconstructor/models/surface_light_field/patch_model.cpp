@@ -25,13 +25,13 @@ std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std:
 
 }  // namespace
 
-RingFactorOptions patch_factor_options(RingFactorOptions options) {
+OnlineSvdOptions patch_factor_options(OnlineSvdOptions options) {
   options.channels = 3;
   options.sensor_variance = kSensorVariance;
   return options;
 }
 
-double image_weight(const RingFactorOptions& options, double share_shown) {
+double image_weight(const OnlineSvdOptions& options, double share_shown) {
   return options.imputation == Imputation::kLeastSquares ? 1 : share_shown * share_shown;
 }
 
@@ -60,7 +60,7 @@ PatchModel::Absorbed PatchModel::absorb(const Eigen::VectorXf& column, std::span
   if (!shows_enough(shown, visible.size())) return result;
   result.used = true;
   const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
-  const RingFactor::Reports folded =
+  const OnlineSvd::Reports folded =
       factor_.add(column, known_rows(visible, shown), image_weight(options_.factor, share));
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
@@ -132,7 +132,7 @@ bool PatchModel::repeats(const Eigen::VectorXf& column, std::span<const std::uin
   return rows > 0 && unexplained <= (waiting < 0 ? kRepeatedNoise : kRepeatedColumn) * factor_.row_noise() * rows;
 }
 
-void PatchModel::follow(const RingFactor::Reports& reports, Absorbed& result) {
+void PatchModel::follow(const OnlineSvd::Reports& reports, Absorbed& result) {
   for (const ColumnReport& report : reports) {
     result.energy += report.norm * report.norm;
     result.residual_energy += report.residual_norm * report.residual_norm;
@@ -210,7 +210,7 @@ Eigen::MatrixXf PatchModel::mean_shown_rows() const {
   return mean / static_cast<float>(std::max(seen, 1));
 }
 
-RingLevels PatchModel::levels() const {
+PatchLevels PatchModel::levels() const {
   return patch_levels(views_.seen_from_centre(), mean_shown_rows(), known_coefficients(), centre_.normal);
 }
 
@@ -227,12 +227,11 @@ std::size_t PatchModel::snapshot_bytes(std::size_t vertices) const {
 }
 
 double PatchModel::largest_bytes(double samples, double vertices, const PatchModelOptions& options) {
-  const RingFactorOptions& factor = options.factor;
+  const OnlineSvdOptions& factor = options.factor;
   const double rows = 3 * samples, views = options.max_views + factor.block;
   return sizeof(PatchModel) + sizeof(std::uint16_t) * samples +
          views * static_cast<double>(ViewSet::bytes_for(1, static_cast<std::size_t>(vertices))) +
-         RingFactor::bytes_for(rows, factor.terms_kept(), factor.block, views,
-                               factor.witnesses(static_cast<int>(rows)));
+         OnlineSvd::bytes_for(rows, factor.terms_kept(), factor.block, views, factor.witnesses(static_cast<int>(rows)));
 }
 
 double PatchModel::largest_snapshot_bytes(double samples, double vertices, const PatchModelOptions& options) {

@@ -12,12 +12,12 @@
 #include "reconstructor/models/surface_light_field/choice_schedule.h"
 #include "reconstructor/models/surface_light_field/patch_interpolation.h"
 #include "reconstructor/models/surface_light_field/view_set.h"
-#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/numerics/online_svd.h"
 
 namespace sheen {
 
 struct PatchModelOptions {
-  RingFactorOptions factor;
+  OnlineSvdOptions factor;
   int triangles = 2;             ///< of a patch, at most
   int max_views = 96;            ///< kept per patch; beyond it the two nearest ones become one
   double min_visible = 0.1;      ///< fraction of a patch's samples that an image must show
@@ -27,13 +27,13 @@ struct PatchModelOptions {
 };
 
 /// As the factor of a patch takes them: three channels, and the noise of a camera.
-RingFactorOptions patch_factor_options(RingFactorOptions options);
+OnlineSvdOptions patch_factor_options(OnlineSvdOptions options);
 
 /// Weight of an image in a patch's factor: what it does not show is a guess that only repeats the basis, so it counts
 /// for less than its fraction (docs/decisions/missing_samples.md). The paper's imputation has no weights.
-double image_weight(const RingFactorOptions& options, double share_shown);
+double image_weight(const OnlineSvdOptions& options, double share_shown);
 
-/// The surface light field of one patch as it grows: the online SVD of what was seen (RingFactor) and from where
+/// The surface light field of one patch as it grows: the online SVD of what was seen (OnlineSvd) and from where
 /// (ViewSet), in the same numbering. How it varies between the views is the vertices' own (InterpolationUpkeep).
 class PatchModel {
  public:
@@ -70,7 +70,7 @@ class PatchModel {
   /// before.
   bool repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& eye) const;
 
-  /// Lets go of terms beyond lower limits (RingFactor::limit); they hold from now on.
+  /// Lets go of terms beyond lower limits (OnlineSvd::limit); they hold from now on.
   void limit_terms(int max_rank, int internal_rank, int block);
 
   /// How the patch as it stands, before an image is absorbed, predicts the image, interpolated at its centre: over the
@@ -86,11 +86,11 @@ class PatchModel {
   /// At its centre. Errors with the drift are infinite without a reflection, and with too few views.
   InterpolationErrors interpolation_errors(const ReflectionDrift* reflection) const;
   void interpolation_chosen() { schedule_.chosen_at(images_); }
-  RingLevels levels() const;
+  PatchLevels levels() const;
 
   int rank() const { return factor_.displayed_rank(); }
   int views() const { return factor_.views(); }
-  const RingFactor& factor() const { return factor_; }
+  const OnlineSvd& factor() const { return factor_; }
   std::size_t bytes() const;
   /// Of `snapshot`, whether it is there or not; at most, for patches may share their vertices' views.
   std::size_t snapshot_bytes(std::size_t vertices) const;
@@ -110,13 +110,13 @@ class PatchModel {
   Eigen::MatrixXf mean_shown_rows() const;
   Eigen::MatrixXf with_pending(const Eigen::Ref<const Eigen::MatrixXf>& folded) const;
   Eigen::MatrixXf known_coefficients() const;
-  void follow(const RingFactor::Reports& reports, Absorbed& result);
+  void follow(const OnlineSvd::Reports& reports, Absorbed& result);
   bool shows_enough(std::size_t shown, std::size_t samples) const;
   void thin_views();
 
   PatchModelOptions options_;
   SurfaceSite centre_;
-  RingFactor factor_;
+  OnlineSvd factor_;
   ViewSet views_;
   ChoiceSchedule schedule_;
   std::vector<std::uint16_t> shown_;  ///< for each sample: images that showed it, as far as the type counts

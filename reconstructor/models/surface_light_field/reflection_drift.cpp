@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kRounds = 4;
 constexpr Eigen::Index kFewestViews = 4;
-constexpr std::size_t kFewestRings = 20;
+constexpr std::size_t kFewestPatches = 20;
 constexpr float kHighestLevel = 1.2f;     // what is imputed from little can run away
 constexpr double kSmoothness = 1e-4;      // of the mean eigenvalue, growing with the degree as the Laplacian's square
 constexpr float kHighestSensitivity = 4;  // of the mean level
@@ -30,7 +30,7 @@ Eigen::Vector3f mirrored(const Eigen::Vector3f& direction, const Eigen::Vector3f
 
 /// A patch with everything centred on its weighted means.
 struct ReflectionFit::Centred {
-  explicit Centred(const RingLevels& ring);
+  explicit Centred(const PatchLevels& patch);
 
   Eigen::MatrixXf harmonics;  ///< kHarmonics x views
   Eigen::Matrix3Xf levels;
@@ -39,12 +39,12 @@ struct ReflectionFit::Centred {
   Eigen::Vector3f sensitivity;
 };
 
-ReflectionFit::Centred::Centred(const RingLevels& ring)
-    : harmonics(kHarmonics, ring.directions.cols()),
-      levels(ring.levels.cwiseMax(0).cwiseMin(kHighestLevel)),
-      weight(ring.reliability) {
-  for (Eigen::Index j = 0; j < ring.directions.cols(); ++j)
-    harmonics.col(j) = spherical_harmonics(mirrored(ring.directions.col(j), ring.normal).normalized());
+ReflectionFit::Centred::Centred(const PatchLevels& patch)
+    : harmonics(kHarmonics, patch.directions.cols()),
+      levels(patch.levels.cwiseMax(0).cwiseMin(kHighestLevel)),
+      weight(patch.reliability) {
+  for (Eigen::Index j = 0; j < patch.directions.cols(); ++j)
+    harmonics.col(j) = spherical_harmonics(mirrored(patch.directions.col(j), patch.normal).normalized());
   const Eigen::VectorXf share = weight / weight.sum();
   mean = levels * share;
   levels.colwise() -= mean;
@@ -53,10 +53,10 @@ ReflectionFit::Centred::Centred(const RingLevels& ring)
   sensitivity = mean;
 }
 
-ReflectionFit::ReflectionFit(std::span<const RingLevels> rings) {
-  for (const RingLevels& ring : rings)
-    if (ring.directions.cols() >= kFewestViews) rings_.emplace_back(ring);
-  if (rings_.size() < kFewestRings) return;
+ReflectionFit::ReflectionFit(std::span<const PatchLevels> patches) {
+  for (const PatchLevels& patch : patches)
+    if (patch.directions.cols() >= kFewestViews) patches_.emplace_back(patch);
+  if (patches_.size() < kFewestPatches) return;
   drift_ = std::make_shared<ReflectionDrift>();
   rounds_left_ = kRounds;
 }
@@ -71,16 +71,17 @@ void ReflectionFit::solve_light() {
     Eigen::Matrix<double, kHarmonics, 1> right = Eigen::Matrix<double, kHarmonics, 1>::Zero();
   };
   // Blocks of fixed size, summed in their order: the same bits on any number of threads.
-  std::vector<Equations> blocks((rings_.size() + kBlock - 1) / kBlock);
+  std::vector<Equations> blocks((patches_.size() + kBlock - 1) / kBlock);
   tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-    for (std::size_t i = b * kBlock; i < std::min((b + 1) * kBlock, rings_.size()); ++i) {
-      const Centred& ring = rings_[i];
-      const Eigen::MatrixXf rooted = ring.sensitivity.norm() * (ring.harmonics * ring.weight.cwiseSqrt().asDiagonal());
+    for (std::size_t i = b * kBlock; i < std::min((b + 1) * kBlock, patches_.size()); ++i) {
+      const Centred& patch = patches_[i];
+      const Eigen::MatrixXf rooted =
+          patch.sensitivity.norm() * (patch.harmonics * patch.weight.cwiseSqrt().asDiagonal());
       Eigen::Matrix<float, kHarmonics, kHarmonics> outer = Eigen::Matrix<float, kHarmonics, kHarmonics>::Zero();
       outer.selfadjointView<Eigen::Lower>().rankUpdate(rooted);
       blocks[b].normal += outer.cast<double>();
-      const Eigen::VectorXf wanted = ring.weight.cwiseProduct(ring.levels.transpose() * ring.sensitivity);
-      blocks[b].right += (ring.harmonics * wanted).cast<double>();
+      const Eigen::VectorXf wanted = patch.weight.cwiseProduct(patch.levels.transpose() * patch.sensitivity);
+      blocks[b].right += (patch.harmonics * wanted).cast<double>();
     }
   });
   Equations sum;
@@ -96,13 +97,14 @@ void ReflectionFit::solve_light() {
 }
 
 void ReflectionFit::solve_sensitivities() {
-  for (Centred& ring : rings_) {
-    const Eigen::VectorXf f = ring.harmonics.transpose() * drift_->coefficients;
-    const Eigen::VectorXf weighted = ring.weight.cwiseProduct(f);
+  for (Centred& patch : patches_) {
+    const Eigen::VectorXf f = patch.harmonics.transpose() * drift_->coefficients;
+    const Eigen::VectorXf weighted = patch.weight.cwiseProduct(f);
     const float power = std::max(weighted.dot(f), 1e-6f);
     for (int c = 0; c < 3; ++c) {
-      const float free = std::clamp(ring.levels.row(c).dot(weighted) / power, 0.0f, kHighestSensitivity * ring.mean[c]);
-      ring.sensitivity[c] = (1 - kDrawnToMeanLevel) * free + kDrawnToMeanLevel * ring.mean[c];
+      const float free =
+          std::clamp(patch.levels.row(c).dot(weighted) / power, 0.0f, kHighestSensitivity * patch.mean[c]);
+      patch.sensitivity[c] = (1 - kDrawnToMeanLevel) * free + kDrawnToMeanLevel * patch.mean[c];
     }
   }
 }
@@ -124,8 +126,8 @@ float ReflectionDrift::at(const Eigen::Vector3f& direction, const Eigen::Vector3
   return coefficients.dot(spherical_harmonics(mirrored(direction, normal).normalized()));
 }
 
-std::shared_ptr<const ReflectionDrift> estimate_reflection_drift(std::span<const RingLevels> rings) {
-  ReflectionFit fit(rings);
+std::shared_ptr<const ReflectionDrift> estimate_reflection_drift(std::span<const PatchLevels> patches) {
+  ReflectionFit fit(patches);
   while (!fit.step()) {
   }
   return fit.result();

@@ -21,7 +21,7 @@ struct ReflectionDrift {
 };
 
 /// The level of a patch, its mean encoded colour, in each view.
-struct RingLevels {
+struct PatchLevels {
   Eigen::Vector3f normal;
   Eigen::Matrix3Xf directions;  ///< to the eyes, one column per view
   Eigen::Matrix3Xf levels;      ///< RGB, encoded
@@ -33,7 +33,7 @@ struct RingLevels {
 /// mean level: a dark patch varies less. A round at a time, so that no image waits for all of it.
 class ReflectionFit {
  public:
-  explicit ReflectionFit(std::span<const RingLevels> rings);
+  explicit ReflectionFit(std::span<const PatchLevels> patches);
   ~ReflectionFit();
   ReflectionFit(ReflectionFit&&) noexcept;
   ReflectionFit& operator=(ReflectionFit&&) noexcept;
@@ -48,12 +48,12 @@ class ReflectionFit {
   void solve_light();
   void solve_sensitivities();
 
-  std::vector<Centred> rings_;
+  std::vector<Centred> patches_;
   std::shared_ptr<ReflectionDrift> drift_;
   int rounds_left_ = 0;
 };
 
 /// All rounds at once.
-std::shared_ptr<const ReflectionDrift> estimate_reflection_drift(std::span<const RingLevels> rings);
+std::shared_ptr<const ReflectionDrift> estimate_reflection_drift(std::span<const PatchLevels> patches);
 
 }  // namespace sheen

@@ -313,7 +313,7 @@ void SurfaceLightField::set_update_fraction(double fraction) {
 }
 
 void SurfaceLightField::limit_terms(int max_rank, int internal_rank, int block) {
-  RingFactorOptions& factor = pipeline_->options.patch.factor;
+  OnlineSvdOptions& factor = pipeline_->options.patch.factor;
   factor = factor.limited_to(max_rank, internal_rank, block);
   if (pipeline_->patches) pipeline_->patches->limit_terms(max_rank, internal_rank, block);
 }

@@ -21,7 +21,7 @@ struct SiteViews {
 };
 
 /// From where a patch was seen: an eye for each view of its factor and how far to rely on the view at each of the
-/// patch's vertices, in the factor's numbering (RingFactor): first the folded views, then those that wait to be. Of the
+/// patch's vertices, in the factor's numbering (OnlineSvd): first the folded views, then those that wait to be. Of the
 /// folded ones it keeps which other is the nearest, so that the closest two are found at once when there are too many.
 /// Angles between views are those at the patch's centre.
 class ViewSet {

@@ -8,8 +8,8 @@
 #include <random>
 
 #include "reconstructor/numerics/batch_pca.h"
-#include "reconstructor/numerics/ring_factor.h"
-#include "tests/support/ring_factor_checks.h"
+#include "reconstructor/numerics/online_svd.h"
+#include "tests/support/online_svd_checks.h"
 #include "tests/support/test_matrices.h"
 #include "tests/support/test_rings.h"
 
@@ -20,15 +20,15 @@ using Eigen::MatrixXf;
 using Eigen::VectorXf;
 using Mask = std::vector<std::uint8_t>;
 
-constexpr RingFactorOptions kOptions{.max_rank = 8, .tolerance = 0};
+constexpr OnlineSvdOptions kOptions{.max_rank = 8, .tolerance = 0};
 
-RingFactor trained_on(const MatrixXf& data, const RingFactorOptions& options = kOptions) {
+OnlineSvd trained_on(const MatrixXf& data, const OnlineSvdOptions& options = kOptions) {
   return settled_factor(data, options);
 }
 
 TEST(Missing, OneVisibleRowIsCompletedWithinReason) {
   const MatrixXf data = ring_like_matrix(150, 61, 8, 0.01f, 1);
-  RingFactor factor = trained_on(data.leftCols(60));
+  OnlineSvd factor = trained_on(data.leftCols(60));
   for (const int row : {0, 77, 149}) {
     Mask known(150, 0);
     known[row] = 1;
@@ -36,21 +36,21 @@ TEST(Missing, OneVisibleRowIsCompletedWithinReason) {
     EXPECT_LT((filled - data.col(60)).norm(), data.col(60).norm()) << "better than black";
     factor.add(data.col(60), known, 1.0 / 150);
   }
-  const RingFactor settled = factor.settled();
+  const OnlineSvd settled = factor.settled();
   EXPECT_EQ(broken_invariants(settled), "");
   EXPECT_EQ(settled.views(), 63);
 }
 
 TEST(Missing, AStreamOfSingleRowsFromTheStartStaysSound) {
   const MatrixXf data = ring_like_matrix(60, 240, 3, 0.01f, 2);
-  RingFactor factor(60, kOptions);
+  OnlineSvd factor(60, kOptions);
   for (int j = 0; j < 240; ++j) {
     Mask known(60, 0);
     known[(7 * j) % 60] = 1;
     factor.add(data.col(j), known, 1.0 / 60);
     if (j % 31 == 0) EXPECT_EQ(broken_invariants(factor), "") << j;
   }
-  const RingFactor settled = factor.settled();
+  const OnlineSvd settled = factor.settled();
   EXPECT_EQ(broken_invariants(settled), "");
   EXPECT_LT((settled.basis() * settled.coefficients()).norm(), 4 * data.norm()) << "nothing runs away";
 }
@@ -60,7 +60,7 @@ TEST(Missing, ResidualsThatLieInTheBasisButForTheirLastDigits) {
   for (unsigned seed = 0; seed < 300; ++seed) {
     std::mt19937 random(seed);
     const int rows = 4 + static_cast<int>(seed % 5);
-    RingFactor factor(rows, {.max_rank = rows, .block = 1 + static_cast<int>(seed % 11), .tolerance = 0});
+    OnlineSvd factor(rows, {.max_rank = rows, .block = 1 + static_cast<int>(seed % 11), .tolerance = 0});
     MatrixXf data = gaussian_matrix(rows, rows - 1, seed) * gaussian_matrix(rows - 1, 40, seed + 1);
     data += 1e-5f * gaussian_matrix(rows, 40, seed + 2);
     for (int j = 0; j < 40; ++j) {
@@ -77,14 +77,14 @@ TEST(Missing, AColumnOfWhichOnlyADimRowIsKnownIsNotBrighterThanAThousandTimesIt)
   VectorXf dim = VectorXf::Ones(kRows);
   dim[7] = 6e-6f;
   for (const float scale : {1.0f, 1e30f, 1e36f}) {
-    RingFactor factor(kRows, {.max_rank = 2, .tolerance = 0});
+    OnlineSvd factor(kRows, {.max_rank = 2, .tolerance = 0});
     for (int j = 0; j < 20; ++j) factor.add(scale * dim);
     Mask known(kRows, 0);
     known[7] = 1;
     VectorXf bright = VectorXf::Zero(kRows);
     bright[7] = scale;
     for (int j = 0; j < 20; ++j) factor.add(bright, known);
-    const RingFactor settled = factor.settled();
+    const OnlineSvd settled = factor.settled();
     EXPECT_EQ(broken_invariants(settled), "") << scale;
     const MatrixXf filled = settled.displayed_basis() * (settled.displayed_coefficients() / scale);
     EXPECT_LT(filled.cwiseAbs().maxCoeff(), 1e3f) << scale;
@@ -96,13 +96,13 @@ TEST(Missing, PartsThatNoColumnShowsTogetherAreNotDark) {
   // A diffuse ring of which some columns show the first rows, others the last, and none both.
   const MatrixXf data = ring_like_matrix(300, 24, 0, 0.01f, 2);
   for (const int block : {1, 12}) {
-    RingFactor factor(300, {.max_rank = 6, .block = block, .tolerance = 0.05});
+    OnlineSvd factor(300, {.max_rank = 6, .block = block, .tolerance = 0.05});
     for (int j = 0; j < 24; ++j) {
       Mask known(300, 0);
       std::fill(known.begin() + (j % 2 ? 180 : 0), known.begin() + (j % 2 ? 300 : 120), 1);
       factor.add(data.col(j), known);
     }
-    const RingFactor settled = factor.settled();
+    const OnlineSvd settled = factor.settled();
     EXPECT_EQ(settled.displayed_rank(), 1);
     const MatrixXf completed = settled.displayed_basis() * settled.displayed_coefficients();
     for (const int first : {0, 180}) {  // on one scale, which nothing tells exactly, each part is right in all columns
@@ -113,7 +113,7 @@ TEST(Missing, PartsThatNoColumnShowsTogetherAreNotDark) {
 }
 
 TEST(Missing, WhatIsBlackWhereItIsShownHasNothingToDisplay) {
-  RingFactor factor(60, kOptions);
+  OnlineSvd factor(60, kOptions);
   const Mask half = [] {
     Mask known(60, 0);
     std::fill_n(known.begin(), 30, 1);
@@ -126,10 +126,10 @@ TEST(Missing, WhatIsBlackWhereItIsShownHasNothingToDisplay) {
 
 TEST(Missing, NoVisibleRowAtAllIsAViewWithoutWeightOnTheBasis) {
   const MatrixXf data = ring_like_matrix(150, 40, 4, 0.01f, 3);
-  RingFactor factor = trained_on(data);
+  OnlineSvd factor = trained_on(data);
   const double energy = factor.energy();
   for (int i = 0; i < 30; ++i) factor.add(data.col(i), Mask(150, 0));
-  const RingFactor settled = factor.settled();
+  const OnlineSvd settled = factor.settled();
   EXPECT_EQ(broken_invariants(settled), "");
   EXPECT_NEAR(settled.energy(), energy, 1e-6 * energy) << "nothing was seen, so nothing was learned";
 }
@@ -139,7 +139,7 @@ TEST(Missing, VisibleRowsThatDoNotSpanTheBasisLeaveTheRestToThePrior) {
   MatrixXf data = MatrixXf::Zero(200, 81);
   data.topRows(100) = ring_like_matrix(100, 81, 3, 0.01f, 4);
   data.bottomRows(100) = gaussian_matrix(100, 4, 5) * gaussian_matrix(4, 81, 6);
-  const RingFactor factor = trained_on(data.leftCols(80), {.max_rank = 12, .tolerance = 0});
+  const OnlineSvd factor = trained_on(data.leftCols(80), {.max_rank = 12, .tolerance = 0});
   Mask known(200, 0);
   std::fill_n(known.begin(), 100, 1);
   const VectorXf filled = factor.basis() * factor.estimate(data.col(80), known, factor.row_noise());
@@ -151,7 +151,7 @@ TEST(Missing, VisibleRowsThatDoNotSpanTheBasisLeaveTheRestToThePrior) {
 TEST(Missing, WhatStandsBehindAMaskIsNeverRead) {
   const MatrixXf data = ring_like_matrix(120, 60, 4, 0.01f, 7);
   std::mt19937 engine(8);
-  RingFactor zeros(120, kOptions), garbage(120, kOptions);
+  OnlineSvd zeros(120, kOptions), garbage(120, kOptions);
   for (int j = 0; j < 60; ++j) {
     VectorXf a = data.col(j), b = data.col(j);
     Mask known(120);
@@ -172,7 +172,7 @@ TEST(Missing, WhatStandsBehindAMaskIsNeverRead) {
 
 TEST(Missing, RowsThatNoColumnShowsStayZero) {
   const MatrixXf data = ring_like_matrix(90, 50, 4, 0.01f, 9);
-  RingFactor factor(90, kOptions);
+  OnlineSvd factor(90, kOptions);
   Mask known(90, 1);
   std::fill_n(known.begin() + 30, 12, 0);
   for (int j = 0; j < 50; ++j) factor.add(data.col(j), known);
@@ -184,7 +184,7 @@ TEST(Missing, RowsThatNoColumnShowsStayZero) {
 TEST(Missing, TwoPercentOfTheRowsCompleteAColumnBetterThanLeastSquares) {
   const MatrixXf data = test_ring_columns(TestRing::kHard);
   const std::vector<int> order = column_orders(data, 1)[3];
-  RingFactor factor(static_cast<int>(data.rows()), {.max_rank = 12, .tolerance = 0, .channels = 3});
+  OnlineSvd factor(static_cast<int>(data.rows()), {.max_rank = 12, .tolerance = 0, .channels = 3});
   for (int i = 0; i < 200; ++i) factor.add(data.col(order[i]));
   factor.fold();
   std::mt19937 engine(11);
@@ -227,7 +227,7 @@ struct LateTerm {
     for (int row = 0; row < kRows; ++row) known[row] = row % 20 < 10;
   }
   /// Of the known rows: what the displayed view leaves of a column, relative to what there was of the third term.
-  double left_of(const RingFactor& factor, int view, const VectorXf& column) const {
+  double left_of(const OnlineSvd& factor, int view, const VectorXf& column) const {
     VectorXf left = column - factor.displayed_basis() * factor.displayed_coefficients().col(view);
     for (int row = 0; row < kRows; ++row)
       if (!known[row]) left[row] = 0;
@@ -237,7 +237,7 @@ struct LateTerm {
 
 TEST(Missing, WhatWasDroppedOfAPartlyHiddenViewIsFoundAgainWhenTheBasisHasLearntIt) {
   const LateTerm scene;
-  RingFactor factor(LateTerm::kRows, {.max_rank = 8, .tolerance = 0.06});
+  OnlineSvd factor(LateTerm::kRows, {.max_rank = 8, .tolerance = 0.06});
   for (int j = 0; j < LateTerm::kEarly; ++j) factor.add(scene.columns.col(j), scene.known);
   factor.fold();
   ASSERT_EQ(factor.rank(), 2) << "the third term was not worth keeping";
@@ -251,7 +251,7 @@ TEST(Missing, WhatWasDroppedOfAPartlyHiddenViewIsFoundAgainWhenTheBasisHasLearnt
 
 TEST(Missing, WhatMergedViewsShowedIsTheirMeanAndOneCanBeTakenOut) {
   const LateTerm scene;
-  RingFactor factor(LateTerm::kRows, {.max_rank = 8, .tolerance = 0.06});
+  OnlineSvd factor(LateTerm::kRows, {.max_rank = 8, .tolerance = 0.06});
   for (int j = 0; j < LateTerm::kEarly; ++j) factor.add(scene.columns.col(j), scene.known, j == 2 ? 3 : 1);
   factor.fold();
   factor.merge_views(0, 2);  // both have +0.02 of the third term
@@ -267,7 +267,7 @@ TEST(Missing, AnOccludedStreamIsNearlyAsGoodAsAFullOne) {
   const MatrixXf data = test_ring_columns(TestRing::kHard);
   const auto visible = occluding_edges(kTestRingViews, 0.8, 1);
   const std::vector<int> order = column_orders(data, 1)[3];
-  RingFactor factor(static_cast<int>(data.rows()), {.max_rank = 12, .tolerance = 0, .channels = 3});
+  OnlineSvd factor(static_cast<int>(data.rows()), {.max_rank = 12, .tolerance = 0, .channels = 3});
   for (const int j : order) {
     const Mask known(visible.col(j).begin(), visible.col(j).end());
     const double share = visible.col(j).cast<double>().mean();

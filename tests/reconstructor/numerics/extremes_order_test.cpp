@@ -9,8 +9,8 @@
 #include <random>
 
 #include "reconstructor/numerics/batch_pca.h"
-#include "reconstructor/numerics/ring_factor.h"
-#include "tests/support/ring_factor_checks.h"
+#include "reconstructor/numerics/online_svd.h"
+#include "tests/support/online_svd_checks.h"
 #include "tests/support/test_matrices.h"
 #include "tests/support/test_rings.h"
 
@@ -20,8 +20,8 @@ namespace {
 using Eigen::MatrixXf;
 
 /// Displayed error over that of the batch.
-double over_batch(const MatrixXf& data, const RingFactorOptions& options) {
-  const RingFactor factor = settled_factor(data, options);
+double over_batch(const MatrixXf& data, const OnlineSvdOptions& options) {
+  const OnlineSvd factor = settled_factor(data, options);
   EXPECT_EQ(broken_invariants(factor), "");
   return displayed_model_error(factor, data) / batch_pca(data, options.max_rank).relative_error;
 }
@@ -54,7 +54,7 @@ TEST(Order, ASpanThatComesBackAfterALongAbsence) {
 TEST(Order, TheWorstThatARandomSearchFindsIsNotFarFromTheOthers) {
   // Hill climbing over permutations: swaps are kept that make the displayed error larger.
   const MatrixXf data = ring_like_matrix(96, 90, 16, 0.01f, 3);
-  const RingFactorOptions options{.max_rank = 6, .block = 6, .tolerance = 0};
+  const OnlineSvdOptions options{.max_rank = 6, .block = 6, .tolerance = 0};
   const double best = batch_pca(data, options.max_rank).relative_error;
   std::vector<int> worst(90);
   std::iota(worst.begin(), worst.end(), 0);
@@ -85,7 +85,7 @@ TEST(Order, EqualSingularValuesAreNoTrouble) {
   MatrixXf data(150, 100);
   for (int j = 0; j < 100; ++j) data.col(j) = directions.col(j % 20);
   EXPECT_LT(over_batch(data, {.max_rank = 12, .tolerance = 0}), 1.02);
-  const RingFactor all = settled_factor(data, {.max_rank = 20, .tolerance = 0});
+  const OnlineSvd all = settled_factor(data, {.max_rank = 20, .tolerance = 0});
   EXPECT_EQ(all.rank(), 20);
   EXPECT_LT(model_error(all, data), 1e-5);
   EXPECT_LT((all.spectrum().array() - 5).abs().maxCoeff(), 1e-5);
@@ -94,7 +94,7 @@ TEST(Order, EqualSingularValuesAreNoTrouble) {
 TEST(Order, DisplayedCoefficientsNeitherFlipNorSwapWhereSingularValuesCross) {
   // Two terms that take turns in being the larger one.
   const MatrixXf spans = gaussian_matrix(200, 3, 6);
-  RingFactor factor(200, {.max_rank = 4, .tolerance = 1e-3});
+  OnlineSvd factor(200, {.max_rank = 4, .tolerance = 1e-3});
   std::mt19937 engine(7);
   std::normal_distribution<float> normal;
   MatrixXf before;
@@ -115,7 +115,7 @@ TEST(Order, DisplayedCoefficientsNeitherFlipNorSwapWhereSingularValuesCross) {
 TEST(Shape, MoreTermsThanRows) {
   for (const int rows : {1, 2, 3, 5}) {
     const MatrixXf data = gaussian_matrix(rows, 60, 8 + rows);
-    const RingFactor factor = settled_factor(data, {.max_rank = 24, .tolerance = 0});
+    const OnlineSvd factor = settled_factor(data, {.max_rank = 24, .tolerance = 0});
     EXPECT_EQ(broken_invariants(factor), "") << rows;
     EXPECT_EQ(factor.rank(), rows);
     EXPECT_LT(model_error(factor, data), 1e-5) << rows;
@@ -125,7 +125,7 @@ TEST(Shape, MoreTermsThanRows) {
 TEST(Shape, FewerColumnsThanTerms) {
   for (const int columns : {1, 2, 7}) {
     const MatrixXf data = gaussian_matrix(100, columns, 20 + columns);
-    const RingFactor factor = settled_factor(data, {.max_rank = 24, .tolerance = 0});
+    const OnlineSvd factor = settled_factor(data, {.max_rank = 24, .tolerance = 0});
     EXPECT_EQ(broken_invariants(factor), "") << columns;
     EXPECT_EQ(factor.rank(), columns);
     EXPECT_LT(model_error(factor, data), 1e-5) << columns;
@@ -133,7 +133,7 @@ TEST(Shape, FewerColumnsThanTerms) {
 }
 
 TEST(Shape, AFactorWithoutColumns) {
-  const RingFactor factor(30, {.max_rank = 4});
+  const OnlineSvd factor(30, {.max_rank = 4});
   EXPECT_EQ(broken_invariants(factor), "");
   EXPECT_EQ(broken_invariants(factor.settled()), "");
   EXPECT_EQ(factor.settled().views(), 0);
@@ -146,7 +146,7 @@ TEST(Shape, EveryBlockSizeAndPhaseIsNearlyTheBatch) {
   const double best = batch_pca(data, 8).relative_error;
   for (const int block : {1, 2, 7, 12, 32})
     for (const unsigned phase : {0U, 5U, 1000003U}) {
-      RingFactor factor(120, {.max_rank = 8, .block = block, .tolerance = 0}, phase);
+      OnlineSvd factor(120, {.max_rank = 8, .block = block, .tolerance = 0}, phase);
       for (int j = 0; j < 90; ++j) factor.add(data.col(j));
       factor.fold();
       EXPECT_EQ(broken_invariants(factor), "") << block << " " << phase;

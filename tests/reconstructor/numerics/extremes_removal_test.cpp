@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "reconstructor/numerics/batch_pca.h"
-#include "reconstructor/numerics/ring_factor.h"
-#include "tests/support/ring_factor_checks.h"
+#include "reconstructor/numerics/online_svd.h"
+#include "tests/support/online_svd_checks.h"
 #include "tests/support/test_matrices.h"
 #include "tests/support/test_rings.h"
 
@@ -23,8 +23,8 @@ TEST(Removal, OfAStrangerLongAfterLeavesNoTrace) {
   for (const TestRing ring : {TestRing::kTypical, TestRing::kHard}) {
     MatrixXf data = test_ring_columns(ring);
     data.col(17) = 3 * data.col(17).cwiseAbs().maxCoeff() * gaussian_matrix(2448, 1, 1);
-    const RingFactorOptions options{.max_rank = 12, .tolerance = 0};
-    RingFactor factor = settled_factor(data, options);
+    const OnlineSvdOptions options{.max_rank = 12, .tolerance = 0};
+    OnlineSvd factor = settled_factor(data, options);
     factor.remove(17);
     const MatrixXf rest = without(data, 17);
     EXPECT_EQ(broken_invariants(factor), "");
@@ -36,9 +36,9 @@ TEST(Removal, OfAStrangerIsForgottenByTheNoiseThatImputationTrusts) {
   for (const int stranger : {30, 58}) {
     MatrixXf data = ring_like_matrix(120, 60, 3, 0.01f, 12);
     data.col(stranger) = gaussian_matrix(120, 1, 13);
-    const RingFactorOptions options{.max_rank = 6, .tolerance = 0.005};
+    const OnlineSvdOptions options{.max_rank = 6, .tolerance = 0.005};
     const double never = settled_factor(without(data, stranger), options).row_noise();
-    RingFactor factor = settled_factor(data, options);
+    OnlineSvd factor = settled_factor(data, options);
     factor.remove(stranger);
     EXPECT_GT(factor.row_noise(), 0.5 * never) << stranger;
     EXPECT_LT(factor.row_noise(), 2 * never) << stranger;
@@ -48,7 +48,7 @@ TEST(Removal, OfAStrangerIsForgottenByTheNoiseThatImputationTrusts) {
 TEST(Removal, OfEverythingLeavesAnEmptyFactorThatWorks) {
   for (const float scale : {1e-25f, 1.0f, 1e25f}) {
     const MatrixXf data = scale * ring_like_matrix(90, 40, 5, 0.01f, 2);
-    RingFactor factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
+    OnlineSvd factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
     for (int left = 40; left > 0; --left) {
       factor.remove((left * 7) % left);
       ASSERT_EQ(broken_invariants(factor), "") << left;
@@ -65,7 +65,7 @@ TEST(Removal, OfEverythingLeavesAnEmptyFactorThatWorks) {
 TEST(Removal, OfTheOnlyColumnInItsDirectionGivesTheRankBack) {
   MatrixXf data = ring_like_matrix(120, 50, 2, 0, 3);
   data.col(25) = gaussian_matrix(120, 1, 4);
-  RingFactor factor = settled_factor(data, {.max_rank = 8, .tolerance = 1e-4});
+  OnlineSvd factor = settled_factor(data, {.max_rank = 8, .tolerance = 1e-4});
   ASSERT_EQ(factor.rank(), 4);
   factor.remove(25);
   EXPECT_EQ(factor.rank(), 3);
@@ -76,7 +76,7 @@ TEST(Removal, OfAHighlightTenThousandTimesTheRestKeepsTheRest) {
   MatrixXf data = ring_like_matrix(120, 50, 3, 0.005f, 5);
   const MatrixXf rest = without(data, 20);
   data.col(20).segment(30, 6).setConstant(1e4f);
-  RingFactor factor = settled_factor(data, {.max_rank = 8, .tolerance = 0});
+  OnlineSvd factor = settled_factor(data, {.max_rank = 8, .tolerance = 0});
   factor.remove(20);
   EXPECT_EQ(broken_invariants(factor), "");
   // Rounding of 1e4 in single precision is 1e-3 of the rest's values.
@@ -85,15 +85,15 @@ TEST(Removal, OfAHighlightTenThousandTimesTheRestKeepsTheRest) {
 
 TEST(Removal, OfWhatIsStillPendingIsAsIfItHadNeverCome) {
   const MatrixXf data = ring_like_matrix(90, 120, 5, 0.01f, 6);
-  RingFactor stream(90, {.max_rank = 6, .tolerance = 0});
+  OnlineSvd stream(90, {.max_rank = 6, .tolerance = 0});
   int added = 0;
   while (added < 60 || stream.pending() < 5) stream.add(data.col(added++));
   for (int removed = stream.folded_views(); removed < added; ++removed) {
-    RingFactor factor = stream, never(90, {.max_rank = 6, .tolerance = 0});
+    OnlineSvd factor = stream, never(90, {.max_rank = 6, .tolerance = 0});
     for (int j = 0; j < added; ++j)
       if (j != removed) never.add(data.col(j));
     factor.remove(removed);
-    const RingFactor a = factor.settled(), b = never.settled();
+    const OnlineSvd a = factor.settled(), b = never.settled();
     EXPECT_EQ(MatrixXf(a.basis()), MatrixXf(b.basis())) << removed;
     EXPECT_EQ(a.coefficients(), b.coefficients()) << removed;
   }
@@ -101,7 +101,7 @@ TEST(Removal, OfWhatIsStillPendingIsAsIfItHadNeverCome) {
 
 TEST(Removal, OfAnOccludedColumn) {
   const MatrixXf data = ring_like_matrix(120, 60, 4, 0.01f, 7);
-  RingFactor factor(120, {.max_rank = 8, .tolerance = 0}), never(120, {.max_rank = 8, .tolerance = 0});
+  OnlineSvd factor(120, {.max_rank = 8, .tolerance = 0}), never(120, {.max_rank = 8, .tolerance = 0});
   std::vector<std::uint8_t> known(120, 1);
   std::fill_n(known.begin() + 50, 60, 0);
   for (int j = 0; j < 60; ++j) {
@@ -119,7 +119,7 @@ TEST(Removal, OfAnOccludedColumn) {
 
 TEST(Removal, AThousandTimesInAndOutWearsNothingOut) {
   const MatrixXf data = ring_like_matrix(90, 40, 5, 0.01f, 8), visitors = ring_like_matrix(90, 37, 9, 0.05f, 30);
-  RingFactor factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
+  OnlineSvd factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
   for (int i = 0; i < 1000; ++i) {
     factor.add(visitors.col(i % 37));
     factor.fold();

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "reconstructor/numerics/batch_pca.h"
-#include "reconstructor/numerics/ring_factor.h"
-#include "tests/support/ring_factor_checks.h"
+#include "reconstructor/numerics/online_svd.h"
+#include "tests/support/online_svd_checks.h"
 #include "tests/support/test_matrices.h"
 
 namespace sheen {
@@ -24,8 +24,8 @@ class Scale : public testing::TestWithParam<float> {};
 TEST_P(Scale, IsCarriedThroughAndChangesNothingElse) {
   const MatrixXf data = ring_like_matrix(150, 60, 8, 0.01f, 1);
   const float scale = GetParam();
-  const RingFactorOptions options{.max_rank = 6, .tolerance = 0.01};
-  const RingFactor plain = settled_factor(data, options), scaled = settled_factor(scale * data, options);
+  const OnlineSvdOptions options{.max_rank = 6, .tolerance = 0.01};
+  const OnlineSvd plain = settled_factor(data, options), scaled = settled_factor(scale * data, options);
   EXPECT_EQ(broken_invariants(scaled), "");
   EXPECT_EQ(scaled.rank(), plain.rank());
   EXPECT_EQ(scaled.displayed_rank(), plain.displayed_rank());
@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(FromTinyToHuge, Scale, testing::Values(1e-30f, 1e-20f, 
 TEST(Scales, DenormalsAreKeptAsFarAsTheyHaveDigits) {
   const MatrixXf data = 1e-40f * ring_like_matrix(150, 40, 3, 0, 2);  // 1e-45 is the least: about five digits left
   ASSERT_EQ(std::fpclassify(data(3, 3)), FP_SUBNORMAL);
-  const RingFactor factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
+  const OnlineSvd factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
   EXPECT_EQ(broken_invariants(factor), "");
   EXPECT_LT(displayed_model_error(factor, data), 1e-4);
 }
@@ -47,7 +47,7 @@ TEST(Scales, DenormalsAreKeptAsFarAsTheyHaveDigits) {
 TEST(Scales, TheLeastNumberOfAllIsAColumnToo) {
   VectorXf column = VectorXf::Zero(20);
   column[4] = std::numeric_limits<float>::denorm_min();
-  RingFactor factor(20, {.max_rank = 3});
+  OnlineSvd factor(20, {.max_rank = 3});
   for (int i = 0; i < 5; ++i) factor.add(column);
   factor.fold();
   EXPECT_EQ(broken_invariants(factor), "");
@@ -62,7 +62,7 @@ TEST(Scales, AStreamThatGrowsByThirtyOrdersForgetsOnlyWhatIsBelowItsRounding) {
   for (int j = 0; j < 31; ++j) data.col(j) = std::pow(10.0f, static_cast<float>(j - 15)) * directions.col(j);
   for (const bool fading : {false, true}) {
     const MatrixXf stream = fading ? MatrixXf(data.rowwise().reverse()) : data;
-    const RingFactor factor = settled_factor(stream, {.max_rank = 8, .tolerance = 0});
+    const OnlineSvd factor = settled_factor(stream, {.max_rank = 8, .tolerance = 0});
     EXPECT_EQ(broken_invariants(factor), "") << fading;
     EXPECT_LT(displayed_model_error(factor, stream), 1e-6) << fading;
   }
@@ -72,7 +72,7 @@ TEST(Scales, AHighlightTenThousandTimesThePatchIsKept) {
   MatrixXf data = ring_like_matrix(300, 80, 0, 0.005f, 4);
   data.col(37).segment(40, 6).setConstant(1e4f);
   for (const double tolerance : {0.0, 1e-3}) {
-    const RingFactor factor = settled_factor(data, {.max_rank = 8, .tolerance = tolerance});
+    const OnlineSvd factor = settled_factor(data, {.max_rank = 8, .tolerance = tolerance});
     EXPECT_EQ(broken_invariants(factor), "");
     const VectorXf spot = factor.displayed_basis() * factor.displayed_coefficients().col(37);
     EXPECT_NEAR(spot[42], 1e4f, 1);
@@ -90,7 +90,7 @@ TEST(Scales, NanAndInfinityAreMaskedWhereTheyEnter) {
     damaged(3 * (j % 37) + 1, j) = kInfinity;
     damaged(3 * (j % 31) + 2, j) = -kInfinity;
   }
-  RingFactor factor(120, {.max_rank = 8, .tolerance = 0}), masked(120, {.max_rank = 8, .tolerance = 0});
+  OnlineSvd factor(120, {.max_rank = 8, .tolerance = 0}), masked(120, {.max_rank = 8, .tolerance = 0});
   for (int j = 0; j < 60; ++j) {
     factor.add(damaged.col(j));
     std::vector<std::uint8_t> known(120, 1);
@@ -110,7 +110,7 @@ TEST(Scales, AColumnOfNothingButNanIsAViewOfWhichNothingIsKnown) {
   for (const int at : {0, 1, 13, 29}) {
     MatrixXf damaged = data;
     damaged.col(at).setConstant(kNan);
-    const RingFactor factor = settled_factor(damaged, {.max_rank = 8, .tolerance = 0});
+    const OnlineSvd factor = settled_factor(damaged, {.max_rank = 8, .tolerance = 0});
     EXPECT_EQ(broken_invariants(factor), "") << at;
     EXPECT_EQ(factor.views(), 30) << at;
     damaged.col(at) = data.col(at);
@@ -121,7 +121,7 @@ TEST(Scales, AColumnOfNothingButNanIsAViewOfWhichNothingIsKnown) {
 TEST(Scales, HugeAndTinyWeightsCountAsTheyShould) {
   const MatrixXf data = ring_like_matrix(90, 30, 4, 0.01f, 7);
   for (const double weight : {1e-12, 1e12}) {
-    RingFactor factor(90, {.max_rank = 6, .tolerance = 0});
+    OnlineSvd factor(90, {.max_rank = 6, .tolerance = 0});
     for (int j = 0; j < 30; ++j) factor.add(data.col(j), weight);
     factor.fold();
     EXPECT_EQ(broken_invariants(factor), "");

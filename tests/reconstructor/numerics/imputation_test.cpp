@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
-#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/numerics/online_svd.h"
 #include "tests/support/test_matrices.h"
 
 namespace sheen {
@@ -56,26 +56,26 @@ TEST(LeastSquares, OfNoRowIsZero) {
 
 TEST(LeastSquares, AFactorFillsAHalfHiddenColumnWithIt) {
   const MatrixXf data = ring_like_matrix(60, 31, 3, 0.01f, 3);
-  const RingFactorOptions options{.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares};
-  RingFactor factor(60, options);
+  const OnlineSvdOptions options{.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares};
+  OnlineSvd factor(60, options);
   for (int j = 0; j < 30; ++j) factor.add(data.col(j));
   factor.fold();
   std::vector<std::uint8_t> known(60, 1);
   std::fill(known.begin() + 30, known.end(), 0);
-  RingFactor filled = factor;
+  OnlineSvd filled = factor;
   VectorXf column = data.col(30);
   const VectorXf y = factor.basis().topRows(30).colPivHouseholderQr().solve(column.head(30));
   column.tail(30) = factor.basis().bottomRows(30) * y;
   factor.add(column);
   filled.add(data.col(30), known);
-  const RingFactor a = factor.settled(), b = filled.settled();
+  const OnlineSvd a = factor.settled(), b = filled.settled();
   EXPECT_LT((a.basis() * a.coefficients() - b.basis() * b.coefficients()).norm(), 1e-4 * data.norm());
 }
 
 TEST(LeastSquares, ChangesNothingWhereAllIsVisible) {
   const MatrixXf data = ring_like_matrix(60, 40, 6, 0.01f, 4);
-  RingFactor ours(60, {.max_rank = 4, .tolerance = 0});
-  RingFactor theirs(60, {.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares});
+  OnlineSvd ours(60, {.max_rank = 4, .tolerance = 0});
+  OnlineSvd theirs(60, {.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares});
   for (int j = 0; j < 40; ++j) {
     ours.add(data.col(j));
     theirs.add(data.col(j));

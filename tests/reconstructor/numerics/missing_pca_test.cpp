@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/numerics/online_svd.h"
 #include "tests/support/matchers.h"
 #include "tests/support/test_matrices.h"
 
@@ -194,7 +194,7 @@ TEST(Surprise, OfTheBatchIsNeverMoreThanOfAnyOnlineFactorization) {
       const double batch =
           surprise(data, known, batch_pca_missing(data, known, kRank, weights, {.convergence = 1e-7}).basis, weights);
       for (const int inside : {kRank, 2 * kRank}) {
-        RingFactor factor(kRows, {.max_rank = kRank, .internal_rank = inside, .tolerance = 0});
+        OnlineSvd factor(kRows, {.max_rank = kRank, .internal_rank = inside, .tolerance = 0});
         for (int j = 0; j < kViews; ++j)
           factor.add(data.col(j), {known.col(j).data(), static_cast<std::size_t>(kRows)},
                      weights[static_cast<std::size_t>(j)]);
@@ -212,9 +212,9 @@ TEST(Surprise, OfTheBatchIsTheLeastAtAGivenNoiseToo) {
   for (std::uint32_t seed = 0; seed < 4; ++seed) {
     const MatrixXf data = ring_like_matrix(kRows, kViews, 7, 0.05f, 300 + 50 * seed);
     const KnownValues known = known_beside_edges(kRows, kViews, 0.8, 40 + seed);
-    RingFactor factor(kRows, {.max_rank = kRank, .internal_rank = kRank, .tolerance = 0});
+    OnlineSvd factor(kRows, {.max_rank = kRank, .internal_rank = kRank, .tolerance = 0});
     for (int j = 0; j < kViews; ++j) factor.add(data.col(j), {known.col(j).data(), static_cast<std::size_t>(kRows)});
-    const RingFactor online = factor.settled();
+    const OnlineSvd online = factor.settled();
     const double noise = online.row_noise();
     const BatchPca batch = batch_pca_missing(data, known, kRank, {}, {.convergence = 1e-7, .noise = noise});
     const double least = surprise(data, known, batch.basis, {}, noise);

@@ -21,13 +21,13 @@ float light(const Eigen::Vector3f& r) {
 }
 
 /// Rings of all normals and greys in front of 12 eyes each.
-std::vector<RingLevels> rings(int count, bool shiny, std::uint32_t seed) {
+std::vector<PatchLevels> rings(int count, bool shiny, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
   const auto draw = [&] { return Eigen::Vector3f(normal(random), normal(random), normal(random)).normalized(); };
-  std::vector<RingLevels> out;
+  std::vector<PatchLevels> out;
   for (int v = 0; v < count; ++v) {
-    RingLevels ring{draw(), Eigen::Matrix3Xf(3, 12), Eigen::Matrix3Xf(3, 12), Eigen::VectorXf::Ones(12)};
+    PatchLevels ring{draw(), Eigen::Matrix3Xf(3, 12), Eigen::Matrix3Xf(3, 12), Eigen::VectorXf::Ones(12)};
     const float grey = 0.2f + 0.4f * static_cast<float>(v % 7) / 6;
     for (int j = 0; j < 12; ++j) {
       Eigen::Vector3f d = draw();
@@ -44,7 +44,7 @@ TEST(ReflectionDrift, FindsTheLightThatAllRingsMirror) {
   const auto drift = estimate_reflection_drift(rings(300, true, 1));
   ASSERT_TRUE(drift);
   // Known up to a factor and a constant: what is left of the true light after the best of both.
-  for (const RingLevels& ring : rings(20, true, 2)) {
+  for (const PatchLevels& ring : rings(20, true, 2)) {
     Eigen::VectorXd truth(12), found(12);
     for (int j = 0; j < 12; ++j) {
       truth[j] = light(mirrored(ring.directions.col(j), ring.normal));
@@ -58,7 +58,7 @@ TEST(ReflectionDrift, FindsTheLightThatAllRingsMirror) {
 }
 
 TEST(ReflectionDrift, ARoundAtATimeGivesTheSameBitsAsAllAtOnce) {
-  const std::vector<RingLevels> some = rings(300, true, 1);
+  const std::vector<PatchLevels> some = rings(300, true, 1);
   ReflectionFit fit(some);
   int rounds = 1;
   while (!fit.step()) ++rounds;
@@ -74,7 +74,7 @@ TEST(ReflectionDrift, AMatteObjectAndFewRingsHaveNone) {
 }
 
 TEST(ReflectionDrift, OneImputedLevelThatRanAwayDoesNotBendIt) {
-  std::vector<RingLevels> some = rings(300, true, 1);
+  std::vector<PatchLevels> some = rings(300, true, 1);
   const auto clean = estimate_reflection_drift(some);
   some[7].levels.col(3).setConstant(1e4f);
   some[7].reliability[3] = 0.05f;

@@ -10,9 +10,9 @@
 
 #include "reconstructor/numerics/folded_views.h"
 #include "reconstructor/numerics/missing_rows.h"
+#include "reconstructor/numerics/online_svd_options.h"
 #include "reconstructor/numerics/pending_columns.h"
-#include "reconstructor/numerics/ring_basis.h"
-#include "reconstructor/numerics/ring_factor_options.h"
+#include "reconstructor/numerics/svd_basis.h"
 
 namespace sheen {
 
@@ -24,9 +24,9 @@ struct ColumnReport {
   bool first = false;  ///< there was nothing to predict it from: the residual is no error of prediction
 };
 
-/// Online SVD of the columns of one vertex ring (000 sec. 3.1), a block at a time. A new column is only written to a
-/// buffer; when the block is full it is folded: one projection, one Gram matrix of basis and residuals, one small
-/// eigenproblem in double, one product that rotates the basis. See docs/decisions/online_svd.md.
+/// Online SVD of the columns of one patch (000 sec. 3.1; there, of one vertex ring), a block at a time. A new column is
+/// only written to a buffer; when the block is full it is folded: one projection, one Gram matrix of basis and
+/// residuals, one small eigenproblem in double, one product that rotates the basis. See docs/decisions/online_svd.md.
 ///
 ///   B  rows x rank           orthonormal basis                       C ~ B Y
 ///   Y  rank x folded views   coefficients of the folded views
@@ -35,7 +35,7 @@ struct ColumnReport {
 /// It is made of four parts, which change for reasons of their own:
 ///
 ///   PendingColumns  the columns of a block until it is folded             the rows, a bit for each hidden
-///   one RingBasis       B and G, and the algebra of a fold                    equations (1) to (5), costs FoldedViews
+///   one SvdBasis       B and G, and the algebra of a fold                    equations (1) to (5), costs FoldedViews
 ///   Y and the ledger of what each view weighs and lacks   merging, taking out MissingRows     what columns do not show
 ///   imputation, rows that are seen late
 ///
@@ -47,19 +47,19 @@ struct ColumnReport {
 /// (see imputation.h), and again each time that the columns have grown by a tenth: early guesses do not stay. What such
 /// a column showed of some rows (`sketch`) is remembered for it, so that the basis may find more in it later. A row
 /// that no column showed so far is zero in B; the first columns that show it give it its channel's mean row, scaled to
-/// their values: a surface point seen late is taken to have varied like its ring.
+/// their values: a surface point seen late is taken to have varied like its patch.
 ///
 /// Views are numbered 0 .. views() - 1, in the order of their arrival: first the folded, then the pending ones. Folds
 /// depend on how many columns were added and on nothing else: looking (`settled`, `pending_coefficients`) never changes
 /// what comes later. Zero columns are kept (y = 0). Rows that are not finite count as unknown. Any scale from denormals
 /// to 1e36 will do.
 ///
-///   RingFactor factor(rows, {.max_rank = 12, .tolerance = 0.01}, phase);
+///   OnlineSvd factor(rows, {.max_rank = 12, .tolerance = 0.01}, phase);
 ///   for (...) reports = factor.add(column, known, weight);   // reports of the block, when this column filled it
-///   RingFactor now = factor.settled();                       // all columns folded, for a picture or a file
+///   OnlineSvd now = factor.settled();                       // all columns folded, for a picture or a file
 ///   now.displayed_basis() * now.displayed_coefficients()     // the best approximation of rank <= max_rank
 template <typename Scalar>
-class BasicRingFactor {
+class BasicOnlineSvd {
  public:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
@@ -67,9 +67,9 @@ class BasicRingFactor {
   using Reports = std::vector<ColumnReport>;
 
   /// `phase`: factors of differing phase fold at different columns, which spreads the work evenly over images.
-  BasicRingFactor(int rows, const RingFactorOptions& options, unsigned phase = 0);
+  BasicOnlineSvd(int rows, const OnlineSvdOptions& options, unsigned phase = 0);
 
-  const RingFactorOptions& options() const { return options_; }
+  const OnlineSvdOptions& options() const { return options_; }
   int rows() const { return basis_.rows(); }
   int rank() const { return basis_.rank(); }
   int displayed_rank() const { return basis_.displayed(); }  ///< terms that the tolerance asks for, at most max_rank
@@ -98,7 +98,7 @@ class BasicRingFactor {
   std::size_t bytes() const;  ///< of heap memory held
   /// Upper bound of `bytes` for a factor of so many rows that holds so many terms, so many columns in its buffer and so
   /// many views, whatever columns come. Fractions are means over factors. `sketched`: rows of which views that hide
-  /// rows remember what they showed (RingFactorOptions::witnesses).
+  /// rows remember what they showed (OnlineSvdOptions::witnesses).
   static double bytes_for(double rows, double terms, double columns, double views, double sketched);
 
   /// Adds a column (`rows` values) as a new view with a weight > 0. Not empty when the column filled its block, which
@@ -114,7 +114,7 @@ class BasicRingFactor {
   Reports limit(int max_rank, int internal_rank, int block);
 
   /// A copy with all columns folded.
-  BasicRingFactor settled() const;
+  BasicOnlineSvd settled() const;
   /// Of a pending column, as it was added; NaN where it does not show the row.
   Scalar pending_value(int column, int row) const;
   /// Most probable coefficients of the pending columns in the present basis: rank x pending().
@@ -149,19 +149,19 @@ class BasicRingFactor {
   void turn_to_singular_order();
   void rediagonalise();
 
-  RingFactorOptions options_;
+  OnlineSvdOptions options_;
   unsigned phase_;
   int block_due_ = 1;       ///< columns that the block will have
   bool predicted_ = false;  ///< any column, which `row_noise` follows
   std::int64_t columns_added_ = 0, columns_folded_ = 0;
   double row_noise_ = 0;
-  RingBasis<Scalar> basis_;
+  SvdBasis<Scalar> basis_;
   FoldedViews<Scalar> views_;
   MissingRows<Scalar> missing_;
   PendingColumns<Scalar> pending_;
 };
 
-using RingFactor = BasicRingFactor<float>;
-using RingFactorDouble = BasicRingFactor<double>;
+using OnlineSvd = BasicOnlineSvd<float>;
+using OnlineSvdDouble = BasicOnlineSvd<double>;
 
 }  // namespace sheen

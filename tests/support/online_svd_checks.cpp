@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/support/ring_factor_checks.h"
+#include "tests/support/online_svd_checks.h"
 
 #include <cmath>
 #include <limits>
@@ -10,12 +10,12 @@
 namespace sheen {
 
 template <typename Scalar>
-std::string broken_invariants(const BasicRingFactor<Scalar>& factor, std::int64_t columns) {
+std::string broken_invariants(const BasicOnlineSvd<Scalar>& factor, std::int64_t columns) {
   std::ostringstream broken;
   const auto demand = [&](bool holds, const char* what, double value) {
     if (!holds) broken << what << ": " << value << "\n";
   };
-  const RingFactorOptions& options = factor.options();
+  const OnlineSvdOptions& options = factor.options();
   const int rank = factor.rank();
   demand(rank <= options.terms_kept(), "rank above the terms kept", rank);
   demand(rank <= factor.rows(), "rank above the rows", rank);
@@ -70,28 +70,28 @@ double relative(const Eigen::MatrixXd& model, const Eigen::MatrixXf& columns) {
 }  // namespace
 
 template <typename Scalar>
-double model_error(const BasicRingFactor<Scalar>& settled, const Eigen::MatrixXf& columns) {
+double model_error(const BasicOnlineSvd<Scalar>& settled, const Eigen::MatrixXf& columns) {
   return relative(settled.basis().template cast<double>() * settled.coefficients().template cast<double>(), columns);
 }
 
 template <typename Scalar>
-double displayed_model_error(const BasicRingFactor<Scalar>& settled, const Eigen::MatrixXf& columns) {
+double displayed_model_error(const BasicOnlineSvd<Scalar>& settled, const Eigen::MatrixXf& columns) {
   return relative(
       settled.displayed_basis().template cast<double>() * settled.displayed_coefficients().template cast<double>(),
       columns);
 }
 
-RingFactor settled_factor(const Eigen::MatrixXf& columns, const RingFactorOptions& options) {
-  RingFactor factor(static_cast<int>(columns.rows()), options);
+OnlineSvd settled_factor(const Eigen::MatrixXf& columns, const OnlineSvdOptions& options) {
+  OnlineSvd factor(static_cast<int>(columns.rows()), options);
   for (Eigen::Index j = 0; j < columns.cols(); ++j) factor.add(columns.col(j));
   return factor.settled();
 }
 
-template std::string broken_invariants(const RingFactor&, std::int64_t);
-template std::string broken_invariants(const RingFactorDouble&, std::int64_t);
-template double model_error(const RingFactor&, const Eigen::MatrixXf&);
-template double model_error(const RingFactorDouble&, const Eigen::MatrixXf&);
-template double displayed_model_error(const RingFactor&, const Eigen::MatrixXf&);
-template double displayed_model_error(const RingFactorDouble&, const Eigen::MatrixXf&);
+template std::string broken_invariants(const OnlineSvd&, std::int64_t);
+template std::string broken_invariants(const OnlineSvdDouble&, std::int64_t);
+template double model_error(const OnlineSvd&, const Eigen::MatrixXf&);
+template double model_error(const OnlineSvdDouble&, const Eigen::MatrixXf&);
+template double displayed_model_error(const OnlineSvd&, const Eigen::MatrixXf&);
+template double displayed_model_error(const OnlineSvdDouble&, const Eigen::MatrixXf&);
 
 }  // namespace sheen

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "reconstructor/numerics/ring_factor_options.h"
+#include "reconstructor/numerics/online_svd_options.h"
 #include "reconstructor/numerics/row_bits.h"
 #include "reconstructor/numerics/row_panels.h"
 
@@ -33,7 +33,7 @@ struct Fold {
   Eigen::VectorXd lost;              ///< for each column: ||c||^2 less that of its coordinates
 };
 
-/// The basis of the online SVD of a ring, and the algebra of a fold. With n rows, r terms, and the k columns C of a
+/// The basis of the online SVD, and the algebra of a fold. With n rows, r terms, and the k columns C of a
 /// block with their weights w (W = diag w):
 ///
 ///   B  n x r   orthonormal        G  r x r  sum of w y y^T over all columns folded so far (double)
@@ -57,12 +57,12 @@ struct Fold {
 /// Energy is counted exactly: B is orthonormal, so what is dropped is orthogonal to what is kept, and the sum of
 /// w ||c||^2 over all columns is trace G + lost.
 template <typename Scalar>
-class RingBasis {
+class SvdBasis {
  public:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
   using Columns = row_panels::Columns<Scalar>;
 
-  explicit RingBasis(int rows) : rows_(rows) { basis_.resize(row_panels::padded(rows), 0); }
+  explicit SvdBasis(int rows) : rows_(rows) { basis_.resize(row_panels::padded(rows), 0); }
 
   int rows() const { return rows_; }
   int rank() const { return rank_; }
@@ -85,10 +85,10 @@ class RingBasis {
   /// `y`: B^T C, hidden rows at what they are imputed to be; these are then B y, and P is 0 there. `hidden`: which of
   /// the columns hide a row, or empty.
   Fold fold(const Columns& columns, const Eigen::VectorXd& weights, const Eigen::MatrixXd& y,
-            std::span<const std::uint64_t> hidden, const RingFactorOptions& options);
+            std::span<const std::uint64_t> hidden, const OnlineSvdOptions& options);
 
   /// Restores the singular order, and gives back the rank that the options do not ask for.
-  BasisRotation restore_order(const RingFactorOptions& options);
+  BasisRotation restore_order(const OnlineSvdOptions& options);
 
   /// Gives rows that were zero values, row by row, and then makes B orthonormal again. Returns what coefficients are to
   /// be multiplied by, one matrix after the other: r x r each.
@@ -105,13 +105,13 @@ class RingBasis {
   struct Block;
   struct Rotation;
 
-  void split_residuals(const Columns& columns, Block& block, const RingFactorOptions& options) const;
+  void split_residuals(const Columns& columns, Block& block, const OnlineSvdOptions& options) const;
   Eigen::VectorXd orthonormalise_again(const Columns& columns, Block& block) const;
-  void choose_rank(const Eigen::VectorXd& descending, double lost, const RingFactorOptions& options,
+  void choose_rank(const Eigen::VectorXd& descending, double lost, const OnlineSvdOptions& options,
                    Rotation& rotation) const;
-  Rotation singular_rotation(const Block& block, const RingFactorOptions& options) const;
+  Rotation singular_rotation(const Block& block, const OnlineSvdOptions& options) const;
   double growth(const Block& block, const Eigen::VectorXd& norm2, const Rotation& rotation) const;
-  Fold absorb(const Columns& columns, Block& block, const RingFactorOptions& options);
+  Fold absorb(const Columns& columns, Block& block, const OnlineSvdOptions& options);
   BasisRotation apply(const Columns& columns, Rotation& rotation, const Block& block);
   void forget_directions(const Rotation& rotation, const Block& block);
 

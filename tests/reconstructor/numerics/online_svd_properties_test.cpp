@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "reconstructor/numerics/batch_pca.h"
-#include "reconstructor/numerics/ring_factor.h"
-#include "tests/support/ring_factor_checks.h"
+#include "reconstructor/numerics/online_svd.h"
+#include "tests/support/online_svd_checks.h"
 #include "tests/support/test_matrices.h"
 
 namespace sheen {
@@ -42,7 +42,7 @@ MatrixXf hostile_matrix() {
   return scale * data;
 }
 
-RingFactorOptions any_options() {
+OnlineSvdOptions any_options() {
   const int max_rank = *rc::gen::inRange(1, 16);
   const double tolerance = *rc::gen::element(0.0, 1e-4, 0.01, 0.1);
   return {.max_rank = max_rank,
@@ -51,10 +51,10 @@ RingFactorOptions any_options() {
           .tolerance = tolerance};
 }
 
-RC_GTEST_PROP(RingFactorProperties, InvariantsHold, ()) {
+RC_GTEST_PROP(OnlineSvdProperties, InvariantsHold, ()) {
   const MatrixXf data = hostile_matrix();
-  const RingFactorOptions options = any_options();
-  RingFactor factor(static_cast<int>(data.rows()), options, *rc::gen::inRange(0U, 40U));
+  const OnlineSvdOptions options = any_options();
+  OnlineSvd factor(static_cast<int>(data.rows()), options, *rc::gen::inRange(0U, 40U));
   for (Eigen::Index j = 0; j < data.cols(); ++j) {
     factor.add(data.col(j));
     RC_ASSERT(broken_invariants(factor) == "");
@@ -62,10 +62,10 @@ RC_GTEST_PROP(RingFactorProperties, InvariantsHold, ()) {
   RC_ASSERT(broken_invariants(factor.settled()) == "");
 }
 
-RC_GTEST_PROP(RingFactorProperties, TheErrorIsWhatItSays, ()) {
+RC_GTEST_PROP(OnlineSvdProperties, TheErrorIsWhatItSays, ()) {
   const MatrixXf data = hostile_matrix();
-  const RingFactorOptions options = any_options();
-  const RingFactor factor = settled_factor(data, options);
+  const OnlineSvdOptions options = any_options();
+  const OnlineSvd factor = settled_factor(data, options);
   const Eigen::MatrixXd columns = data.cast<double>();
   RC_PRE(columns.norm() > 0);
   RC_ASSERT(std::abs(factor.energy() / columns.squaredNorm() - 1) < 1e-5);
@@ -76,33 +76,33 @@ RC_GTEST_PROP(RingFactorProperties, TheErrorIsWhatItSays, ()) {
   RC_ASSERT(factor.relative_error() <= 2.5 * model_error(factor, data) + kBlockDigits);
 }
 
-RC_GTEST_PROP(RingFactorProperties, WithinTheToleranceUnlessTheRankIsCapped, ()) {
+RC_GTEST_PROP(OnlineSvdProperties, WithinTheToleranceUnlessTheRankIsCapped, ()) {
   const MatrixXf data = hostile_matrix();
-  RingFactorOptions options = any_options();
+  OnlineSvdOptions options = any_options();
   options.max_rank = 80;  // no cap
   options.internal_rank = 0;
-  const RingFactor factor = settled_factor(data, options);
+  const OnlineSvd factor = settled_factor(data, options);
   RC_PRE(data.cast<double>().norm() > 0);
   RC_ASSERT(displayed_model_error(factor, data) <= 1.05 * options.tolerance + kBlockDigits);
 }
 
-RC_GTEST_PROP(RingFactorProperties, IsNearlyTheBatch, ()) {
+RC_GTEST_PROP(OnlineSvdProperties, IsNearlyTheBatch, ()) {
   const MatrixXf data = hostile_matrix();
-  RingFactorOptions options = any_options();
+  OnlineSvdOptions options = any_options();
   options.internal_rank = 0;  // as advised: twice the displayed
   options.tolerance = 0;
-  const RingFactor factor = settled_factor(data, options);
+  const OnlineSvd factor = settled_factor(data, options);
   RC_PRE(data.cast<double>().norm() > 0);
   RC_ASSERT(displayed_model_error(factor, data) <=
             1.05 * batch_pca(data, options.max_rank).relative_error + kBlockDigits);
 }
 
-RC_GTEST_PROP(RingFactorProperties, FloatAndDoubleAgree, ()) {
+RC_GTEST_PROP(OnlineSvdProperties, FloatAndDoubleAgree, ()) {
   const MatrixXf data = hostile_matrix();
-  RingFactorOptions options = any_options();
+  OnlineSvdOptions options = any_options();
   options.tolerance = 0.01;  // ranks are decided well above the rounding of either
-  const RingFactor single = settled_factor(data, options);
-  RingFactorDouble precise(static_cast<int>(data.rows()), options);
+  const OnlineSvd single = settled_factor(data, options);
+  OnlineSvdDouble precise(static_cast<int>(data.rows()), options);
   for (Eigen::Index j = 0; j < data.cols(); ++j) precise.add(data.col(j).cast<double>());
   precise.fold();
   RC_PRE(data.cast<double>().norm() > 0);
@@ -110,10 +110,10 @@ RC_GTEST_PROP(RingFactorProperties, FloatAndDoubleAgree, ()) {
   RC_ASSERT(std::abs(displayed_model_error(single, data) - displayed_model_error(precise, data)) < 2e-3);
 }
 
-RC_GTEST_PROP(RingFactorProperties, MissingRowsRemovalAndMergingKeepTheInvariants, ()) {
+RC_GTEST_PROP(OnlineSvdProperties, MissingRowsRemovalAndMergingKeepTheInvariants, ()) {
   const MatrixXf data = hostile_matrix();
-  const RingFactorOptions options = any_options();
-  RingFactor factor(static_cast<int>(data.rows()), options, *rc::gen::inRange(0U, 40U));
+  const OnlineSvdOptions options = any_options();
+  OnlineSvd factor(static_cast<int>(data.rows()), options, *rc::gen::inRange(0U, 40U));
   for (Eigen::Index j = 0; j < data.cols(); ++j) {
     const int share = *rc::gen::element(0, 1, 20, 60, 100);
     std::vector<std::uint8_t> known(static_cast<std::size_t>(data.rows()));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers in brackets are those of the equations in ring_basis.h.
-#include "reconstructor/numerics/ring_basis.h"
+// The numbers in brackets are those of the equations in svd_basis.h.
+#include "reconstructor/numerics/svd_basis.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -50,7 +50,7 @@ VectorXd lost_of_columns(const Block& block, const MatrixXd& coordinates) {
 /// Core coordinates are those of Q = [B' R]: the polished basis B' = B (I - E/2) and the orthonormalised residuals
 /// R = (P - B overlap) to_directions, whatever (2) needed to find them.
 template <typename Scalar>
-struct RingBasis<Scalar>::Block {
+struct SvdBasis<Scalar>::Block {
   int count = 0;
   VectorXd weight;            ///< for each column
   VectorXd norm2, residual2;  ///< for each column: ||c||^2, ||p||^2
@@ -64,7 +64,7 @@ struct RingBasis<Scalar>::Block {
 
 /// New basis = Q from_core: the leading singular directions of all columns, in core coordinates.
 template <typename Scalar>
-struct RingBasis<Scalar>::Rotation {
+struct SvdBasis<Scalar>::Rotation {
   int rank = 0, displayed = 0;
   double lost = 0;       ///< energy of the directions left out
   VectorXd spectrum;     ///< rank
@@ -74,7 +74,7 @@ struct RingBasis<Scalar>::Rotation {
 };
 
 template <typename Scalar>
-double RingBasis<Scalar>::displayed_error() const {
+double SvdBasis<Scalar>::displayed_error() const {
   const double all = energy();
   double unshown = lost_;
   for (int i = displayed_; i < rank_; ++i) unshown += gram_(i, i);
@@ -82,18 +82,18 @@ double RingBasis<Scalar>::displayed_error() const {
 }
 
 template <typename Scalar>
-std::size_t RingBasis<Scalar>::bytes() const {
+std::size_t SvdBasis<Scalar>::bytes() const {
   return sizeof(Scalar) * basis_.size() + sizeof(double) * (gram_.size() + spectrum_.size());
 }
 
 template <typename Scalar>
-MatrixXd RingBasis<Scalar>::project(const row_panels::Columns<const Scalar>& columns) const {
+MatrixXd SvdBasis<Scalar>::project(const row_panels::Columns<const Scalar>& columns) const {
   return row_panels::inner_products(this->columns(), columns, basis_.rows());
 }
 
 template <typename Scalar>
-Fold RingBasis<Scalar>::fold(const Columns& columns, const VectorXd& weights, const MatrixXd& y,
-                             std::span<const std::uint64_t> hidden, const RingFactorOptions& options) {
+Fold SvdBasis<Scalar>::fold(const Columns& columns, const VectorXd& weights, const MatrixXd& y,
+                            std::span<const std::uint64_t> hidden, const OnlineSvdOptions& options) {
   Block block;
   block.count = static_cast<int>(weights.size());
   block.weight = weights;
@@ -109,7 +109,7 @@ Fold RingBasis<Scalar>::fold(const Columns& columns, const VectorXd& weights, co
 
 /// (2): separates what the basis does not hold of the block, and orthonormalises it where it may not be lost.
 template <typename Scalar>
-void RingBasis<Scalar>::split_residuals(const Columns& columns, Block& block, const RingFactorOptions& options) const {
+void SvdBasis<Scalar>::split_residuals(const Columns& columns, Block& block, const OnlineSvdOptions& options) const {
   const int count = block.count;
   const row_panels::Columns<const Scalar> residuals = columns;
   block.overlap = row_panels::inner_products(this->columns(), residuals, columns.stride);
@@ -140,8 +140,8 @@ void RingBasis<Scalar>::split_residuals(const Columns& columns, Block& block, co
 /// How many terms to keep and how many of them to display. `descending`: squared singular values; `lost`: energy
 /// without any direction.
 template <typename Scalar>
-void RingBasis<Scalar>::choose_rank(const VectorXd& descending, double lost, const RingFactorOptions& options,
-                                    Rotation& rotation) const {
+void SvdBasis<Scalar>::choose_rank(const VectorXd& descending, double lost, const OnlineSvdOptions& options,
+                                   Rotation& rotation) const {
   const double energy = lost + descending.sum();
   const double budget = options.tolerance * options.tolerance * energy;
   // of the columns, and of the eigenvalues, which are no more exact than the largest of them
@@ -164,7 +164,7 @@ void RingBasis<Scalar>::choose_rank(const VectorXd& descending, double lost, con
 
 /// Orthonormalises the directions of the block once more, now as columns of their own, whose squared norms it returns.
 template <typename Scalar>
-VectorXd RingBasis<Scalar>::orthonormalise_again(const Columns& columns, Block& block) const {
+VectorXd SvdBasis<Scalar>::orthonormalise_again(const Columns& columns, Block& block) const {
   const auto columns_before = static_cast<int>(block.to_directions.rows());
   const auto directions = static_cast<int>(block.to_directions.cols());
   Matrix m(rank_ + columns_before, directions);
@@ -185,8 +185,8 @@ VectorXd RingBasis<Scalar>::orthonormalise_again(const Columns& columns, Block& 
 
 /// (3) and (4).
 template <typename Scalar>
-typename RingBasis<Scalar>::Rotation RingBasis<Scalar>::singular_rotation(const Block& block,
-                                                                          const RingFactorOptions& options) const {
+typename SvdBasis<Scalar>::Rotation SvdBasis<Scalar>::singular_rotation(const Block& block,
+                                                                        const OnlineSvdOptions& options) const {
   const Eigen::Index directions = block.outside.rows(), size = rank_ + directions;
   if (size == 0) return {.coordinates = MatrixXd::Zero(0, block.count)};
   MatrixXd z(size, block.count);
@@ -214,7 +214,7 @@ typename RingBasis<Scalar>::Rotation RingBasis<Scalar>::singular_rotation(const 
 
 /// What rounding in the inner products of the residuals, times their norms, is magnified by on its way to the basis.
 template <typename Scalar>
-double RingBasis<Scalar>::growth(const Block& block, const VectorXd& norm2, const Rotation& rotation) const {
+double SvdBasis<Scalar>::growth(const Block& block, const VectorXd& norm2, const Rotation& rotation) const {
   if (rotation.rank == 0) return 0;
   const MatrixXd reach =
       norm2.cwiseSqrt().asDiagonal() * block.to_directions * rotation.from_core.bottomRows(block.outside.rows());
@@ -223,7 +223,7 @@ double RingBasis<Scalar>::growth(const Block& block, const VectorXd& norm2, cons
 
 /// Adds the block to G, and rotates the basis to the new singular directions where there are any.
 template <typename Scalar>
-Fold RingBasis<Scalar>::absorb(const Columns& columns, Block& block, const RingFactorOptions& options) {
+Fold SvdBasis<Scalar>::absorb(const Columns& columns, Block& block, const OnlineSvdOptions& options) {
   const bool grows = block.outside.rows() > 0;
   const auto polish = [&] {
     block.loss = row_panels::gram(this->columns(), basis_.rows());
@@ -262,7 +262,7 @@ Fold RingBasis<Scalar>::absorb(const Columns& columns, Block& block, const RingF
 
 /// Nothing is left but zeros, or less than the tolerance.
 template <typename Scalar>
-void RingBasis<Scalar>::forget_directions(const Rotation& rotation, const Block& block) {
+void SvdBasis<Scalar>::forget_directions(const Rotation& rotation, const Block& block) {
   basis_.resize(row_panels::padded(rows_), 0);
   gram_.resize(0, 0);
   spectrum_.resize(0);
@@ -272,7 +272,7 @@ void RingBasis<Scalar>::forget_directions(const Rotation& rotation, const Block&
 
 /// (5). The residuals that (2) left in `columns` become part of the basis.
 template <typename Scalar>
-BasisRotation RingBasis<Scalar>::apply(const Columns& columns, Rotation& rotation, const Block& block) {
+BasisRotation SvdBasis<Scalar>::apply(const Columns& columns, Rotation& rotation, const Block& block) {
   if (rotation.rank == 0) {
     forget_directions(rotation, block);
     return {.kind = BasisRotation::Kind::kGone, .new_from_old = {}};
@@ -309,7 +309,7 @@ BasisRotation RingBasis<Scalar>::apply(const Columns& columns, Rotation& rotatio
 }
 
 template <typename Scalar>
-BasisRotation RingBasis<Scalar>::restore_order(const RingFactorOptions& options) {
+BasisRotation SvdBasis<Scalar>::restore_order(const OnlineSvdOptions& options) {
   if (rank_ == 0) return {};
   Block nothing;
   nothing.inside = nothing.overlap = MatrixXd::Zero(rank_, 0);
@@ -318,7 +318,7 @@ BasisRotation RingBasis<Scalar>::restore_order(const RingFactorOptions& options)
 }
 
 template <typename Scalar>
-std::vector<MatrixXd> RingBasis<Scalar>::restore_orthonormality() {
+std::vector<MatrixXd> SvdBasis<Scalar>::restore_orthonormality() {
   std::vector<MatrixXd> steps;
   for (int pass = 0; pass < 2; ++pass) {  // the first leaves rounding times the condition of the rows' Gram matrix
     const Eigen::LLT<MatrixXd> cholesky(row_panels::gram(columns(), basis_.rows()));
@@ -334,7 +334,7 @@ std::vector<MatrixXd> RingBasis<Scalar>::restore_orthonormality() {
   return steps;
 }
 
-template class RingBasis<float>;
-template class RingBasis<double>;
+template class SvdBasis<float>;
+template class SvdBasis<double>;
 
 }  // namespace sheen

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/numerics/online_svd.h"
 
 #include <cmath>
 #include <limits>
@@ -16,7 +16,7 @@ void require(bool holds, const char* rule) {
   if (!holds) throw std::invalid_argument(rule);
 }
 
-const RingFactorOptions& valid(const RingFactorOptions& options, int rows) {
+const OnlineSvdOptions& valid(const OnlineSvdOptions& options, int rows) {
   require_valid(options, rows);
   return options;
 }
@@ -24,13 +24,13 @@ const RingFactorOptions& valid(const RingFactorOptions& options, int rows) {
 }  // namespace
 
 template <typename Scalar>
-BasicRingFactor<Scalar>::BasicRingFactor(int rows, const RingFactorOptions& options, unsigned phase)
+BasicOnlineSvd<Scalar>::BasicOnlineSvd(int rows, const OnlineSvdOptions& options, unsigned phase)
     : options_(valid(options, rows)), phase_(phase), basis_(rows), missing_(rows, options), pending_(rows) {}
 
 /// Single columns at first, for what is imputed leans on the columns before; then folds a block apart, at counts that
 /// differ with the phase.
 template <typename Scalar>
-int BasicRingFactor<Scalar>::block_size() const {
+int BasicOnlineSvd<Scalar>::block_size() const {
   constexpr int kSingles = 8;
   constexpr double kGoldenRatio = 0.6180339887498949;
   if (columns_folded_ < kSingles) return 1;
@@ -41,13 +41,13 @@ int BasicRingFactor<Scalar>::block_size() const {
 }
 
 template <typename Scalar>
-typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(const ConstVectorRef& column,
-                                                                       std::span<const std::uint8_t> known,
-                                                                       double weight) {
-  require(column.size() == rows(), "ring factor: a column must have as many values as the factor has rows");
+typename BasicOnlineSvd<Scalar>::Reports BasicOnlineSvd<Scalar>::add(const ConstVectorRef& column,
+                                                                     std::span<const std::uint8_t> known,
+                                                                     double weight) {
+  require(column.size() == rows(), "online SVD: a column must have as many values as the factor has rows");
   require(known.empty() || known.size() == static_cast<std::size_t>(rows()),
-          "ring factor: known must have one flag per row");
-  require(weight > 0 && std::isfinite(weight), "ring factor: a weight must be positive and finite");
+          "online SVD: known must have one flag per row");
+  require(weight > 0 && std::isfinite(weight), "online SVD: a weight must be positive and finite");
   if (pending_.empty()) block_due_ = block_size();
   pending_.add(column, known, weight);
   ++columns_added_;
@@ -55,7 +55,7 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::add(const Con
 }
 
 template <typename Scalar>
-typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
+typename BasicOnlineSvd<Scalar>::Reports BasicOnlineSvd<Scalar>::fold() {
   Reports reports;
   if (pending_.empty()) return reports;
   missing_.impute_again_when_due(basis_, views_, columns_folded_, row_noise());
@@ -87,7 +87,7 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::fold() {
 
 /// What a column brought.
 template <typename Scalar>
-ColumnReport BasicRingFactor<Scalar>::report(const Fold& fold, int column, bool first) const {
+ColumnReport BasicOnlineSvd<Scalar>::report(const Fold& fold, int column, bool first) const {
   ColumnReport report;
   report.norm = std::ldexp(std::sqrt(fold.norm2[column]), pending_.exponent(column));
   report.residual_norm = std::ldexp(std::sqrt(fold.residual2[column]), pending_.exponent(column));
@@ -97,7 +97,7 @@ ColumnReport BasicRingFactor<Scalar>::report(const Fold& fold, int column, bool 
 }
 
 template <typename Scalar>
-void BasicRingFactor<Scalar>::follow_noise(double unexplained) {
+void BasicOnlineSvd<Scalar>::follow_noise(double unexplained) {
   if (unexplained < 0) return;
   row_noise_ = predicted_ ? std::lerp(unexplained, row_noise_, options_.residual_memory) : unexplained;
   predicted_ = true;
@@ -106,16 +106,16 @@ void BasicRingFactor<Scalar>::follow_noise(double unexplained) {
 /// As if only the views that are left had come: one bad image makes a running mean large, and with it everything that
 /// is imputed thereafter would tend to the mean of the views.
 template <typename Scalar>
-void BasicRingFactor<Scalar>::forget_noise_of_the_removed() {
+void BasicOnlineSvd<Scalar>::forget_noise_of_the_removed() {
   row_noise_ = 0;
   predicted_ = false;
   for (int view = 0; view < folded_views(); ++view) follow_noise(views_.unexplained(view));
 }
 
 template <typename Scalar>
-typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::limit(int max_rank, int internal_rank, int block) {
+typename BasicOnlineSvd<Scalar>::Reports BasicOnlineSvd<Scalar>::limit(int max_rank, int internal_rank, int block) {
   require(max_rank >= 1 && internal_rank >= max_rank && block >= 1,
-          "ring factor: limits must be positive, and internal_rank at least max_rank");
+          "online SVD: limits must be positive, and internal_rank at least max_rank");
   Reports reports = fold();
   options_ = options_.limited_to(max_rank, internal_rank, block);
   turn_to_singular_order();
@@ -123,21 +123,21 @@ typename BasicRingFactor<Scalar>::Reports BasicRingFactor<Scalar>::limit(int max
 }
 
 template <typename Scalar>
-BasicRingFactor<Scalar> BasicRingFactor<Scalar>::settled() const {
-  BasicRingFactor copy = *this;
+BasicOnlineSvd<Scalar> BasicOnlineSvd<Scalar>::settled() const {
+  BasicOnlineSvd copy = *this;
   copy.fold();
   return copy;
 }
 
 template <typename Scalar>
-Scalar BasicRingFactor<Scalar>::pending_value(int column, int row) const {
+Scalar BasicOnlineSvd<Scalar>::pending_value(int column, int row) const {
   const RowBits& hidden = pending_.hidden(column);
   if (!hidden.empty() && has_row(hidden, row)) return std::numeric_limits<Scalar>::quiet_NaN();
   return pending_.value(column, row);
 }
 
 template <typename Scalar>
-typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::pending_coefficients() const {
+typename BasicOnlineSvd<Scalar>::Matrix BasicOnlineSvd<Scalar>::pending_coefficients() const {
   Eigen::MatrixXd y =
       missing_.project(basis_, views_, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
   for (int j = 0; j < pending(); ++j) y.col(j) *= std::ldexp(1.0, pending_.exponent(j));
@@ -145,22 +145,22 @@ typename BasicRingFactor<Scalar>::Matrix BasicRingFactor<Scalar>::pending_coeffi
 }
 
 template <typename Scalar>
-typename BasicRingFactor<Scalar>::Vector BasicRingFactor<Scalar>::estimate(const ConstVectorRef& column,
-                                                                           std::span<const std::uint8_t> known,
-                                                                           double noise) const {
+typename BasicOnlineSvd<Scalar>::Vector BasicOnlineSvd<Scalar>::estimate(const ConstVectorRef& column,
+                                                                         std::span<const std::uint8_t> known,
+                                                                         double noise) const {
   return missing_.estimate(basis_, views_, column, known, noise);
 }
 
 template <typename Scalar>
-void BasicRingFactor<Scalar>::merge_views(int kept, int removed) {
+void BasicOnlineSvd<Scalar>::merge_views(int kept, int removed) {
   require(kept >= 0 && kept < folded_views() && removed >= 0 && removed < folded_views() && kept != removed,
-          "ring factor: only two different folded views can be merged");
+          "online SVD: only two different folded views can be merged");
   views_.merge(kept, removed, missing_.shown_by_both(basis_, views_, kept, removed));
 }
 
 template <typename Scalar>
-void BasicRingFactor<Scalar>::remove(int view) {
-  require(view >= 0 && view < views(), "ring factor: there is no such view");
+void BasicOnlineSvd<Scalar>::remove(int view) {
+  require(view >= 0 && view < views(), "online SVD: there is no such view");
   --columns_added_;
   if (const int waiting = view - folded_views(); waiting >= 0) return pending_.erase(waiting);
   basis_.count_lost(views_.weight(view), -views_.lost(view));
@@ -170,9 +170,9 @@ void BasicRingFactor<Scalar>::remove(int view) {
 }
 
 template <typename Scalar>
-void BasicRingFactor<Scalar>::take_from(int view, const ConstVectorRef& column, std::span<const std::uint8_t> known,
-                                        double weight) {
-  require(view >= 0 && view < folded_views(), "ring factor: there is no such folded view");
+void BasicOnlineSvd<Scalar>::take_from(int view, const ConstVectorRef& column, std::span<const std::uint8_t> known,
+                                       double weight) {
+  require(view >= 0 && view < folded_views(), "online SVD: there is no such folded view");
   constexpr double kAlone = 1e-6;  // of the weight: what rounding leaves of weights that were added
   if (views_.weight(view) - weight <= kAlone * views_.weight(view)) return remove(view);
   --columns_added_;
@@ -184,23 +184,23 @@ void BasicRingFactor<Scalar>::take_from(int view, const ConstVectorRef& column, 
 
 /// G again from what the views say, then the singular order and the rank that it asks for.
 template <typename Scalar>
-void BasicRingFactor<Scalar>::rediagonalise() {
+void BasicOnlineSvd<Scalar>::rediagonalise() {
   basis_.set_gram(views_.gram());
   turn_to_singular_order();
 }
 
 template <typename Scalar>
-void BasicRingFactor<Scalar>::turn_to_singular_order() {
+void BasicOnlineSvd<Scalar>::turn_to_singular_order() {
   views_.follow(basis_.restore_order(options_));
 }
 
 template <typename Scalar>
-std::size_t BasicRingFactor<Scalar>::bytes() const {
+std::size_t BasicOnlineSvd<Scalar>::bytes() const {
   return basis_.bytes() + views_.bytes() + missing_.bytes() + pending_.bytes();
 }
 
 template <typename Scalar>
-double BasicRingFactor<Scalar>::bytes_for(double rows, double terms, double columns, double views, double sketched) {
+double BasicOnlineSvd<Scalar>::bytes_for(double rows, double terms, double columns, double views, double sketched) {
   constexpr double kViewEntry = 140;                  // its line in the ledger, and the head of what it showed
   const double padded = rows + row_panels::kPadding;  // to whole vectors
   const double view = kViewEntry + padded / 8 + sizeof(Scalar) * sketched;
@@ -208,7 +208,7 @@ double BasicRingFactor<Scalar>::bytes_for(double rows, double terms, double colu
          padded / 8 + views * view;
 }
 
-template class BasicRingFactor<float>;
-template class BasicRingFactor<double>;
+template class BasicOnlineSvd<float>;
+template class BasicOnlineSvd<double>;
 
 }  // namespace sheen

@@ -10,7 +10,7 @@ enum class Imputation {
 };
 
 /// When the online SVD grows, and how far.
-struct RingFactorOptions {
+struct OnlineSvdOptions {
   int max_rank = 24;           ///< terms displayed, >= 1
   int internal_rank = 0;       ///< terms kept, >= max_rank; 0 = 2 * max_rank, at least max_rank + 8, at most 32 (Brand)
   int block = 12;              ///< columns buffered between folds, 1..32; fewer while there are few
@@ -24,10 +24,10 @@ struct RingFactorOptions {
   /// Of the rows of a factor: those of which every view that hides rows remembers what it showed.
   int witnesses(int rows) const;
   /// These, with at most so many terms and columns per block.
-  RingFactorOptions limited_to(int most_displayed, int most_kept, int most_in_block) const;
+  OnlineSvdOptions limited_to(int most_displayed, int most_kept, int most_in_block) const;
 };
 
 /// Throws std::invalid_argument naming the rule that the options break for a factor of so many rows.
-void require_valid(const RingFactorOptions& options, int rows);
+void require_valid(const OnlineSvdOptions& options, int rows);
 
 }  // namespace sheen

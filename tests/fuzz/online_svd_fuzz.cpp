@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "reconstructor/numerics/ring_factor.h"
+#include "reconstructor/numerics/online_svd.h"
 #include "tests/fuzz/fuzz_input.h"
-#include "tests/support/ring_factor_checks.h"
+#include "tests/support/online_svd_checks.h"
 
 namespace {
 
@@ -78,7 +78,7 @@ double energy_of(const std::vector<View>& views) {
 }
 
 template <typename Scalar>
-void take_one_out(BasicRingFactor<Scalar>& factor, std::vector<View>& views, Input& in) {
+void take_one_out(BasicOnlineSvd<Scalar>& factor, std::vector<View>& views, Input& in) {
   if (factor.folded_views() == 0) return;
   const int at = in.byte() % factor.folded_views();
   View& view = views[at];
@@ -92,7 +92,7 @@ void take_one_out(BasicRingFactor<Scalar>& factor, std::vector<View>& views, Inp
 }
 
 template <typename Scalar>
-void expect_weights(const BasicRingFactor<Scalar>& factor, const std::vector<View>& views) {
+void expect_weights(const BasicOnlineSvd<Scalar>& factor, const std::vector<View>& views) {
   demand(factor.views() == static_cast<int>(views.size()), "views were lost");
   for (int v = 0; v < factor.views(); ++v)
     demand(std::abs(factor.weight_of(v) - weight_of(views[v])) <= 1e-6 * weight_of(views[v]),
@@ -102,12 +102,12 @@ void expect_weights(const BasicRingFactor<Scalar>& factor, const std::vector<Vie
 template <typename Scalar>
 void run(Input in) {
   int rows = 1 + in.byte() % 40;
-  RingFactorOptions options{.max_rank = 1 + in.byte() % 10, .block = 1 + in.byte() % 14};
+  OnlineSvdOptions options{.max_rank = 1 + in.byte() % 10, .block = 1 + in.byte() % 14};
   const std::uint8_t choice = in.byte();
   options.tolerance = choice % 4 == 0 ? 0 : std::pow(10.0, -(choice % 4));
   if (choice & 32) rows *= 8;  // more than one panel of rows
   if (choice & 16) options.internal_rank = options.max_rank + choice / 64;
-  BasicRingFactor<Scalar> factor(rows, options, in.byte());
+  BasicOnlineSvd<Scalar> factor(rows, options, in.byte());
 
   std::vector<View> views;
   std::int64_t columns = 0;  ///< ever added
@@ -168,7 +168,7 @@ void run(Input in) {
     if (const std::string broken = broken_invariants(factor, columns); !broken.empty()) fail(broken);
     if (views.size() > 96) return;
   }
-  const BasicRingFactor<Scalar> settled = factor.settled();
+  const BasicOnlineSvd<Scalar> settled = factor.settled();
   if (const std::string broken = broken_invariants(settled, columns); !broken.empty()) fail("settled: " + broken);
   if (exact && std::abs(settled.energy() - energy_of(views)) > 1e-4 * largest) fail("the energy is not the columns'");
 }
