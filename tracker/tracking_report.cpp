@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 
 namespace sheen {
 namespace {

@@ -10,6 +10,11 @@ namespace sheen {
 struct PosedCamera {
   Camera camera;
   Rigid3 camera_from_object;
+
+  bool operator==(const PosedCamera&) const = default;
 };
+
+/// Whether two images were taken by the same camera from the same place: poses up to rounding (10^-6).
+bool same_place(const PosedCamera& a, const PosedCamera& b);
 
 }  // namespace sheen

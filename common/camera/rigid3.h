@@ -10,6 +10,9 @@ struct Rigid3 {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
+  bool operator==(const Rigid3& other) const {
+    return rotation.coeffs() == other.rotation.coeffs() && translation == other.translation;
+  }
   Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return rotation * point + translation; }
   Rigid3 operator*(const Rigid3& other) const {
     return {(rotation * other.rotation).normalized(), rotation * other.translation + translation};

@@ -15,4 +15,9 @@ struct LightState {
   Eigen::Vector3f rgb = Eigen::Vector3f::Ones();
 };
 
+/// Whether two lights stand at the same place, or in the same direction, up to rounding (10^-6).
+bool same_place(const LightState& a, const LightState& b);
+/// The same of positions, or of directions of one length.
+bool same_light_place(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
 }  // namespace sheen

@@ -1,21 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/capture/rig_motion.h"
 
-#include <algorithm>
-
 namespace sheen {
 namespace {
-
-constexpr double kSame = 1e-6;
-
-bool same(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return (a - b).norm() <= kSame * std::max(a.norm(), b.norm());
-}
-
-bool same(const PosedCamera& a, const PosedCamera& b) {
-  const Rigid3 &p = a.camera_from_object, &q = b.camera_from_object;
-  return a.camera == b.camera && same(p.translation, q.translation) && p.rotation.angularDistance(q.rotation) <= kSame;
-}
 
 const char* word(Motion motion) {
   switch (motion) {
@@ -42,8 +29,8 @@ void MotionWatch::look(const PosedCamera& from, const LightState& light) {
     motion_ = {Motion::kStill, Motion::kStill};
     return;
   }
-  if (!same(*camera_, from)) motion_.camera = Motion::kMoves;
-  if (light.kind != light_.kind || !same(light.position, light_.position)) motion_.light = Motion::kMoves;
+  if (!same_place(*camera_, from)) motion_.camera = Motion::kMoves;
+  if (!same_place(light, light_)) motion_.light = Motion::kMoves;
 }
 
 }  // namespace sheen

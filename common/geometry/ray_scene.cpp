@@ -28,6 +28,25 @@ RTCRay embree_ray(const Ray& ray) {
           0};
 }
 
+/// Up to a packet of rays; what is left of it is not valid.
+void fill(RTCRay8& to, int* valid, std::span<const Ray> rays) {
+  for (std::size_t k = 0; k < kPacket; ++k) {
+    const Ray& ray = rays[std::min(k, rays.size() - 1)];
+    valid[k] = k < rays.size() ? -1 : 0;
+    to.org_x[k] = ray.origin.x();
+    to.org_y[k] = ray.origin.y();
+    to.org_z[k] = ray.origin.z();
+    to.dir_x[k] = ray.direction.x();
+    to.dir_y[k] = ray.direction.y();
+    to.dir_z[k] = ray.direction.z();
+    to.tnear[k] = ray.near;
+    to.tfar[k] = ray.far;
+    to.time[k] = 0;
+    to.mask[k] = 0xffffffffu;
+    to.id[k] = to.flags[k] = 0;
+  }
+}
+
 Hit to_hit(std::uint32_t geometry, std::uint32_t triangle, float distance, float u, float v, const Eigen::Vector3f& n,
            const Eigen::Vector3f& direction) {
   if (geometry == RTC_INVALID_GEOMETRY_ID) return {};
@@ -103,31 +122,32 @@ void RayScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   for (std::size_t first = 0; first < rays.size(); first += kPacket) {
-    const std::size_t n = std::min(kPacket, rays.size() - first);
-    alignas(32) int valid[kPacket];
+    const std::span<const Ray> packet = rays.subspan(first, std::min(kPacket, rays.size() - first));
     RTCRayHit8 query;
-    for (std::size_t k = 0; k < kPacket; ++k) {
-      const Ray& ray = rays[first + std::min(k, n - 1)];
-      valid[k] = k < n ? -1 : 0;
-      query.ray.org_x[k] = ray.origin.x();
-      query.ray.org_y[k] = ray.origin.y();
-      query.ray.org_z[k] = ray.origin.z();
-      query.ray.dir_x[k] = ray.direction.x();
-      query.ray.dir_y[k] = ray.direction.y();
-      query.ray.dir_z[k] = ray.direction.z();
-      query.ray.tnear[k] = ray.near;
-      query.ray.tfar[k] = ray.far;
-      query.ray.time[k] = 0;
-      query.ray.mask[k] = 0xffffffffu;
-      query.ray.id[k] = query.ray.flags[k] = 0;
-      query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-      query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-    }
+    alignas(32) int valid[kPacket];
+    fill(query.ray, valid, packet);
+    std::fill_n(query.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(query.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
     rtcIntersect8(valid, impl_->scene, &context, &query);
-    for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t k = 0; k < packet.size(); ++k)
       hits[first + k] =
           to_hit(query.hit.geomID[k], query.hit.primID[k], query.ray.tfar[k], query.hit.u[k], query.hit.v[k],
-                 {query.hit.Ng_x[k], query.hit.Ng_y[k], query.hit.Ng_z[k]}, rays[first + k].direction);
+                 {query.hit.Ng_x[k], query.hit.Ng_y[k], query.hit.Ng_z[k]}, packet[k].direction);
+  }
+}
+
+void RayScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {
+  if (rays.size() != blocked.size()) throw std::invalid_argument("RayScene::occluded: one answer per ray is needed");
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+    const std::span<const Ray> packet = rays.subspan(first, std::min(kPacket, rays.size() - first));
+    RTCRay8 query;
+    alignas(32) int valid[kPacket];
+    fill(query, valid, packet);
+    rtcOccluded8(valid, impl_->scene, &context, &query);
+    for (std::size_t k = 0; k < packet.size(); ++k) blocked[first + k] = query.tfar[k] < 0;
   }
 }
 

@@ -40,6 +40,7 @@ class RayScene {
   bool occluded(const Ray& ray) const;
   /// Many coherent rays at once (packets): `hits[i]` belongs to `rays[i]`.
   void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
+  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const;  ///< 1 or 0 for each ray
 
  private:
   struct Impl;

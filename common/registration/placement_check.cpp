@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/base/format.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "common/registration/outline_evidence.h"
 #include "common/registration/texture_evidence.h"
 

@@ -46,11 +46,4 @@ void add_pose_error(const Capture& capture, const RigRecording& recording, const
   errors.rotation_deg.push_back(rotation * 180 / M_PI);
 }
 
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 }  // namespace sheen

@@ -27,7 +27,4 @@ struct PoseErrors {
 /// Adds the error of one tracked capture; of several frames sent under its id the nearest one is taken.
 void add_pose_error(const Capture& capture, const RigRecording& recording, const SentFrames& sent, PoseErrors& errors);
 
-/// q in [0, 1]; NaN for no values.
-double quantile(std::vector<double> values, double q);
-
 }  // namespace sheen

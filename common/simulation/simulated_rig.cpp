@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/base/errors.h"
+#include "common/base/order_statistics.h"
 #include "common/simulation/light_path.h"
 #include "common/simulation/procedural_noise.h"
 
@@ -63,9 +64,7 @@ double SimulatedRig::meter() const {
       }
   }
   if (brightest.empty()) throw ConfigError("simulation: the camera never sees the object");
-  const auto at = brightest.begin() + static_cast<std::ptrdiff_t>(kMeterQuantile * (brightest.size() - 1));
-  std::nth_element(brightest.begin(), at, brightest.end());
-  return *at / kMeterLevel;
+  return quantile(brightest, kMeterQuantile) / kMeterLevel;
 }
 
 /// With the lamp of a frame.

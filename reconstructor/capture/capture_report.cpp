@@ -94,7 +94,8 @@ json reconstruction_report(const Reconstruction& reconstruction, const Reconstru
   report["ingest_ms"] = stages;
   const ModelFigures figures = reconstruction.model().figures();
   report["rank_histogram"] = figures.rank_histogram;
-  report["bytes_per_" + figures.patch_name] = figures.bytes_per_patch;
+  report["bytes_per_patch"] = figures.bytes_per_patch;
+  report["bytes_per_ring"] = figures.bytes_per_patch;  // its name when the parts of a model were rings: scripts read it
   const CaptureAccount::PatchCounts& patches = reconstruction.account().patches();
   report["patches"] = {{"updated", patches.updated}, {"skipped", patches.skipped}, {"left_out", patches.left_out}};
   const CaptureAccount::PhotometricCounts photometric = reconstruction.account().photometric();

@@ -88,7 +88,7 @@ std::vector<MonitorState::Link> links_of(const LiveDisplay::Names& names, const 
 }
 
 /// Whether two captures are of the same camera, as far as they tell.
-bool same_camera(const Capture& a, const Capture& b) {
+bool same_source(const Capture& a, const Capture& b) {
   return a.source_session == b.source_session && a.calibration_hash == b.calibration_hash;
 }
 
@@ -174,7 +174,7 @@ bool LiveDisplay::takes_turn(const Capture& capture) {
   const auto now = MonitorState::Clock::now();
   const std::lock_guard lock(mutex_);
   latest_.capture_at = now;
-  if (latest_.capture && same_camera(*latest_.capture, capture)) return true;
+  if (latest_.capture && same_source(*latest_.capture, capture)) return true;
   if (latest_.capture && now - turn_began_ < kTurn) return false;
   turn_began_ = now;
   return true;

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "common/base/errors.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
 #include "reconstructor/radiance/capture_rules.h"

@@ -43,7 +43,6 @@ struct ModelFigures {
   std::vector<std::size_t> rank_histogram;  ///< [patches of rank 0, 1, ...], those that no image reached left out
   std::size_t bytes = 0;                    ///< of what it has learned
   double bytes_per_patch = 0;               ///< mean over the patches that an image reached
-  std::string patch_name = "patch";         ///< what this kind of model calls one
 };
 
 struct ModelSettings;
@@ -66,15 +65,19 @@ class AppearanceModel {
   /// `ModelSettings::effort_levels` - 1 the quickest. Snapshots count on.
   virtual void restart(int effort_level) = 0;
   /// The same, but for what the first image that showed something has decided, whether it comes again or not.
-  virtual void rebuild(int effort_level) = 0;
+  virtual void rebuild(int effort_level) { restart(effort_level); }
   /// The finest effort level, `from` or a quicker one, whose model the memory can hold whatever images come (held-out
   /// views apart); the quickest where it can hold none.
-  virtual int effort_level_within(const Capture& first, int from, double bytes) const = 0;
+  virtual int effort_level_within([[maybe_unused]] const Capture& first, int from,
+                                  [[maybe_unused]] double bytes) const {
+    return from;
+  }
   /// Lets go of detail, one step of a few, in all patches at once: frees memory. It holds from now on, until a restart.
   /// False when no step is left.
-  virtual bool reduce_memory() = 0;
+  virtual bool reduce_memory() { return false; }
   /// How much of what an image shows is updated, in (0, 1]: the parts that learn most from it. For the images to come.
-  virtual void set_update_fraction(double fraction) = 0;
+  /// A model that always updates all of itself does nothing.
+  virtual void set_update_fraction([[maybe_unused]] double fraction) {}
 
   virtual std::shared_ptr<const ModelSnapshot> snapshot() = 0;
   /// No image follows: lets go of what only more images would need. Snapshot and figures stay what they are.

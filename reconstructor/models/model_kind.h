@@ -36,12 +36,13 @@ class ModelKind {
   /// Opens it before a person's eyes: what can be seen soon is shown first, all on one mesh; last what `load` gives.
   virtual void open(const std::filesystem::path& path, const ShowModel& show) const { show(load(path)); }
   /// Whether `ModelSnapshot::compressed` has a smaller form: one file.
-  virtual bool compresses() const = 0;
+  virtual bool compresses() const { return false; }
   /// Saved models that are one file: whether a file that begins so is one of them.
-  virtual bool reads_file(std::string_view start) const = 0;
-  /// What is noted in such a file, and notes something else. Throws FileError.
-  virtual ModelMetadata file_metadata(const std::filesystem::path& file) const = 0;
-  virtual void set_file_metadata(const std::filesystem::path& file, const ModelMetadata& metadata) const = 0;
+  virtual bool reads_file([[maybe_unused]] std::string_view start) const { return false; }
+  /// What is noted in a file that `reads_file` knows, and notes something else. Throws FileError.
+  virtual ModelMetadata file_metadata([[maybe_unused]] const std::filesystem::path& file) const { return {}; }
+  virtual void set_file_metadata([[maybe_unused]] const std::filesystem::path& file,
+                                 [[maybe_unused]] const ModelMetadata& metadata) const {}
   /// With an OpenGL context current. Throws DeviceError.
   virtual std::unique_ptr<ModelDrawer> make_drawer(const DrawerOptions& options) const = 0;
 };

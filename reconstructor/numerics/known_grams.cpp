@@ -172,7 +172,7 @@ class ChosenSums {
     return &matrices_[waiting_++ * vectors_ * kLanes];
   }
 
-  /// A column's sum a column, of as many numbers as a matrix has.
+  /// One sum per column, of as many numbers as a matrix has.
   const MatrixXd& sums() {
     flush();
     return sums_;

@@ -34,10 +34,10 @@ struct ColumnReport {
 ///
 /// It is made of four parts, which change for reasons of their own:
 ///
-///   PendingColumns  the columns of a block until it is folded             the rows, a bit for each hidden
-///   one SvdBasis       B and G, and the algebra of a fold                    equations (1) to (5), costs FoldedViews
-///   Y and the ledger of what each view weighs and lacks   merging, taking out MissingRows     what columns do not show
-///   imputation, rows that are seen late
+///   PendingColumns  the columns of a block until it is folded; which rows each hides, a bit per row
+///   SvdBasis        B and G, and the algebra of a fold: equations (1) to (5), with their costs
+///   FoldedViews     Y, and what each view weighs and lacks: merging, removing
+///   MissingRows     what columns do not show: imputation, rows that are seen late
 ///
 /// The first `displayed_rank()` columns of B span the leading singular subspace and are rotated as little as possible
 /// from fold to fold (Procrustes), so displayed coefficients do not jump; the rest, in singular order, are guard

@@ -26,7 +26,7 @@ struct ViewInterpolant {
 /// With fewer views a drift explains too much.
 inline constexpr int kFewestViewsWithDrift = 6;
 
-/// directions: 3 x views, unit. coefficients: rank x views. reliability: a view, > 0; the nugget is divided by it.
+/// directions: 3 x views, unit. coefficients: rank x views. reliability: per view, > 0; the nugget is divided by it.
 /// drift: f of each view, or empty. No view gives an empty interpolant, one view a constant; a drift that does not vary
 /// over the views is left out.
 ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const Eigen::MatrixXf>& coefficients,

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 
 namespace sheen {
 namespace {
 
 constexpr double kPriorSigma = 0.3;      // of the log gain: exposures of one set differ by up to about 30 %
-constexpr double kSurfacesPerFact = 20;  // neighbouring rings err together
+constexpr double kSurfacesPerFact = 20;  // neighbouring samples err together
 constexpr std::size_t kFewest = 20;
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "common/base/errors.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "common/geometry/ray_scene.h"
 #include "common/registration/silhouette.h"
 #include "reconstructor/refinement/displacement_field.h"

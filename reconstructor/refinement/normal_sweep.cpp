@@ -9,7 +9,7 @@
 #include <cmath>
 #include <optional>
 
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 
 namespace sheen {
 namespace {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/base/errors.h"
+#include "common/base/order_statistics.h"
 
 namespace sheen {
 namespace {
@@ -34,8 +35,7 @@ struct KnownDirections {
       gaps.push_back(std::acos(std::clamp(nearest, -1.0, 1.0)));
     }
     if (gaps.empty()) return;
-    std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
-    gap = gaps[gaps.size() / 2];
+    gap = median(gaps);
   }
   bool reach(const Vector3d& direction) const {
     const double least = std::cos(std::min(kReach * gap, kPi));

@@ -9,7 +9,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/format.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 
 namespace sheen {
 namespace {

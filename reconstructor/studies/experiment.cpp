@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "common/base/errors.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "common/capture/linear_capture.h"
 #include "reconstructor/radiance/capture_rules.h"
 

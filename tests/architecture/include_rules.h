@@ -20,7 +20,7 @@ std::vector<Include> includes_of(const std::string& file, const std::string& tex
 /// Includes of every .h and .cpp below common/, tracker/, reconstructor/ and tests/ of `root`.
 std::vector<Include> includes_below(const std::filesystem::path& root);
 
-/// A sentence a broken rule: file, line, what it includes, which rule forbids it.
+/// One sentence per broken rule: file, line, what it includes, which rule forbids it.
 std::vector<std::string> broken_include_rules(const std::vector<Include>& includes);
 
 }  // namespace sheen

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/order_statistics.h"
 #include "tests/tracker/synthetic_stage.h"
 #include "tracker/pose/stage_finder.h"
 
@@ -20,12 +21,6 @@ constexpr int kImages = 150;
 constexpr int kPosesOfNoisyCorners = 100'000;
 constexpr double kPixelNoise = 2, kCornerNoise_px = 0.3, kMostTilt_deg = 60;
 const Eigen::Vector3d kOnTheObject(0, 0, 0.06);  // metres
-
-double quantile(std::vector<double> values, double q) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 double degrees_apart(const Rigid3& a, const Rigid3& b) {
   return a.rotation.angularDistance(b.rotation) * 180 / M_PI;

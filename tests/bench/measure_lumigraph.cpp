@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/base/files.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "common/image/image_io.h"
 #include "common/image/image_metrics.h"
 #include "common/simulation/light_rig.h"

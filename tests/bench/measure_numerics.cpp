@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Measures the goals of the online factorization on this machine: `deploy/measure numerics [--json FILE]`, about four
-// minutes. Rings of 2,448 rows seen from 300 directions (tests/support/test_rings.h); beside each figure that of the
-// batch SVD and of a plain Brand update, from the same run. docs/numerics.md says what the rows mean.
+// minutes. Patches of 2,448 rows seen from 300 directions (tests/support/test_patches.h); beside each figure that of
+// the batch SVD and of a plain Brand update, from the same run. docs/numerics.md says what the rows mean.
 #include "tests/bench/numerics_rows.h"
 
 int main(int argc, char** argv) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/order_statistics.h"
 #include "common/simulation/camera_path.h"
 #include "common/simulation/sensor.h"
 #include "common/simulation/test_object.h"
@@ -64,12 +65,6 @@ Capture photograph(const TestObject& object, const RayPainter& painter, const Ca
   return capture;
 }
 
-double percentile(std::vector<double> values, double share) {
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
-
 struct Run {
   std::vector<double> ms;  ///< an accepted image
   double psnr_db = 0;      ///< of the held-out stations
@@ -80,11 +75,11 @@ struct Run {
   Reconstruction::Effort effort;
   CaptureAccount::PatchCounts patches;
 
-  double median_ms() const { return percentile(ms, 0.5); }
+  double median_ms() const { return quantile(ms, 0.5); }
   double rate() const { return 1e3 / median_ms(); }
   double around(std::ptrdiff_t image) const {
     const std::ptrdiff_t last = std::min<std::ptrdiff_t>(image + 10, static_cast<std::ptrdiff_t>(ms.size()));
-    return percentile({ms.begin() + image - 10, ms.begin() + last}, 0.5);
+    return quantile(std::vector<double>(ms.begin() + image - 10, ms.begin() + last), 0.5);
   }
 };
 
@@ -98,7 +93,7 @@ double eye_ms(const ModelSnapshot& model) {
     snapshot.coefficients_for({0.5 * std::cos(azimuth), 0.5 * std::sin(azimuth), 0.2});
     ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
   }
-  return percentile(ms, 0.5);
+  return quantile(ms, 0.5);
 }
 
 Run ingest(const Mesh& mesh, const SurfaceLightFieldOptions& options, const std::vector<Capture>& captures,
@@ -144,7 +139,7 @@ void measure(GoalReport& report) {
   details["median_ms"] = paper.median_ms();
   details["held_out_db"] = paper.psnr_db;
   report.add(at_least(12, {}, "ingest, paper's settings", paper.rate(), "images/s", details));
-  const double p99 = percentile(paper.ms, 0.99) / paper.median_ms();
+  const double p99 = quantile(paper.ms, 0.99) / paper.median_ms();
   report.add(at_most(1.5, {}, "99th percentile over median", p99, "ratio", {{"p99_ms", p99 * paper.median_ms()}}));
   const double early = paper.around(30), late = paper.around(static_cast<std::ptrdiff_t>(paper.ms.size()) - 10);
   report.add(at_most(1.2, {}, "image 300 over image 30", late / early, "ratio",

@@ -6,14 +6,14 @@
 #include "tests/support/matchers.h"
 #include "tests/support/plain_brand.h"
 #include "tests/support/test_matrices.h"
-#include "tests/support/test_rings.h"
+#include "tests/support/test_patches.h"
 
 namespace sheen {
 namespace {
 
 /// 257 columns that differ from one by 1e-4 of its norm.
 Eigen::MatrixXf near_duplicates() {
-  const Eigen::VectorXf column = test_ring_columns(TestRing::kTypical).col(0);
+  const Eigen::VectorXf column = test_patch_columns(TestPatch::kTypical).col(0);
   const float level = 1e-4f * column.norm() / std::sqrt(static_cast<float>(column.size()));
   return column.replicate(1, 257) + level * gaussian_matrix(static_cast<int>(column.size()), 257, 2);
 }
@@ -56,8 +56,8 @@ void add_changes(const Coefficients& before, const Coefficients& after, std::vec
 
 void continuity(GoalReport& report) {
   std::vector<double> ours, ours_early, raw;
-  for (const TestRing ring : {TestRing::kTypical, TestRing::kHard}) {
-    const Eigen::MatrixXf columns = test_ring_columns(ring);
+  for (const TestPatch patch : {TestPatch::kTypical, TestPatch::kHard}) {
+    const Eigen::MatrixXf columns = test_patch_columns(patch);
     const auto orders = column_orders(columns, 1);
     for (const std::size_t order : {std::size_t(0), std::size_t(3)}) {
       OnlineSvd factor(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0});
@@ -95,8 +95,8 @@ Eigen::MatrixXf without(const Eigen::MatrixXf& columns, Eigen::Index removed) {
 
 void removal(GoalReport& report) {
   double worst = 0, stranger = 0, to_batch = 0;
-  for (const TestRing ring : {TestRing::kTypical, TestRing::kHard}) {
-    const Eigen::MatrixXf columns = test_ring_columns(ring);
+  for (const TestPatch patch : {TestPatch::kTypical, TestPatch::kHard}) {
+    const Eigen::MatrixXf columns = test_patch_columns(patch);
     for (const int removed : {0, 20, 150, 290, 299}) {
       for (const bool strange : {false, true}) {
         Eigen::MatrixXf stream = columns;
@@ -118,7 +118,7 @@ void removal(GoalReport& report) {
 }
 
 void bytes(GoalReport& report) {
-  const Eigen::MatrixXf columns = test_ring_columns(TestRing::kHard);
+  const Eigen::MatrixXf columns = test_patch_columns(TestPatch::kHard);
   OnlineSvd factor(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0});
   double most = 0;
   for (Eigen::Index j = 0; j < columns.cols(); ++j) {
@@ -127,7 +127,7 @@ void bytes(GoalReport& report) {
   }
   const double rows = static_cast<double>(columns.rows()), views = static_cast<double>(columns.cols());
   report.add(at_most(
-      400, 250, "state per ring, internal 24, after 300 views", most, "kB",
+      400, 250, "state per patch, internal 24, after 300 views", most, "kB",
       {{"brand_cap_24_kB", 8 * 24 * (rows + views) / 1e3}, {"batch_keeps_columns_kB", 4 * rows * views / 1e3}}));
 }
 

@@ -6,7 +6,7 @@
 
 #include "reconstructor/numerics/missing_pca.h"
 #include "tests/bench/numerics_rows.h"
-#include "tests/support/test_rings.h"
+#include "tests/support/test_patches.h"
 
 namespace sheen {
 namespace {
@@ -28,7 +28,7 @@ double visible_share(Known known) {
   return static_cast<double>(std::count(known.begin(), known.end(), 1)) / static_cast<double>(known.size());
 }
 
-/// The paper's gates: an image is not used when less than half of the ring is visible, nor before the tenth one when
+/// The paper's gates: an image is not used when less than half of the patch is visible, nor before the tenth one when
 /// anything is hidden.
 class GatedStream {
  public:
@@ -66,9 +66,9 @@ double span_error(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& basis) 
   return (columns - basis * (basis.transpose() * columns)).norm() / columns.norm();
 }
 
-void occluded_stream(TestRing kind, const std::string& name, double occluded, double goal, double moonshot,
+void occluded_stream(TestPatch kind, const std::string& name, double occluded, double goal, double moonshot,
                      GoalReport& report) {
-  const Eigen::MatrixXf columns = test_ring_columns(kind);
+  const Eigen::MatrixXf columns = test_patch_columns(kind);
   const Eigen::MatrixXd exact = columns.cast<double>();
   const BatchPca best = batch_pca(columns, kDisplayed);
   const Eigen::MatrixXd best_miss = exact - best.basis * best.coefficients;
@@ -79,7 +79,7 @@ void occluded_stream(TestRing kind, const std::string& name, double occluded, do
   double missing_batch = 0, missing_batch_span = 0;
   for (std::uint32_t trial = 0; trial < kOrders; ++trial) {
     const std::vector<int>& order = orders[3 + trial];
-    const auto visible = occluding_edges(kTestRingViews, occluded, trial);
+    const auto visible = occluding_edges(kTestPatchViews, occluded, trial);
     const Eigen::MatrixXd shown = visible.cast<double>().matrix();
     const double best_known = shown.cwiseProduct(best_miss).norm() / shown.cwiseProduct(exact).norm();
     const Eigen::MatrixXd exact_in_order = exact(Eigen::all, order), shown_in_order = shown(Eigen::all, order);
@@ -89,7 +89,7 @@ void occluded_stream(TestRing kind, const std::string& name, double occluded, do
       for (const int j : order) {
         const Known known(visible.col(j).data(), static_cast<std::size_t>(visible.rows()));
         const double share = visible_share(known);
-        factor.add(columns.col(j), known, weighted ? share * share : 1);  // as RingModel does
+        factor.add(columns.col(j), known, weighted ? share * share : 1);  // as `image_weight` does
       }
       factor.fold();
       const Eigen::MatrixXd basis = factor.displayed_basis().cast<double>();
@@ -106,7 +106,7 @@ void occluded_stream(TestRing kind, const std::string& name, double occluded, do
     GatedStream paper(options, static_cast<int>(columns.rows()));
     for (const int j : order)
       paper.add(columns.col(j), Known(visible.col(j).data(), static_cast<std::size_t>(visible.rows())));
-    gated_used.push_back(static_cast<double>(paper.used()) / kTestRingViews);
+    gated_used.push_back(static_cast<double>(paper.used()) / kTestPatchViews);
     gated.span.push_back(span_error(exact, paper.fold().displayed_basis().cast<double>()) / best.relative_error);
     if (trial == 0) {
       const BatchPca visible_batch = batch_pca_missing(columns, visible, kDisplayed, {}, {.max_iterations = 60});
@@ -124,7 +124,7 @@ void occluded_stream(TestRing kind, const std::string& name, double occluded, do
                       {"all_values", median(ours.all)},
                       {"equal_weights_span", median(equal_weights.span)},
                       {"gated_least_squares_span", median(gated.span)},
-                      {"gated_share_of_images_used", median(gated_used)},
+                      {"gated_fraction_of_images_used", median(gated_used)},
                       {"batch_of_visible_values", missing_batch},
                       {"batch_of_visible_values_span", missing_batch_span},
                       {"self_reported_over_true", median(reported)}}));
@@ -134,8 +134,8 @@ void occluded_stream(TestRing kind, const std::string& name, double occluded, do
 void two_percent_visible(GoalReport& report) {
   nlohmann::json compared;
   std::vector<double> ours, theirs;
-  for (const TestRing kind : {TestRing::kTypical, TestRing::kHard}) {
-    const Eigen::MatrixXf columns = test_ring_columns(kind);
+  for (const TestPatch kind : {TestPatch::kTypical, TestPatch::kHard}) {
+    const Eigen::MatrixXf columns = test_patch_columns(kind);
     const std::vector<int> order = column_orders(columns, 1)[3];
     OnlineSvd factor(static_cast<int>(columns.rows()), {.max_rank = kDisplayed, .tolerance = 0, .channels = 3});
     for (int i = 0; i < 200; ++i) factor.add(columns.col(order[i]));
@@ -143,10 +143,10 @@ void two_percent_visible(GoalReport& report) {
     std::mt19937 engine(3);
     std::bernoulli_distribution shown(0.02);
     std::vector<double> most_probable, gates_open;
-    for (int i = 200; i < kTestRingViews; ++i) {
+    for (int i = 200; i < kTestPatchViews; ++i) {
       const Eigen::VectorXf column = columns.col(order[i]);
       std::vector<std::uint8_t> known(static_cast<std::size_t>(column.size()), 0);
-      for (int s = 0; s < kTestRingSamples; ++s)
+      for (int s = 0; s < kTestPatchSamples; ++s)
         if (shown(engine)) std::fill_n(known.begin() + 3 * s, 3, std::uint8_t{1});
       const auto error = [&](const Eigen::VectorXf& y) { return (factor.basis() * y - column).norm() / column.norm(); };
       most_probable.push_back(error(factor.estimate(column, known, factor.row_noise())));
@@ -154,7 +154,7 @@ void two_percent_visible(GoalReport& report) {
     }
     ours.insert(ours.end(), most_probable.begin(), most_probable.end());
     theirs.insert(theirs.end(), gates_open.begin(), gates_open.end());
-    const std::string name = kind == TestRing::kTypical ? "typ" : "hard";
+    const std::string name = kind == TestPatch::kTypical ? "typ" : "hard";
     compared[name + "_median"] = quantile(most_probable, 0.5);
     compared[name + "_p95"] = quantile(most_probable, 0.95);
     compared[name + "_least_squares_median"] = quantile(gates_open, 0.5);
@@ -167,10 +167,10 @@ void two_percent_visible(GoalReport& report) {
 }  // namespace
 
 void measure_missing(GoalReport& report) {
-  occluded_stream(TestRing::kTypical, "typ", 0.5, 1.06, 1.04, report);
-  occluded_stream(TestRing::kHard, "hard", 0.5, 1.06, 1.04, report);
-  occluded_stream(TestRing::kTypical, "typ", 0.8, 1.12, 1.08, report);
-  occluded_stream(TestRing::kHard, "hard", 0.8, 1.12, 1.08, report);
+  occluded_stream(TestPatch::kTypical, "typ", 0.5, 1.06, 1.04, report);
+  occluded_stream(TestPatch::kHard, "hard", 0.5, 1.06, 1.04, report);
+  occluded_stream(TestPatch::kTypical, "typ", 0.8, 1.12, 1.08, report);
+  occluded_stream(TestPatch::kHard, "hard", 0.8, 1.12, 1.08, report);
   two_percent_visible(report);
 }
 

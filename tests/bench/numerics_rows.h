@@ -7,12 +7,13 @@
 #include <chrono>
 #include <vector>
 
+#include "common/base/order_statistics.h"
 #include "reconstructor/numerics/online_svd.h"
 #include "tests/bench/goal_rows.h"
 
 namespace sheen {
 
-/// Time of an update in the cache, of an image over 3,500 rings, float against double.
+/// Time of an update in the cache, of an image over 3,500 patches, float against double.
 void measure_speed(GoalReport& report);
 /// Error over the batch's in 23 orders, adaptive rank, self-reported error, half-precision storage.
 void measure_accuracy(GoalReport& report);
@@ -25,12 +26,6 @@ inline constexpr int kDisplayed = 12;  ///< terms of the goals
 
 inline double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-inline double quantile(std::vector<double> values, double q) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 /// The factor of all columns, settled.

@@ -8,14 +8,14 @@
 #include "reconstructor/numerics/row_panels.h"
 #include "tests/bench/numerics_rows.h"
 #include "tests/support/plain_brand.h"
-#include "tests/support/test_rings.h"
+#include "tests/support/test_patches.h"
 
 namespace sheen {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kRings = 3500;
+constexpr int kPatches = 3500;
 constexpr int kFullAfter = 60;  // columns until every rank has reached its cap
 
 /// Seconds that this thread was given: what shares the processor does not count.
@@ -29,9 +29,9 @@ OnlineSvdOptions capped_at(int internal_rank) {
   return {.max_rank = kDisplayed, .internal_rank = internal_rank, .tolerance = 0};
 }
 
-/// Microseconds of processor time per column once the rank is full: median of runs over 240 columns of one ring.
+/// Microseconds of processor time per column once the rank is full: median of runs over 240 columns of one patch.
 template <typename Scalar>
-double us_a_column(const Eigen::MatrixXf& columns, int internal_rank) {
+double us_per_column(const Eigen::MatrixXf& columns, int internal_rank) {
   const auto data = columns.cast<Scalar>().eval();
   std::vector<double> us;
   for (int run = 0; run < 21; ++run) {
@@ -81,7 +81,7 @@ double row_products_us(Eigen::Index rows, int r, double multiply_adds_per_us) {
   return static_cast<double>(rows) * a_row / n / multiply_adds_per_us;
 }
 
-double brand_us_a_column(const Eigen::MatrixXf& columns, int cap) {
+double brand_us_per_column(const Eigen::MatrixXf& columns, int cap) {
   PlainBrand brand(static_cast<int>(columns.rows()), {.cap = cap});
   for (int j = 0; j < kFullAfter; ++j) brand.add(columns.col(j).cast<double>());
   const double start = thread_seconds();
@@ -89,31 +89,31 @@ double brand_us_a_column(const Eigen::MatrixXf& columns, int cap) {
   return 1e6 * (thread_seconds() - start) / static_cast<double>(columns.cols() - kFullAfter);
 }
 
-/// Milliseconds of each image that all rings see, once their ranks are full.
-std::vector<double> ms_an_image(const Eigen::MatrixXf& columns, int internal_rank, int images, bool parallel) {
-  std::vector<OnlineSvd> rings;
-  rings.reserve(kRings);
-  for (unsigned r = 0; r < kRings; ++r)
-    rings.emplace_back(static_cast<int>(columns.rows()), capped_at(internal_rank), r);
+/// Milliseconds of each image that all patches see, once their ranks are full.
+std::vector<double> ms_per_image(const Eigen::MatrixXf& columns, int internal_rank, int images, bool parallel) {
+  std::vector<OnlineSvd> patches;
+  patches.reserve(kPatches);
+  for (unsigned r = 0; r < kPatches; ++r)
+    patches.emplace_back(static_cast<int>(columns.rows()), capped_at(internal_rank), r);
   std::vector<double> ms;
   for (int i = -kFullAfter; i < images; ++i) {
-    const auto fold = [&](int r) { rings[r].add(columns.col((7 * r + i + kFullAfter) % columns.cols())); };
+    const auto fold = [&](int r) { patches[r].add(columns.col((7 * r + i + kFullAfter) % columns.cols())); };
     const auto start = Clock::now();
     if (parallel || i < 0)
-      tbb::parallel_for(0, kRings, fold);
+      tbb::parallel_for(0, kPatches, fold);
     else
-      for (int r = 0; r < kRings; ++r) fold(r);
+      for (int r = 0; r < kPatches; ++r) fold(r);
     if (i >= 0) ms.push_back(1e3 * seconds_since(start));
   }
   return ms;
 }
 
-/// A tenth of the rings, which is more than a cache holds too.
-double brand_ms_an_image(const Eigen::MatrixXf& columns) {
-  std::vector<PlainBrand> rings(kRings / 10, PlainBrand(static_cast<int>(columns.rows()), {.cap = kDisplayed}));
+/// A tenth of the patches, which is more than a cache holds too.
+double brand_ms_per_image(const Eigen::MatrixXf& columns) {
+  std::vector<PlainBrand> patches(kPatches / 10, PlainBrand(static_cast<int>(columns.rows()), {.cap = kDisplayed}));
   const auto image = [&](int i) {
-    tbb::parallel_for(std::size_t(0), rings.size(),
-                      [&](std::size_t r) { rings[r].add(columns.col((7 * r + i) % columns.cols()).cast<double>()); });
+    tbb::parallel_for(std::size_t(0), patches.size(),
+                      [&](std::size_t r) { patches[r].add(columns.col((7 * r + i) % columns.cols()).cast<double>()); });
   };
   for (int i = 0; i < 14; ++i) image(i);
   const auto start = Clock::now();
@@ -124,7 +124,7 @@ double brand_ms_an_image(const Eigen::MatrixXf& columns) {
 }  // namespace
 
 void measure_speed(GoalReport& report) {
-  const Eigen::MatrixXf columns = test_ring_columns(TestRing::kTypical);
+  const Eigen::MatrixXf columns = test_patch_columns(TestPatch::kTypical);
   double start = thread_seconds();
   batch_pca(columns, kDisplayed);
   const double gram_ms = 1e3 * (thread_seconds() - start);
@@ -133,29 +133,29 @@ void measure_speed(GoalReport& report) {
   const double svd_ms = 1e3 * (thread_seconds() - start);
 
   const double peak = peak_multiply_adds_per_us();
-  const double us_12 = us_a_column<float>(columns, 12), us_24 = us_a_column<float>(columns, 24);
-  report.add(at_most(5, 2.5, "ring update, internal 12, in cache, 1 thread", us_12, "us",
+  const double us_12 = us_per_column<float>(columns, 12), us_24 = us_per_column<float>(columns, 24);
+  report.add(at_most(5, 2.5, "patch update, internal 12, in cache, 1 thread", us_12, "us",
                      {{"row_products_at_peak_us", row_products_us(columns.rows(), 12, peak)},
-                      {"brand_cap_12_us", brand_us_a_column(columns, 12)},
+                      {"brand_cap_12_us", brand_us_per_column(columns, 12)},
                       {"batch_svd_of_300_ms", svd_ms},
                       {"batch_gram_of_300_ms", gram_ms}}));
-  report.add(at_most(10, 5.5, "ring update, internal 24, in cache, 1 thread", us_24, "us",
+  report.add(at_most(10, 5.5, "patch update, internal 24, in cache, 1 thread", us_24, "us",
                      {{"row_products_at_peak_us", row_products_us(columns.rows(), 24, peak)},
-                      {"brand_cap_24_us", brand_us_a_column(columns, 24)}}));
+                      {"brand_cap_24_us", brand_us_per_column(columns, 24)}}));
 
-  const std::vector<double> ms = ms_an_image(columns, 12, 180, true);
+  const std::vector<double> ms = ms_per_image(columns, 12, 180, true);
   const double median = quantile(ms, 0.5);
-  report.add(at_most(60, 33, "3,500 rings all visible, per image, internal 12", median, "ms",
-                     {{"one_thread_ms", quantile(ms_an_image(columns, 12, 24, false), 0.5)},
-                      {"brand_cap_12_ms", brand_ms_an_image(columns)},
-                      {"batch_gram_ms", kRings * gram_ms}}));
-  const std::vector<double> ms_24 = ms_an_image(columns, 24, 120, true);
+  report.add(at_most(60, 33, "3,500 patches all visible, per image, internal 12", median, "ms",
+                     {{"one_thread_ms", quantile(ms_per_image(columns, 12, 24, false), 0.5)},
+                      {"brand_cap_12_ms", brand_ms_per_image(columns)},
+                      {"batch_gram_ms", kPatches * gram_ms}}));
+  const std::vector<double> ms_24 = ms_per_image(columns, 24, 120, true);
   report.add(at_most(1.5, {}, "  its p99 over its median", quantile(ms, 0.99) / median, "ratio",
                      {{"p99_ms", quantile(ms, 0.99)},
                       {"internal_24_ms", quantile(ms_24, 0.5)},
                       {"internal_24_p99_over_median", quantile(ms_24, 0.99) / quantile(ms_24, 0.5)}}));
 
-  const double double_12 = us_a_column<double>(columns, 12), double_24 = us_a_column<double>(columns, 24);
+  const double double_12 = us_per_column<double>(columns, 12), double_24 = us_per_column<double>(columns, 24);
   report.add({.name = "double over float, time of an update, internal 24",
               .value = double_24 / us_24,
               .unit = "ratio",

@@ -39,6 +39,7 @@ TEST(SameModel, StreamedAsBuiltFromTheFiles) {
   EXPECT_EQ(got["frames"]["accepted"], 14);
   EXPECT_EQ(got["held_out"]["views"], 2);
   EXPECT_GT(got["bytes_per_patch"], 0);
+  EXPECT_EQ(got["bytes_per_ring"], got["bytes_per_patch"]);
   for (const char* key : {"rank_histogram", "ingest_images_per_s", "ingest_ms", "latency_ms"})
     EXPECT_TRUE(got.contains(key)) << key << " is promised to scripts";
 }

@@ -62,10 +62,6 @@ class FlatColourKind : public ModelKind {
       throw FileError((folder / "model.json").string(), "colours: must be one per triangle");
     return std::make_shared<FlatColourSnapshot>(std::move(mesh), std::move(colours), std::move(seen), 1);
   }
-  bool compresses() const override { return false; }
-  bool reads_file(std::string_view) const override { return false; }
-  ModelMetadata file_metadata(const std::filesystem::path&) const override { return {}; }
-  void set_file_metadata(const std::filesystem::path&, const ModelMetadata&) const override {}
   std::unique_ptr<ModelDrawer> make_drawer(const DrawerOptions&) const override {
     return std::make_unique<FlatColourDrawer>();
   }

@@ -51,8 +51,8 @@ BundleSummary solve(Bundle& bundle, double huber_px = 0);
 /// pixel seen - pixel predicted, of each sighting.
 std::vector<Eigen::Vector2d> residuals(const Bundle& bundle);
 
-/// J^T J of the reprojection errors (1/px^2 for a noise of 1 px) over the free intrinsics, 6 numbers a view (rotation
-/// vector added to that of the pose; translation), and 3 a point if they are free.
+/// J^T J of the reprojection errors (1/px^2 for a noise of 1 px) over the free intrinsics, 6 numbers per view (rotation
+/// vector added to that of the pose; translation), and 3 per point if they are free.
 Eigen::MatrixXd information(const Bundle& bundle);
 
 /// Derivative of a pixel by the intrinsics, and by a small rotation vector of its ray.

@@ -8,7 +8,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/format.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "tracker/pose/pose_solver.h"
 
 namespace sheen {
@@ -180,7 +180,7 @@ void take_poses(std::vector<Candidate>& candidates, const Bundle& bundle) {
     if (candidate.reason.empty()) candidate.pose = bundle.camera_from_object[next++];
 }
 
-/// Judges every corner and every view anew under the camera; poses of views that are not used are solved for it.
+/// Judges every corner and every view again under the camera; poses of views that are not used are solved for it.
 /// Whether anything changed.
 bool judge(std::vector<Candidate>& candidates, const Camera& camera, std::span<const Eigen::Vector3d> target,
            const CalibrationOptions& options) {

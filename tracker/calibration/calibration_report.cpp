@@ -126,9 +126,11 @@ std::string calibration_text(const CalibrationStudy& study, const ViewAdvice& ad
     out << format(
         "the target's points, estimated too: %.2f mm out of its plane, %.2f mm along it at most; RMS %.4f px\n",
         1e3 * study.shape->out_of_plane_m, 1e3 * study.shape->in_plane_m, study.shape->rms_px);
-  out << format("the target was seen in %.0f %% of the image, turned %.0f to %.0f degrees, nodded %.0f to %.0f\n",
-                100 * advice.covered, advice.least_turn_deg, advice.greatest_turn_deg, advice.least_nod_deg,
-                advice.greatest_nod_deg);
+  out << format(
+      "the target was seen in %.0f %% of the image, rotated %.0f to %.0f degrees about the vertical and %.0f "
+      "to %.0f about the horizontal axis\n",
+      100 * advice.covered, advice.least_turn_deg, advice.greatest_turn_deg, advice.least_nod_deg,
+      advice.greatest_nod_deg);
   for (const std::string& sentence : advice.next) out << "next view: " << sentence << '\n';
   for (const std::string& sentence : warnings(study)) out << "warning: " << sentence << '\n';
   return out.str();

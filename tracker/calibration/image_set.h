@@ -24,9 +24,10 @@ ImageSet find_images(std::span<const std::filesystem::path> files_or_folders);
 
 /// An image to find things in.
 struct GreyImage {
-  ImageU8 grey;   ///< as it is stored
-  ImageU8 light;  ///< proportional to light, for edges: the middle of a blurred edge is where half its light is. In
-                  ///< encoded values it lies elsewhere, and black squares look smaller by a third of a pixel a side.
+  ImageU8 grey;  ///< as it is stored
+  ImageU8
+      light;  ///< proportional to light, for edges: the middle of a blurred edge is where half its light is. In
+              ///< encoded values it lies elsewhere, and black squares look smaller by a third of a pixel on each side.
 };
 
 /// Reads them one by one.

@@ -12,7 +12,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/format.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "tracker/calibration/point_fit.h"
 
 namespace sheen {

@@ -80,7 +80,7 @@ std::string registration_text(const Registration& registration) {
   const Eigen::VectorXd sigma = placement.covariance.diagonal().cwiseSqrt();
   out << format("the mesh's middle stands at (%.2f, %.2f, %.2f) mm +- (%.2g, %.2g, %.2g) mm\n", middle.x(), middle.y(),
                 middle.z(), 1e3 * sigma[3], 1e3 * sigma[4], 1e3 * sigma[5]);
-  out << format("turned by %.3f degrees about (%.3f, %.3f, %.3f) +- (%.2g, %.2g, %.2g) degrees about x, y, z\n",
+  out << format("rotated by %.3f degrees about (%.3f, %.3f, %.3f) +- (%.2g, %.2g, %.2g) degrees about x, y, z\n",
                 turn.angle() / kDegree, turn.axis().x(), turn.axis().y(), turn.axis().z(), sigma[0] / kDegree,
                 sigma[1] / kDegree, sigma[2] / kDegree);
   out << format("scale %.6g metres per unit of the mesh", placement.stage_from_mesh.scale);

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "common/base/errors.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "common/base/quantity.h"
 #include "tracker/calibration/bundle.h"
 #include "tracker/calibration/survey_gauge.h"
@@ -162,7 +162,7 @@ double robust_noise(const Workplace& work) {
   return median(errors) / kMedianToSigma;
 }
 
-/// Judges every sighting anew. Whether anything changed.
+/// Judges every sighting again. Whether anything changed.
 bool judge(Workplace& work) {
   const double limit = std::max(work.options.outlier_sigmas * robust_noise(work), work.options.outlier_floor_px);
   bool changed = false;

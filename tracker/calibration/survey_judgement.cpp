@@ -98,7 +98,7 @@ void judge_tag(const SurveyedTag& tag, const Eigen::Vector3d& stretched_m, std::
   if (beyond(aside, tag.shift_uncertainty_m, kLeastShift_m) ||
       beyond(tag.turn_deg, tag.tilt_uncertainty_deg, kLeastTilt_deg))
     findings.push_back({SurveyFault::kMovedTag, tag.id,
-                        format("tag %d stands %.2f mm from its place on the sheet, turned by %.1f degrees; the survey "
+                        format("tag %d stands %.2f mm from its place on the sheet, rotated by %.1f degrees; the survey "
                                "has its true place",
                                tag.id, 1e3 * aside, tag.turn_deg)});
   if (beyond(tag.tilt_deg, tag.tilt_uncertainty_deg, kLeastTilt_deg) ||

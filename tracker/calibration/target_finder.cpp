@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/base/errors.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "tracker/fiducials/corner_refiner.h"
 #include "tracker/fiducials/tag_detector.h"
 

@@ -10,7 +10,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/format.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "common/base/report_file.h"
 #include "common/camera/camera_file.h"
 #include "common/datasets/light_list.h"

@@ -15,6 +15,7 @@
 #include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
+#include "common/base/order_statistics.h"
 #include "common/base/progress.h"
 #include "common/base/quantity.h"
 #include "common/base/stop_signal.h"
@@ -122,11 +123,14 @@ void judge(const SimulateArguments& arguments) {
   const Session session = Session::open_read_only(arguments.judge);
   PoseErrors errors;
   for (std::uint64_t i = 0; i < session.size(); ++i) add_pose_error(session.read(i), recording, sent, errors);
+  const auto at = [](double q, const std::vector<double>& of) {
+    return of.empty() ? std::numeric_limits<double>::quiet_NaN() : quantile(of, q);
+  };
   const nlohmann::json report{{"captures", errors.centre_mm.size()},
                               {"unmatched", errors.unmatched},
-                              {"centre_mm_p50", quantile(errors.centre_mm, 0.50)},
-                              {"centre_mm_p95", quantile(errors.centre_mm, 0.95)},
-                              {"rotation_deg_p95", quantile(errors.rotation_deg, 0.95)}};
+                              {"centre_mm_p50", at(0.50, errors.centre_mm)},
+                              {"centre_mm_p95", at(0.95, errors.centre_mm)},
+                              {"rotation_deg_p95", at(0.95, errors.rotation_deg)}};
   std::cout << report.dump(2) << '\n';
 }
 

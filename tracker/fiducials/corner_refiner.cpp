@@ -8,7 +8,7 @@
 #include <cmath>
 #include <optional>
 
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "common/stage/tag_pattern.h"
 #include "tracker/fiducials/grey_sample.h"
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "common/image/linear_reader.h"
 #include "tracker/fiducials/tag_detector.h"
 

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "tracker/lights/image_matrix.h"
 
 namespace sheen {

@@ -5,6 +5,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "common/base/order_statistics.h"
+
 namespace sheen {
 
 cv::Mat wrapped(const ImageF& image) {
@@ -16,10 +18,7 @@ cv::Mat wrapped(const ImageU8& image) {
 }
 
 float quantile(const cv::Mat& values, double q) {
-  std::vector<float> all(values.begin<float>(), values.end<float>());
-  const auto at = all.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(all.size() - 1));
-  std::nth_element(all.begin(), at, all.end());
-  return *at;
+  return quantile(std::vector<float>(values.begin<float>(), values.end<float>()), q);
 }
 
 }  // namespace sheen

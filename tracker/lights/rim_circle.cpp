@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 
 namespace sheen {
 namespace {

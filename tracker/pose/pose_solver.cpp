@@ -9,7 +9,7 @@
 #include <opencv2/calib3d.hpp>
 #include <optional>
 
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "tracker/pose/reprojection.h"
 
 namespace sheen {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/base/order_statistics.h"
 #include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
 
 namespace sheen {
@@ -18,12 +19,6 @@ constexpr float kLeastCosine = 0.05f;  // below it a lamp says little of the ref
 constexpr float kLeastReflectance = 2e-3f;
 // Weights of what is known beforehand, and of pixels at the edge of a shadow, against an image's.
 constexpr float kHoldNormal = 2e-3f, kHoldAmbient = 1e-2f, kHoldGuessedAmbient = 0.3f, kEdgeWeight = 0.1f;
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 bool arrives(const CapturedView& view, std::size_t i, std::size_t pixel) {
   return view.arrives[i].data()[pixel] == 255;

@@ -8,6 +8,7 @@
 #include "common/base/stage_clock.h"
 #include "reconstructor/models/intrinsic_lumigraph/decomposition.h"
 #include "reconstructor/models/intrinsic_lumigraph/image_geometry.h"
+#include "reconstructor/models/light_refusal.h"
 #include "reconstructor/radiance/capture_rules.h"
 #include "reconstructor/radiance/radiance_image.h"
 
@@ -15,11 +16,6 @@ namespace sheen {
 namespace {
 
 constexpr float kGuessedAmbient = 0.1f;  // where no pixel shows both light and shadow
-
-bool same_camera(const PosedCamera& a, const Capture& b) {
-  const Rigid3 &p = a.camera_from_object, &q = b.pose.camera_from_object;
-  return a.camera == b.camera && p.translation.isApprox(q.translation, 1e-9) && p.rotation.isApprox(q.rotation, 1e-9);
-}
 
 ImageHalf halves(const ImageF& image) {
   ImageHalf out(image.width(), image.height(), image.channels());
@@ -46,16 +42,18 @@ std::string IntrinsicLumigraph::refusal(const Capture& capture) const {
   if (!capture.pose.usable()) return "no_pose";
   const LightKind kind = views_.empty() ? capture.light.kind : views_.front().images.front().light.kind;
   if (std::string refused = light_refusal(capture.light, kind); !refused.empty()) return refused;
+  const PosedCamera posed{capture.camera, capture.pose.camera_from_object};
   for (const View& view : views_)
-    if (same_camera(view.from, capture))
+    if (same_place(view.from, posed))
       for (const LitImage& image : view.images)
-        if (same_place(image.light.position, capture.light.position)) return "same_view_and_light";
+        if (same_light_place(image.light.position, capture.light.position)) return "same_view_and_light";
   return {};
 }
 
 IntrinsicLumigraph::View* IntrinsicLumigraph::view_of(const Capture& capture) {
+  const PosedCamera posed{capture.camera, capture.pose.camera_from_object};
   const auto found =
-      std::find_if(views_.begin(), views_.end(), [&](const View& view) { return same_camera(view.from, capture); });
+      std::find_if(views_.begin(), views_.end(), [&](const View& view) { return same_place(view.from, posed); });
   return found == views_.end() ? nullptr : &*found;
 }
 
@@ -118,7 +116,7 @@ LightSet IntrinsicLumigraph::light_set() const {
   for (const View& view : views_)
     for (const LitImage& image : view.images) {
       lights.kind = image.light.kind;
-      const auto same = [&](const Eigen::Vector3d& p) { return same_place(p, image.light.position); };
+      const auto same = [&](const Eigen::Vector3d& p) { return same_light_place(p, image.light.position); };
       if (std::none_of(places.begin(), places.end(), same)) places.push_back(image.light.position);
     }
   lights.places.resize(3, static_cast<Eigen::Index>(places.size()));
@@ -130,7 +128,7 @@ CapturedView IntrinsicLumigraph::captured(const View& view, const LightSet& ligh
   CapturedView out{.from = view.from};
   for (int light = 0; light < lights.size(); ++light)
     for (const LitImage& image : view.images) {
-      if (!same_place(image.light.position, lights.places.col(light))) continue;
+      if (!same_light_place(image.light.position, lights.places.col(light))) continue;
       out.lights.push_back(light);
       out.radiance.push_back(floats(image.radiance));
     }

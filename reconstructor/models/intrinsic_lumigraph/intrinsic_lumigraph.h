@@ -24,10 +24,6 @@ class IntrinsicLumigraph : public AppearanceModel {
   bool withdraw(const Capture& capture) override;
   bool began_with(const Capture& capture) const override;
   void restart(int effort_level) override;
-  void rebuild(int effort_level) override { restart(effort_level); }
-  int effort_level_within(const Capture&, int from, double) const override { return from; }
-  bool reduce_memory() override { return false; }
-  void set_update_fraction(double) override {}
   std::shared_ptr<const ModelSnapshot> snapshot() override;
   std::shared_ptr<const Appearance> constant_colour() const override;
   const ModelSettings& settings() const override { return options_; }

@@ -73,7 +73,7 @@ class RayShadowShader : public BlendShader {
                                                y * pixel_.y() * object_from_camera_.col(1))};
       const Hit hit = model_.occluders().rays().intersect(ray);
       if (!hit) return false;
-      const Occluders::Place seen = model_.occluders().place(ray, hit);
+      const Occluders::Place seen = model_.occluders().place_or_none(ray, hit);
       return model_.occluders().reached(seen, lamp_);
     };
     int corners = 0;

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "common/base/errors.h"
+#include "reconstructor/models/light_refusal.h"
 
 namespace sheen {
 namespace {
@@ -55,7 +56,7 @@ std::vector<std::pair<int, float>> LightSet::between(const Vector3d& place) cons
   const auto distance = [&](int i) { return (places.col(i) - place).norm(); };
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return distance(a) < distance(b); });
   if (order.empty()) return {};
-  if (order.size() == 1 || same_place(places.col(order[0]), place)) return {{order[0], 1.0f}};
+  if (order.size() == 1 || same_light_place(places.col(order[0]), place)) return {{order[0], 1.0f}};
   if (order.size() > kNearest) order.resize(kNearest);
 
   double best_cost = std::numeric_limits<double>::infinity();
@@ -82,19 +83,6 @@ std::vector<std::pair<int, float>> LightSet::between(const Vector3d& place) cons
     }
   }
   return best;
-}
-
-std::string light_refusal(const LightState& light, LightKind kind) {
-  if (light.kind != LightKind::kDirectional && light.kind != LightKind::kPoint) return "no_light_position";
-  if (light.kind != kind) return "other_kind_of_light";
-  if (!light.position.allFinite() || !light.rgb.allFinite() || !(light.rgb.minCoeff() > 0)) return "broken_light";
-  if (kind == LightKind::kDirectional && !(light.position.norm() > 0)) return "broken_light";
-  return {};
-}
-
-bool same_place(const Vector3d& a, const Vector3d& b) {
-  constexpr double kSame = 1e-6;
-  return (a - b).norm() <= kSame * std::max(a.norm(), b.norm());
 }
 
 }  // namespace sheen

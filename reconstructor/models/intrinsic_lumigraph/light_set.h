@@ -49,10 +49,4 @@ struct LightSet {
   std::vector<std::pair<int, float>> between(const Eigen::Vector3d& place) const;
 };
 
-/// Empty, or why a light cannot be one of a set of this kind: a short, stable word.
-std::string light_refusal(const LightState& light, LightKind kind);
-
-/// Whether two lights are the same up to rounding.
-bool same_place(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
-
 }  // namespace sheen

@@ -90,7 +90,7 @@ ImageF interpolated_visibility(const IntrinsicView& view, const LightSet& lights
 
 ImageU8 predicted_arrival(const LumigraphData& data, const IntrinsicView& view, const Eigen::Vector3d& place) {
   const LightWeights between = lights_between(view, data.lights, place);
-  if (between.size() == 1 && same_place(data.lights.places.col(view.lights[between[0].first]), place))
+  if (between.size() == 1 && same_light_place(data.lights.places.col(view.lights[between[0].first]), place))
     return view.arrives[between[0].first];
   ImageU8 out = reached_past(data.hull, view, data.lights.lamp(place));
   for (std::size_t i = 0; i < out.size(); ++i)

@@ -12,11 +12,6 @@
 namespace sheen {
 namespace {
 
-bool same_camera(const PosedCamera& a, const PosedCamera& b) {
-  return a.camera == b.camera && a.camera_from_object.translation == b.camera_from_object.translation &&
-         a.camera_from_object.rotation.coeffs() == b.camera_from_object.rotation.coeffs();
-}
-
 bool same_light(const LightState& a, const LightState& b) {
   return a.kind == b.kind && a.position == b.position && a.rgb == b.rgb;
 }
@@ -31,13 +26,13 @@ ImageU8 in_bytes(const ImageF& parts) {
 }  // namespace
 
 void LumigraphPainter::look_from(const PosedCamera& from) {
-  if (from_ && same_camera(*from_, from)) return;
+  if (from_ && *from_ == from) return;
   from_ = from;
   surface_.reset();
   if (!model_->data()->of_images) surface_.emplace(model_->occluders(), from);
   captured_ = nullptr;
   for (const auto& view : model_->data()->views)
-    if (same_camera(view->from, from)) captured_ = view;
+    if (view->from == from) captured_ = view;
 }
 
 std::shared_ptr<const RelitView> LumigraphPainter::blended(const ViewBlend::Relight& relit) const {

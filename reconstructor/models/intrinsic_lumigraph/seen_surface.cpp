@@ -4,6 +4,8 @@
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
+#include <array>
+#include <numeric>
 #include <span>
 
 namespace sheen {
@@ -22,16 +24,38 @@ Occluders::Occluders(const Mesh& mesh) : mesh_(mesh), rays_(mesh) {
   far_ = 4 * radius;
 }
 
-Occluders::Place Occluders::place(const Ray& ray, const Hit& hit) const {
+Occluders::Place Occluders::place_or_none(const Ray& ray, const Hit& hit) const {
+  if (!hit) return {Vector3f::Zero(), Vector3f::Zero()};
   const Vector3f normal = mesh_.area_normal(hit.triangle).normalized();
   return {ray.origin + hit.distance * ray.direction, normal.dot(ray.direction) > 0 ? Vector3f(-normal) : normal};
 }
 
-bool Occluders::reached(const Place& place, const Lamp& lamp) const {
+std::optional<Ray> Occluders::shadow_ray(const Place& place, const Lamp& lamp) const {
   const Vector3f towards = lamp.towards(place.point);
-  if (place.facing.dot(towards) <= 0) return false;
-  return !rays_.occluded(
-      {place.point + clearance_ * place.facing, towards, 0, lamp.kind == LightKind::kPoint ? 1 : far_});
+  if (place.facing.dot(towards) <= 0) return std::nullopt;
+  return Ray{place.point + clearance_ * place.facing, towards, 0, lamp.kind == LightKind::kPoint ? 1 : far_};
+}
+
+bool Occluders::reached(const Place& place, const Lamp& lamp) const {
+  const std::optional<Ray> ray = shadow_ray(place, lamp);
+  return ray && !rays_.occluded(*ray);
+}
+
+void Occluders::reached(std::span<const Place> places, const Lamp& lamp, std::span<std::uint8_t> answers) const {
+  std::vector<Ray> rays;
+  std::vector<std::size_t> asked;
+  rays.reserve(places.size());
+  asked.reserve(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    answers[i] = 0;
+    const std::optional<Ray> ray = shadow_ray(places[i], lamp);
+    if (!ray) continue;
+    rays.push_back(*ray);
+    asked.push_back(i);
+  }
+  std::vector<std::uint8_t> blocked(rays.size());
+  rays_.occluded(rays, blocked);
+  for (std::size_t k = 0; k < asked.size(); ++k) answers[asked[k]] = !blocked[k];
 }
 
 SeenSurface::SeenSurface(const Occluders& occluders, const PosedCamera& from)
@@ -45,8 +69,7 @@ SeenSurface::SeenSurface(const Occluders& occluders, const PosedCamera& from)
     std::vector<Hit> hits(row.size());
     for (std::size_t x = 0; x < row.size(); ++x) rays[x] = ray_at(first_x + static_cast<double>(x), y);
     occluders.rays().intersect(rays, hits);
-    for (std::size_t x = 0; x < row.size(); ++x)
-      row[x] = hits[x] ? occluders.place(rays[x], hits[x]) : Occluders::Place{Vector3f::Zero(), Vector3f::Zero()};
+    for (std::size_t x = 0; x < row.size(); ++x) row[x] = occluders.place_or_none(rays[x], hits[x]);
   };
   tbb::parallel_for(0, h + 1, [&](int y) {
     look(-0.5, y - 0.5, {corners_.data() + std::size_t(y) * (w + 1), std::size_t(w + 1)});
@@ -83,31 +106,35 @@ ImageF SeenSurface::normals() const {
 
 ImageU8 SeenSurface::reached(const Lamp& lamp) const {
   const int w = from_.camera.width, h = from_.camera.height;
-  const auto reached_at = [&](const Occluders::Place& seen) {
-    return !seen.facing.isZero() && occluders_->reached(seen, lamp);
-  };
+  const std::size_t row = std::size_t(w) + 1;
   std::vector<std::uint8_t> at_corner(corners_.size());
-  tbb::parallel_for(std::size_t{0}, corners_.size(), [&](std::size_t i) { at_corner[i] = reached_at(corners_[i]); });
+  tbb::parallel_for(std::size_t{0}, std::size_t(h) + 1, [&](std::size_t y) {
+    occluders_->reached({corners_.data() + y * row, row}, lamp, {at_corner.data() + y * row, row});
+  });
   ImageU8 out(w, h, 1);
   tbb::parallel_for(0, h, [&](int y) {
     for (int x = 0; x < w; ++x) {
-      const std::size_t corner = std::size_t(y) * (w + 1) + x;
-      const int lit = at_corner[corner] + at_corner[corner + 1] + at_corner[corner + w + 1] + at_corner[corner + w + 2];
-      std::uint8_t& value = out.at(x, y);
-      if (lit == 0 || lit == 4) {
-        value = lit == 4 ? 255 : 0;
-      } else {
-        int count = 0;
-        for (int k = 0; k < kEdgeSide * kEdgeSide; ++k) {
-          const Ray ray =
-              ray_at(x - 0.5 + (k % kEdgeSide + 0.5) / kEdgeSide, y - 0.5 + (k / kEdgeSide + 0.5) / kEdgeSide);
-          if (const Hit hit = occluders_->rays().intersect(ray)) count += reached_at(occluders_->place(ray, hit));
-        }
-        value = static_cast<std::uint8_t>(count * 255 / (kEdgeSide * kEdgeSide));
-      }
+      const std::uint8_t* corner = at_corner.data() + std::size_t(y) * row + x;
+      const int lit = corner[0] + corner[1] + corner[row] + corner[row + 1];
+      out.at(x, y) = lit == 0 ? 0 : lit == 4 ? 255 : reached_within(x, y, lamp);
     }
   });
   return out;
+}
+
+/// By rays through the pixel, of which few differ.
+std::uint8_t SeenSurface::reached_within(int x, int y, const Lamp& lamp) const {
+  constexpr int kRays = kEdgeSide * kEdgeSide;
+  std::array<Ray, kRays> rays;
+  std::array<Hit, kRays> hits;
+  for (int k = 0; k < kRays; ++k)
+    rays[k] = ray_at(x - 0.5 + (k % kEdgeSide + 0.5) / kEdgeSide, y - 0.5 + (k / kEdgeSide + 0.5) / kEdgeSide);
+  occluders_->rays().intersect(rays, hits);
+  std::array<Occluders::Place, kRays> places;
+  for (int k = 0; k < kRays; ++k) places[k] = occluders_->place_or_none(rays[k], hits[k]);
+  std::array<std::uint8_t, kRays> lit;
+  occluders_->reached(places, lamp, lit);
+  return static_cast<std::uint8_t>(std::accumulate(lit.begin(), lit.end(), 0) * 255 / kRays);
 }
 
 }  // namespace sheen

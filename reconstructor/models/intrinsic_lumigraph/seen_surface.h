@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/camera/posed_camera.h"
@@ -20,11 +21,16 @@ class Occluders {
     Eigen::Vector3f point, facing;  ///< `facing`: unit, the side of the triangle that is seen
   };
   const RayScene& rays() const { return rays_; }
-  Place place(const Ray& ray, const Hit& hit) const;
+  /// What a ray has hit; without a facing where that is nothing.
+  Place place_or_none(const Ray& ray, const Hit& hit) const;
   /// Whether a lamp's light arrives: it is on the side that is seen, and nothing stands before it.
   bool reached(const Place& place, const Lamp& lamp) const;
+  /// The same (1 or 0) of many places; of such as lie beside each other it is found more quickly.
+  void reached(std::span<const Place> places, const Lamp& lamp, std::span<std::uint8_t> answers) const;
 
  private:
+  std::optional<Ray> shadow_ray(const Place& place, const Lamp& lamp) const;  ///< none where the lamp is behind
+
   Mesh mesh_;
   RayScene rays_;
   float clearance_, far_;  ///< metres: what a ray starts off the surface with; further than the mesh reaches
@@ -46,6 +52,7 @@ class SeenSurface {
 
  private:
   Ray ray_at(double x, double y) const;
+  std::uint8_t reached_within(int x, int y, const Lamp& lamp) const;  ///< a pixel at an edge of the shadow
 
   const Occluders* occluders_;
   PosedCamera from_;

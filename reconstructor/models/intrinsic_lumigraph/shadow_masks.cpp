@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "common/base/order_statistics.h"
 #include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
 #include "reconstructor/models/intrinsic_lumigraph/weiss.h"
 
@@ -23,9 +24,7 @@ constexpr double kFirstStep = 9, kLeastRise = 0.15;  // pixels along the way to 
 
 /// The normal times the albedo of a matt surface under those lights that it explains.
 Vector3f matt_surface(const std::vector<Vector3f>& incidences, const std::vector<float>& brightness) {
-  std::vector<float> sorted = brightness;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const float middle = sorted[sorted.size() / 2];
+  const float middle = median(std::vector<float>(brightness));
   std::vector<bool> lit(brightness.size());
   for (std::size_t i = 0; i < brightness.size(); ++i) lit[i] = brightness[i] >= kStillLit * middle;
   Vector3f surface = Vector3f::Zero();

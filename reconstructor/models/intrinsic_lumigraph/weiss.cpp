@@ -9,17 +9,12 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "common/base/order_statistics.h"
+
 namespace sheen {
 namespace {
 
 constexpr float kDelta = 2e-3f;  // of log(I + delta): half a step of an 8-bit image near black
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5f * (*middle + *std::max_element(values.begin(), middle));
-}
 
 /// One channel of log I, of even size as the cosine transform wants it: the last row or column stands twice.
 cv::Mat log_channel(const ImageF& image, int channel) {
@@ -66,7 +61,7 @@ void estimate_channel(std::span<const ImageF> radiance, int channel, ImageF& ref
     const auto median_of = [&](const auto& value) {
       values.resize(logs.size());
       for (std::size_t n = 0; n < logs.size(); ++n) values[n] = value(logs[n]);
-      return median(values);
+      return median_of_both_middles<float>(values);
     };
     for (int x = 0; x < w; ++x) {
       middle.at<float>(y, x) = median_of([&](const cv::Mat& i) { return i.at<float>(y, x); });

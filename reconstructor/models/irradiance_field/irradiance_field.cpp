@@ -8,6 +8,7 @@
 #include "common/base/stage_clock.h"
 #include "common/image/color.h"
 #include "reconstructor/models/irradiance_field/compress.h"
+#include "reconstructor/models/light_refusal.h"
 #include "reconstructor/radiance/capture_rules.h"
 #include "reconstructor/radiance/radiance_image.h"
 
@@ -19,14 +20,6 @@ constexpr double kUnknownError = 0.14;
 constexpr std::size_t kFewestForError = 8;
 // Fainter terms than this, in grey levels, say nothing of 8-bit images.
 constexpr double kLeastTerm = 0.02;
-
-bool same_place(const LightState& a, const LightState& b) {
-  constexpr double kSame = 1e-6;
-  const bool directions = a.kind == LightKind::kDirectional;
-  const Eigen::Vector3d p = directions ? a.position.normalized() : a.position,
-                        q = directions ? b.position.normalized() : b.position;
-  return (p - q).norm() <= kSame * std::max(p.norm(), q.norm());
-}
 
 ImageF encoded_levels(const Capture& capture, const Undistortion& undistortion) {
   ImageF image = undistortion.of(level_radiance(capture, 1));
@@ -49,10 +42,8 @@ IrradianceField::IrradianceField(std::shared_ptr<const Mesh> mesh, const Irradia
 std::string IrradianceField::refusal(const Capture& capture) const {
   if (!capture.pose.usable()) return "no_pose";
   const LightKind kind = images_.empty() ? capture.light.kind : images_.front().light.kind;
-  if (std::string error = light_error(capture.light, kind); !error.empty()) return error;
-  const Rigid3 &pose = capture.pose.camera_from_object, &first = camera_.camera_from_object;
-  if (!images_.empty() && (!(capture.camera == camera_.camera) || !pose.translation.isApprox(first.translation, 1e-9) ||
-                           !pose.rotation.isApprox(first.rotation, 1e-9)))
+  if (std::string error = light_refusal(capture.light, kind); !error.empty()) return error;
+  if (!images_.empty() && !same_place(camera_, {capture.camera, capture.pose.camera_from_object}))
     return "other_camera";
   const ImageU8 usable = usable_pixels(capture);
   if (std::any_of(usable.data(), usable.data() + usable.size(), [](std::uint8_t u) { return u == 0; }))

@@ -20,16 +20,12 @@ class IrradianceField : public AppearanceModel {
   /// mesh: `picture_plane` of the camera without its distortion. Throws ConfigError for another.
   IrradianceField(std::shared_ptr<const Mesh> mesh, const IrradianceFieldOptions& options);
 
-  /// Refuses as "no_pose", "no_light_direction", "other_kind_of_light", "broken_light", "same_light", "other_camera",
+  /// Refuses as "no_pose", "no_light_position", "other_kind_of_light", "broken_light", "same_light", "other_camera",
   /// "broken_pixels" (some are masked, or not finite).
   IngestReport ingest(const Capture& capture) override;
   bool withdraw(const Capture& capture) override;
   bool began_with(const Capture& capture) const override;
   void restart(int effort_level) override;
-  void rebuild(int effort_level) override { restart(effort_level); }
-  int effort_level_within(const Capture&, int from, double) const override { return from; }
-  bool reduce_memory() override { return false; }
-  void set_update_fraction(double) override {}
   std::shared_ptr<const ModelSnapshot> snapshot() override;
   std::shared_ptr<const Appearance> constant_colour() const override;
   const ModelSettings& settings() const override { return options_; }

@@ -6,10 +6,12 @@
 #include <functional>
 
 #include "common/base/errors.h"
+#include "common/base/order_statistics.h"
 #include "common/image/color.h"
 #include "reconstructor/models/irradiance_field/compress.h"
 #include "reconstructor/models/irradiance_field/field_file.h"
 #include "reconstructor/models/irradiance_field/light_intervals.h"
+#include "reconstructor/models/light_refusal.h"
 
 namespace sheen {
 namespace {
@@ -63,7 +65,7 @@ LightState IrradianceFieldSnapshot::known_light(const LightState& light) const {
   if (light.kind == LightKind::kFixed) return light;
   LightState known = light;
   const bool far = light.kind == LightKind::kDirectional;
-  const std::string wrong = light_error(light, far ? LightKind::kDirectional : LightKind::kPoint);
+  const std::string wrong = light_refusal(light, far ? LightKind::kDirectional : LightKind::kPoint);
   const auto met = plane_ && wrong.empty() ? plane_->meet(light.position) : std::nullopt;
   if (met) {
     // Lamps on the plane keep their brightness to the last bit.
@@ -126,9 +128,8 @@ std::unique_ptr<ViewShader> IrradianceFieldSnapshot::shader_for(const ViewQuery&
 SnapshotFigures IrradianceFieldSnapshot::figures() const {
   std::vector<std::size_t> ranks = relighting_->ranks();
   if (empty() || ranks.empty()) return {};
-  std::sort(ranks.begin(), ranks.end());
-  return {.median_rank = static_cast<double>(ranks[ranks.size() / 2]),
-          .most_rank = static_cast<int>(ranks.back()),
+  return {.median_rank = median_of_both_middles<double>(ranks),
+          .most_rank = static_cast<int>(*std::max_element(ranks.begin(), ranks.end())),
           .seen = 1,
           .measured = 1};
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/order_statistics.h"
+
 namespace sheen {
 namespace {
 
@@ -21,9 +23,7 @@ double typical_largest(const ImageF& differences) {
     const float* pixel = differences.data() + 3 * i;
     largest[i] = std::max({std::abs(pixel[0]), std::abs(pixel[1]), std::abs(pixel[2])});
   }
-  const auto at = largest.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(largest.size() - 1));
-  std::nth_element(largest.begin(), at, largest.end());
-  return static_cast<double>(*at);
+  return static_cast<double>(quantile(largest, kShare));
 }
 
 /// What surrounds a light.
@@ -66,8 +66,7 @@ double growth(const LitScene& scene, const Relighting& relighting, const std::ve
     powers.push_back(std::log2(std::max(typical_largest(wider), kLeastError) / std::max(errors[i], kLeastError)));
   }
   if (powers.empty()) return kLeastGrowth;
-  std::nth_element(powers.begin(), powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2), powers.end());
-  return std::clamp(powers[powers.size() / 2], kLeastGrowth, kMostGrowth);
+  return std::clamp(median(powers), kLeastGrowth, kMostGrowth);
 }
 
 double length_of(const LightState& a, const LightState& b) {

@@ -85,12 +85,4 @@ std::optional<LightPlane> light_plane(const LitScene& scene) {
   return plane;
 }
 
-std::string light_error(const LightState& light, LightKind kind) {
-  if (light.kind != LightKind::kDirectional && light.kind != LightKind::kPoint) return "no_light_direction";
-  if (light.kind != kind) return "other_kind_of_light";
-  if (!light.position.allFinite() || !light.rgb.allFinite() || !(light.rgb.minCoeff() > 0)) return "broken_light";
-  if (kind == LightKind::kDirectional && !(light.position.norm() > 0)) return "broken_light";
-  return {};
-}
-
 }  // namespace sheen

@@ -45,7 +45,4 @@ struct LightPlane {
 };
 std::optional<LightPlane> light_plane(const LitScene& scene);
 
-/// Why a light cannot be asked of, or be added to, a scene whose lights are of `kind`; empty: it can.
-std::string light_error(const LightState& light, LightKind kind);
-
 }  // namespace sheen

@@ -13,7 +13,7 @@ constexpr std::size_t kFirstFit = 6;
 constexpr double kFitGrowth = 1.4;
 constexpr std::size_t kFewImages = 16;  // up to here a fit is cheap enough for one image
 constexpr std::size_t kFittedPatches = 1000;
-constexpr std::size_t kGatheredPatches = 125;  // an image: their columns that wait are projected, which costs memory
+constexpr std::size_t kGatheredPatches = 125;  // per image: their columns that wait are projected, which costs memory
 
 }  // namespace
 

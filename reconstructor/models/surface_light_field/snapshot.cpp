@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "reconstructor/models/surface_light_field/compact/compress.h"
 #include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
@@ -115,10 +115,7 @@ SnapshotFigures SurfaceLightFieldSnapshot::figures() const {
     figures.measured = static_cast<double>(measured) / static_cast<double>(samples);
   }
   if (ranks.empty()) return figures;
-  figures.median_rank = median(ranks);
-  const auto middle = ranks.begin() + static_cast<std::ptrdiff_t>(ranks.size() / 2);
-  if (ranks.size() % 2 == 0)
-    figures.median_rank = 0.5 * (figures.median_rank + *std::max_element(ranks.begin(), middle));
+  figures.median_rank = median_of_both_middles<double>(ranks);
   figures.most_rank = *std::max_element(ranks.begin(), ranks.end());
   return figures;
 }

@@ -28,7 +28,7 @@ namespace {
 // An image that may repeat an earlier one is decided on one patch of so many; by so many of those.
 constexpr std::size_t kPatchesPerTested = 13;  // no multiple of how many a regular mesh has side by side
 constexpr double kRepeatedShare = 0.95;
-constexpr std::size_t kPredictedPatches = 16;  // an image: each costs a solve
+constexpr std::size_t kPredictedPatches = 16;  // per image: each costs a solve
 
 bool has_pose(const PoseEstimate& pose) {
   return pose.usable() && pose.camera_from_object.rotation.coeffs().allFinite() &&
@@ -354,7 +354,7 @@ std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
 
 ModelFigures SurfaceLightField::figures() const {
   if (pipeline_->finished) return pipeline_->finished->figures;
-  ModelFigures figures{.images = pipeline_->folded.count(), .bytes = bytes(), .patch_name = "patch"};
+  ModelFigures figures{.images = pipeline_->folded.count(), .bytes = bytes()};
   if (pipeline_->patches) figures.rank_histogram = pipeline_->patches->rank_histogram();
   const auto reached = std::reduce(figures.rank_histogram.begin(), figures.rank_histogram.end());
   if (reached > 0) figures.bytes_per_patch = static_cast<double>(figures.bytes) / static_cast<double>(reached);

@@ -30,6 +30,27 @@ Eigen::Vector3f at(const Mesh& mesh, const Hit& hit) {
          hit.v * mesh.corner(hit.triangle, 2);
 }
 
+TEST(RayScene, ManyRaysAtOnceAreStoppedAsEachAlone) {
+  const Mesh mesh = square_mesh(1, 0.25f, 7);
+  const RayScene scene(mesh);
+  for (const int count : {0, 1, 7, 8, 9, 300}) {  // whole packets, and what is left of one
+    const std::vector<Ray> rays = random_rays(count, 3, 4);
+    std::vector<std::uint8_t> blocked(rays.size());
+    scene.occluded(rays, blocked);
+    int stopped = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      EXPECT_EQ(blocked[i], scene.occluded(rays[i])) << i << " of " << count;
+      stopped += blocked[i];
+    }
+    if (count == 300) {
+      EXPECT_GT(stopped, 30);
+      EXPECT_LT(stopped, 270);
+    }
+  }
+  std::vector<std::uint8_t> few(2);
+  EXPECT_THROW(scene.occluded(random_rays(3, 3, 4), few), std::invalid_argument);
+}
+
 TEST(RayScene, AgreesWithTheClosedFormOfAPlane) {
   const Mesh mesh = square_mesh(1, 0.25f, 7);
   const RayScene scene(mesh);

@@ -64,11 +64,5 @@ TEST(PoseTruth, TheLogIsReadLineByLine) {
   EXPECT_THROW(read_sent_frames(folder.path() / "none.csv"), FileError);
 }
 
-TEST(PoseTruth, QuantilesOfKnownValues) {
-  EXPECT_EQ(quantile({5, 1, 3, 2, 4}, 0.5), 3);
-  EXPECT_EQ(quantile({5, 1, 3, 2, 4}, 1), 5);
-  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
-}
-
 }  // namespace
 }  // namespace sheen

@@ -35,7 +35,7 @@ TEST(BatchPca, ADiagonalMatrixKeepsItsLargestEntries) {
 
 TEST(BatchPca, AgreesWithAnSvdWhetherTallOrWide) {
   for (const bool wide : {false, true}) {
-    MatrixXf data = ring_like_matrix(60, 25, 8, 0.01f, 1);
+    MatrixXf data = patch_like_matrix(60, 25, 8, 0.01f, 1);
     if (wide) data.transposeInPlace();
     const Eigen::BDCSVD<MatrixXd> svd(data.cast<double>(), Eigen::ComputeThinU | Eigen::ComputeThinV);
     const int rank = 6;
@@ -50,7 +50,7 @@ TEST(BatchPca, AgreesWithAnSvdWhetherTallOrWide) {
 }
 
 TEST(BatchPca, WeightsCountAColumnSeveralTimes) {
-  const MatrixXf data = ring_like_matrix(40, 3, 3, 0.1f, 2);
+  const MatrixXf data = patch_like_matrix(40, 3, 3, 0.1f, 2);
   MatrixXf repeated(40, 6);
   repeated << data.col(0), data.col(1), data.col(1), data.col(1), data.col(2), data.col(2);
   const BatchPca weighted = batch_pca(data, 2, std::vector<double>{1, 3, 2});
@@ -70,7 +70,7 @@ TEST(BatchPca, HasNoMoreTermsThanTheData) {
 }
 
 TEST(BatchPca, ScaleDoesNotMatter) {
-  const MatrixXf data = ring_like_matrix(50, 20, 6, 0.01f, 5);
+  const MatrixXf data = patch_like_matrix(50, 20, 6, 0.01f, 5);
   const BatchPca plain = batch_pca(data, 4);
   for (const float scale : {1e-30f, 1e30f}) {
     const BatchPca scaled = batch_pca(scale * data, 4);

@@ -11,7 +11,7 @@
 #include "reconstructor/numerics/online_svd.h"
 #include "tests/support/online_svd_checks.h"
 #include "tests/support/test_matrices.h"
-#include "tests/support/test_rings.h"
+#include "tests/support/test_patches.h"
 
 namespace sheen {
 namespace {
@@ -27,7 +27,7 @@ OnlineSvd trained_on(const MatrixXf& data, const OnlineSvdOptions& options = kOp
 }
 
 TEST(Missing, OneVisibleRowIsCompletedWithinReason) {
-  const MatrixXf data = ring_like_matrix(150, 61, 8, 0.01f, 1);
+  const MatrixXf data = patch_like_matrix(150, 61, 8, 0.01f, 1);
   OnlineSvd factor = trained_on(data.leftCols(60));
   for (const int row : {0, 77, 149}) {
     Mask known(150, 0);
@@ -42,7 +42,7 @@ TEST(Missing, OneVisibleRowIsCompletedWithinReason) {
 }
 
 TEST(Missing, AStreamOfSingleRowsFromTheStartStaysSound) {
-  const MatrixXf data = ring_like_matrix(60, 240, 3, 0.01f, 2);
+  const MatrixXf data = patch_like_matrix(60, 240, 3, 0.01f, 2);
   OnlineSvd factor(60, kOptions);
   for (int j = 0; j < 240; ++j) {
     Mask known(60, 0);
@@ -94,7 +94,7 @@ TEST(Missing, AColumnOfWhichOnlyADimRowIsKnownIsNotBrighterThanAThousandTimesIt)
 
 TEST(Missing, PartsThatNoColumnShowsTogetherAreNotDark) {
   // A diffuse ring of which some columns show the first rows, others the last, and none both.
-  const MatrixXf data = ring_like_matrix(300, 24, 0, 0.01f, 2);
+  const MatrixXf data = patch_like_matrix(300, 24, 0, 0.01f, 2);
   for (const int block : {1, 12}) {
     OnlineSvd factor(300, {.max_rank = 6, .block = block, .tolerance = 0.05});
     for (int j = 0; j < 24; ++j) {
@@ -125,7 +125,7 @@ TEST(Missing, WhatIsBlackWhereItIsShownHasNothingToDisplay) {
 }
 
 TEST(Missing, NoVisibleRowAtAllIsAViewWithoutWeightOnTheBasis) {
-  const MatrixXf data = ring_like_matrix(150, 40, 4, 0.01f, 3);
+  const MatrixXf data = patch_like_matrix(150, 40, 4, 0.01f, 3);
   OnlineSvd factor = trained_on(data);
   const double energy = factor.energy();
   for (int i = 0; i < 30; ++i) factor.add(data.col(i), Mask(150, 0));
@@ -137,7 +137,7 @@ TEST(Missing, NoVisibleRowAtAllIsAViewWithoutWeightOnTheBasis) {
 TEST(Missing, VisibleRowsThatDoNotSpanTheBasisLeaveTheRestToThePrior) {
   // Two halves that vary independently of each other: the first says nothing of the second.
   MatrixXf data = MatrixXf::Zero(200, 81);
-  data.topRows(100) = ring_like_matrix(100, 81, 3, 0.01f, 4);
+  data.topRows(100) = patch_like_matrix(100, 81, 3, 0.01f, 4);
   data.bottomRows(100) = gaussian_matrix(100, 4, 5) * gaussian_matrix(4, 81, 6);
   const OnlineSvd factor = trained_on(data.leftCols(80), {.max_rank = 12, .tolerance = 0});
   Mask known(200, 0);
@@ -149,7 +149,7 @@ TEST(Missing, VisibleRowsThatDoNotSpanTheBasisLeaveTheRestToThePrior) {
 }
 
 TEST(Missing, WhatStandsBehindAMaskIsNeverRead) {
-  const MatrixXf data = ring_like_matrix(120, 60, 4, 0.01f, 7);
+  const MatrixXf data = patch_like_matrix(120, 60, 4, 0.01f, 7);
   std::mt19937 engine(8);
   OnlineSvd zeros(120, kOptions), garbage(120, kOptions);
   for (int j = 0; j < 60; ++j) {
@@ -171,7 +171,7 @@ TEST(Missing, WhatStandsBehindAMaskIsNeverRead) {
 }
 
 TEST(Missing, RowsThatNoColumnShowsStayZero) {
-  const MatrixXf data = ring_like_matrix(90, 50, 4, 0.01f, 9);
+  const MatrixXf data = patch_like_matrix(90, 50, 4, 0.01f, 9);
   OnlineSvd factor(90, kOptions);
   Mask known(90, 1);
   std::fill_n(known.begin() + 30, 12, 0);
@@ -182,7 +182,7 @@ TEST(Missing, RowsThatNoColumnShowsStayZero) {
 }
 
 TEST(Missing, TwoPercentOfTheRowsCompleteAColumnBetterThanLeastSquares) {
-  const MatrixXf data = test_ring_columns(TestRing::kHard);
+  const MatrixXf data = test_patch_columns(TestPatch::kHard);
   const std::vector<int> order = column_orders(data, 1)[3];
   OnlineSvd factor(static_cast<int>(data.rows()), {.max_rank = 12, .tolerance = 0, .channels = 3});
   for (int i = 0; i < 200; ++i) factor.add(data.col(order[i]));
@@ -192,7 +192,7 @@ TEST(Missing, TwoPercentOfTheRowsCompleteAColumnBetterThanLeastSquares) {
   for (int i = 200; i < 240; ++i) {
     const VectorXf column = data.col(order[i]);
     Mask known(static_cast<std::size_t>(column.size()), 0);
-    for (int s = 0; s < 16; ++s) std::fill_n(known.begin() + 3 * static_cast<long>(engine() % kTestRingSamples), 3, 1);
+    for (int s = 0; s < 16; ++s) std::fill_n(known.begin() + 3 * static_cast<long>(engine() % kTestPatchSamples), 3, 1);
     const auto error = [&](double noise) {
       const VectorXf filled = factor.basis() * factor.estimate(column, known, noise);
       return double((filled - column).norm() / column.norm());
@@ -264,8 +264,8 @@ TEST(Missing, WhatMergedViewsShowedIsTheirMeanAndOneCanBeTakenOut) {
 }
 
 TEST(Missing, AnOccludedStreamIsNearlyAsGoodAsAFullOne) {
-  const MatrixXf data = test_ring_columns(TestRing::kHard);
-  const auto visible = occluding_edges(kTestRingViews, 0.8, 1);
+  const MatrixXf data = test_patch_columns(TestPatch::kHard);
+  const auto visible = occluding_edges(kTestPatchViews, 0.8, 1);
   const std::vector<int> order = column_orders(data, 1)[3];
   OnlineSvd factor(static_cast<int>(data.rows()), {.max_rank = 12, .tolerance = 0, .channels = 3});
   for (const int j : order) {

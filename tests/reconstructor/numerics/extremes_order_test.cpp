@@ -12,7 +12,7 @@
 #include "reconstructor/numerics/online_svd.h"
 #include "tests/support/online_svd_checks.h"
 #include "tests/support/test_matrices.h"
-#include "tests/support/test_rings.h"
+#include "tests/support/test_patches.h"
 
 namespace sheen {
 namespace {
@@ -26,9 +26,9 @@ double over_batch(const MatrixXf& data, const OnlineSvdOptions& options) {
   return displayed_model_error(factor, data) / batch_pca(data, options.max_rank).relative_error;
 }
 
-TEST(Order, SortedTestRingsAreWithinTheGoal) {
-  for (const auto& [ring, goal] : {std::pair(TestRing::kTypical, 1.001), std::pair(TestRing::kHard, 1.01)}) {
-    const MatrixXf data = test_ring_columns(ring);
+TEST(Order, SortedTestPatchesAreWithinTheGoal) {
+  for (const auto& [ring, goal] : {std::pair(TestPatch::kTypical, 1.001), std::pair(TestPatch::kHard, 1.01)}) {
+    const MatrixXf data = test_patch_columns(ring);
     for (const std::vector<int>& order : column_orders(data, 1))
       EXPECT_LT(over_batch(data(Eigen::all, order), {.max_rank = 12, .tolerance = 0}), goal);
   }
@@ -36,7 +36,7 @@ TEST(Order, SortedTestRingsAreWithinTheGoal) {
 
 TEST(Order, SuddenDriftToAnotherSpan) {
   // The lamp is moved half way: what was the whole span becomes the smaller half of it, or the larger.
-  const MatrixXf first = ring_like_matrix(240, 80, 10, 0.01f, 1), second = ring_like_matrix(240, 80, 10, 0.01f, 50);
+  const MatrixXf first = patch_like_matrix(240, 80, 10, 0.01f, 1), second = patch_like_matrix(240, 80, 10, 0.01f, 50);
   for (const float louder : {0.3f, 1.0f, 3.0f}) {
     MatrixXf data(240, 160);
     data << first, louder * second;
@@ -45,7 +45,7 @@ TEST(Order, SuddenDriftToAnotherSpan) {
 }
 
 TEST(Order, ASpanThatComesBackAfterALongAbsence) {
-  const MatrixXf a = ring_like_matrix(200, 40, 8, 0.01f, 2), b = ring_like_matrix(200, 120, 8, 0.01f, 60);
+  const MatrixXf a = patch_like_matrix(200, 40, 8, 0.01f, 2), b = patch_like_matrix(200, 120, 8, 0.01f, 60);
   MatrixXf data(200, 200);
   data << a, b, a;
   EXPECT_LT(over_batch(data, {.max_rank = 12, .tolerance = 0}), 1.02);
@@ -53,7 +53,7 @@ TEST(Order, ASpanThatComesBackAfterALongAbsence) {
 
 TEST(Order, TheWorstThatARandomSearchFindsIsNotFarFromTheOthers) {
   // Hill climbing over permutations: swaps are kept that make the displayed error larger.
-  const MatrixXf data = ring_like_matrix(96, 90, 16, 0.01f, 3);
+  const MatrixXf data = patch_like_matrix(96, 90, 16, 0.01f, 3);
   const OnlineSvdOptions options{.max_rank = 6, .block = 6, .tolerance = 0};
   const double best = batch_pca(data, options.max_rank).relative_error;
   std::vector<int> worst(90);
@@ -142,7 +142,7 @@ TEST(Shape, AFactorWithoutColumns) {
 }
 
 TEST(Shape, EveryBlockSizeAndPhaseIsNearlyTheBatch) {
-  const MatrixXf data = ring_like_matrix(120, 90, 14, 0.01f, 9);
+  const MatrixXf data = patch_like_matrix(120, 90, 14, 0.01f, 9);
   const double best = batch_pca(data, 8).relative_error;
   for (const int block : {1, 2, 7, 12, 32})
     for (const unsigned phase : {0U, 5U, 1000003U}) {

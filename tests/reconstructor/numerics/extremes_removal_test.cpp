@@ -6,7 +6,7 @@
 #include "reconstructor/numerics/online_svd.h"
 #include "tests/support/online_svd_checks.h"
 #include "tests/support/test_matrices.h"
-#include "tests/support/test_rings.h"
+#include "tests/support/test_patches.h"
 
 namespace sheen {
 namespace {
@@ -20,8 +20,8 @@ MatrixXf without(const MatrixXf& columns, Eigen::Index removed) {
 }
 
 TEST(Removal, OfAStrangerLongAfterLeavesNoTrace) {
-  for (const TestRing ring : {TestRing::kTypical, TestRing::kHard}) {
-    MatrixXf data = test_ring_columns(ring);
+  for (const TestPatch ring : {TestPatch::kTypical, TestPatch::kHard}) {
+    MatrixXf data = test_patch_columns(ring);
     data.col(17) = 3 * data.col(17).cwiseAbs().maxCoeff() * gaussian_matrix(2448, 1, 1);
     const OnlineSvdOptions options{.max_rank = 12, .tolerance = 0};
     OnlineSvd factor = settled_factor(data, options);
@@ -34,7 +34,7 @@ TEST(Removal, OfAStrangerLongAfterLeavesNoTrace) {
 
 TEST(Removal, OfAStrangerIsForgottenByTheNoiseThatImputationTrusts) {
   for (const int stranger : {30, 58}) {
-    MatrixXf data = ring_like_matrix(120, 60, 3, 0.01f, 12);
+    MatrixXf data = patch_like_matrix(120, 60, 3, 0.01f, 12);
     data.col(stranger) = gaussian_matrix(120, 1, 13);
     const OnlineSvdOptions options{.max_rank = 6, .tolerance = 0.005};
     const double never = settled_factor(without(data, stranger), options).row_noise();
@@ -47,7 +47,7 @@ TEST(Removal, OfAStrangerIsForgottenByTheNoiseThatImputationTrusts) {
 
 TEST(Removal, OfEverythingLeavesAnEmptyFactorThatWorks) {
   for (const float scale : {1e-25f, 1.0f, 1e25f}) {
-    const MatrixXf data = scale * ring_like_matrix(90, 40, 5, 0.01f, 2);
+    const MatrixXf data = scale * patch_like_matrix(90, 40, 5, 0.01f, 2);
     OnlineSvd factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
     for (int left = 40; left > 0; --left) {
       factor.remove((left * 7) % left);
@@ -63,7 +63,7 @@ TEST(Removal, OfEverythingLeavesAnEmptyFactorThatWorks) {
 }
 
 TEST(Removal, OfTheOnlyColumnInItsDirectionGivesTheRankBack) {
-  MatrixXf data = ring_like_matrix(120, 50, 2, 0, 3);
+  MatrixXf data = patch_like_matrix(120, 50, 2, 0, 3);
   data.col(25) = gaussian_matrix(120, 1, 4);
   OnlineSvd factor = settled_factor(data, {.max_rank = 8, .tolerance = 1e-4});
   ASSERT_EQ(factor.rank(), 4);
@@ -73,7 +73,7 @@ TEST(Removal, OfTheOnlyColumnInItsDirectionGivesTheRankBack) {
 }
 
 TEST(Removal, OfAHighlightTenThousandTimesTheRestKeepsTheRest) {
-  MatrixXf data = ring_like_matrix(120, 50, 3, 0.005f, 5);
+  MatrixXf data = patch_like_matrix(120, 50, 3, 0.005f, 5);
   const MatrixXf rest = without(data, 20);
   data.col(20).segment(30, 6).setConstant(1e4f);
   OnlineSvd factor = settled_factor(data, {.max_rank = 8, .tolerance = 0});
@@ -84,7 +84,7 @@ TEST(Removal, OfAHighlightTenThousandTimesTheRestKeepsTheRest) {
 }
 
 TEST(Removal, OfWhatIsStillPendingIsAsIfItHadNeverCome) {
-  const MatrixXf data = ring_like_matrix(90, 120, 5, 0.01f, 6);
+  const MatrixXf data = patch_like_matrix(90, 120, 5, 0.01f, 6);
   OnlineSvd stream(90, {.max_rank = 6, .tolerance = 0});
   int added = 0;
   while (added < 60 || stream.pending() < 5) stream.add(data.col(added++));
@@ -100,7 +100,7 @@ TEST(Removal, OfWhatIsStillPendingIsAsIfItHadNeverCome) {
 }
 
 TEST(Removal, OfAnOccludedColumn) {
-  const MatrixXf data = ring_like_matrix(120, 60, 4, 0.01f, 7);
+  const MatrixXf data = patch_like_matrix(120, 60, 4, 0.01f, 7);
   OnlineSvd factor(120, {.max_rank = 8, .tolerance = 0}), never(120, {.max_rank = 8, .tolerance = 0});
   std::vector<std::uint8_t> known(120, 1);
   std::fill_n(known.begin() + 50, 60, 0);
@@ -118,7 +118,7 @@ TEST(Removal, OfAnOccludedColumn) {
 }
 
 TEST(Removal, AThousandTimesInAndOutWearsNothingOut) {
-  const MatrixXf data = ring_like_matrix(90, 40, 5, 0.01f, 8), visitors = ring_like_matrix(90, 37, 9, 0.05f, 30);
+  const MatrixXf data = patch_like_matrix(90, 40, 5, 0.01f, 8), visitors = patch_like_matrix(90, 37, 9, 0.05f, 30);
   OnlineSvd factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
   for (int i = 0; i < 1000; ++i) {
     factor.add(visitors.col(i % 37));

@@ -20,7 +20,7 @@ constexpr int kRows = 300;
 
 /// 97 columns that differ from one by 1e-4 of its norm.
 MatrixXf near_duplicates() {
-  const VectorXf column = ring_like_matrix(kRows, 1, 0, 0, 1);
+  const VectorXf column = patch_like_matrix(kRows, 1, 0, 0, 1);
   return column.replicate(1, 97) + 5e-5f * gaussian_matrix(kRows, 97, 2);
 }
 
@@ -60,7 +60,7 @@ TEST(Repetition, NearDuplicatesWithinTheToleranceAreOneTerm) {
 }
 
 TEST(Repetition, OneColumnRepeatedIsOneTermOfThatLength) {
-  const VectorXf column = ring_like_matrix(kRows, 1, 0, 0, 3);
+  const VectorXf column = patch_like_matrix(kRows, 1, 0, 0, 3);
   for (const double tolerance : {0.0, 0.01}) {
     const OnlineSvd factor = settled_factor(column.replicate(1, 500), {.max_rank = 8, .tolerance = tolerance});
     EXPECT_EQ(factor.rank(), 1) << tolerance;
@@ -71,7 +71,7 @@ TEST(Repetition, OneColumnRepeatedIsOneTermOfThatLength) {
 }
 
 TEST(Repetition, ZeroColumnsKeepTheirPlaceAmongOthers) {
-  MatrixXf data = ring_like_matrix(kRows, 60, 4, 0.01f, 4);
+  MatrixXf data = patch_like_matrix(kRows, 60, 4, 0.01f, 4);
   for (const int zero : {0, 1, 7, 30, 59}) data.col(zero).setZero();
   const OnlineSvd factor = settled_factor(data, {.max_rank = 12, .tolerance = 0});
   ASSERT_EQ(factor.views(), 60);
@@ -97,7 +97,7 @@ TEST(Repetition, NothingButZerosIsRankZero) {
 
 TEST(Repetition, CoefficientsOfTheFirstViewsDoNotDrift) {
   // Everything lies in a span of seven: whatever comes later, the first columns are still told exactly.
-  const MatrixXf data = ring_like_matrix(kRows, 400, 6, 0, 5);
+  const MatrixXf data = patch_like_matrix(kRows, 400, 6, 0, 5);
   OnlineSvd factor(kRows, {.max_rank = 12, .tolerance = 1e-6});
   for (int i = 0; i < 40; ++i) factor.add(data.col(i));
   for (int i = 0; i < 6000; ++i) {
@@ -112,7 +112,7 @@ TEST(Repetition, CoefficientsOfTheFirstViewsDoNotDrift) {
 
 TEST(Repetition, CoefficientsStayWhileTheBasisTurnsWithEveryBlock) {
   // Noise without end turns the guard terms at each fold; rounding of a thousand rotations may not add up in Y.
-  const MatrixXf span = ring_like_matrix(kRows, 50, 5, 0, 6);
+  const MatrixXf span = patch_like_matrix(kRows, 50, 5, 0, 6);
   OnlineSvd factor(kRows, {.max_rank = 6, .tolerance = 0});
   for (int i = 0; i < 50; ++i) factor.add(span.col(i));
   for (int i = 0; i < 10000; ++i) {

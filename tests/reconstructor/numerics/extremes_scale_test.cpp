@@ -22,7 +22,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 class Scale : public testing::TestWithParam<float> {};
 
 TEST_P(Scale, IsCarriedThroughAndChangesNothingElse) {
-  const MatrixXf data = ring_like_matrix(150, 60, 8, 0.01f, 1);
+  const MatrixXf data = patch_like_matrix(150, 60, 8, 0.01f, 1);
   const float scale = GetParam();
   const OnlineSvdOptions options{.max_rank = 6, .tolerance = 0.01};
   const OnlineSvd plain = settled_factor(data, options), scaled = settled_factor(scale * data, options);
@@ -37,7 +37,7 @@ TEST_P(Scale, IsCarriedThroughAndChangesNothingElse) {
 INSTANTIATE_TEST_SUITE_P(FromTinyToHuge, Scale, testing::Values(1e-30f, 1e-20f, 1e-8f, 255.0f, 1e8f, 1e20f, 1e30f));
 
 TEST(Scales, DenormalsAreKeptAsFarAsTheyHaveDigits) {
-  const MatrixXf data = 1e-40f * ring_like_matrix(150, 40, 3, 0, 2);  // 1e-45 is the least: about five digits left
+  const MatrixXf data = 1e-40f * patch_like_matrix(150, 40, 3, 0, 2);  // 1e-45 is the least: about five digits left
   ASSERT_EQ(std::fpclassify(data(3, 3)), FP_SUBNORMAL);
   const OnlineSvd factor = settled_factor(data, {.max_rank = 6, .tolerance = 0});
   EXPECT_EQ(broken_invariants(factor), "");
@@ -69,7 +69,7 @@ TEST(Scales, AStreamThatGrowsByThirtyOrdersForgetsOnlyWhatIsBelowItsRounding) {
 }
 
 TEST(Scales, AHighlightTenThousandTimesThePatchIsKept) {
-  MatrixXf data = ring_like_matrix(300, 80, 0, 0.005f, 4);
+  MatrixXf data = patch_like_matrix(300, 80, 0, 0.005f, 4);
   data.col(37).segment(40, 6).setConstant(1e4f);
   for (const double tolerance : {0.0, 1e-3}) {
     const OnlineSvd factor = settled_factor(data, {.max_rank = 8, .tolerance = tolerance});
@@ -83,7 +83,7 @@ TEST(Scales, AHighlightTenThousandTimesThePatchIsKept) {
 }
 
 TEST(Scales, NanAndInfinityAreMaskedWhereTheyEnter) {
-  const MatrixXf clean = ring_like_matrix(120, 60, 3, 0.01f, 5);
+  const MatrixXf clean = patch_like_matrix(120, 60, 3, 0.01f, 5);
   MatrixXf damaged = clean;
   for (int j = 20; j < 60; j += 4) {
     damaged(3 * (j % 40), j) = kNan;
@@ -106,7 +106,7 @@ TEST(Scales, NanAndInfinityAreMaskedWhereTheyEnter) {
 }
 
 TEST(Scales, AColumnOfNothingButNanIsAViewOfWhichNothingIsKnown) {
-  const MatrixXf data = ring_like_matrix(90, 30, 3, 0.01f, 6);
+  const MatrixXf data = patch_like_matrix(90, 30, 3, 0.01f, 6);
   for (const int at : {0, 1, 13, 29}) {
     MatrixXf damaged = data;
     damaged.col(at).setConstant(kNan);
@@ -119,7 +119,7 @@ TEST(Scales, AColumnOfNothingButNanIsAViewOfWhichNothingIsKnown) {
 }
 
 TEST(Scales, HugeAndTinyWeightsCountAsTheyShould) {
-  const MatrixXf data = ring_like_matrix(90, 30, 4, 0.01f, 7);
+  const MatrixXf data = patch_like_matrix(90, 30, 4, 0.01f, 7);
   for (const double weight : {1e-12, 1e12}) {
     OnlineSvd factor(90, {.max_rank = 6, .tolerance = 0});
     for (int j = 0; j < 30; ++j) factor.add(data.col(j), weight);

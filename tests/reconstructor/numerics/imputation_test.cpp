@@ -55,7 +55,7 @@ TEST(LeastSquares, OfNoRowIsZero) {
 }
 
 TEST(LeastSquares, AFactorFillsAHalfHiddenColumnWithIt) {
-  const MatrixXf data = ring_like_matrix(60, 31, 3, 0.01f, 3);
+  const MatrixXf data = patch_like_matrix(60, 31, 3, 0.01f, 3);
   const OnlineSvdOptions options{.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares};
   OnlineSvd factor(60, options);
   for (int j = 0; j < 30; ++j) factor.add(data.col(j));
@@ -73,7 +73,7 @@ TEST(LeastSquares, AFactorFillsAHalfHiddenColumnWithIt) {
 }
 
 TEST(LeastSquares, ChangesNothingWhereAllIsVisible) {
-  const MatrixXf data = ring_like_matrix(60, 40, 6, 0.01f, 4);
+  const MatrixXf data = patch_like_matrix(60, 40, 6, 0.01f, 4);
   OnlineSvd ours(60, {.max_rank = 4, .tolerance = 0});
   OnlineSvd theirs(60, {.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares});
   for (int j = 0; j < 40; ++j) {

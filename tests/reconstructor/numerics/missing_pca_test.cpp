@@ -66,7 +66,7 @@ double surprise_of_column(const VectorXd& column, const MatrixXd& covariance) {
 }
 
 TEST(BatchPcaMissing, WithNothingMissingIsTheBatch) {
-  const MatrixXf data = ring_like_matrix(80, 40, 5, 0.01f, 6);
+  const MatrixXf data = patch_like_matrix(80, 40, 5, 0.01f, 6);
   const BatchPca full = batch_pca(data, 6);
   const BatchPca missing = batch_pca_missing(data, KnownValues::Ones(80, 40), 6);
   EXPECT_LT(missing.relative_error, 1.002 * full.relative_error);
@@ -75,7 +75,7 @@ TEST(BatchPcaMissing, WithNothingMissingIsTheBatch) {
 
 TEST(BatchPcaMissing, CompletesALowRankMatrixExactly) {
   // Generic values of a matrix of rank 3 determine the rest.
-  const MatrixXf truth = ring_like_matrix(90, 40, 2, 0, 7);
+  const MatrixXf truth = patch_like_matrix(90, 40, 2, 0, 7);
   const KnownValues known = known_at_random(90, 40, 0.5, 8);
   const MatrixXf shown = (known != 0).select(truth, std::numeric_limits<float>::quiet_NaN());
   const BatchPca pca = batch_pca_missing(shown, known, 3);
@@ -84,7 +84,7 @@ TEST(BatchPcaMissing, CompletesALowRankMatrixExactly) {
 }
 
 TEST(BatchPcaMissing, FillsNoisyGapsNearlyToTheNoise) {
-  const MatrixXf clean = ring_like_matrix(150, 60, 4, 0, 9);
+  const MatrixXf clean = patch_like_matrix(150, 60, 4, 0, 9);
   const MatrixXf noisy = clean + 0.01f * gaussian_matrix(150, 60, 10);
   const KnownValues known = known_at_random(150, 60, 0.5, 11);
   const double full = miss(batch_pca(noisy, 5), clean);
@@ -93,7 +93,7 @@ TEST(BatchPcaMissing, FillsNoisyGapsNearlyToTheNoise) {
 }
 
 TEST(BatchPcaMissing, RowsAndColumnsOfWhichNothingIsKnownAreZero) {
-  const MatrixXf data = ring_like_matrix(30, 12, 2, 0.01f, 12);
+  const MatrixXf data = patch_like_matrix(30, 12, 2, 0.01f, 12);
   KnownValues known = KnownValues::Ones(30, 12);
   known.row(7).setZero();
   known.col(3).setZero();
@@ -116,7 +116,7 @@ TEST(BatchPcaMissing, RefusesWhatItCannotFactorise) {
 }
 
 TEST(BatchPcaImputed, WithNothingMissingIsTheBatchToTheLastDigits) {
-  const MatrixXf data = ring_like_matrix(80, 30, 8, 0.01f, 13);
+  const MatrixXf data = patch_like_matrix(80, 30, 8, 0.01f, 13);
   const std::vector<double> weights = {[] {
     std::vector<double> w;
     for (int j = 0; j < 30; ++j) w.push_back(1 + j % 3);
@@ -131,7 +131,7 @@ TEST(BatchPcaImputed, WithNothingMissingIsTheBatchToTheLastDigits) {
 
 TEST(BatchPcaImputed, TermsThatAreLeftOutHelpToImpute) {
   // Of rank 6, three terms of which are kept: those of the matrix that the six complete.
-  const MatrixXf truth = ring_like_matrix(90, 60, 5, 0, 14);
+  const MatrixXf truth = patch_like_matrix(90, 60, 5, 0, 14);
   const KnownValues known = known_at_random(90, 60, 0.6, 15);
   const BatchPca best = batch_pca(truth, 3);
   EXPECT_LT(miss(batch_pca_imputed(truth, known, 3, 6), truth), 1.2 * best.relative_error);
@@ -143,7 +143,7 @@ TEST(BatchPcaImputed, TermsThatAreLeftOutHelpToImpute) {
 
 TEST(Surprise, OfAPcaIsTippingsAndBishopsClosedForm) {
   const int rows = 30, n = 50, rank = 4;
-  const MatrixXf data = ring_like_matrix(rows, n, 6, 0.05f, 16);
+  const MatrixXf data = patch_like_matrix(rows, n, 6, 0.05f, 16);
   const BatchPca pca = batch_pca(data, rank);
   const VectorXd variances = pca.singular_values.cwiseAbs2() / n;
   const double noise = variances.tail(rows - rank).mean();
@@ -154,7 +154,7 @@ TEST(Surprise, OfAPcaIsTippingsAndBishopsClosedForm) {
 
 TEST(Surprise, IsTheLeastOverAllCovariancesAndNoises) {
   const int rows = 20, n = 30, rank = 2;
-  const MatrixXf data = ring_like_matrix(rows, n, 3, 0.1f, 17);
+  const MatrixXf data = patch_like_matrix(rows, n, 3, 0.1f, 17);
   const KnownValues known = known_beside_edges(rows, n, 0.7, 18);
   const MatrixXd basis = batch_pca(data, rank).basis;
   const double least = surprise(data, known, basis);
@@ -187,7 +187,7 @@ TEST(Surprise, OfTheBatchIsNeverMoreThanOfAnyOnlineFactorization) {
   int compared = 0;
   for (const double occluded : {0.0, 0.5, 0.8, 1.0})
     for (std::uint32_t seed = 0; seed < 5; ++seed) {
-      const MatrixXf data = ring_like_matrix(kRows, kViews, 7, 0.05f, 100 + 50 * seed);
+      const MatrixXf data = patch_like_matrix(kRows, kViews, 7, 0.05f, 100 + 50 * seed);
       const KnownValues known = known_beside_edges(kRows, kViews, occluded, 20 + seed);
       std::vector<double> weights;
       for (int j = 0; j < kViews; ++j) weights.push_back(std::pow(known.col(j).cast<double>().mean(), 2));
@@ -210,7 +210,7 @@ TEST(Surprise, OfTheBatchIsNeverMoreThanOfAnyOnlineFactorization) {
 TEST(Surprise, OfTheBatchIsTheLeastAtAGivenNoiseToo) {
   constexpr int kRows = 90, kViews = 20, kRank = 8;
   for (std::uint32_t seed = 0; seed < 4; ++seed) {
-    const MatrixXf data = ring_like_matrix(kRows, kViews, 7, 0.05f, 300 + 50 * seed);
+    const MatrixXf data = patch_like_matrix(kRows, kViews, 7, 0.05f, 300 + 50 * seed);
     const KnownValues known = known_beside_edges(kRows, kViews, 0.8, 40 + seed);
     OnlineSvd factor(kRows, {.max_rank = kRank, .internal_rank = kRank, .tolerance = 0});
     for (int j = 0; j < kViews; ++j) factor.add(data.col(j), {known.col(j).data(), static_cast<std::size_t>(kRows)});

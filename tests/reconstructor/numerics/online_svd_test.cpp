@@ -41,7 +41,7 @@ TEST(OnlineSvd, HoldsEverythingWhenItMay) {
 }
 
 TEST(OnlineSvd, ADiffuseRingCostsOneTerm) {
-  const Eigen::MatrixXf data = ring_like_matrix(300, 60, 0, 0.01f, 2);
+  const Eigen::MatrixXf data = patch_like_matrix(300, 60, 0, 0.01f, 2);
   const OnlineSvd factor = factor_of(data, {.max_rank = 24, .block = 12, .tolerance = 0.02});
   EXPECT_EQ(factor.rank(), 1);
   EXPECT_LT(relative_error(factor, data), 0.02);
@@ -56,7 +56,7 @@ TEST(OnlineSvd, RankGrowsOnlyWhereTheDataAskForIt) {
 
 TEST(OnlineSvd, NearlyAsGoodAsBatchInAnyOrder) {
   // The truncation must not depend on luck: sorted orders are the worst for a plain Brand update.
-  const Eigen::MatrixXf data = ring_like_matrix(240, 120, 14, 0.01f, 5);
+  const Eigen::MatrixXf data = patch_like_matrix(240, 120, 14, 0.01f, 5);
   const int rank = 12;
   const double best = best_relative_error(data, rank);
   std::vector<Eigen::Index> order(data.cols());
@@ -76,7 +76,7 @@ TEST(OnlineSvd, NearlyAsGoodAsBatchInAnyOrder) {
 }
 
 TEST(OnlineSvd, KnowsItsOwnError) {
-  const Eigen::MatrixXf data = ring_like_matrix(200, 100, 20, 0.02f, 7);
+  const Eigen::MatrixXf data = patch_like_matrix(200, 100, 20, 0.02f, 7);
   const OnlineSvd factor = factor_of(data, {.max_rank = 8, .block = 8, .tolerance = 0.01});
   const double actual = relative_error(factor, data);
   EXPECT_GT(factor.relative_error(), 0.95 * actual);
@@ -84,7 +84,7 @@ TEST(OnlineSvd, KnowsItsOwnError) {
 }
 
 TEST(OnlineSvd, SingularValuesAreSortedAndMatchBatch) {
-  const Eigen::MatrixXf data = ring_like_matrix(150, 40, 6, 0, 8);
+  const Eigen::MatrixXf data = patch_like_matrix(150, 40, 6, 0, 8);
   const OnlineSvd factor = factor_of(data, {.max_rank = 24, .block = 12, .tolerance = 0});
   const Eigen::VectorXd exact = Eigen::BDCSVD<Eigen::MatrixXd>(data.cast<double>()).singularValues();
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(std::sqrt(factor.spectrum()[i]), exact[i], 1e-6 * exact[0]) << i;
@@ -92,7 +92,7 @@ TEST(OnlineSvd, SingularValuesAreSortedAndMatchBatch) {
 }
 
 TEST(OnlineSvdEstimate, IsTheProjectionWhenEverythingIsKnown) {
-  const Eigen::MatrixXf data = ring_like_matrix(120, 30, 6, 0.01f, 13);
+  const Eigen::MatrixXf data = patch_like_matrix(120, 30, 6, 0.01f, 13);
   const OnlineSvd factor = factor_of(data, {.max_rank = 8, .block = 8, .tolerance = 0});
   const std::vector<std::uint8_t> all(120, 1);
   const Eigen::VectorXf y = factor.estimate(data.col(3), all, 0);
@@ -101,7 +101,7 @@ TEST(OnlineSvdEstimate, IsTheProjectionWhenEverythingIsKnown) {
 }
 
 TEST(OnlineSvdEstimate, FillsHiddenRowsFromTheOthers) {
-  const Eigen::MatrixXf data = ring_like_matrix(150, 41, 3, 0, 14);
+  const Eigen::MatrixXf data = patch_like_matrix(150, 41, 3, 0, 14);
   const OnlineSvd factor = factor_of(data.leftCols(40), {.max_rank = 8, .block = 8, .tolerance = 0});
   std::vector<std::uint8_t> known(150, 0);
   std::fill_n(known.begin(), 50, 1);
@@ -128,7 +128,7 @@ TEST(OnlineSvdReveal, RowsSeenLateAreTakenToHaveVariedLikeTheRing) {
 }
 
 TEST(OnlineSvdMerge, TheBasisStaysAndLaterViewsMoveUp) {
-  const Eigen::MatrixXf data = ring_like_matrix(60, 6, 3, 0, 17);
+  const Eigen::MatrixXf data = patch_like_matrix(60, 6, 3, 0, 17);
   OnlineSvd factor(60, {.max_rank = 8, .block = 8, .tolerance = 0});
   for (int j = 0; j < 6; ++j) factor.add(data.col(j), j == 1 ? 3 : 1);
   factor.fold();
@@ -145,7 +145,7 @@ TEST(OnlineSvdMerge, TheBasisStaysAndLaterViewsMoveUp) {
 }
 
 TEST(OnlineSvdPending, LookingChangesNothing) {
-  const Eigen::MatrixXf data = ring_like_matrix(90, 45, 8, 0.01f, 18);
+  const Eigen::MatrixXf data = patch_like_matrix(90, 45, 8, 0.01f, 18);
   const OnlineSvdOptions options{.max_rank = 6, .block = 8, .tolerance = 0.01};
   OnlineSvd watched(90, options), alone(90, options);
   for (Eigen::Index j = 0; j < data.cols(); ++j) {
@@ -161,7 +161,7 @@ TEST(OnlineSvdPending, LookingChangesNothing) {
 }
 
 TEST(OnlineSvdPending, PendingCoefficientsAreTheProjection) {
-  const Eigen::MatrixXf data = ring_like_matrix(90, 21, 4, 0.01f, 19);
+  const Eigen::MatrixXf data = patch_like_matrix(90, 21, 4, 0.01f, 19);
   OnlineSvd factor(90, {.max_rank = 8, .block = 8, .tolerance = 0});
   for (Eigen::Index j = 0; j < data.cols(); ++j) factor.add(data.col(j));
   ASSERT_GT(factor.pending(), 0);
@@ -170,7 +170,7 @@ TEST(OnlineSvdPending, PendingCoefficientsAreTheProjection) {
 }
 
 TEST(OnlineSvdPending, PhasesSpreadTheFolds) {
-  const Eigen::VectorXf c = ring_like_matrix(12, 1, 0, 0, 20);
+  const Eigen::VectorXf c = patch_like_matrix(12, 1, 0, 0, 20);
   constexpr int kPhases = 240, kColumns = 120, kBlock = 12;
   std::vector<int> folds(kColumns, 0);
   for (unsigned phase = 0; phase < kPhases; ++phase) {
@@ -182,7 +182,7 @@ TEST(OnlineSvdPending, PhasesSpreadTheFolds) {
 }
 
 TEST(OnlineSvdRemove, EqualsNeverInserted) {
-  const Eigen::MatrixXf data = ring_like_matrix(200, 60, 10, 0.01f, 21);
+  const Eigen::MatrixXf data = patch_like_matrix(200, 60, 10, 0.01f, 21);
   OnlineSvd factor(200, {.max_rank = 8, .block = 8, .tolerance = 0});
   for (Eigen::Index j = 0; j < data.cols(); ++j) factor.add(data.col(j));
   Eigen::MatrixXf rest(200, 0);
@@ -220,7 +220,7 @@ TEST(OnlineSvdLimit, LeavesTheBestOfSoManyTerms) {
 }
 
 TEST(OnlineSvdRemove, AMergedViewGivesOneOfItsColumnsBack) {
-  const Eigen::MatrixXf data = ring_like_matrix(80, 20, 4, 0, 23);
+  const Eigen::MatrixXf data = patch_like_matrix(80, 20, 4, 0, 23);
   OnlineSvd factor = factor_of(data, {.max_rank = 12, .block = 8, .tolerance = 0});
   const double energy = factor.energy();
   const Eigen::VectorXf before = factor.basis() * factor.coefficients().col(3);

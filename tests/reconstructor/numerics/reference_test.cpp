@@ -9,18 +9,18 @@
 #include "tests/support/matchers.h"
 #include "tests/support/plain_brand.h"
 #include "tests/support/test_matrices.h"
-#include "tests/support/test_rings.h"
+#include "tests/support/test_patches.h"
 
 namespace sheen {
 namespace {
 
-TEST(TestRings, AreAsHardAsTheGoalsAreStatedFor) {
-  EXPECT_NEAR(batch_pca(test_ring_columns(TestRing::kTypical), 12).relative_error, 0.0397, 0.0005);
-  EXPECT_NEAR(batch_pca(test_ring_columns(TestRing::kHard), 12).relative_error, 0.253, 0.002);
+TEST(TestPatches, AreAsHardAsTheGoalsAreStatedFor) {
+  EXPECT_NEAR(batch_pca(test_patch_columns(TestPatch::kTypical), 12).relative_error, 0.0397, 0.0005);
+  EXPECT_NEAR(batch_pca(test_patch_columns(TestPatch::kHard), 12).relative_error, 0.253, 0.002);
 }
 
-TEST(TestRings, OrdersAreSortedOrShuffledPermutations) {
-  const Eigen::MatrixXf columns = ring_like_matrix(20, 50, 3, 0.1f, 1);
+TEST(TestPatches, OrdersAreSortedOrShuffledPermutations) {
+  const Eigen::MatrixXf columns = patch_like_matrix(20, 50, 3, 0.1f, 1);
   const auto orders = column_orders(columns, 4);
   ASSERT_EQ(orders.size(), 7U);
   for (const std::vector<int>& order : orders) EXPECT_EQ(std::set(order.begin(), order.end()).size(), 50U);
@@ -30,7 +30,7 @@ TEST(TestRings, OrdersAreSortedOrShuffledPermutations) {
   EXPECT_EQ(std::set(orders.begin(), orders.end()).size(), 7U) << "no order twice";
 }
 
-TEST(TestRings, AnOccluderHidesWholeSamplesOnOneSide) {
+TEST(TestPatches, AnOccluderHidesWholeSamplesOnOneSide) {
   const auto visible = occluding_edges(200, 0.5, 3);
   const Eigen::Matrix2Xf samples = test_ring_samples();
   int occluded = 0;
@@ -43,19 +43,19 @@ TEST(TestRings, AnOccluderHidesWholeSamplesOnOneSide) {
     // The means of both sides are apart in one direction, and that direction separates them.
     Eigen::Vector2f shown_mean(0, 0), hidden_mean(0, 0);
     int shown = 0;
-    for (int s = 0; s < kTestRingSamples; ++s) {
+    for (int s = 0; s < kTestPatchSamples; ++s) {
       ASSERT_EQ(visible(3 * s, v), visible(3 * s + 2, v));
       (visible(3 * s, v) ? shown_mean : hidden_mean) += samples.col(s);
       shown += visible(3 * s, v);
     }
-    EXPECT_GT((shown_mean / shown - hidden_mean / (kTestRingSamples - shown)).norm(), 0.5f);
+    EXPECT_GT((shown_mean / shown - hidden_mean / (kTestPatchSamples - shown)).norm(), 0.5f);
   }
   EXPECT_NEAR(occluded, 100, 25);
 }
 
 TEST(PlainBrand, IsTheSvdAsLongAsNothingIsDropped) {
   // With enough noise: of a column whose new part is small, the plain update loses orthogonality by eps ||c|| / ||p||.
-  const Eigen::MatrixXf data = ring_like_matrix(60, 20, 6, 0.05f, 4);
+  const Eigen::MatrixXf data = patch_like_matrix(60, 20, 6, 0.05f, 4);
   PlainBrand brand(60, {.cap = 30});
   for (int j = 0; j < 20; ++j) brand.add(data.col(j).cast<double>());
   const BatchPca pca = batch_pca(data, 5);

@@ -76,7 +76,7 @@ TEST(PatchSample, WithHolesNoOrderExplainsWhatIsKnownBetterThanTheBatch) {
   for (unsigned r = 0; r < 3; ++r) {
     std::vector<std::uint32_t> images(24);
     std::iota(images.begin(), images.end(), 0u);
-    PatchMatrix patch = patch_of(ring_like_matrix(48, 24, 6, 0.05f, 30 + 40 * r), images);
+    PatchMatrix patch = patch_of(patch_like_matrix(48, 24, 6, 0.05f, 30 + 40 * r), images);
     for (int j = 0; j < patch.views(); ++j)
       if (generator() % 3 > 0) patch.known.col(j).head(3 * static_cast<Eigen::Index>(generator() % 12)).setZero();
     patches.push_back(std::move(patch));

@@ -9,12 +9,6 @@
 namespace sheen {
 namespace {
 
-bool same_view(const Viewpoint& a, const Viewpoint& b) {
-  return a.camera == b.camera && a.camera_from_object.translation == b.camera_from_object.translation &&
-         a.camera_from_object.rotation.coeffs() == b.camera_from_object.rotation.coeffs() &&
-         a.light_turn == b.light_turn;
-}
-
 /// Turned round the object's z axis, and up as far as the zenith or the horizon.
 Eigen::Vector3d turned_light(const Eigen::Vector3d& place, const Eigen::Vector2d& turn) {
   const double azimuth = std::atan2(place.y(), place.x()) + turn.x(),
@@ -39,7 +33,7 @@ std::vector<std::string> LumigraphDrawer::notes() const {
 }
 
 void LumigraphDrawer::refresh(const Viewpoint& viewpoint, const LightState& light) {
-  if (shown_from_ && same_view(*shown_from_, viewpoint)) return;
+  if (shown_from_ && *shown_from_ == viewpoint) return;
   picture_.upload(to_srgb8(painter_->paint({viewpoint.camera, viewpoint.camera_from_object}, light)),
                   TexturedPanel::Scaling::kNone);
   shown_from_ = viewpoint;

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "common/base/errors.h"
-#include "common/base/median.h"
+#include "common/base/order_statistics.h"
 #include "reconstructor/models/surface_light_field/files/compact_file.h"
 #include "reconstructor/numerics/view_kriging.h"
 #include "reconstructor/surface/view_hemisphere.h"
@@ -18,10 +18,10 @@ namespace {
 constexpr std::uint64_t kOnlySnapshot = 1;  ///< number of a model that does not change
 constexpr float kGreyLevels = 255;
 
-/// A share of the ring's images that stands for the state.
-std::uint8_t share_of(SampleState state) {
-  constexpr std::uint8_t kShares[] = {0, 64, 255};
-  return kShares[static_cast<std::size_t>(state)];
+/// A fraction of the patch's images that stands for the state.
+std::uint8_t fraction_of(SampleState state) {
+  constexpr std::uint8_t kFractions[] = {0, 64, 255};
+  return kFractions[static_cast<std::size_t>(state)];
 }
 
 /// Of the patch, whose maps are let go of.
@@ -31,7 +31,7 @@ std::shared_ptr<const SurfacePatch> take_surface(Patch& patch) {
   surface->basis.resize(patch.mean.size(), 1 + patch.basis.cols());
   surface->basis.col(0) = patch.mean / kGreyLevels;
   surface->basis.rightCols(patch.basis.cols()) = patch.basis / kGreyLevels;
-  for (const SampleState state : patch.state) surface->shown.push_back(share_of(state));
+  for (const SampleState state : patch.state) surface->shown.push_back(fraction_of(state));
   patch.mean.resize(0);
   patch.basis.resize(0, 0);
   return surface;
@@ -68,7 +68,7 @@ SnapshotFigures figures_of(const std::vector<std::shared_ptr<const SurfacePatch>
   figures.seen = static_cast<double>(seen) / static_cast<double>(samples);
   figures.measured = static_cast<double>(measured) / static_cast<double>(samples);
   figures.most_rank = *std::max_element(ranks.begin(), ranks.end());
-  figures.median_rank = median(ranks);
+  figures.median_rank = median_of_both_middles<double>(ranks);
   return figures;
 }
 

@@ -16,7 +16,7 @@ namespace sheen {
 nlohmann::ordered_json exposure_to_json(const ExposureField& exposure);
 ExposureField exposure_from_json(const nlohmann::json& json);
 
-/// The function that all rings share: an empty list where there is none.
+/// The function that all vertices share: an empty list where there is none.
 nlohmann::ordered_json reflection_to_json(const ReflectionDrift* reflection);
 std::shared_ptr<const ReflectionDrift> reflection_from_json(const nlohmann::json& json);
 

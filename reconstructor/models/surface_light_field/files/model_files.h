@@ -20,13 +20,14 @@ struct SaveOptions {
 
 /// Writes a surface light field as a folder that is created where needed:
 ///   mesh.ply    the mesh
-///   model.json  version, conventions, a triangle's lattice resolution, list of rings with their kernels, metadata
-///   maps.exr    surface.rank00 ...  atlas of all rings' basis rows, RGB
-///               measured            the same atlas: fraction of the ring's images that showed the sample: 0 unseen,
+///   model.json  version, conventions, a triangle's lattice resolution, list of patches and of
+///               their vertices with their kernels, metadata
+///   maps.exr    surface.rank00 ...  atlas of all patches' basis rows, RGB
+///               measured            the same atlas: fraction of the patch's images that showed the sample: 0 unseen,
 ///                                   below 1/2 imputed, else measured (older models have 1 wherever any did)
-///               views               kriging: directions and weights, one pixel per view of a ring
-///               rings               frame, mean and drift coefficients, one pixel per ring
-///               view.rank00 ...     view maps, a tile per ring, for readers that do not krige
+///               views               kriging: directions and weights, one pixel per view of a vertex
+///               vertices            frame, mean and drift coefficients, one pixel per vertex of a patch
+///               view.rank00 ...     view maps, a tile per vertex of a patch, for readers that do not krige
 /// They are written into the folder ".unfinished" in it and moved when all are whole: until then an older model stays.
 /// model.json comes last and is tied to the other two, so a save that was cut short is noticed. Throws FileError.
 void save_model(const SurfaceLightFieldSnapshot& model, const std::filesystem::path& folder,

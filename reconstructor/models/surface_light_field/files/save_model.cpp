@@ -52,8 +52,8 @@ Json conventions() {
       {"patch",
        "triangles of the same number in patch_of_triangle, in the order of the mesh, each with its lattice points; its "
        "vertices are their corners, in the order of the mesh"},
-      {"measured", "share of the patch's images that showed the sample: 0 unseen, below 1/2 imputed, else measured"},
-      {"atlas", "patches one after the other, a pixel a sample, row by row"},
+      {"measured", "fraction of the patch's images that showed the sample: 0 unseen, below 1/2 imputed, else measured"},
+      {"atlas", "patches one after the other, one pixel per sample, row by row"},
       {"view",
        "h(d) = mean + drift * L(d mirrored about the third row of frame) + sum over views of weight * "
        "k(angle(d, direction)); L: reflection, orthonormal real spherical harmonics, (l, m) at l^2 + l + m; empty = 0"},

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/errors.h"
+#include "reconstructor/models/light_refusal.h"
 
 namespace sheen {
 namespace {

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "common/capture/rig_motion.h"
 #include "common/image/color.h"
 #include "common/image/image_metrics.h"
 #include "reconstructor/models/irradiance_field/field_file.h"
@@ -176,6 +177,22 @@ TEST(IrradianceFieldTest, PredictsItsError) {
   EXPECT_GT(sparse, dense);
 }
 
+// A rotation is a quaternion up to its sign, and what travels is rounded: the model accepts whatever `auto`, which
+// chose it, calls a camera that stands still.
+TEST(IrradianceFieldTest, ACameraStandsStillForTheModelAsItDoesForAuto) {
+  const LambertianRelief relief;
+  auto model = relief.model({{0, 0, 1}, {0.5, 0, 0.8}});
+  Capture capture = relief.capture({0, 0.5, 0.8}, 9);
+  MotionWatch watch;
+  watch.look({capture.camera, capture.pose.camera_from_object}, capture.light);
+  Rigid3& pose = capture.pose.camera_from_object;
+  pose.rotation.coeffs() *= -1;
+  pose.translation *= 1 + 1e-7;
+  watch.look({capture.camera, pose}, capture.light);
+  EXPECT_EQ(watch.motion().camera, Motion::kStill);
+  EXPECT_EQ(model->ingest(capture).status, IngestStatus::kAccepted);
+}
+
 TEST(IrradianceFieldTest, RefusesWhatIsNoneOfItsImages) {
   const LambertianRelief relief;
   auto model = relief.model({{0, 0, 1}, {0.5, 0, 0.8}});
@@ -187,7 +204,7 @@ TEST(IrradianceFieldTest, RefusesWhatIsNoneOfItsImages) {
     return report.reason;
   };
   EXPECT_EQ(reason([](Capture& c) { c.pose.status = PoseStatus::kNoTags; }), "no_pose");
-  EXPECT_EQ(reason([](Capture& c) { c.light = {}; }), "no_light_direction");
+  EXPECT_EQ(reason([](Capture& c) { c.light = {}; }), "no_light_position");
   EXPECT_EQ(reason([](Capture& c) { c.light.kind = LightKind::kPoint; }), "other_kind_of_light");
   EXPECT_EQ(reason([](Capture& c) { c.light.position.setZero(); }), "broken_light");
   EXPECT_EQ(reason([](Capture& c) { c.light.rgb.x() = 0; }), "broken_light");

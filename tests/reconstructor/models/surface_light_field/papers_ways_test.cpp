@@ -20,7 +20,7 @@ constexpr int kSamples = 20;
 struct Stream {
   PatchModel patch{
       kSamples, 1, {}, {.factor = {.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares}}};
-  Eigen::MatrixXf columns = ring_like_matrix(3 * kSamples, 40, 3, 0.01f, 1);
+  Eigen::MatrixXf columns = patch_like_matrix(3 * kSamples, 40, 3, 0.01f, 1);
   int next = 0;
 
   /// Whether the next image, which shows so many samples, was used.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/support/test_rings.h"
+#include "tests/support/test_patches.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -24,7 +24,7 @@ struct Lobe {
   float exponent;
 };
 
-/// How a ring bends and shines.
+/// How a patch bends and shines.
 struct Surface {
   float bend_rad;             ///< tilt of the normal at radius 1
   std::array<Lobe, 3> lobes;  ///< a light
@@ -41,11 +41,11 @@ Vector3f albedo(const Eigen::Vector2f& at) {
           0.35f + 0.15f * wave(5, -3, 2) + fine};
 }
 
-/// Directions of a camera that spirals outwards round the ring.
+/// Directions of a camera that spirals outwards round the patch.
 std::vector<Vector3f> spiral() {
   std::vector<Vector3f> views;
-  for (int v = 0; v < kTestRingViews; ++v) {
-    const float share = (static_cast<float>(v) + 0.5f) / kTestRingViews;
+  for (int v = 0; v < kTestPatchViews; ++v) {
+    const float share = (static_cast<float>(v) + 0.5f) / kTestPatchViews;
     const float polar = std::acos(1 - share * (1 - std::cos(75.0f * std::numbers::pi_v<float> / 180)));
     const float azimuth = 2 * std::numbers::pi_v<float> * 9 * std::sqrt(share);
     views.emplace_back(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar));
@@ -56,7 +56,7 @@ std::vector<Vector3f> spiral() {
 }  // namespace
 
 Eigen::Matrix2Xf test_ring_samples() {
-  Eigen::Matrix2Xf samples(2, kTestRingSamples);
+  Eigen::Matrix2Xf samples(2, kTestPatchSamples);
   int next = 0;
   for (int t = 0; t < 6; ++t) {
     const auto corner = [&](int i) {
@@ -71,21 +71,21 @@ Eigen::Matrix2Xf test_ring_samples() {
   return samples;
 }
 
-Eigen::MatrixXf test_ring_columns(TestRing ring) {
-  const Surface& surface = ring == TestRing::kTypical ? kTypical : kHard;
+Eigen::MatrixXf test_patch_columns(TestPatch patch) {
+  const Surface& surface = patch == TestPatch::kTypical ? kTypical : kHard;
   const std::array<Vector3f, 3> lights{Vector3f(0.4f, -0.3f, 0.87f).normalized(),
                                        Vector3f(-0.6f, 0.1f, 0.8f).normalized(),
                                        Vector3f(0.1f, 0.7f, 0.7f).normalized()};
   const Eigen::Matrix2Xf samples = test_ring_samples();
   const std::vector<Vector3f> views = spiral();
-  Eigen::MatrixXf columns(3 * kTestRingSamples, kTestRingViews);
-  for (int s = 0; s < kTestRingSamples; ++s) {
+  Eigen::MatrixXf columns(3 * kTestPatchSamples, kTestPatchViews);
+  for (int s = 0; s < kTestPatchSamples; ++s) {
     const Eigen::Vector2f at = samples.col(s);
     const Vector3f normal = (Vector3f::UnitZ() + std::tan(surface.bend_rad) * Vector3f(at.x(), at.y(), 0)).normalized();
     float lit = 0.25f;
     for (const Vector3f& light : lights) lit += 0.25f * std::max(0.0f, normal.dot(light));
     const Vector3f diffuse = lit * albedo(at);
-    for (int v = 0; v < kTestRingViews; ++v) {
+    for (int v = 0; v < kTestPatchViews; ++v) {
       float gloss = 0;
       for (std::size_t l = 0; l < lights.size(); ++l) {
         const Vector3f half = (lights[l] + views[v]).normalized();
@@ -95,7 +95,7 @@ Eigen::MatrixXf test_ring_columns(TestRing ring) {
     }
   }
   const float level = kNoise * columns.norm() / std::sqrt(static_cast<float>(columns.size()));
-  return columns + level * gaussian_matrix(3 * kTestRingSamples, kTestRingViews, 1);
+  return columns + level * gaussian_matrix(3 * kTestPatchSamples, kTestPatchViews, 1);
 }
 
 std::vector<std::vector<int>> column_orders(const Eigen::MatrixXf& columns, int shuffled) {
@@ -121,7 +121,7 @@ Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic> occluding_edges(int v
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> uniform;
   Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic> visible =
-      Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>::Ones(3 * kTestRingSamples, views);
+      Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>::Ones(3 * kTestPatchSamples, views);
   for (int v = 0; v < views; ++v) {
     const bool hidden = uniform(engine) < occluded;
     const double angle = 2 * std::numbers::pi * uniform(engine), share = 0.2 + 0.6 * uniform(engine);
@@ -129,9 +129,9 @@ Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic> occluding_edges(int v
     const Eigen::VectorXf along =
         samples.transpose() * Eigen::Vector2f(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
     std::vector<float> sorted(along.begin(), along.end());
-    const auto edge = sorted.begin() + static_cast<std::ptrdiff_t>(share * kTestRingSamples);
+    const auto edge = sorted.begin() + static_cast<std::ptrdiff_t>(share * kTestPatchSamples);
     std::nth_element(sorted.begin(), edge, sorted.end());
-    for (int s = 0; s < kTestRingSamples; ++s)
+    for (int s = 0; s < kTestPatchSamples; ++s)
       if (along[s] < *edge) visible.col(v).segment<3>(3 * s).setZero();
   }
   return visible;
