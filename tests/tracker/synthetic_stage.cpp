@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/tracker/synthetic_stage.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/stage/tag_pattern.h"
@@ -63,6 +66,31 @@ void add_corner_noise(std::vector<TagObservation>& tags, double sigma_px, std::m
     for (Eigen::Vector2d& corner : tag.corners) corner += Eigen::Vector2d(noise(rng), noise(rng));
 }
 
+void add_edge_noise(std::vector<TagObservation>& tags, double point_sigma_px, double edge_sigma_px, std::mt19937& rng) {
+  std::normal_distribution<double> noise(0, 1);
+  for (TagObservation& tag : tags) {
+    std::array<Eigen::ParametrizedLine<double, 2>, 4> lines;
+    for (int edge = 0; edge < 4; ++edge) {
+      const Eigen::Vector2d a = tag.corners[edge], b = tag.corners[(edge + 1) % 4];
+      const Eigen::Vector2d along = (b - a).normalized(), across(along.y(), -along.x());
+      const double half = (b - a).norm() / 2, reach = std::floor(0.84 * half), shift = edge_sigma_px * noise(rng);
+      double count = 0, sum = 0, squares = 0, moment = 0;  // of a straight line by least squares
+      for (double s = -reach; s <= reach; ++s) {
+        const double off = shift + point_sigma_px * noise(rng);
+        ++count;
+        sum += off;
+        squares += s * s;
+        moment += s * off;
+      }
+      const double place = sum / count, slope = moment / squares;
+      lines[edge] = Eigen::ParametrizedLine<double, 2>::Through(a + (place - half * slope) * across,
+                                                                b + (place + half * slope) * across);
+    }
+    for (int corner = 0; corner < 4; ++corner)
+      tag.corners[corner] = lines[corner].intersectionPoint(Eigen::Hyperplane<double, 2>(lines[(corner + 3) % 4]));
+  }
+}
+
 ImageU8 render_stage(const Camera& camera, const StageLayout& stage, const Rigid3& pose, int n, double ink,
                      double paper, double background) {
   std::vector<TagPattern> patterns;
@@ -96,6 +124,14 @@ void add_pixel_noise(ImageU8& image, double sigma, std::mt19937& rng) {
   std::normal_distribution<double> noise(0, sigma);
   for (std::size_t i = 0; i < image.size(); ++i)
     image.data()[i] = static_cast<std::uint8_t>(std::clamp(std::round(image.data()[i] + noise(rng)), 0.0, 255.0));
+}
+
+double squared_in_sigmas(const PoseEstimate& pose, const Rigid3& truth) {
+  const Eigen::Quaterniond turn = truth.rotation * pose.camera_from_object.rotation.conjugate();
+  const Eigen::AngleAxisd angle(turn);
+  Eigen::Matrix<double, 6, 1> step;  // in the covariance's parameters
+  step << angle.axis() * angle.angle(), truth.translation - turn * pose.camera_from_object.translation;
+  return step.dot(pose.covariance.ldlt().solve(step));
 }
 
 }  // namespace sheen::testing

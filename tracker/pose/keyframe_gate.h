@@ -20,7 +20,7 @@ struct GateOptions {
   double min_angle_deg = 1;      ///< a frame is too near when an earlier keyframe differs by less than this ...
   double min_distance_m = 0.01;  ///< ... and by less than this: about 1 deg at 0.6 m; so for a lamp that moves
   double max_uncertainty_px =
-      0.05;  ///< standard deviation of where the object appears; sharp frames have 0.003 to 0.01
+      0.05;  ///< standard deviation of where the object appears; sharp frames have 0.001 to 0.005
 };
 /// Empty, or which option is out of range.
 std::string validation_error(const GateOptions& options);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracker/pose/pose_solver.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <optional>
 
 #include "common/base/order_statistics.h"
+#include "tracker/pose/edge_weights.h"
 #include "tracker/pose/reprojection.h"
 
 namespace sheen {
@@ -178,20 +178,17 @@ PoseEstimate solve_pose(const Camera& camera, const StageLayout& stage, std::vec
     pose = refine_pose(camera, points, pose->camera_from_object, options.huber_px);
   }
   if (!pose) return estimate;
-  note_residuals(camera, stage, points, pose->camera_from_object, tags);
+  const auto weighed = weigh_edges(camera, points, pose->camera_from_object, options.noise_floor_px);
+  const Rigid3 camera_from_object = weighed ? weighed->camera_from_object : pose->camera_from_object;
+  note_residuals(camera, stage, points, camera_from_object, tags);
 
   double sum = 0;
-  for (const double r : tag_residuals(camera, points, pose->camera_from_object)) sum += 4 * r * r;
+  for (const double r : tag_residuals(camera, points, camera_from_object)) sum += 4 * r * r;
   const double rms = std::sqrt(sum / points.size());
-  const Eigen::LDLT<Matrix6> information(pose->information);
-  if (!(rms <= options.max_rms_px) || 2 * points.size() <= offered || information.rcond() < 1e-14 ||
-      !information.isPositive())
-    return estimate;
-  const double sigma = std::max(std::sqrt(sum / (2.0 * points.size() - 6)), options.noise_floor_px);
-  const Matrix6 covariance = sigma * sigma * information.solve(Matrix6::Identity());
+  if (!weighed || !(rms <= options.max_rms_px) || 2 * points.size() <= offered) return estimate;
   estimate.status = PoseStatus::kTracked;
-  estimate.camera_from_object = pose->camera_from_object;
-  estimate.covariance = (covariance + covariance.transpose()) / 2;
+  estimate.camera_from_object = weighed->camera_from_object;
+  estimate.covariance = weighed->covariance;
   estimate.reprojection_rms_px = rms;
   estimate.tags_used = count_tags(points);
   return estimate;
