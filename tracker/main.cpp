@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 
 #include "common/base/command_line.h"
 #include "common/base/stop_signal.h"
 #include "tracker/commands/commands.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Grabs images of a camera, finds its pose from a stage with tags, and streams images with poses.",
-               "sheen-tracker");
-  app.require_subcommand(1);
-  app.set_version_flag("--version", SHEEN_VERSION);
-  sheen::add_run_command(app);
-  sheen::add_simulate_command(app);
-  sheen::add_calibrate_command(app);
-  sheen::add_stage_command(app);
-  sheen::add_preview_command(app);
-  sheen::add_register_command(app);
-  sheen::add_lights_command(app);
-  sheen::add_cameras_command(app);
-  sheen::add_doctor_command(app);
-  sheen::add_keygen_command(app);
+  sheen::CommandLine program(
+      "sheen-tracker",
+      "Grabs images of a camera, finds its pose from a stage with tags, and streams images with poses.");
+  program.require_subcommand();
+  program.version(SHEEN_VERSION);
+  sheen::add_run_command(program);
+  sheen::add_simulate_command(program);
+  sheen::add_calibrate_command(program);
+  sheen::add_stage_command(program);
+  sheen::add_preview_command(program);
+  sheen::add_register_command(program);
+  sheen::add_lights_command(program);
+  sheen::add_cameras_command(program);
+  sheen::add_doctor_command(program);
+  sheen::add_keygen_command(program);
 
   sheen::install_stop_signals();
-  return sheen::run_program(app, argc, argv);
+  return program.run(argc, argv);
 }

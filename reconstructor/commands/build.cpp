@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -161,33 +160,33 @@ void build(BuildArguments arguments) {
 
 }  // namespace
 
-void add_build_command(CLI::App& app) {
+void add_build_command(Command& program) {
   auto arguments = std::make_shared<BuildArguments>();
-  CLI::App* command = app.add_subcommand("build", "Builds a model from posed photographs or a session.");
+  Command command = program.subcommand("build", "Builds a model from posed photographs or a session.");
   command
-      ->add_option("dataset", arguments->dataset,
-                   "folder with transforms.json, a COLMAP model or a Sheen session, or a list of lights (.lp)")
-      ->required();
-  command->add_option(
+      .option("dataset", arguments->dataset,
+              "folder with transforms.json, a COLMAP model or a Sheen session, or a list of lights (.lp)")
+      .required();
+  command.option(
       "--mesh", arguments->mesh,
       "PLY, OBJ or OFF in the dataset's frame; an irradiance field needs none, an intrinsic lumigraph can do without");
-  command->add_flag("--refine", arguments->refine, "first correct the mesh against the images, as `refine` does");
-  command->add_option("--out", arguments->out, "model to write: one small file, or a folder with --loss 0dB");
+  command.flag("--refine", arguments->refine, "first correct the mesh against the images, as `refine` does");
+  command.option("--out", arguments->out, "model to write: one small file, or a folder with --loss 0dB");
   command
-      ->add_option("--hold-out", arguments->hold_out,
-                   "hold out every Nth image where the dataset names no test views; 0 = none")
-      ->check(whole_number_in(0, 1'000'000));
-  CLI::Option* config = command->add_option("--config", arguments->config, "scene file (TOML)");
+      .option("--hold-out", arguments->hold_out,
+              "hold out every Nth image where the dataset names no test views; 0 = none")
+      .check(whole_number_in(0, 1'000'000));
+  const Option config = command.option("--config", arguments->config, "scene file (TOML)");
   command
-      ->add_option("--model", arguments->model,
-                   "kind of model, without a scene file: surface-light-field, irradiance-field, intrinsic-lumigraph; "
-                   "or auto: by what moves between the images, camera or light or both")
-      ->excludes(config);
+      .option("--model", arguments->model,
+              "kind of model, without a scene file: surface-light-field, irradiance-field, intrinsic-lumigraph; "
+              "or auto: by what moves between the images, camera or light or both")
+      .excludes({config});
   arguments->limits.add_to(
-      *command, "PSNR that held-out views must reach, such as 35dB; the cheapest setting that reaches it is searched");
-  arguments->size.add_to(*command);
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->callback([arguments] { build(*arguments); });
+      command, "PSNR that held-out views must reach, such as 35dB; the cheapest setting that reaches it is searched");
+  arguments->size.add_to(command);
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  command.callback([arguments] { build(*arguments); });
 }
 
 }  // namespace sheen

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/progress.h"
@@ -43,14 +43,14 @@ void compress(const CompressArguments& arguments) {
 
 }  // namespace
 
-void add_compress_command(CLI::App& app) {
+void add_compress_command(Command& program) {
   auto arguments = std::make_shared<CompressArguments>();
-  CLI::App* command = app.add_subcommand("compress", "Writes a saved model as one small file (default: --loss 0.1dB).");
-  command->add_option("model", arguments->model, "folder of a saved model")->required();
-  command->add_option("--out", arguments->out, "file to write")->required();
-  arguments->size.add_to(*command);
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->callback([arguments] { compress(*arguments); });
+  Command command = program.subcommand("compress", "Writes a saved model as one small file (default: --loss 0.1dB).");
+  command.option("model", arguments->model, "folder of a saved model").required();
+  command.option("--out", arguments->out, "file to write").required();
+  arguments->size.add_to(command);
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  command.callback([arguments] { compress(*arguments); });
 }
 
 }  // namespace sheen

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <memory>
 
+#include "common/base/command_line.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/setup_checks.h"
 
@@ -35,21 +35,21 @@ void doctor(const DoctorArguments& arguments) {
 
 }  // namespace
 
-void add_doctor_command(CLI::App& app) {
+void add_doctor_command(Command& program) {
   auto arguments = std::make_shared<DoctorArguments>();
-  CLI::App* command =
-      app.add_subcommand("doctor", "Says what is wrong with the setup of a reconstructor and what to do.");
-  command->add_option("--mesh", arguments->mesh, "the object's mesh");
-  command->add_option("--session", arguments->session, "folder of the session to record or to continue");
-  command->add_option("--endpoint", arguments->endpoints, "endpoint of the tracker; once for each of several")
-      ->allow_extra_args(false)
-      ->capture_default_str();
-  command->add_option("--keys", arguments->keys, "the reconstructor's .key file");
-  command->add_option("--tracker-key", arguments->tracker_keys, "the tracker's .pub file; once for each of several")
-      ->allow_extra_args(false);
-  command->add_option("--monitor-port", arguments->monitor_port, "port of the status page")->capture_default_str();
-  command->add_flag("--json", arguments->json, "print JSON");
-  command->callback([arguments] { doctor(*arguments); });
+  Command command =
+      program.subcommand("doctor", "Says what is wrong with the setup of a reconstructor and what to do.");
+  command.option("--mesh", arguments->mesh, "the object's mesh");
+  command.option("--session", arguments->session, "folder of the session to record or to continue");
+  command.option("--endpoint", arguments->endpoints, "endpoint of the tracker; once for each of several")
+      .one_each_time()
+      .show_default();
+  command.option("--keys", arguments->keys, "the reconstructor's .key file");
+  command.option("--tracker-key", arguments->tracker_keys, "the tracker's .pub file; once for each of several")
+      .one_each_time();
+  command.option("--monitor-port", arguments->monitor_port, "port of the status page").show_default();
+  command.flag("--json", arguments->json, "print JSON");
+  command.callback([arguments] { doctor(*arguments); });
 }
 
 }  // namespace sheen

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
@@ -98,26 +98,26 @@ void evaluate(const EvaluateArguments& arguments) {
 
 }  // namespace
 
-void add_evaluate_command(CLI::App& app) {
+void add_evaluate_command(Command& program) {
   auto arguments = std::make_shared<EvaluateArguments>();
-  CLI::App* command =
-      app.add_subcommand("evaluate", "Measures PSNR and SSIM of a saved model on views that it never saw.");
-  command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
+  Command command =
+      program.subcommand("evaluate", "Measures PSNR and SSIM of a saved model on views that it never saw.");
+  command.option("model", arguments->model, "saved model: a file or a folder").required();
   command
-      ->add_option("dataset", arguments->dataset,
-                   "the images it was built from, and the held-out ones; of an irradiance field a list of lights (.lp) "
-                   "that it never saw")
-      ->required();
-  command->add_flag("--baselines", arguments->baselines,
-                    "score constant colour, nearest photograph and unstructured lumigraph on the same pixels, the "
-                    "lumigraph also of photographs that take no more bytes than the model");
-  command->add_option("--truth", arguments->truth,
-                      "score against NAME.exr of this folder (linear radiance without noise), not against the images");
-  command->add_option("--object", arguments->object,
-                      "mesh whose pixels count, where it is not the model's: before and after `refine` compare on the "
-                      "same ones");
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->callback([arguments] { evaluate(*arguments); });
+      .option("dataset", arguments->dataset,
+              "the images it was built from, and the held-out ones; of an irradiance field a list of lights (.lp) "
+              "that it never saw")
+      .required();
+  command.flag("--baselines", arguments->baselines,
+               "score constant colour, nearest photograph and unstructured lumigraph on the same pixels, the "
+               "lumigraph also of photographs that take no more bytes than the model");
+  command.option("--truth", arguments->truth,
+                 "score against NAME.exr of this folder (linear radiance without noise), not against the images");
+  command.option("--object", arguments->object,
+                 "mesh whose pixels count, where it is not the model's: before and after `refine` compare on the "
+                 "same ones");
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  command.callback([arguments] { evaluate(*arguments); });
 }
 
 }  // namespace sheen

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/json_number.h"
@@ -82,17 +82,16 @@ void export_model(const ExportArguments& arguments) {
 
 }  // namespace
 
-void add_export_command(CLI::App& app) {
+void add_export_command(Command& program) {
   auto arguments = std::make_shared<ExportArguments>();
-  CLI::App* command = app.add_subcommand(
+  Command command = program.subcommand(
       "export", "Writes an irradiance field of far lights for other programs: polynomial texture maps.");
-  command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
+  command.option("model", arguments->model, "saved model: a file or a folder").required();
   command
-      ->add_option("--out", arguments->out,
-                   "FILE.ptm, or a folder in the format of the relight tools, which OpenLIME shows")
-      ->required();
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->callback([arguments] { export_model(*arguments); });
+      .option("--out", arguments->out, "FILE.ptm, or a folder in the format of the relight tools, which OpenLIME shows")
+      .required();
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  command.callback([arguments] { export_model(*arguments); });
 }
 
 }  // namespace sheen

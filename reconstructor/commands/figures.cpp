@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -7,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -195,25 +195,24 @@ void figures(const FiguresArguments& arguments) {
 
 }  // namespace
 
-void add_figures_command(CLI::App& app) {
+void add_figures_command(Command& program) {
   auto arguments = std::make_shared<FiguresArguments>();
-  CLI::App* command =
-      app.add_subcommand("figures", "Runs the paper's experiments again and writes plots, tables and findings.");
-  command->add_option("dataset", arguments->dataset,
-                      "folder with transforms.json, a COLMAP model or a Sheen session; default: the simulated rig");
-  command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame");
-  command->add_option("--out", arguments->out, "folder for paper_results.md and, in images/, plots and pictures")
-      ->required();
-  command->add_option("--rig", arguments->rig, "where the simulated rig is kept between runs; default: OUT/rig");
-  command->add_option("--only", arguments->only, "numbers of the figures to make, as in the paper")
-      ->delimiter(',')
-      ->check(CLI::IsMember({3, 4, 5, 7, 8, 9, 10, 11}));
-  command->add_flag("--light", arguments->light,
-                    "those of the irradiance field's paper instead: a lamp moves over the simulated object");
-  command->add_flag("--quick", arguments->quick, "fewer orders, ranks and images, coarser maps");
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  add_study_options(*command, arguments->study);
-  command->callback([arguments] { figures(*arguments); });
+  Command command =
+      program.subcommand("figures", "Runs the paper's experiments again and writes plots, tables and findings.");
+  command.option("dataset", arguments->dataset,
+                 "folder with transforms.json, a COLMAP model or a Sheen session; default: the simulated rig");
+  command.option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame");
+  command.option("--out", arguments->out, "folder for paper_results.md and, in images/, plots and pictures").required();
+  command.option("--rig", arguments->rig, "where the simulated rig is kept between runs; default: OUT/rig");
+  command.option("--only", arguments->only, "numbers of the figures to make, as in the paper")
+      .delimiter(',')
+      .check(one_of({3, 4, 5, 7, 8, 9, 10, 11}));
+  command.flag("--light", arguments->light,
+               "those of the irradiance field's paper instead: a lamp moves over the simulated object");
+  command.flag("--quick", arguments->quick, "fewer orders, ranks and images, coarser maps");
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  add_study_options(command, arguments->study);
+  command.callback([arguments] { figures(*arguments); });
 }
 
 }  // namespace sheen

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/commands/limit_options.h"
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 
+#include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "reconstructor/effort/effort_control.h"
 
 namespace sheen {
 
-void LimitArguments::add_to(CLI::App& command, const std::string& about_target) {
-  command.add_option("--budget", budget, "time per image, such as 33ms; the model is made coarser until it is kept");
-  command.add_option("--target", target, about_target);
-  command.add_option("--memory", memory, "memory that the model may use, such as 1GB");
-  command.add_option(
+void LimitArguments::add_to(Command& command, const std::string& about_target) {
+  command.option("--budget", budget, "time per image, such as 33ms; the model is made coarser until it is kept");
+  command.option("--target", target, about_target);
+  command.option("--memory", memory, "memory that the model may use, such as 1GB");
+  command.option(
       "--tolerance", tolerance,
       "relative error that a patch may keep, such as 0.01 or 40dB; of an irradiance field, grey levels such as "
       "16: its lights are judged by it");

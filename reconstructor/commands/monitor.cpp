@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
 #include <memory>
 #include <thread>
 
+#include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/monitor/monitor_client.h"
@@ -40,17 +40,17 @@ void watch(const MonitorArguments& arguments) {
 
 }  // namespace
 
-void add_monitor_command(CLI::App& app) {
+void add_monitor_command(Command& program) {
   auto arguments = std::make_shared<MonitorArguments>();
-  CLI::App* command = app.add_subcommand("monitor", "Watches a running reconstructor from a terminal.");
-  command->add_option("--url", arguments->url, "address of its monitor page")->capture_default_str();
-  command->add_option("--token", arguments->token,
-                      "token of the page, if it asks for one; every user of this machine sees it");
-  command->add_option("--token-file", arguments->token_file,
-                      "file that holds the token (mode 600); or set SHEEN_MONITOR_TOKEN");
-  command->add_flag("--once", arguments->once, "print one line and end; exit status 1 when nobody answers");
-  command->add_flag("--json", arguments->json, "the whole status as JSON, one per line");
-  command->callback([arguments] { watch(*arguments); });
+  Command command = program.subcommand("monitor", "Watches a running reconstructor from a terminal.");
+  command.option("--url", arguments->url, "address of its monitor page").show_default();
+  command.option("--token", arguments->token,
+                 "token of the page, if it asks for one; every user of this machine sees it");
+  command.option("--token-file", arguments->token_file,
+                 "file that holds the token (mode 600); or set SHEEN_MONITOR_TOKEN");
+  command.flag("--once", arguments->once, "print one line and end; exit status 1 when nobody answers");
+  command.flag("--json", arguments->json, "the whole status as JSON, one per line");
+  command.callback([arguments] { watch(*arguments); });
 }
 
 }  // namespace sheen

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tbb/parallel_for.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -99,24 +98,24 @@ void plan_lights(const PlanArguments& arguments) {
 
 }  // namespace
 
-void add_plan_lights_command(CLI::App& app) {
+void add_plan_lights_command(Command& program) {
   auto arguments = std::make_shared<PlanArguments>();
-  CLI::App* command =
-      app.add_subcommand("plan-lights", "How far apart the places of a moving light may be, for an irradiance field.");
+  Command command =
+      program.subcommand("plan-lights", "How far apart the places of a moving light may be, for an irradiance field.");
   command
-      ->add_option("--brdf", arguments->brdf,
-                   "lambertian, lafortune:K, lafortune:B:K,B:K..., or a file: JSON or a table of the MERL database")
-      ->capture_default_str();
-  command->add_option("--distance", arguments->distance, "least distance of the scene from the plane, in metres")
-      ->required()
-      ->check(number_in(1e-6, 1e6));
+      .option("--brdf", arguments->brdf,
+              "lambertian, lafortune:K, lafortune:B:K,B:K..., or a file: JSON or a table of the MERL database")
+      .show_default();
+  command.option("--distance", arguments->distance, "least distance of the scene from the plane, in metres")
+      .required()
+      .check(number_in(1e-6, 1e6));
   command
-      ->add_option("--tolerance", arguments->tolerance,
-                   "largest error, in grey levels of 255 of which the brightest surface has all")
-      ->capture_default_str()
-      ->check(number_in(1e-3, 255));
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->callback([arguments] { plan_lights(*arguments); });
+      .option("--tolerance", arguments->tolerance,
+              "largest error, in grey levels of 255 of which the brightest surface has all")
+      .show_default()
+      .check(number_in(1e-3, 255));
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  command.callback([arguments] { plan_lights(*arguments); });
 }
 
 }  // namespace sheen

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -43,20 +42,20 @@ void refine(const RefineArguments& arguments) {
 
 }  // namespace
 
-void add_refine_command(CLI::App& app) {
+void add_refine_command(Command& program) {
   auto arguments = std::make_shared<RefineArguments>();
-  CLI::App* command = app.add_subcommand("refine", "Corrects a mesh against the images of a data set or a session.");
-  command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
-      ->required();
-  command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
-  command->add_option("--out", arguments->out, "PLY file of the refined mesh")->required();
+  Command command = program.subcommand("refine", "Corrects a mesh against the images of a data set or a session.");
+  command.option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
+      .required();
+  command.option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame").required();
+  command.option("--out", arguments->out, "PLY file of the refined mesh").required();
   command
-      ->add_option("--hold-out", arguments->hold_out,
-                   "leave out every Nth image where the dataset names no test views, as build does; 0 = none")
-      ->check(whole_number_in(0, 1'000'000));
-  command->add_option("--config", arguments->config, "scene file (TOML)");
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->callback([arguments] { refine(*arguments); });
+      .option("--hold-out", arguments->hold_out,
+              "leave out every Nth image where the dataset names no test views, as build does; 0 = none")
+      .check(whole_number_in(0, 1'000'000));
+  command.option("--config", arguments->config, "scene file (TOML)");
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  command.callback([arguments] { refine(*arguments); });
 }
 
 }  // namespace sheen

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -115,32 +114,31 @@ void render(const RenderArguments& arguments) {
 
 }  // namespace
 
-void add_render_command(CLI::App& app) {
+void add_render_command(Command& program) {
   auto arguments = std::make_shared<RenderArguments>();
-  CLI::App* command = app.add_subcommand(
+  Command command = program.subcommand(
       "render", "Renders a saved model from given cameras or in given lights: linear EXR and PNG per view.");
-  command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
-  CLI::Option* cameras =
-      command->add_option("--cameras", arguments->cameras, "transforms.json with the cameras to render");
-  CLI::Option* lights =
-      command->add_option("--lights", arguments->light.list,
-                          "list of lights (.lp) to render a model of moving light in, one after the other");
-  CLI::Option* luminaires = command->add_option("--luminaires", arguments->light.luminaires,
-                                                "file (JSON) of pictures in lamps that are on together, far and large");
-  CLI::Option* environment =
-      command->add_option("--environment", arguments->light.environment, "map of light from all around (OpenEXR)");
-  CLI::Option* path = command->add_option("--light-path", arguments->light.path,
-                                          "list of lights (.lp): one light moves smoothly through them");
-  for (CLI::Option* a : {cameras, lights, luminaires, environment, path})
-    for (CLI::Option* b : {cameras, lights, luminaires, environment, path})
-      if (a != b) a->excludes(b);
-  command->add_option("--frames", arguments->light.frames, "pictures of --light-path")
-      ->needs(path)
-      ->capture_default_str()
-      ->check(whole_number_in(2, 100'000));
-  command->add_option("--out", arguments->out, "folder for the pictures")->required();
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->callback([arguments] { render(*arguments); });
+  command.option("model", arguments->model, "saved model: a file or a folder").required();
+  const Option cameras = command.option("--cameras", arguments->cameras, "transforms.json with the cameras to render");
+  Option lights = command.option("--lights", arguments->light.list,
+                                 "list of lights (.lp) to render a model of moving light in, one after the other");
+  Option luminaires = command.option("--luminaires", arguments->light.luminaires,
+                                     "file (JSON) of pictures in lamps that are on together, far and large");
+  Option environment =
+      command.option("--environment", arguments->light.environment, "map of light from all around (OpenEXR)");
+  Option path = command.option("--light-path", arguments->light.path,
+                               "list of lights (.lp): one light moves smoothly through them");
+  lights.excludes({cameras});
+  luminaires.excludes({cameras, lights});
+  environment.excludes({cameras, lights, luminaires});
+  path.excludes({cameras, lights, luminaires, environment});
+  command.option("--frames", arguments->light.frames, "pictures of --light-path")
+      .needs(path)
+      .show_default()
+      .check(whole_number_in(2, 100'000));
+  command.option("--out", arguments->out, "folder for the pictures").required();
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  command.callback([arguments] { render(*arguments); });
 }
 
 }  // namespace sheen

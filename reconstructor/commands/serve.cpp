@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/command_line.h"
 #include "common/base/content_hash.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
@@ -312,47 +312,47 @@ void serve(ServeArguments arguments) {
 
 }  // namespace
 
-void add_serve_command(CLI::App& app) {
+void add_serve_command(Command& program) {
   auto a = std::make_shared<ServeArguments>();
-  CLI::App* command =
-      app.add_subcommand("serve", "Receives images from a tracker, stores them, and adds them to the model.");
-  command->add_option(
+  Command command =
+      program.subcommand("serve", "Receives images from a tracker, stores them, and adds them to the model.");
+  command.option(
       "--mesh", a->mesh,
       "PLY, OBJ or OFF of the object, in the stage's frame; an irradiance field needs none, an intrinsic lumigraph can "
       "do without");
-  command->add_option("--session", a->session, "folder of the session; continued if it exists")->required();
-  CLI::Option* config = command->add_option("--config", a->config, "scene file (TOML)");
+  command.option("--session", a->session, "folder of the session; continued if it exists").required();
+  const Option config = command.option("--config", a->config, "scene file (TOML)");
   command
-      ->add_option("--model", a->model,
-                   "kind of model, without a scene file: surface-light-field, irradiance-field, intrinsic-lumigraph; "
-                   "or auto: by what moves, camera or light or both, as the tracker announces it")
-      ->excludes(config);
-  a->limits.add_to(*command,
+      .option("--model", a->model,
+              "kind of model, without a scene file: surface-light-field, irradiance-field, intrinsic-lumigraph; "
+              "or auto: by what moves, camera or light or both, as the tracker announces it")
+      .excludes({config});
+  a->limits.add_to(command,
                    "PSNR that held-out views must reach, such as 35dB; no patch is kept more exactly than that");
-  a->size.add_to(*command);
-  command->add_option("--endpoint", a->endpoints, "endpoint of the tracker; once for each of several")
-      ->check(endpoint_error)
-      ->allow_extra_args(false)
-      ->capture_default_str();
-  command->add_option("--keys", a->keys, "own secret key (NAME.key); encrypts the link");
+  a->size.add_to(command);
+  command.option("--endpoint", a->endpoints, "endpoint of the tracker; once for each of several")
+      .check({endpoint_error})
+      .one_each_time()
+      .show_default();
+  command.option("--keys", a->keys, "own secret key (NAME.key); encrypts the link");
   command
-      ->add_option("--tracker-key", a->tracker_keys,
-                   "the tracker's public key (NAME.pub); of several one for all, or one for each --endpoint")
-      ->allow_extra_args(false);
-  command->add_flag("--headless", a->headless, "no window");
-  command->add_flag("--once", a->once, "end when the source has ended and everything is in the model");
-  command->add_flag("--no-monitor", a->no_monitor, "no status page");
-  command->add_option("--monitor-host", a->monitor_host, "address of the status page")->capture_default_str();
-  command->add_option("--monitor-port", a->monitor_port, "port of the status page; 0 = any free one")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
-  command->add_option(
+      .option("--tracker-key", a->tracker_keys,
+              "the tracker's public key (NAME.pub); of several one for all, or one for each --endpoint")
+      .one_each_time();
+  command.flag("--headless", a->headless, "no window");
+  command.flag("--once", a->once, "end when the source has ended and everything is in the model");
+  command.flag("--no-monitor", a->no_monitor, "no status page");
+  command.option("--monitor-host", a->monitor_host, "address of the status page").show_default();
+  command.option("--monitor-port", a->monitor_port, "port of the status page; 0 = any free one")
+      .check(range(0, 65535))
+      .show_default();
+  command.option(
       "--monitor-token-file", a->monitor_token_file,
       "file (mode 600) with the token that the page asks for; needed when other machines can reach the page; or "
       "set SHEEN_MONITOR_TOKEN");
-  command->add_option("--monitor-token", a->monitor_token, "the token itself; every user of this machine sees it");
-  command->add_option("--json", a->json, "report to write at the end; - for standard output");
-  command->callback([a] { serve(*a); });
+  command.option("--monitor-token", a->monitor_token, "the token itself; every user of this machine sees it");
+  command.option("--json", a->json, "report to write at the end; - for standard output");
+  command.callback([a] { serve(*a); });
 }
 
 }  // namespace sheen

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/commands/size_options.h"
 
-#include <CLI/CLI.hpp>
-
+#include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/quantity.h"
 
 namespace sheen {
 
-void SizeArguments::add_to(CLI::App& command) {
-  CLI::Option* by_bytes =
-      command.add_option("--bytes", bytes, "size that the file may have, such as 2MB (kB, MB, GB, KiB, MiB, GiB)");
-  command.add_option("--loss", loss, "PSNR that the pictures may lose (default: 0.1dB); 0dB saves a folder of floats")
-      ->excludes(by_bytes);
+void SizeArguments::add_to(Command& command) {
+  const Option by_bytes =
+      command.option("--bytes", bytes, "size that the file may have, such as 2MB (kB, MB, GB, KiB, MiB, GiB)");
+  command.option("--loss", loss, "PSNR that the pictures may lose (default: 0.1dB); 0dB saves a folder of floats")
+      .excludes({by_bytes});
 }
 
 std::optional<CompressionTarget> SizeArguments::target(const ModelKind& kind) const {

@@ -6,17 +6,15 @@
 
 #include "reconstructor/models/model_kind.h"
 
-namespace CLI {
-class App;
-}
-
 namespace sheen {
+
+class Command;
 
 /// How small a model is to be saved: by default, so that its pictures lose 0.1 dB.
 struct SizeArguments {
   std::string bytes, loss;
 
-  void add_to(CLI::App& command);
+  void add_to(Command& command);
   /// Nothing where nothing may be lost (--loss 0dB) or the kind has no smaller form: the model is saved as it is.
   /// Throws ConfigError naming the option.
   std::optional<CompressionTarget> target(const ModelKind& kind) const;

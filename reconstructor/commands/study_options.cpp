@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/commands/study_options.h"
 
-#include <CLI/CLI.hpp>
+#include "common/base/command_line.h"
 
 namespace sheen {
 
@@ -10,17 +10,17 @@ void StudyOptions::apply(SurfaceLightFieldOptions& options) const {
   if (imputation == "least-squares") options.patch.factor.imputation = Imputation::kLeastSquares;
 }
 
-void add_study_options(CLI::App& command, StudyOptions& options) {
+void add_study_options(Command& command, StudyOptions& options) {
   command
-      .add_option("--interpolation", options.interpolation,
-                  "interpolation between views: kriging, or delaunay as in the paper")
-      ->check(CLI::IsMember({"kriging", "delaunay"}))
-      ->group("Studies");
+      .option("--interpolation", options.interpolation,
+              "interpolation between views: kriging, or delaunay as in the paper")
+      .check(one_of({"kriging", "delaunay"}))
+      .group("Studies");
   command
-      .add_option("--imputation", options.imputation,
-                  "imputation of what images do not show: most-probable, or least-squares with gates as in the paper")
-      ->check(CLI::IsMember({"most-probable", "least-squares"}))
-      ->group("Studies");
+      .option("--imputation", options.imputation,
+              "imputation of what images do not show: most-probable, or least-squares with gates as in the paper")
+      .check(one_of({"most-probable", "least-squares"}))
+      .group("Studies");
 }
 
 }  // namespace sheen

@@ -5,11 +5,9 @@
 
 #include "reconstructor/models/surface_light_field/surface_light_field_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace sheen {
+
+class Command;
 
 /// The two ways in which Sheen departs most from the paper, selectable to compare with the paper's own.
 struct StudyOptions {
@@ -19,6 +17,6 @@ struct StudyOptions {
 };
 
 /// --interpolation and --imputation, in a group of their own.
-void add_study_options(CLI::App& command, StudyOptions& options);
+void add_study_options(Command& command, StudyOptions& options);
 
 }  // namespace sheen

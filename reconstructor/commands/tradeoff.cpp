@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -275,32 +275,32 @@ void tradeoff(const TradeoffArguments& arguments) {
 
 }  // namespace
 
-void add_tradeoff_command(CLI::App& app) {
+void add_tradeoff_command(Command& program) {
   auto arguments = std::make_shared<TradeoffArguments>();
-  CLI::App* command = app.add_subcommand(
+  Command command = program.subcommand(
       "tradeoff",
       "Measures what each setting of the light field costs in time and memory and gains in held-out PSNR, on your own "
       "scene.");
-  command->add_option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
-      ->required();
-  command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame")->required();
-  command->add_option(
-      "--out", arguments->out,
-      "folder for the plots (SVG), their tables (CSV) and the scene file (TOML) with the effort levels of "
-      "--budget as measured");
-  command->add_option("--config", arguments->config, "scene file (TOML) from which the sweep starts");
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->add_flag("--quick", arguments->quick, "about half of the settings");
-  CLI::Option* parts = command->add_flag(
+  command.option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
+      .required();
+  command.option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame").required();
+  command.option("--out", arguments->out,
+                 "folder for the plots (SVG), their tables (CSV) and the scene file (TOML) with the effort levels of "
+                 "--budget as measured");
+  command.option("--config", arguments->config, "scene file (TOML) from which the sweep starts");
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  command.flag("--quick", arguments->quick, "about half of the settings");
+  Option parts = command.flag(
       "--parts", arguments->parts,
       "measure what each part of the model gains instead: without it, or with the paper's way in its place");
-  command->add_option("--budget", arguments->budget, "name the best setting within a time per image, such as 33ms");
-  command->add_option("--target", arguments->target,
-                      "name the quickest setting that reaches a held-out PSNR, such as 35dB");
-  command->add_option("--memory", arguments->memory,
-                      "name the best setting within a memory of the light field, such as 1GB");
-  for (const char* limits : {"--budget", "--target", "--memory"}) parts->excludes(limits);
-  command->callback([arguments] { tradeoff(*arguments); });
+  const Option budget =
+      command.option("--budget", arguments->budget, "name the best setting within a time per image, such as 33ms");
+  const Option target = command.option("--target", arguments->target,
+                                       "name the quickest setting that reaches a held-out PSNR, such as 35dB");
+  const Option memory = command.option("--memory", arguments->memory,
+                                       "name the best setting within a memory of the light field, such as 1GB");
+  parts.excludes({budget, target, memory});
+  command.callback([arguments] { tradeoff(*arguments); });
 }
 
 }  // namespace sheen

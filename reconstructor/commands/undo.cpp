@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -109,21 +108,21 @@ void undo(const UndoArguments& arguments) {
 
 }  // namespace
 
-void add_undo_command(CLI::App& app) {
+void add_undo_command(Command& program) {
   auto arguments = std::make_shared<UndoArguments>();
-  CLI::App* command = app.add_subcommand(
+  Command command = program.subcommand(
       "undo",
       "Takes back an image of a session, also while `serve` records it: the image stays there with a mark, and "
       "models leave it out.");
-  command->add_option("session", arguments->session, "folder of the session")->required();
-  command->add_flag("--last", arguments->last, "the last image that is not withdrawn");
-  command->add_option("--capture", arguments->capture, "an image by its number, from 0")
-      ->check(whole_number_in(0, std::numeric_limits<std::int64_t>::max()));
-  command->add_option("--name", arguments->name, "an image by its name, with or without folders");
-  command->add_flag("--list", arguments->list, "list numbers, states and names");
-  command->add_flag("--restore", arguments->restore, "put the image back instead");
-  command->add_flag("--json", arguments->json, "print JSON");
-  command->callback([arguments] { undo(*arguments); });
+  command.option("session", arguments->session, "folder of the session").required();
+  command.flag("--last", arguments->last, "the last image that is not withdrawn");
+  command.option("--capture", arguments->capture, "an image by its number, from 0")
+      .check(whole_number_in(0, std::numeric_limits<std::int64_t>::max()));
+  command.option("--name", arguments->name, "an image by its name, with or without folders");
+  command.flag("--list", arguments->list, "list numbers, states and names");
+  command.flag("--restore", arguments->restore, "put the image back instead");
+  command.flag("--json", arguments->json, "print JSON");
+  command.callback([arguments] { undo(*arguments); });
 }
 
 }  // namespace sheen

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdlib>
 #include <exception>
@@ -96,20 +95,20 @@ void view(const ViewArguments& arguments) {
 
 }  // namespace
 
-void add_view_command(CLI::App& app) {
+void add_view_command(Command& program) {
   auto arguments = std::make_shared<ViewArguments>();
-  CLI::App* command = app.add_subcommand("view", "Shows a saved model in a window; H lists the keys.");
-  command->add_option("model", arguments->model, "saved model: a file or a folder")->required();
-  command->add_option("--screenshot", arguments->screenshot, "PNG to write instead of opening a window");
-  command->add_option("--mode", arguments->mode, "appearance, heuristic, split or camera")->capture_default_str();
-  command->add_flag("--reasons", arguments->reasons, "colour where images are needed by the reason");
-  command->add_flag("--states", arguments->states, "tint what is imputed or unseen");
-  command->add_option("--size", arguments->size, "size of the window or the screenshot, pixels")->capture_default_str();
-  command->add_option("--eye", arguments->eye, "where to look from: x,y,z in the model's frame, metres")
-      ->check(number_in(-1e6, 1e6))
-      ->delimiter(',')
-      ->expected(3);
-  command->callback([arguments] { view(*arguments); });
+  Command command = program.subcommand("view", "Shows a saved model in a window; H lists the keys.");
+  command.option("model", arguments->model, "saved model: a file or a folder").required();
+  command.option("--screenshot", arguments->screenshot, "PNG to write instead of opening a window");
+  command.option("--mode", arguments->mode, "appearance, heuristic, split or camera").show_default();
+  command.flag("--reasons", arguments->reasons, "colour where images are needed by the reason");
+  command.flag("--states", arguments->states, "tint what is imputed or unseen");
+  command.option("--size", arguments->size, "size of the window or the screenshot, pixels").show_default();
+  command.option("--eye", arguments->eye, "where to look from: x,y,z in the model's frame, metres")
+      .check(number_in(-1e6, 1e6))
+      .delimiter(',')
+      .expected(3);
+  command.callback([arguments] { view(*arguments); });
 }
 
 }  // namespace sheen

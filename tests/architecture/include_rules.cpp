@@ -88,6 +88,7 @@ std::vector<Rule> all_rules() {
       {"only the transport uses ZeroMQ", kSources, "zmq.*", ""},
       {"only bundle.cpp uses Ceres", kSources + "|tests/.*", "ceres/.*", ""},
       {"only ray_scene.cpp uses Embree", kSources + "|tests/.*", "embree3/.*", ""},
+      {"only command_line.cpp uses CLI11", kSources + "|tests/.*", "CLI/.*", ""},
       {"heavy third-party headers stay out of our headers", kSources + "\\.h", kHeavy, ""},
       {"what carries a third-party header is for .cpp files", kSources + "\\.h",
        "common/(base/json_(fields|number)|link/proto_io)\\.h", ""},
@@ -116,6 +117,7 @@ const std::vector<Exception>& exceptions() {
       {"common/base/json_(fields|number)\\.h", "nlohmann/json\\.hpp"},
       {"common/link/(transport[a-z_]*|capture_sender|capture_receiver|monitor_socket|curve_keys)\\.cpp", "zmq.*"},
       {"common/geometry/ray_scene\\.cpp", "embree3/.*"},
+      {"common/base/command_line\\.cpp", "CLI/.*"},
       {"tracker/calibration/bundle\\.cpp", "ceres/.*"},
       {"reconstructor/models/[a-z_]+/gl/.*", "reconstructor/render/.*"},  // how the window draws a model
       {"reconstructor/models/model_registry\\.cpp", "reconstructor/models/[a-z_]+/kind\\.h"},

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/goal_rows.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
-#include <fstream>
+
+#include "common/base/command_line.h"
+#include "common/base/files.h"
 
 namespace sheen {
 namespace {
@@ -46,24 +46,15 @@ void GoalReport::add(const GoalRow& row) {
 
 int measure_goals(int argc, char** argv, const std::string& description,
                   const std::function<void(GoalReport&)>& measure) {
-  CLI::App app(description);
+  CommandLine program("", description);
   std::string path;
-  app.add_option("--json", path, "report to write");
-  CLI11_PARSE(app, argc, argv);
-  GoalReport report;
-  try {
+  program.option("--json", path, "report to write");
+  program.callback([&] {
+    GoalReport report;
     measure(report);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
-  }
-  if (path.empty()) return 0;
-  std::ofstream out(path);
-  out << report.json().dump(2) << '\n';
-  out.close();
-  if (out) return 0;
-  std::fprintf(stderr, "%s: cannot be written\n", path.c_str());
-  return 1;
+    if (!path.empty()) write_file(path, report.json().dump(2) + "\n");
+  });
+  return program.run(argc, argv);
 }
 
 }  // namespace sheen

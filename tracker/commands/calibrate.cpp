@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -98,21 +97,20 @@ void run(const CalibrateArguments& arguments) {
 
 }  // namespace
 
-void add_calibrate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("calibrate", "Calibrate a camera from images of a target");
+void add_calibrate_command(Command& program) {
+  Command command = program.subcommand("calibrate", "Calibrate a camera from images of a target");
   const auto arguments = std::make_shared<CalibrateArguments>();
-  command->add_option("images", arguments->images, "Images of the target, or folders of them");
-  command->add_option("--target", arguments->target, kTargetSyntax);
+  command.option("images", arguments->images, "Images of the target, or folders of them");
+  command.option("--target", arguments->target, kTargetSyntax);
   command
-      ->add_option("--lens", arguments->lens,
-                   "auto, pinhole, radial, brown, brown-k3, brown-k3-aspect or fisheye; auto compares them")
-      ->capture_default_str();
-  command->add_option("--out", arguments->out, "camera.json, which a rig's [camera] file reads");
-  command->add_option("--plots", arguments->plots, "Folder for plots: RMS of each image, uncertainty, halves");
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  add_calibrate_photometric_command(*command);
-  command->callback([command, arguments] {
-    if (!command->get_subcommands().empty()) return;  // that was its work
+      .option("--lens", arguments->lens,
+              "auto, pinhole, radial, brown, brown-k3, brown-k3-aspect or fisheye; auto compares them")
+      .show_default();
+  command.option("--out", arguments->out, "camera.json, which a rig's [camera] file reads");
+  command.option("--plots", arguments->plots, "Folder for plots: RMS of each image, uncertainty, halves");
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  add_calibrate_photometric_command(command);
+  command.callback([arguments] {
     if (arguments->images.empty()) throw ConfigError("images is required: images of the target, or folders of them");
     if (arguments->target.empty()) throw ConfigError(std::string("--target is required: ") + kTargetSyntax);
     run(*arguments);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracker/commands/calibrate_photometric.h"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -156,31 +155,30 @@ void run(const PhotometricArguments& arguments) {
 
 }  // namespace
 
-void add_calibrate_photometric_command(CLI::App& calibrate) {
-  CLI::App* command =
-      calibrate.add_subcommand("photometric", "Measure what the camera makes of light: response, vignette, balance");
+void add_calibrate_photometric_command(Command& calibrate) {
+  Command command =
+      calibrate.subcommand("photometric", "Measure what the camera makes of light: response, vignette, balance");
   const auto a = std::make_shared<PhotometricArguments>();
-  command->add_option("--sweep", a->sweep, "Images of one scene at several exposures; nothing else may change")
-      ->required();
-  command->add_option("--exposures", a->exposures, "their exposures where EXIF has none: lines of FILE SECONDS");
-  command->add_option("--dark", a->dark, "Images with the lens covered");
-  command->add_option("--flat", a->flat, "Images of a flat white target that fills the image");
-  CLI::Option* moves = command->add_option(
-      "--moves", a->moves,
-      "how the target and its light stand in them: lines of FILE TURN_DEGREES SHIFT_X SHIFT_Y (px)");
-  command->add_flag("--evenly-lit", a->evenly_lit, "the flat target is known to be equally bright all over")
-      ->excludes(moves);
-  command->add_option("--grey", a->grey, "Images of a grey target, for the white balance");
-  command->add_option("--patch", a->patch, "where in them the grey target is: X,Y,WIDTHxHEIGHT in pixels");
+  command.option("--sweep", a->sweep, "Images of one scene at several exposures; nothing else may change").required();
+  command.option("--exposures", a->exposures, "their exposures where EXIF has none: lines of FILE SECONDS");
+  command.option("--dark", a->dark, "Images with the lens covered");
+  command.option("--flat", a->flat, "Images of a flat white target that fills the image");
+  const Option moves =
+      command.option("--moves", a->moves,
+                     "how the target and its light stand in them: lines of FILE TURN_DEGREES SHIFT_X SHIFT_Y (px)");
+  command.flag("--evenly-lit", a->evenly_lit, "the flat target is known to be equally bright all over")
+      .excludes({moves});
+  command.option("--grey", a->grey, "Images of a grey target, for the white balance");
+  command.option("--patch", a->patch, "where in them the grey target is: X,Y,WIDTHxHEIGHT in pixels");
   command
-      ->add_option("--mosaic", a->format.mosaic,
-                   "colours of the first two sites of raw images with one channel: RG, GR, GB or BG")
-      ->check(CLI::IsMember(std::vector<std::string>{"RG", "GR", "GB", "BG"}));
-  command->add_option("--bits", a->format.bits, "of the values in 16-bit files, as 12")->check(whole_number_in(9, 16));
-  command->add_option("--out", a->out, "camera.json that `calibrate` wrote; the result is added to it");
-  command->add_option("--plots", a->plots, "Folder for plots: response, exposures, vignette");
-  command->add_option("--json", a->json, "report to write; - for standard output");
-  command->callback([a] { run(*a); });
+      .option("--mosaic", a->format.mosaic,
+              "colours of the first two sites of raw images with one channel: RG, GR, GB or BG")
+      .check(one_of({"RG", "GR", "GB", "BG"}));
+  command.option("--bits", a->format.bits, "of the values in 16-bit files, as 12").check(whole_number_in(9, 16));
+  command.option("--out", a->out, "camera.json that `calibrate` wrote; the result is added to it");
+  command.option("--plots", a->plots, "Folder for plots: response, exposures, vignette");
+  command.option("--json", a->json, "report to write; - for standard output");
+  command.callback([a] { run(*a); });
 }
 
 }  // namespace sheen

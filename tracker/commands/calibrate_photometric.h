@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace CLI {
-class App;
-}
-
 namespace sheen {
 
+class Command;
+
 /// `photometric`, a subcommand of `calibrate`.
-void add_calibrate_photometric_command(CLI::App& calibrate);
+void add_calibrate_photometric_command(Command& calibrate);
 
 }  // namespace sheen

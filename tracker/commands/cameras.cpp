@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/base/command_line.h"
 #include "tracker/commands/commands.h"
 #include "tracker/sources/aravis_devices.h"
 
@@ -34,11 +34,11 @@ void list_cameras(bool json) {
 
 }  // namespace
 
-void add_cameras_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("cameras", "Lists the GigE Vision and USB3 Vision cameras that answer.");
+void add_cameras_command(Command& program) {
+  Command command = program.subcommand("cameras", "Lists the GigE Vision and USB3 Vision cameras that answer.");
   const auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "print JSON");
-  command->callback([json] { list_cameras(*json); });
+  command.flag("--json", *json, "print JSON");
+  command.callback([json] { list_cameras(*json); });
 }
 
 }  // namespace sheen

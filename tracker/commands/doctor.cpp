@@ -2,12 +2,12 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <set>
 
+#include "common/base/command_line.h"
 #include "common/base/setup_check.h"
 #include "common/link/transport.h"
 #include "tracker/commands/commands.h"
@@ -178,13 +178,13 @@ void examine(const DoctorArguments& arguments) {
 
 }  // namespace
 
-void add_doctor_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("doctor", "Says what is wrong with the setup of a tracker and what to do.");
+void add_doctor_command(Command& program) {
+  Command command = program.subcommand("doctor", "Says what is wrong with the setup of a tracker and what to do.");
   const auto arguments = std::make_shared<DoctorArguments>();
-  command->add_option("--config", arguments->config, "also check this rig description and the files it names");
-  command->add_option("--keys", arguments->keys, "also check this .key file");
-  command->add_flag("--json", arguments->json, "print JSON");
-  command->callback([arguments] { examine(*arguments); });
+  command.option("--config", arguments->config, "also check this rig description and the files it names");
+  command.option("--keys", arguments->keys, "also check this .key file");
+  command.flag("--json", arguments->json, "print JSON");
+  command.callback([arguments] { examine(*arguments); });
 }
 
 }  // namespace sheen

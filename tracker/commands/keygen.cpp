@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/base/command_line.h"
 #include "common/link/transport.h"
 #include "tracker/commands/commands.h"
 
 namespace sheen {
 
-void add_keygen_command(CLI::App& app) {
+void add_keygen_command(Command& program) {
   struct Arguments {
     std::filesystem::path out = ".";
     std::string name;
     bool json = false;
   };
-  CLI::App* command = app.add_subcommand("keygen", "Makes a CURVE key pair: NAME.key (secret) and NAME.pub.");
+  Command command = program.subcommand("keygen", "Makes a CURVE key pair: NAME.key (secret) and NAME.pub.");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("--out", arguments->out, "folder of the key files")->capture_default_str();
-  command->add_option("--name", arguments->name, "name of the role or machine")->required();
-  command->add_flag("--json", arguments->json, "print JSON");
-  command->callback([arguments] {
+  command.option("--out", arguments->out, "folder of the key files").show_default();
+  command.option("--name", arguments->name, "name of the role or machine").required();
+  command.flag("--json", arguments->json, "print JSON");
+  command.callback([arguments] {
     const CurveKeys keys = generate_keys(arguments->out, arguments->name);
     const std::string file = (arguments->out / arguments->name).string();
     if (arguments->json)

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace CLI {
-class App;
-}
-
 namespace sheen {
 
+class Command;
+
 // The subcommands of `sheen-tracker lights`.
-void add_lights_ball_command(CLI::App& lights);
-void add_lights_shadows_command(CLI::App& lights);
+void add_lights_ball_command(Command& lights);
+void add_lights_shadows_command(Command& lights);
 
 }  // namespace sheen

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -123,19 +123,18 @@ void find_lights(const BallArguments& arguments) {
 
 }  // namespace
 
-void add_lights_ball_command(CLI::App& lights) {
-  CLI::App* command = lights.add_subcommand("ball", "Directions of far lights, from a chrome ball in the images.");
+void add_lights_ball_command(Command& lights) {
+  Command command = lights.subcommand("ball", "Directions of far lights, from a chrome ball in the images.");
   const auto a = std::make_shared<BallArguments>();
-  command->add_option("images", a->images, "images of one camera that stands still, one light in each, or folders")
-      ->required();
-  command->add_option("--out", a->out, "list of lights (.lp) to write, for `build` and `run --source dataset:`")
-      ->required();
-  command->add_option("--camera", a->camera,
-                      "what `calibrate` wrote; without it the camera is taken to be far from the ball");
-  command->add_option("--ball", a->ball,
-                      "where the ball is, X,Y,RADIUS in pixels, to a fifth of the radius; else it is searched");
-  command->add_option("--json", a->json, "report to write; - for standard output");
-  command->callback([a] { find_lights(*a); });
+  command.option("images", a->images, "images of one camera that stands still, one light in each, or folders")
+      .required();
+  command.option("--out", a->out, "list of lights (.lp) to write, for `build` and `run --source dataset:`").required();
+  command.option("--camera", a->camera,
+                 "what `calibrate` wrote; without it the camera is taken to be far from the ball");
+  command.option("--ball", a->ball,
+                 "where the ball is, X,Y,RADIUS in pixels, to a fifth of the radius; else it is searched");
+  command.option("--json", a->json, "report to write; - for standard output");
+  command.callback([a] { find_lights(*a); });
 }
 
 }  // namespace sheen

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -145,16 +145,16 @@ void find_lights(const ShadowsArguments& arguments) {
 
 }  // namespace
 
-void add_lights_shadows_command(CLI::App& lights) {
-  CLI::App* command =
-      lights.add_subcommand("shadows", "Places of lights, from points of an object and where their shadows fall.");
+void add_lights_shadows_command(Command& lights) {
+  Command command =
+      lights.subcommand("shadows", "Places of lights, from points of an object and where their shadows fall.");
   const auto a = std::make_shared<ShadowsArguments>();
-  command->add_option("pairs", a->pairs, "JSON of shadow points and object points (see the user guide)")->required();
-  command->add_option("--images", a->images, "data set or session of the images, where the points are pixels");
-  command->add_option("--mesh", a->mesh, "PLY, OBJ or OFF in its frame, on which the pixels' points are");
-  command->add_option("--out", a->out, "list of lights (.lp) to write")->required();
-  command->add_option("--json", a->json, "report to write; - for standard output");
-  command->callback([a] { find_lights(*a); });
+  command.option("pairs", a->pairs, "JSON of shadow points and object points (see the user guide)").required();
+  command.option("--images", a->images, "data set or session of the images, where the points are pixels");
+  command.option("--mesh", a->mesh, "PLY, OBJ or OFF in its frame, on which the pixels' points are");
+  command.option("--out", a->out, "list of lights (.lp) to write").required();
+  command.option("--json", a->json, "report to write; - for standard output");
+  command.callback([a] { find_lights(*a); });
 }
 
 }  // namespace sheen

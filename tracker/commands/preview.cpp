@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <iostream>
@@ -159,25 +158,24 @@ void preview(const PreviewArguments& arguments) {
 
 }  // namespace
 
-void add_preview_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_preview_command(Command& program) {
+  Command command = program.subcommand(
       "preview", "Shows focus, exposure and tags of a camera, before anything is calibrated, and saves a frame.");
   const auto arguments = std::make_shared<PreviewArguments>();
-  command->add_option("--source", arguments->source, "aravis:ID, video:PATH or dataset:DIR");
-  command->add_option("--config", arguments->config, "rig.toml; only its [source] counts");
-  command->add_option("--camera", arguments->camera, "which camera of a --config with several, by its name");
-  command->add_option("--exposure-us", arguments->exposure_us, "exposure to set, microseconds")
-      ->check(number_in(0.001, 1e8));
-  command->add_option("--frames", arguments->frames, "end after so many frames; 0: with Ctrl-C")
-      ->check(whole_number_in(0, 1'000'000'000))
-      ->capture_default_str();
-  CLI::Option* grab =
-      command->add_option("--grab", arguments->grab, "PNG file of the last frame; with --every, a folder for frames");
-  command->add_option("--every", arguments->every_s, "save a frame every so many seconds")
-      ->check(number_in(0.001, 86400))
-      ->needs(grab);
-  command->add_option("--json", arguments->json, "report of the last frame; - for standard output");
-  command->callback([arguments] { preview(*arguments); });
+  command.option("--source", arguments->source, "aravis:ID, video:PATH or dataset:DIR");
+  command.option("--config", arguments->config, "rig.toml; only its [source] counts");
+  command.option("--camera", arguments->camera, "which camera of a --config with several, by its name");
+  command.option("--exposure-us", arguments->exposure_us, "exposure to set, microseconds").check(number_in(0.001, 1e8));
+  command.option("--frames", arguments->frames, "end after so many frames; 0: with Ctrl-C")
+      .check(whole_number_in(0, 1'000'000'000))
+      .show_default();
+  const Option grab =
+      command.option("--grab", arguments->grab, "PNG file of the last frame; with --every, a folder for frames");
+  command.option("--every", arguments->every_s, "save a frame every so many seconds")
+      .check(number_in(0.001, 86400))
+      .needs(grab);
+  command.option("--json", arguments->json, "report of the last frame; - for standard output");
+  command.callback([arguments] { preview(*arguments); });
 }
 
 }  // namespace sheen

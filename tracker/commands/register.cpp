@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
 
+#include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -73,25 +73,25 @@ void register_mesh_on_stage(const RegisterArguments& arguments) {
 
 }  // namespace
 
-void add_register_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_register_command(Command& program) {
+  Command command = program.subcommand(
       "register", "Finds where a mesh stands on the stage: from picked points, from images, or from both.");
   const auto arguments = std::make_shared<RegisterArguments>();
-  command->add_option("images", arguments->images,
-                      "data set or session: the mesh is fitted to its masks' outlines, else to its texture");
-  command->add_option("--mesh", arguments->mesh, "PLY, OBJ or OFF")->required();
-  command->add_option("--points", arguments->points,
-                      "JSON of points of the mesh and their places on the stage or in images (see the user guide); "
-                      "without it the mesh must stand about right");
-  command->add_option("--unit", arguments->unit, "of the mesh's numbers: m, cm, mm or inch")
-      ->check(CLI::IsMember(std::vector<std::string>{"m", "cm", "mm", "inch"}))
-      ->capture_default_str();
-  command->add_flag("--free-scale", arguments->free_scale, "find the mesh's size, too; else its unit is believed");
-  command->add_option("--out", arguments->out, "PLY file of the mesh as it stands on the stage, metres")->required();
-  command->add_option("--overlay", arguments->overlay,
-                      "PNG file: the mesh's outline before (red) and after (green) over four of the images");
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->callback([arguments] { register_mesh_on_stage(*arguments); });
+  command.option("images", arguments->images,
+                 "data set or session: the mesh is fitted to its masks' outlines, else to its texture");
+  command.option("--mesh", arguments->mesh, "PLY, OBJ or OFF").required();
+  command.option("--points", arguments->points,
+                 "JSON of points of the mesh and their places on the stage or in images (see the user guide); "
+                 "without it the mesh must stand about right");
+  command.option("--unit", arguments->unit, "of the mesh's numbers: m, cm, mm or inch")
+      .check(one_of({"m", "cm", "mm", "inch"}))
+      .show_default();
+  command.flag("--free-scale", arguments->free_scale, "find the mesh's size, too; else its unit is believed");
+  command.option("--out", arguments->out, "PLY file of the mesh as it stands on the stage, metres").required();
+  command.option("--overlay", arguments->overlay,
+                 "PNG file: the mesh's outline before (red) and after (green) over four of the images");
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  command.callback([arguments] { register_mesh_on_stage(*arguments); });
 }
 
 }  // namespace sheen

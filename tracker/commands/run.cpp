@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <ctime>
 #include <filesystem>
@@ -189,25 +188,24 @@ void run(const RunArguments& arguments) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("run", "Tracks cameras, a video or a data set and streams posed images.");
+void add_run_command(Command& program) {
+  Command command = program.subcommand("run", "Tracks cameras, a video or a data set and streams posed images.");
   const auto a = std::make_shared<RunArguments>();
-  command->add_option("--config", a->config, "rig description (TOML): camera, stage, light, source, link, gate");
-  command->add_option("--source", a->source,
-                      "aravis:ID, video:PATH or dataset:DIR; overrides the one camera of --config");
-  command->add_option("--endpoint", a->endpoint, "address to listen on, default tcp://127.0.0.1:7410")
-      ->check(endpoint_error);
-  command->add_option("--keys", a->keys, "own .key file; without keys only loopback addresses are allowed");
-  command->add_option("--allow", a->allow, "file with the public keys that may connect");
-  command->add_option("--frames", a->frames, "end after this number of frames of each camera; 0 = when the source ends")
-      ->check(whole_number_in(0, std::int64_t{1} << 53));
-  command->add_option("--json", a->json, "report to write at the end; - for standard output");
-  command->add_option("--publish", a->publish, "address to publish status on, e.g. tcp://127.0.0.1:7411")
-      ->check(endpoint_error);
-  command->add_option("--linger", a->linger_s, "seconds to wait at the end for acknowledgements")
-      ->check(number_in(0, 86400))
-      ->capture_default_str();
-  command->callback([a] { run(*a); });
+  command.option("--config", a->config, "rig description (TOML): camera, stage, light, source, link, gate");
+  command.option("--source", a->source, "aravis:ID, video:PATH or dataset:DIR; overrides the one camera of --config");
+  command.option("--endpoint", a->endpoint, "address to listen on, default tcp://127.0.0.1:7410")
+      .check({endpoint_error});
+  command.option("--keys", a->keys, "own .key file; without keys only loopback addresses are allowed");
+  command.option("--allow", a->allow, "file with the public keys that may connect");
+  command.option("--frames", a->frames, "end after this number of frames of each camera; 0 = when the source ends")
+      .check(whole_number_in(0, std::int64_t{1} << 53));
+  command.option("--json", a->json, "report to write at the end; - for standard output");
+  command.option("--publish", a->publish, "address to publish status on, e.g. tcp://127.0.0.1:7411")
+      .check({endpoint_error});
+  command.option("--linger", a->linger_s, "seconds to wait at the end for acknowledgements")
+      .check(number_in(0, 86400))
+      .show_default();
+  command.callback([a] { run(*a); });
 }
 
 }  // namespace sheen

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -147,45 +146,44 @@ void simulate(const SimulateArguments& arguments) {
 
 }  // namespace
 
-void add_simulate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_simulate_command(Command& program) {
+  Command command = program.subcommand(
       "simulate", "Renders a simulated rig, an object on a stage with tags, and serves it as a camera.");
   const auto arguments = std::make_shared<SimulateArguments>();
-  command->add_option("--out", arguments->out,
-                      "folder of the recording; nothing is rendered when it holds the same one already");
-  command->add_option("--frames", arguments->rig.frames, "number of frames")
-      ->check(whole_number_in(1, 1'000'000))
-      ->capture_default_str();
-  command->add_option("--size", arguments->size, "size of a frame, WIDTHxHEIGHT in pixels")->capture_default_str();
-  command->add_option("--seed", arguments->rig.seed, "seed of the camera's path and of the noise")
-      ->check(whole_number_in(0, std::numeric_limits<std::uint32_t>::max()))
-      ->capture_default_str();
-  command->add_option("--object", arguments->rig.object, "demo, bronze or sphere")->capture_default_str();
-  command->add_option("--light-path", arguments->rig.light_path,
-                      "a lamp moves in the dimmed studio: dome, plane, or positions of a list of lights (FILE.lp)");
-  command->add_flag("--still-camera", arguments->rig.still_camera, "the camera does not move");
-  command->add_flag("--truth", arguments->rig.truth, "also write each frame's linear radiance as OpenEXR");
+  command.option("--out", arguments->out,
+                 "folder of the recording; nothing is rendered when it holds the same one already");
+  command.option("--frames", arguments->rig.frames, "number of frames")
+      .check(whole_number_in(1, 1'000'000))
+      .show_default();
+  command.option("--size", arguments->size, "size of a frame, WIDTHxHEIGHT in pixels").show_default();
+  command.option("--seed", arguments->rig.seed, "seed of the camera's path and of the noise")
+      .check(whole_number_in(0, std::numeric_limits<std::uint32_t>::max()))
+      .show_default();
+  command.option("--object", arguments->rig.object, "demo, bronze or sphere").show_default();
+  command.option("--light-path", arguments->rig.light_path,
+                 "a lamp moves in the dimmed studio: dome, plane, or positions of a list of lights (FILE.lp)");
+  command.flag("--still-camera", arguments->rig.still_camera, "the camera does not move");
+  command.flag("--truth", arguments->rig.truth, "also write each frame's linear radiance as OpenEXR");
   command
-      ->add_option("--lights", arguments->lights,
-                   "a still life in so many lights, seen by a grid of cameras, in place of the rig; with --truth also "
-                   "depth, reflectance and shadows")
-      ->check(whole_number_in(2, 99));
-  command->add_option("--views", arguments->views, "with --lights: the grid of cameras, COLUMNSxROWS")
-      ->capture_default_str();
-  command->add_option("--gloss", arguments->gloss, "with --lights: how glossy ball, rod, cone and disc are")
-      ->check(number_in(0, 1))
-      ->capture_default_str();
-  command->add_option("--serve", arguments->serve, "recording to serve as a GigE Vision camera, until Ctrl-C");
-  command->add_option("--interface", arguments->server.address, "loopback address to serve on")->capture_default_str();
-  command->add_option("--rate", arguments->server.frame_rate_hz, "frames/s to serve; default: those of the recording")
-      ->check(number_in(0.001, 10000));
-  command->add_flag("--loop", arguments->server.loop,
-                    "start again after the last frame; without it the last frame is repeated");
-  command->add_option("--log", arguments->log, "write frame_id,rig_index for each frame sent; read by --judge");
-  command->add_option("--judge", arguments->judge, "session whose poses are compared with the truth (JSON)");
-  command->add_option("--recording", arguments->recording, "with --judge: the recording that was served");
-  command->add_flag("--json", arguments->json, "print JSON");
-  command->callback([arguments] { simulate(*arguments); });
+      .option("--lights", arguments->lights,
+              "a still life in so many lights, seen by a grid of cameras, in place of the rig; with --truth also "
+              "depth, reflectance and shadows")
+      .check(whole_number_in(2, 99));
+  command.option("--views", arguments->views, "with --lights: the grid of cameras, COLUMNSxROWS").show_default();
+  command.option("--gloss", arguments->gloss, "with --lights: how glossy ball, rod, cone and disc are")
+      .check(number_in(0, 1))
+      .show_default();
+  command.option("--serve", arguments->serve, "recording to serve as a GigE Vision camera, until Ctrl-C");
+  command.option("--interface", arguments->server.address, "loopback address to serve on").show_default();
+  command.option("--rate", arguments->server.frame_rate_hz, "frames/s to serve; default: those of the recording")
+      .check(number_in(0.001, 10000));
+  command.flag("--loop", arguments->server.loop,
+               "start again after the last frame; without it the last frame is repeated");
+  command.option("--log", arguments->log, "write frame_id,rig_index for each frame sent; read by --judge");
+  command.option("--judge", arguments->judge, "session whose poses are compared with the truth (JSON)");
+  command.option("--recording", arguments->recording, "with --judge: the recording that was served");
+  command.flag("--json", arguments->json, "print JSON");
+  command.callback([arguments] { simulate(*arguments); });
 }
 
 }  // namespace sheen

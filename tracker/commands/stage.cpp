@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -81,28 +80,26 @@ void make(const StageArguments& arguments) {
 
 }  // namespace
 
-void add_stage_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("stage", "Makes a stage of tags to print, and its layout file.");
+void add_stage_command(Command& program) {
+  Command command = program.subcommand("stage", "Makes a stage of tags to print, and its layout file.");
   const auto arguments = std::make_shared<StageArguments>();
-  command->add_option("--out", arguments->out, "stage.pdf or stage.svg; the layout beside it has the same name, .json");
-  command->add_option("--size", arguments->size_mm, "size of the board, WIDTHxHEIGHT in mm")->capture_default_str();
-  command
-      ->add_option("--paper", arguments->paper,
-                   "A4, A3 or letter: the largest board that fits on it; in place of --size")
-      ->check(CLI::IsMember(std::vector<std::string>{"A4", "A3", "letter"}))
-      ->excludes("--size");
-  CLI::Option* tag = command->add_option("--tag", arguments->tag_mm, "side of a tag's black square in mm")
-                         ->check(number_in(1, 10000))
-                         ->capture_default_str();
-  command->add_option("--first-id", arguments->first_id, "id of the first tag")
-      ->check(whole_number_in(0, 586))
-      ->capture_default_str();
-  command->add_flag("--json", arguments->json, "print JSON");
-  add_stage_survey_command(*command);
-  command->callback([command, arguments, tag] {
-    if (!command->get_subcommands().empty()) return;  // that was its work
+  command.option("--out", arguments->out, "stage.pdf or stage.svg; the layout beside it has the same name, .json");
+  const Option size =
+      command.option("--size", arguments->size_mm, "size of the board, WIDTHxHEIGHT in mm").show_default();
+  command.option("--paper", arguments->paper, "A4, A3 or letter: the largest board that fits on it; in place of --size")
+      .check(one_of({"A4", "A3", "letter"}))
+      .excludes({size});
+  const Option tag = command.option("--tag", arguments->tag_mm, "side of a tag's black square in mm")
+                         .check(number_in(1, 10000))
+                         .show_default();
+  command.option("--first-id", arguments->first_id, "id of the first tag")
+      .check(whole_number_in(0, 586))
+      .show_default();
+  command.flag("--json", arguments->json, "print JSON");
+  add_stage_survey_command(command);
+  command.callback([arguments, tag] {
     if (arguments->out.empty()) throw ConfigError("--out is required: stage.pdf or stage.svg");
-    arguments->tag_given = !tag->empty();
+    arguments->tag_given = tag.given();
     make(*arguments);
   });
 }

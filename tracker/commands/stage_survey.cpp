@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracker/commands/stage_survey.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <memory>
@@ -78,21 +77,20 @@ void survey(const SurveyArguments& arguments) {
 
 }  // namespace
 
-void add_stage_survey_command(CLI::App& stage) {
-  CLI::App* command = stage.add_subcommand("survey", "Find where the tags truly stand, from images of the stage");
+void add_stage_survey_command(Command& stage) {
+  Command command = stage.subcommand("survey", "Find where the tags truly stand, from images of the stage");
   const auto arguments = std::make_shared<SurveyArguments>();
-  command->add_option("images", arguments->images, "Images of the stage from all sides, or folders of them")
-      ->required();
-  command->add_option("--stage", arguments->stage, "The layout as it was printed: stage.json")->required();
-  command->add_option("--camera", arguments->camera, "What `calibrate` wrote, or a rig.toml")->required();
+  command.option("images", arguments->images, "Images of the stage from all sides, or folders of them").required();
+  command.option("--stage", arguments->stage, "The layout as it was printed: stage.json").required();
+  command.option("--camera", arguments->camera, "What `calibrate` wrote, or a rig.toml").required();
   command
-      ->add_option("--length", arguments->length,
-                   "A distance between the middles of two tags, measured with a ruler: \"tag 3 to tag 7: 200mm\", or "
-                   "with its standard deviation \"tag 3 to tag 7: 200mm +- 0.1mm\" (0.25 mm where none is given)")
-      ->required();
-  command->add_option("--out", arguments->out, "The layout as it stands, for the rig's [stage] file");
-  command->add_option("--json", arguments->json, "report to write; - for standard output");
-  command->callback([arguments] { survey(*arguments); });
+      .option("--length", arguments->length,
+              "A distance between the middles of two tags, measured with a ruler: \"tag 3 to tag 7: 200mm\", or "
+              "with its standard deviation \"tag 3 to tag 7: 200mm +- 0.1mm\" (0.25 mm where none is given)")
+      .required();
+  command.option("--out", arguments->out, "The layout as it stands, for the rig's [stage] file");
+  command.option("--json", arguments->json, "report to write; - for standard output");
+  command.callback([arguments] { survey(*arguments); });
 }
 
 }  // namespace sheen
