@@ -104,18 +104,19 @@ std::optional<std::uint64_t> capture_file_number(const std::string& name) {
 }
 
 IndexedFile write_capture_file(const fs::path& folder, std::uint64_t number, const EncodedCapture& m) {
-  const fs::path unfinished = folder / kUnfinished;
   const std::string name = capture_file_name(number);
+  fs::path path = folder / kUnfinished;
   const auto prefix = make_prefix(m);
   try {
-    const FileDescriptor fd(unfinished, O_WRONLY | O_CREAT | O_TRUNC);
-    for (const ByteSpan part : {ByteSpan(prefix), ByteSpan(m.header), ByteSpan(m.blob)})
-      write_all(fd, part, unfinished);
-    if (::fsync(fd.get()) != 0) cannot_write(unfinished);
-    if (::rename(unfinished.c_str(), (folder / name).c_str()) != 0) cannot_write(folder / name);
+    const FileDescriptor fd(path, O_WRONLY | O_CREAT | O_TRUNC);
+    for (const ByteSpan part : {ByteSpan(prefix), ByteSpan(m.header), ByteSpan(m.blob)}) write_all(fd, part, path);
+    if (::rename(path.c_str(), (folder / name).c_str()) != 0) cannot_write(folder / name);
+    path = folder / name;
+    // With its name already, so that one flush of the file system's journal does for the file and the folder.
+    if (::fsync(fd.get()) != 0) cannot_write(path);
     sync_folder(folder);
   } catch (const FileError&) {
-    ::unlink(unfinished.c_str());
+    ::unlink(path.c_str());
     throw;
   }
   return {name, prefix.size() + m.header.size() + m.blob.size(), crc32c(m.blob, crc32c(m.header, crc32c(prefix)))};

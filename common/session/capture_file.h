@@ -32,8 +32,8 @@ std::string capture_file_name(std::uint64_t number);
 /// The number of such a name; nothing for any other name.
 std::optional<std::uint64_t> capture_file_number(const std::string& name);
 
-/// Whole and on the disk under its name when it returns; after a failure or a kill nothing has that name. Throws
-/// FileError.
+/// Whole and on the disk under its name when it returns. After a failure nothing has that name, after a kill a whole
+/// file or none; only a machine that loses its power may leave a torn one. Throws FileError.
 IndexedFile write_capture_file(const std::filesystem::path& folder, std::uint64_t number,
                                const EncodedCapture& capture);
 

@@ -17,7 +17,8 @@
 namespace sheen {
 
 /// Journal of a capture: a folder with `session.sqlite` (index, metadata) and one file per capture in `captures/` (the
-/// wire encoding, lossless). A capture is durable when `append` returns: file and index are flushed to the disk.
+/// wire encoding, lossless). A capture is durable when `append` returns: its file is flushed to the disk. Its row
+/// in the index follows with others; where a power cut takes rows, the files give them back.
 /// One writer at a time (locked). A capture can be withdrawn: it stays, marked, and models leave it out. Readers may
 /// withdraw beside the writer.
 ///

@@ -55,6 +55,20 @@ struct SessionIndex::Impl {
   int version = 0;
 };
 
+/// While it lives, a commit is not flushed to the disk. What is committed after it is, and all that came before.
+class SessionIndex::Unflushed {
+ public:
+  explicit Unflushed(const Impl& index) : index_(index) {
+    execute(index.file, index.db.get(), "PRAGMA synchronous = NORMAL");
+  }
+  ~Unflushed() { sqlite3_exec(index_.db.get(), "PRAGMA synchronous = FULL", nullptr, nullptr, nullptr); }
+  Unflushed(const Unflushed&) = delete;
+  Unflushed& operator=(const Unflushed&) = delete;
+
+ private:
+  const Impl& index_;
+};
+
 void SessionIndex::Impl::make_tables() const {
   execute(file, db.get(),
           "PRAGMA application_id = " + std::to_string(kApplicationId) +
@@ -236,6 +250,7 @@ std::optional<std::uint64_t> SessionIndex::find(const std::string& source_sessio
 
 std::uint64_t SessionIndex::append(const std::string& source_session, std::uint64_t sequence,
                                    const std::function<IndexedFile()>& write_file) {
+  const Unflushed unflushed(*impl_);
   Transaction transaction(impl_->file, impl_->db.get());
   const std::uint64_t index = size();
   impl_->insert({index, source_session, sequence, write_file()});

@@ -34,8 +34,8 @@ struct IndexContents {
   std::map<std::string, std::string> metadata;
 };
 
-/// The SQLite file of a session. Every change is on the disk when the call returns. Everything throws FileError:
-/// SessionBusy when another program holds the file locked, DamagedIndex when it cannot be used.
+/// The SQLite file of a session. Every change is on the disk when the call returns, but for `append`. Everything throws
+/// FileError: SessionBusy when another program holds the file locked, DamagedIndex when it cannot be used.
 class SessionIndex {
  public:
   enum class Access { kWrite, kReadOnly };
@@ -56,7 +56,8 @@ class SessionIndex {
   std::uint64_t size() const;
   std::optional<std::uint64_t> find(const std::string& source_session, std::uint64_t sequence) const;
   /// Adds a row for the file that `write_file` writes, once nobody else can keep the row from being written. Returns
-  /// its index.
+  /// its index. Not flushed to the disk, for the file tells as much: the next call that is, or SQLite's next
+  /// checkpoint, does that.
   std::uint64_t append(const std::string& source_session, std::uint64_t sequence,
                        const std::function<IndexedFile()>& write_file);
   std::optional<IndexedFile> file(std::uint64_t index) const;
@@ -70,6 +71,7 @@ class SessionIndex {
 
  private:
   struct Impl;
+  class Unflushed;
   explicit SessionIndex(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
