@@ -21,7 +21,7 @@ template <typename Scalar>
 class FoldedViews {
  public:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  using Shown = ShownRows<Scalar>;
+  using Shown = ShownRows;
 
   int count() const { return static_cast<int>(views_.size()); }
   const Matrix& coefficients() const { return coefficients_; }   ///< Y

@@ -69,9 +69,9 @@ typename MissingRows<Scalar>::Matrix MissingRows<Scalar>::missed_projections(con
   Matrix missed = -witness_basis * y;
   for (Eigen::Index j = 0; j < count; ++j) {
     const Shown& shown = *views.shown(of[j]);
-    auto value = shown.sketch.begin();
+    std::size_t next = 0;
     for (int w = 0; w < witnesses_.count(); ++w)
-      missed(w, j) = has_row(shown.hidden, rows[w]) ? 0 : missed(w, j) + *value++;
+      missed(w, j) = has_row(shown.hidden, rows[w]) ? 0 : missed(w, j) + shown.sketch.at<Scalar>(next++);
   }
   return witness_basis.transpose() * missed;
 }
@@ -262,7 +262,7 @@ std::uint64_t MissingRows<Scalar>::reveal(Basis& basis, Views& views, const Pend
 }
 
 template <typename Scalar>
-std::shared_ptr<const ShownRows<Scalar>> MissingRows<Scalar>::shown_by(const Pending& pending, int column) const {
+std::shared_ptr<const ShownRows> MissingRows<Scalar>::shown_by(const Pending& pending, int column) const {
   const RowBits& hidden = pending.hidden(column);
   if (hidden.empty() || imputation_ == Imputation::kLeastSquares) return nullptr;
   return std::make_shared<const Shown>(
@@ -270,8 +270,8 @@ std::shared_ptr<const ShownRows<Scalar>> MissingRows<Scalar>::shown_by(const Pen
 }
 
 template <typename Scalar>
-std::shared_ptr<const ShownRows<Scalar>> MissingRows<Scalar>::shown_by_both(const Basis& basis, const Views& views,
-                                                                            int a, int b) const {
+std::shared_ptr<const ShownRows> MissingRows<Scalar>::shown_by_both(const Basis& basis, const Views& views, int a,
+                                                                    int b) const {
   if (!views.shown(a) && !views.shown(b)) return nullptr;
   const auto explained = [&](int view) {
     return [&basis, &views, view](int row) { return basis.row(row).dot(views.coefficients().col(view)); };
@@ -282,9 +282,8 @@ std::shared_ptr<const ShownRows<Scalar>> MissingRows<Scalar>::shown_by_both(cons
 }
 
 template <typename Scalar>
-std::shared_ptr<const ShownRows<Scalar>> MissingRows<Scalar>::shown_without(const Views& views, int view,
-                                                                            const ConstVectorRef& column,
-                                                                            double weight) const {
+std::shared_ptr<const ShownRows> MissingRows<Scalar>::shown_without(const Views& views, int view,
+                                                                    const ConstVectorRef& column, double weight) const {
   if (!views.shown(view)) return nullptr;
   const double share = weight / (views.weight(view) - weight);
   return std::make_shared<const Shown>(sheen::shown_without<Scalar>(

@@ -53,7 +53,7 @@ class MissingRows {
   using Views = FoldedViews<Scalar>;
   using Pending = PendingColumns<Scalar>;
   using Gathered = row_panels::Columns<Scalar>;
-  using Shown = ShownRows<Scalar>;
+  using Shown = ShownRows;
 
   MissingRows(int rows, const OnlineSvdOptions& options);
 

@@ -203,7 +203,7 @@ template <typename Scalar>
 double BasicOnlineSvd<Scalar>::bytes_for(double rows, double terms, double columns, double views, double sketched) {
   constexpr double kViewEntry = 140;                  // its line in the ledger, and the head of what it showed
   const double padded = rows + row_panels::kPadding;  // to whole vectors
-  const double view = kViewEntry + padded / 8 + sizeof(Scalar) * sketched;
+  const double view = kViewEntry + padded / 8 + sizeof(std::int16_t) * sketched;
   return sizeof(Scalar) * (padded * (terms + columns) + terms * views) + 2 * sizeof(double) * terms * terms +
          padded / 8 + views * view;
 }

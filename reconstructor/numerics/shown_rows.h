@@ -5,20 +5,18 @@
 #include <cstdint>
 #include <vector>
 
+#include "reconstructor/numerics/fixed_point.h"
 #include "reconstructor/numerics/row_bits.h"
 
 namespace sheen {
 
 /// What a view that hides rows showed. Its values are kept of the witness rows alone: enough for the basis to find more
 /// in it later, and few enough to keep.
-template <typename Scalar>
 struct ShownRows {
-  RowBits hidden;              ///< one of its columns hides the row
-  std::vector<Scalar> sketch;  ///< values of the witness rows that it showed, in their order
+  RowBits hidden;     ///< one of its columns hides the row
+  FixedPoint sketch;  ///< values of the witness rows that it showed, in their order
 
-  std::size_t bytes() const {
-    return sizeof(*this) + sizeof(std::uint64_t) * hidden.capacity() + sizeof(Scalar) * sketch.capacity();
-  }
+  std::size_t bytes() const { return sizeof(*this) + sizeof(std::uint64_t) * hidden.capacity() + sketch.bytes(); }
 };
 
 /// The rows whose values sketches keep: groups of `channels` neighbouring rows, evenly spread over all.
@@ -46,49 +44,49 @@ class WitnessRows {
 
 /// Of what shows all but the `hidden` rows, with value(row).
 template <typename Scalar, typename Value>
-ShownRows<Scalar> shown_rows(const WitnessRows& witnesses, const RowBits& hidden, Value value) {
-  ShownRows<Scalar> shown{.hidden = hidden, .sketch = {}};
+ShownRows shown_rows(const WitnessRows& witnesses, const RowBits& hidden, Value value) {
+  std::vector<Scalar> values;
+  values.reserve(static_cast<std::size_t>(witnesses.count()));
   witnesses.visit([&](int row) {
-    if (!has_row(hidden, row)) shown.sketch.push_back(value(row));
+    if (!has_row(hidden, row)) values.push_back(value(row));
   });
-  shown.sketch.shrink_to_fit();
-  return shown;
+  return {.hidden = hidden, .sketch = FixedPoint(values)};
 }
 
 /// Of the weighted mean of two. One of them may be null: it shows all rows, and explained_a(row) or explained_b(row) is
 /// what. `share`: of b in the mean.
 template <typename Scalar, typename ExplainedA, typename ExplainedB>
-ShownRows<Scalar> shown_by_both(const WitnessRows& witnesses, const ShownRows<Scalar>* a, ExplainedA explained_a,
-                                const ShownRows<Scalar>* b, ExplainedB explained_b, Scalar share) {
-  ShownRows<Scalar> both;
+ShownRows shown_by_both(const WitnessRows& witnesses, const ShownRows* a, ExplainedA explained_a, const ShownRows* b,
+                        ExplainedB explained_b, Scalar share) {
+  ShownRows both;
   both.hidden.resize((a ? a : b)->hidden.size());
   for (std::size_t word = 0; word < both.hidden.size(); ++word)
     both.hidden[word] = (a ? a->hidden[word] : 0) | (b ? b->hidden[word] : 0);
+  std::vector<Scalar> values;
   std::size_t next_a = 0, next_b = 0;
   witnesses.visit([&](int row) {
     const bool in_a = !a || !has_row(a->hidden, row), in_b = !b || !has_row(b->hidden, row);
     if (in_a && in_b)
-      both.sketch.push_back((1 - share) * (a ? a->sketch[next_a] : explained_a(row)) +
-                            share * (b ? b->sketch[next_b] : explained_b(row)));
+      values.push_back((1 - share) * (a ? a->sketch.at<Scalar>(next_a) : explained_a(row)) +
+                       share * (b ? b->sketch.at<Scalar>(next_b) : explained_b(row)));
     next_a += in_a;
     next_b += in_b;
   });
-  both.sketch.shrink_to_fit();
+  both.sketch = FixedPoint(values);
   return both;
 }
 
 /// When a column is taken out of the mean. `share`: weight of the column over that of the others.
 template <typename Scalar, typename Value>
-ShownRows<Scalar> shown_without(const WitnessRows& witnesses, const ShownRows<Scalar>& mean, Value value,
-                                Scalar share) {
-  ShownRows<Scalar> left = mean;
-  auto kept = left.sketch.begin();
+ShownRows shown_without(const WitnessRows& witnesses, const ShownRows& mean, Value value, Scalar share) {
+  std::vector<Scalar> left;
+  left.reserve(mean.sketch.size());
   witnesses.visit([&](int row) {
-    if (has_row(left.hidden, row)) return;
-    *kept += share * (*kept - value(row));
-    ++kept;
+    if (has_row(mean.hidden, row)) return;
+    const Scalar kept = mean.sketch.at<Scalar>(left.size());
+    left.push_back(kept + share * (kept - value(row)));
   });
-  return left;
+  return {.hidden = mean.hidden, .sketch = FixedPoint(left)};
 }
 
 }  // namespace sheen
