@@ -50,6 +50,7 @@ void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::sp
   }
   constexpr int kHarmless = 24;
   if (peak > 0 && std::abs(std::ilogb(peak)) > kHarmless) pending.exponent = std::ilogb(peak);
+  columns_.reserve(columns_.size() + 1);  // no more than that: there are many patches
   columns_.push_back(std::move(pending));
 }
 

@@ -29,8 +29,8 @@ class PendingColumns {
 
   /// `known`: for each row; empty when all are. Rows that are not finite count as unknown.
   void add(const Eigen::Ref<const Vector>& column, std::span<const std::uint8_t> known, double weight);
-  void erase(int column);  ///< those behind it move up by one
-  void clear() { columns_.clear(); }
+  void erase(int column);                             ///< those behind it move up by one
+  void clear() { columns_ = std::vector<Column>(); }  ///< and what room they had
 
   double weight(int column) const { return columns_[column].weight; }
   int exponent(int column) const { return columns_[column].exponent; }

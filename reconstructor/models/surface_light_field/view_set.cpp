@@ -2,8 +2,18 @@
 #include "reconstructor/models/surface_light_field/view_set.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace sheen {
+namespace {
+
+/// For so many and no more: there are many patches.
+template <typename T>
+void make_room(std::vector<T>& values, std::size_t more) {
+  values.reserve(values.size() + more);
+}
+
+}  // namespace
 
 SiteViews ViewSet::seen_from_vertex(std::size_t vertex, const Eigen::Vector3f& place) const {
   SiteViews seen{Eigen::Matrix3Xf(3, count()), Eigen::VectorXf(count())};
@@ -51,12 +61,16 @@ int ViewSet::view_from(const Eigen::Vector3f& eye) const {
 }
 
 void ViewSet::add(const Eigen::Vector3f& eye, std::span<const float> reliability) {
+  make_room(eyes_, 1);
+  make_room(directions_, 1);
+  make_room(reliability_, reliability.size());
   eyes_.push_back(eye);
   directions_.push_back((eye - centre_).normalized());
   reliability_.insert(reliability_.end(), reliability.begin(), reliability.end());
 }
 
 void ViewSet::set_folded(int folded) {
+  neighbours_.reserve(static_cast<std::size_t>(folded));
   while (this->folded() < folded) {
     neighbours_.emplace_back();
     place(this->folded() - 1);
