@@ -47,5 +47,21 @@ TEST(CommandLine, TheExitStatusSaysWhatHappened) {
   EXPECT_NE(testing::internal::GetCapturedStderr().find("did you mean \"build\"?"), std::string::npos);
 }
 
+TEST(CommandLine, ASubcommandWorksInPlaceOfItsCommand) {
+  const auto done = [](std::vector<const char*> words) {
+    std::string work;
+    CommandLine program("prog", "a program");
+    Command stage = program.subcommand("stage", "");
+    stage.callback([&] { work += "stage"; });
+    stage.subcommand("survey", "").callback([&] { work += "survey"; });
+    words.insert(words.begin(), "prog");
+    EXPECT_EQ(program.run(static_cast<int>(words.size()), words.data()), 0);
+    return work;
+  };
+  EXPECT_EQ(done({"stage"}), "stage");
+  EXPECT_EQ(done({"stage", "survey"}), "survey");
+  EXPECT_EQ(done({}), "");
+}
+
 }  // namespace
 }  // namespace sheen
