@@ -17,6 +17,7 @@ namespace {
 
 // Okabe and Ito's colours: told apart by people who are colour-blind.
 constexpr const char* kColours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#555555"};
+constexpr std::size_t kLegendLine = 24;  // pixels; beside the curves, a long legend would leave them no room
 constexpr int kPoints[] = {7, 5, 9, 13, 11, 6, 4};
 
 std::string number(double value) {
@@ -84,10 +85,11 @@ double middle_of(const Plot& plot) {
 std::string gnuplot_script(const Plot& plot, const std::filesystem::path& svg) {
   std::ostringstream out;
   out << "# Draws " << svg.filename().string() << ": gnuplot " << svg.stem().string() << ".gnuplot\n"
-      << "set terminal svg noenhanced size 760,480 font 'sans-serif,14' background '#ffffff'\n"
+      << "set terminal svg noenhanced size 760," << 440 + kLegendLine * plot.series.size()
+      << " font 'sans-serif,14' background '#ffffff'\n"
       << "set output " << gnuplot_string(svg.filename().string()) << "\nset title " << gnuplot_string(plot.title)
       << "\nset border 3 lc rgb '#555555'\nset tics nomirror\nset grid lc rgb '#dddddd' lw 1 lt 1\n"
-      << "set key outside right top Left reverse samplen 2 spacing 1.3 width -2\n"
+      << "set key below left Left reverse samplen 2 spacing 1.3 maxcols 1\n"
       << "set offsets graph 0.03, graph 0.03, graph 0.06, graph 0.03\n";
   write_axis(out, 'x', plot.x);
   write_axis(out, 'y', plot.y);
@@ -118,7 +120,9 @@ std::string gnuplot_script(const Plot& plot, const std::filesystem::path& svg) {
     out << separator << "$series" << i << " using 1:2 " << drawing(series, i) << " title "
         << gnuplot_string(series.name);
     if (!series.bars.empty())
-      out << ", \\\n  $series" << i << " using 1:2:3 with yerrorbars ps 0 lw 1 lc rgb '" << colour_of(i) << "' notitle";
+      // Not yerrorbars, which clear the place of the marker.
+      out << ", \\\n  $series" << i << " using 1:($2 - $3):(0):(2 * $3) with vectors nohead lw 1 lc rgb '"
+          << colour_of(i) << "' notitle";
     if (!series.labels.empty())  // towards the middle, where there is room
       for (const bool right : {false, true})
         out << ", \\\n  $series" << i << " using ($1 " << (right ? ">" : "<=") << ' ' << number(middle)
