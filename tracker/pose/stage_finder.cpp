@@ -24,8 +24,9 @@ StageFinder::StageFinder(const Camera& camera, const StageLayout& stage, const S
 
 StageSighting StageFinder::find(const ImageU8& grey) {
   StageSighting sighting;
-  auto& [tags, pose, stage_ms] = sighting;
-  StageClock clock(stage_ms);
+  std::vector<TagObservation>& tags = sighting.tags;
+  PoseEstimate& pose = sighting.pose;
+  StageClock clock(sighting.stage_ms);
   const auto refine = [&](std::vector<TagObservation>& some) {
     refine_corners(grey, camera_, some, options_.refiner);
     clock.done("refine");
