@@ -10,6 +10,7 @@
 
 #include "common/base/bounded_queue.h"
 #include "common/base/clock.h"
+#include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/format.h"
 #include "common/capture/frame_advice.h"
@@ -52,20 +53,17 @@ class StageTimer {
 /// Identifies the camera's calibration; not a secret, only has to change with them.
 std::string calibration_hash(const Rig& rig) {
   const Camera& c = rig.camera;
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  const auto mix = [&](double value) {
-    for (const char byte : std::to_string(value * 1e6))
-      hash = (hash ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3ull;
-  };
-  for (const double value : {double(c.width), double(c.height), c.fx, c.fy, c.cx, c.cy, double(c.lens)}) mix(value);
-  for (const double value : c.distortion) mix(value);
+  std::string calibration;
+  const auto add = [&calibration](double value) { calibration += format(" %.17g", value); };
+  for (const double value : {double(c.width), double(c.height), c.fx, c.fy, c.cx, c.cy, double(c.lens)}) add(value);
+  for (const double value : c.distortion) add(value);
   if (const std::optional<Photometry>& p = rig.photometry) {
-    for (const float value : p->response) mix(value);
-    for (const double value : {p->vignette.cx, p->vignette.cy, double(p->saturation)}) mix(value);
-    for (const double value : p->vignette.k) mix(value);
-    for (const float value : p->white_balance) mix(value);
+    for (const float value : p->response) add(value);
+    for (const double value : {p->vignette.cx, p->vignette.cy, double(p->saturation)}) add(value);
+    for (const double value : p->vignette.k) add(value);
+    for (const float value : p->white_balance) add(value);
   }
-  return format("%016llx", static_cast<unsigned long long>(hash));
+  return content_hash(calibration);
 }
 
 /// What became of a frame, for a person.

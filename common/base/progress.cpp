@@ -80,8 +80,8 @@ std::string progress_line(const std::string& label, std::uint64_t done, std::uin
   const double rate = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0;
   std::string figures = std::to_string(done);
   if (total > 0) {
-    const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
-    figures += "/" + std::to_string(total) + "  " + std::to_string(static_cast<int>(100 * share)) + " %";
+    const double fraction = std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
+    figures += "/" + std::to_string(total) + "  " + std::to_string(static_cast<int>(100 * fraction)) + " %";
   }
   if (rate > 0) figures += "  " + rounded(rate) + "/s";
   if (rate > 0 && total > done) figures += "  " + duration(static_cast<double>(total - done) / rate) + " left";

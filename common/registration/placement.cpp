@@ -8,22 +8,22 @@ namespace sheen {
 
 Similarity moved(const Similarity& stage_from_mesh, const Eigen::Vector3d& centre, const PlacementStep& step) {
   const double angle = step.head<3>().norm();
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  if (angle > 0) turn = Eigen::AngleAxisd(angle, step.head<3>() / angle).toRotationMatrix();
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  if (angle > 0) rotation = Eigen::AngleAxisd(angle, step.head<3>() / angle).toRotationMatrix();
   const double grow = std::exp(step[6]);
   Similarity after;
   after.scale = grow * stage_from_mesh.scale;
-  after.rotation = Eigen::Quaterniond(turn * stage_from_mesh.rotation).normalized().toRotationMatrix();
-  after.translation = centre + step.segment<3>(3) + grow * (turn * (stage_from_mesh.translation - centre));
+  after.rotation = Eigen::Quaterniond(rotation * stage_from_mesh.rotation).normalized().toRotationMatrix();
+  after.translation = centre + step.segment<3>(3) + grow * (rotation * (stage_from_mesh.translation - centre));
   return after;
 }
 
 PlacementStep step_between(const Similarity& from, const Similarity& to, const Eigen::Vector3d& centre) {
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(to.rotation * from.rotation.transpose()));
+  const Eigen::AngleAxisd rotation(Eigen::Matrix3d(to.rotation * from.rotation.transpose()));
   const double grow = to.scale / from.scale;
   PlacementStep step;
-  step.head<3>() = turn.angle() * turn.axis();
-  step.segment<3>(3) = to.translation - centre - grow * (turn.toRotationMatrix() * (from.translation - centre));
+  step.head<3>() = rotation.angle() * rotation.axis();
+  step.segment<3>(3) = to.translation - centre - grow * (rotation.toRotationMatrix() * (from.translation - centre));
   step[6] = std::log(grow);
   return step;
 }

@@ -25,10 +25,10 @@ double sway(std::uint64_t seed, int channel, int frame) {
 }  // namespace
 
 Rigid3 CameraStation::at(double moment) const {
-  const Eigen::Vector3d turn = moment * swing;
-  const double angle = turn.norm();
+  const Eigen::Vector3d rotation = moment * swing;
+  const double angle = rotation.norm();
   if (angle == 0) return camera_from_object;
-  return Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle)), Eigen::Vector3d::Zero()} *
+  return Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle)), Eigen::Vector3d::Zero()} *
          camera_from_object;
 }
 

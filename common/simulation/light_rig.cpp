@@ -26,12 +26,12 @@ double radians(double degrees) {
   return degrees * M_PI / 180;
 }
 
-/// `turn`: 0 at the right of the scene, pi at its left, the far side between.
-LightState lamp_at(double turn) {
+/// `azimuth`: 0 at the right of the scene, pi at its left, the far side between.
+LightState lamp_at(double azimuth) {
   const double up = radians(kLampElevation);
-  return {
-      .kind = LightKind::kPoint,
-      .position = kLampDistance * Vector3d(std::cos(up) * std::cos(turn), std::cos(up) * std::sin(turn), std::sin(up))};
+  return {.kind = LightKind::kPoint,
+          .position = kLampDistance *
+                      Vector3d(std::cos(up) * std::cos(azimuth), std::cos(up) * std::sin(azimuth), std::sin(up))};
 }
 
 }  // namespace
@@ -112,12 +112,13 @@ LightRig::Seen LightRig::look(const Ray& ray, const LightState& light) const {
 SimulatedPicture LightRig::picture(const PosedCamera& from, const LightState& light) const {
   const int w = from.camera.width, h = from.camera.height;
   const Rigid3 object_from_camera = from.camera_from_object.inverse();
-  const Eigen::Matrix3f turn = object_from_camera.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Matrix3f rotation = object_from_camera.rotation.toRotationMatrix().cast<float>();
   const Vector3f eye = object_from_camera.translation.cast<float>();
   const auto ray_at = [&](double x, double y) {
     return Ray{
         eye,
-        turn * Vector3d((x - from.camera.cx) / from.camera.fx, (y - from.camera.cy) / from.camera.fy, 1).cast<float>()};
+        rotation *
+            Vector3d((x - from.camera.cx) / from.camera.fx, (y - from.camera.cy) / from.camera.fy, 1).cast<float>()};
   };
   SimulatedPicture out{ImageF(w, h, 3), ImageF(w, h, 1), ImageU8(w, h, 1), ImageF(w, h, 3)};
   tbb::parallel_for(tbb::blocked_range<int>(0, h, 8), [&](const tbb::blocked_range<int>& rows) {

@@ -132,7 +132,7 @@ Vector3f PathTracer::shading_normal(const Hit& hit, const Vector3f& eye) const {
 }
 
 Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const Vector3f& direction,
-                                 const LobeShare& share) const {
+                                 const LobeSubset& subset) const {
   if (!hit.front) return Array3f::Zero();
   const Vector3f eye = -direction.normalized(), n = shading_normal(hit, eye);
   const float eye_cosine = n.dot(eye);
@@ -140,7 +140,7 @@ Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const
   const Material material = scene_->object.material(position);
   Array3f radiance =
       material.albedo * (1 - lobe_albedo(material, eye_cosine)) * bake_->object_irradiance(hit) / float(M_PI);
-  if (material.normal_reflectance.maxCoeff() <= 0 || share.total <= 0) return radiance;
+  if (material.normal_reflectance.maxCoeff() <= 0 || subset.total <= 0) return radiance;
 
   // The frame turns with the eye, so that the sample points move smoothly over the surface.
   Vector3f across = n.cross(eye);
@@ -151,9 +151,9 @@ Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const
   const Vector3f origin = position + kRayOffset * n;
   Array3f sum = Array3f::Zero();
   int count = 0;
-  for (int i = share.first; i < share.total; i += share.stride) {
+  for (int i = subset.first; i < subset.total; i += subset.stride) {
     ++count;
-    const Eigen::Vector2f u = spread_point(i, share.total);
+    const Eigen::Vector2f u = spread_point(i, subset.total);
     const LobeSample sample = sample_ggx(material, eye_local, u.x(), u.y());
     if (sample.weight.maxCoeff() <= 0) continue;
     sum += sample.weight * bake_->incoming(origin, (object_from_local * sample.light).normalized());
@@ -161,8 +161,8 @@ Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const
   return radiance + sum / std::max(1, count);
 }
 
-Array3f PathTracer::shade(const Surface& surface, const Vector3f& direction, const LobeShare& share) const {
-  if (surface.object) return shade_object(surface.object, surface.position, direction, share);
+Array3f PathTracer::shade(const Surface& surface, const Vector3f& direction, const LobeSubset& subset) const {
+  if (surface.object) return shade_object(surface.object, surface.position, direction, subset);
   if (surface.region == StageSurface::Region::kNothing) return scene_->lighting.environment(direction.normalized());
   const float x = surface.position.x(), y = surface.position.y();
   return scene_->stage->albedo(surface.region, x, y) * bake_->stage_irradiance(x, y) / float(M_PI);
@@ -179,8 +179,8 @@ RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_
   const Vector3f eye = camera_centre(camera_from_object).cast<float>();
   const auto ray_at = [&](float x, float y) -> Vector3f { return object_from_camera * lens.direction(x, y); };
 
-  const auto lit = [&](const Surface& surface, const Vector3f& ray, const LobeShare& share) -> Array3f {
-    const Array3f radiance = options.lighting * shade(surface, ray, share);
+  const auto lit = [&](const Surface& surface, const Vector3f& ray, const LobeSubset& subset) -> Array3f {
+    const Array3f radiance = options.lighting * shade(surface, ray, subset);
     return options.lamp ? Array3f(radiance + shade_by_lamp(surface, ray, *options.lamp)) : radiance;
   };
 

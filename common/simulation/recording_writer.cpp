@@ -42,9 +42,7 @@ std::string parameters_hash(const SimulationOptions& o) {
        << ' ' << o.bake.bounces << ' ' << o.bake.area_light_samples << ' ' << o.bake.stage_cell_m;
   if (!o.light_path.empty() || o.still_camera)
     text << " light " << o.light_path << (o.still_camera ? " still" : "") << content_of_path(o.light_path);
-  std::uint64_t hash = 0;
-  for (const char c : text.str()) hash = mix_bits(hash ^ static_cast<unsigned char>(c));
-  return format("%016llx", static_cast<unsigned long long>(hash));
+  return content_hash(text.str());
 }
 
 std::string frame_name(std::size_t index) {

@@ -71,8 +71,8 @@ class Tube {
 double teapot(const Vec& p) {
   static const Tube spout({36, 0, 30}, {74, 0, 26}, {66, 0, 74}, {88, 0, 90}, 16, 7.5);
   static const Tube handle({-38, 0, 72}, {-92, 0, 100}, {-112, 0, 34}, {-42, 0, 24}, 7.5, 6.5);
-  const double turn = std::atan2(p.y(), p.x());
-  const double ribs = 1.7 * std::cos(12 * turn) * std::exp(-std::pow((p.z() - 46) / 26, 2)) *
+  const double azimuth = std::atan2(p.y(), p.x());
+  const double ribs = 1.7 * std::cos(12 * azimuth) * std::exp(-std::pow((p.z() - 46) / 26, 2)) *
                       std::min(1.0, std::hypot(p.x(), p.y()) / 25);
   double d = ellipsoid(p - Vec(0, 0, 46), {53, 53, 39}) - ribs;
   const double foot = disc(p - Vec(0, 0, 6.4), 30, 6, 4);

@@ -50,8 +50,8 @@ struct Profile {
 };
 void add_turned(ToyScene& scene, std::uint8_t part, const Vector3f& foot, const Profile& profile) {
   const auto at = [&](int slice, const Eigen::Vector2f& p) {
-    const float turn = 2 * float(M_PI) * float(slice % kSlices) / kSlices;
-    return Vector3f(p.x() * std::cos(turn), p.x() * std::sin(turn), p.y());
+    const float azimuth = 2 * float(M_PI) * float(slice % kSlices) / kSlices;
+    return Vector3f(p.x() * std::cos(azimuth), p.x() * std::sin(azimuth), p.y());
   };
   for (int s = 0; s < profile.steps; ++s) {
     const float low = float(s) / float(profile.steps), high = float(s + 1) / float(profile.steps);
@@ -94,8 +94,8 @@ void add_cone(ToyScene& scene, const Vector3f& foot, float radius, float height)
               [=](float) { return Eigen::Vector2f(height, radius); }, 1});
 }
 
-void add_box(ToyScene& scene, const Vector3f& foot, const Vector3f& half, float turn) {
-  const Eigen::Matrix3f rotation = Eigen::AngleAxisf(turn, Vector3f::UnitZ()).toRotationMatrix();
+void add_box(ToyScene& scene, const Vector3f& foot, const Vector3f& half, float azimuth) {
+  const Eigen::Matrix3f rotation = Eigen::AngleAxisf(azimuth, Vector3f::UnitZ()).toRotationMatrix();
   for (int axis = 0; axis < 3; ++axis)
     for (const float side : {-1.0f, 1.0f}) {
       if (axis == 2 && side < 0) continue;  // it stands on the ground

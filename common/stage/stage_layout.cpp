@@ -2,12 +2,11 @@
 #include "common/stage/stage_layout.h"
 
 #include <Eigen/Geometry>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/format.h"
@@ -45,11 +44,6 @@ StageTag upright_tag(int id, double x, double y, double side) {
   return {id, {{{x - h, y + h, 0}, {x + h, y + h, 0}, {x + h, y - h, 0}, {x - h, y - h, 0}}}};
 }
 
-/// Mixes the bits of a value into an FNV-1a hash.
-void mix(std::uint64_t& hash, std::uint64_t value) {
-  for (int byte = 0; byte < 8; ++byte) hash = (hash ^ ((value >> (8 * byte)) & 0xff)) * 0x100000001b3ull;
-}
-
 StageTag read_tag(const JsonFields& fields, const json& entry, const std::string& where) {
   StageTag tag;
   tag.id = static_cast<int>(fields.integer(fields.member(entry, "id", where), where + "id", 0, kTagIdCount - 1));
@@ -77,14 +71,13 @@ const StageTag* StageLayout::find(int id) const {
 }
 
 std::string StageLayout::hash() const {
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  for (const char c : family) mix(hash, static_cast<unsigned char>(c));
+  std::string layout = family;
   for (const StageTag& tag : tags) {
-    mix(hash, static_cast<std::uint64_t>(tag.id));
+    layout += ' ' + std::to_string(tag.id);
     for (const Eigen::Vector3d& corner : tag.corners_object)
-      for (const double coordinate : corner) mix(hash, std::bit_cast<std::uint64_t>(coordinate + 0.0));  // -0 is 0
+      for (const double coordinate : corner) layout += format(" %.17g", coordinate + 0.0);  // -0 is 0
   }
-  return format("%016llx", static_cast<unsigned long long>(hash));
+  return content_hash(layout);
 }
 
 StageLayout make_stage(const StageOptions& options) {

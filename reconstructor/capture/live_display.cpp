@@ -124,16 +124,16 @@ std::optional<WorkInHand> work_of(const EndProgress& end) {
   };
   constexpr const char* kNoModel = "Q: end now, without the model; the images are kept";
   constexpr const char* kNoReport = "the model is saved; Q: end now, without the report";
-  const double share = end.total > 0 ? static_cast<double>(end.done) / static_cast<double>(end.total) : 0;
+  const double fraction = end.total > 0 ? static_cast<double>(end.done) / static_cast<double>(end.total) : 0;
   switch (end.stage) {
     case EndStage::kCapturing:
       break;
     case EndStage::kFinishing:
-      return WorkInHand{done("FINISHING: image"), share, kNoModel};
+      return WorkInHand{done("FINISHING: image"), fraction, kNoModel};
     case EndStage::kSaving:
-      return WorkInHand{done("SAVING the model: part"), share, kNoModel};
+      return WorkInHand{done("SAVING the model: part"), fraction, kNoModel};
     case EndStage::kJudging:
-      return WorkInHand{done("JUDGING the model on held-out views: picture"), share, kNoReport};
+      return WorkInHand{done("JUDGING the model on held-out views: picture"), fraction, kNoReport};
   }
   return std::nullopt;
 }

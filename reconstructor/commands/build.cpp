@@ -167,9 +167,8 @@ void add_build_command(Command& program) {
       .option("dataset", arguments->dataset,
               "folder with transforms.json, a COLMAP model or a Sheen session, or a list of lights (.lp)")
       .required();
-  command.option(
-      "--mesh", arguments->mesh,
-      "PLY, OBJ or OFF in the dataset's frame; an irradiance field needs none, an intrinsic lumigraph can do without");
+  command.option("--mesh", arguments->mesh,
+                 "PLY, OBJ or OFF in the dataset's frame; a model that makes its own surface needs none");
   command.flag("--refine", arguments->refine, "first correct the mesh against the images, as `refine` does");
   command.option("--out", arguments->out, "model to write: one small file, or a folder with --loss 0dB");
   command
@@ -179,8 +178,8 @@ void add_build_command(Command& program) {
   const Option config = command.option("--config", arguments->config, "scene file (TOML)");
   command
       .option("--model", arguments->model,
-              "kind of model, without a scene file: surface-light-field, irradiance-field, intrinsic-lumigraph; "
-              "or auto: by what moves between the images, camera or light or both")
+              "kind of model, without a scene file: " + names_of_kinds() +
+                  "; or auto: by what moves between the images, camera or light or both")
       .excludes({config});
   arguments->limits.add_to(
       command, "PSNR that held-out views must reach, such as 35dB; the cheapest setting that reaches it is searched");

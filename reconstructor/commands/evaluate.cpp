@@ -25,9 +25,9 @@ struct EvaluateArguments {
 };
 
 /// The views that the model never saw, on the pixels of the object that `painter` paints; what it was built from goes
-/// to its peers.
+/// to `others`.
 std::vector<HeldOutView> read_images(const EvaluateArguments& arguments, const CaptureSet& captures,
-                                     const ModelOrigin& origin, const RayPainter& painter, Peers& peers) {
+                                     const ModelOrigin& origin, const RayPainter& painter, Baselines& others) {
   std::vector<HeldOutView> views;
   std::size_t known_captures = 0;
   Progress progress("evaluating", captures.size);
@@ -39,7 +39,7 @@ std::vector<HeldOutView> read_images(const EvaluateArguments& arguments, const C
         views.push_back(make_held_out_view(capture, known->exposure_gain, painter));
         if (!arguments.truth.empty()) take_truth_from(arguments.truth, views.back());
       } else {
-        peers.add(capture, known->exposure_gain, known->repeated);
+        others.add(capture, known->exposure_gain, known->repeated);
       }
     }
     progress.update(i + 1);
@@ -65,32 +65,33 @@ void evaluate(const EvaluateArguments& arguments) {
   const ModelOrigin origin = origin_of(saved, arguments.model);
   const CaptureSet captures = open_capture_set(arguments.dataset);
   const RayPainter painter(saved.snapshot->mesh());
-  const std::unique_ptr<Peers> peers = origin.settings->make_peers(saved.snapshot, arguments.baselines);
+  const std::unique_ptr<Baselines> others = origin.settings->make_baselines(saved.snapshot, arguments.baselines);
   const std::optional<RayPainter> other_shape =
       arguments.object.empty() ? std::nullopt : std::optional<RayPainter>(load_mesh(arguments.object).mesh);
   const std::vector<HeldOutView> views =
-      read_images(arguments, captures, origin, other_shape ? *other_shape : painter, *peers);
+      read_images(arguments, captures, origin, other_shape ? *other_shape : painter, *others);
 
-  const std::shared_ptr<const Appearance> constant = peers->constant_colour();
+  const std::shared_ptr<const Appearance> constant = others->constant_colour();
   const Scores model = score(views, *saved.snapshot, painter), constant_scores = score(views, *constant, painter);
   nlohmann::json report = evaluation_report(model, constant_scores);
   if (std::isfinite(model.psnr_db) && std::isfinite(constant_scores.psnr_db))
     print_scores(model.psnr_db, model.ssim, constant_scores.psnr_db);
-  const PeerHeuristic other = peers->heuristic();
+  const BaselineHeuristic other = others->heuristic();
   const ErrorRanking ranking = judge_error_ranking(views, *saved.snapshot, other, painter);
   report["error_ranking"] = ranking_report(ranking);
   report["predicted_error"] = prediction_report(model);
   print_predictions(model, ranking, other.title);
   if (arguments.baselines) {
-    std::vector<PeerScores> baselines{{{"constant_colour", "constant colour", constant}, constant_scores}};
+    std::vector<BaselineScores> baselines{{{"constant_colour", "constant colour", constant}, constant_scores}};
     const std::uintmax_t bytes = saved_bytes(arguments.model);
-    for (const Peer& peer : peers->others(bytes)) baselines.push_back({peer, score(views, *peer.appearance, painter)});
+    for (const Baseline& other : others->from_photographs(bytes))
+      baselines.push_back({other, score(views, *other.appearance, painter)});
     report["baselines"] = baselines_report(baselines);
-    const PeerScores itself{{.title = std::string(saved.kind->title()) + " (no photograph kept)",
-                             .disk_bytes = static_cast<double>(bytes),
-                             .memory_bytes = static_cast<double>(saved.snapshot->memory_bytes())},
-                            model};
-    report["bytes"] = bytes_report(itself.peer);
+    const BaselineScores itself{{.title = std::string(saved.kind->title()) + " (no photograph kept)",
+                                 .disk_bytes = static_cast<double>(bytes),
+                                 .memory_bytes = static_cast<double>(saved.snapshot->memory_bytes())},
+                                model};
+    report["bytes"] = bytes_report(itself.baseline);
     print_baselines(baselines, itself);
   }
   json.write(to_text(report));

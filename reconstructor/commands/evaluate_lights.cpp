@@ -17,7 +17,7 @@ nlohmann::json evaluate_lights(const std::filesystem::path& model, const std::fi
   const SavedModel saved = open_model(model);
   const LightList lights = load_light_list(list);
   require_light_kind(*saved.snapshot, lights.views, model, list);
-  const std::unique_ptr<Peers> peers = origin_of(saved, model).settings->make_peers(saved.snapshot, false);
+  const std::unique_ptr<Baselines> baselines = origin_of(saved, model).settings->make_baselines(saved.snapshot, false);
   const RayPainter painter(saved.snapshot->mesh());
   std::vector<HeldOutView> views;
   Progress progress("reading", lights.views.size());
@@ -26,7 +26,7 @@ nlohmann::json evaluate_lights(const std::filesystem::path& model, const std::fi
     progress.update(i + 1);
   }
   const Scores scores = score(views, *saved.snapshot, painter),
-               constant = score(views, *peers->constant_colour(), painter);
+               constant = score(views, *baselines->constant_colour(), painter);
   for (const ViewScore& view : scores.views)
     std::printf("%s: %.2f dB, SSIM %.4f\n", view.name.c_str(), view.psnr_db, view.ssim);
   std::printf("mean over %zu lights: %.2f dB, SSIM %.4f; the same picture in every light: %.2f dB\n", views.size(),

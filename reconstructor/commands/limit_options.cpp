@@ -15,7 +15,7 @@ void LimitArguments::add_to(Command& command, const std::string& about_target) {
   command.option("--memory", memory, "memory that the model may use, such as 1GB");
   command.option(
       "--tolerance", tolerance,
-      "relative error that a patch may keep, such as 0.01 or 40dB; of an irradiance field, grey levels such as "
+      "relative error that a patch may keep, such as 0.01 or 40dB; of a model between lights, grey levels such as "
       "16: its lights are judged by it");
 }
 

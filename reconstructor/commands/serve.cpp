@@ -17,6 +17,7 @@
 #include "common/base/report_file.h"
 #include "common/base/service_manager.h"
 #include "common/base/stop_signal.h"
+#include "common/capture/rig_motion.h"
 #include "common/link/endpoint.h"
 #include "reconstructor/capture/capture_end.h"
 #include "reconstructor/capture/capture_loop.h"
@@ -203,6 +204,74 @@ std::optional<FirstCapture::Found> wait_for_first(const ServeArguments& argument
   return over ? std::move(found) : std::nullopt;
 }
 
+void open_monitor(std::optional<MonitorServer>& monitor, const ServeArguments& arguments) {
+  if (arguments.no_monitor) return;
+  const std::string token = monitor_token(arguments.monitor_token, arguments.monitor_token_file);
+  monitor.emplace(MonitorOptions{arguments.monitor_host, arguments.monitor_port, token});
+  log_info("monitor", "watch at " + monitor->url());
+}
+
+LiveDisplay::Names names_of(const ServeArguments& arguments, std::span<const ReceiverOptions> trackers) {
+  LiveDisplay::Names names{.session_folder = arguments.session,
+                           .trackers = {},
+                           .model = "",
+                           .model_reason = "",
+                           .encrypted = !arguments.keys.empty()};
+  for (const ReceiverOptions& tracker : trackers)
+    names.trackers.push_back({tracker.endpoint, tracker_command(tracker)});
+  return names;
+}
+
+/// Said when it is so: from then on a stop signal finishes the model.
+void tell_it_waits(const LiveDisplay::Names& names) {
+  for (const LiveDisplay::Names::Tracker& tracker : names.trackers)
+    log_info("link", "waiting for a tracker", {{"endpoint", tracker.endpoint}, {"start", tracker.command}});
+  tell_service_is_ready();
+}
+
+/// The model that fits what the first captures show to move.
+Plan chosen_plan(ServeArguments& arguments, const SceneRequest& request, const RigMotion& motion,
+                 LiveDisplay::Names& names) {
+  Plan plan = plan_for(arguments, request.chosen_by(motion));
+  names.model = plan.scene.kind->name();
+  names.model_reason = in_words(motion);
+  log_info("model", "chosen: " + names.model + ", because " + names.model_reason);
+  if (!arguments.mesh.empty() && surface_needs_camera(*plan.scene.settings, arguments.mesh)) {
+    log_info("model", "it makes its own surface: the mesh is not used", {{"mesh", arguments.mesh}});
+    arguments.mesh.clear();
+  }
+  return plan;
+}
+
+/// Says how the capture went and writes the report.
+void report_end(const ServeArguments& arguments, const CaptureEnd::Result& result, const LoopStatus& status,
+                nlohmann::json model_choice, ReportFile& json) {
+  if (result.model)
+    log_info("session", "the model is saved", {{"model", result.model->string()}, {"captures", status.journaled}});
+  else
+    log_info("session", "no model: no image was accepted",
+             {{"folder", arguments.session}, {"captures", status.journaled}});
+  nlohmann::json report = *result.report;
+  if (!model_choice.is_null()) report["model_choice"] = std::move(model_choice);
+  print_summary(report);
+  if (const std::string failure = status.link().source_failure; !failure.empty())
+    log_warning("link", "the source failed: " + failure);
+  json.write(to_text(report));
+}
+
+FileError none_was_usable(const ServeArguments& arguments, std::uint64_t ingested, bool makes_own_surface) {
+  const std::string captures = std::to_string(ingested);
+  return makes_own_surface
+             ? FileError(arguments.session,
+                         "none of its " + captures +
+                             " captures can be used; they are kept; a model of moving light needs a light "
+                             "in each")
+             : FileError(arguments.mesh,
+                         "none of the session's " + captures +
+                             " captures shows this mesh; they are kept; check that mesh and stage are in the "
+                             "same frame and units");
+}
+
 void serve(ServeArguments arguments) {
   install_stop_signals();
   std::signal(SIGPIPE, SIG_IGN);  // the reader of our messages may be gone before the model is saved
@@ -216,19 +285,10 @@ void serve(ServeArguments arguments) {
   Session session = open_session(arguments.session, arguments.mesh);
   if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
 
-  LiveDisplay::Names names{.session_folder = arguments.session,
-                           .trackers = {},
-                           .model = plan ? plan->scene.kind->name() : "",
-                           .model_reason = "",
-                           .encrypted = !arguments.keys.empty()};
-  for (const ReceiverOptions& tracker : trackers)
-    names.trackers.push_back({tracker.endpoint, tracker_command(tracker)});
+  LiveDisplay::Names names = names_of(arguments, trackers);
+  if (plan) names.model = plan->scene.kind->name();
   std::optional<MonitorServer> monitor;
-  if (!arguments.no_monitor) {
-    const std::string token = monitor_token(arguments.monitor_token, arguments.monitor_token_file);
-    monitor.emplace(MonitorOptions{arguments.monitor_host, arguments.monitor_port, token});
-    log_info("monitor", "watch at " + monitor->url());
-  }
+  open_monitor(monitor, arguments);
   std::optional<ViewerWindow> screen;
   if (!arguments.headless && plan) open_window(screen, *plan->scene.kind, {.screenshot_folder = arguments.session});
   if (!arguments.headless && !plan) require_display();
@@ -236,27 +296,14 @@ void serve(ServeArguments arguments) {
 
   for (ReceiverOptions& tracker : trackers) tracker.held = session.held();
   auto links = std::make_unique<TrackerLinks>(trackers);
-  // Said when it is so: from then on a stop signal finishes the model.
-  const auto tell_it_waits = [&names] {
-    for (const LiveDisplay::Names::Tracker& tracker : names.trackers)
-      log_info("link", "waiting for a tracker", {{"endpoint", tracker.endpoint}, {"start", tracker.command}});
-    tell_service_is_ready();
-  };
   LinkLog link_log;
   if (waits) {
-    tell_it_waits();
+    tell_it_waits(names);
     const std::optional<FirstCapture::Found> first =
         wait_for_first(arguments, session, *links, link_log, monitor ? &*monitor : nullptr, window, names);
     if (!first) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
     if (!plan) {
-      names.model_reason = in_words(first->motion);
-      plan = plan_for(arguments, request.chosen_by(first->motion));
-      names.model = plan->scene.kind->name();
-      log_info("model", "chosen: " + names.model + ", because " + names.model_reason);
-      if (!arguments.mesh.empty() && surface_needs_camera(*plan->scene.settings, arguments.mesh)) {
-        log_info("model", "it makes its own surface: the mesh is not used", {{"mesh", arguments.mesh}});
-        arguments.mesh.clear();
-      }
+      plan = chosen_plan(arguments, request, first->motion, names);
       if (!arguments.headless) open_window(screen, *plan->scene.kind, {.screenshot_folder = arguments.session});
       window = screen ? &*screen : nullptr;
     }
@@ -266,12 +313,12 @@ void serve(ServeArguments arguments) {
   Reconstruction& reconstruction = *reconstructed;
   reconstruction.keep_within(plan->limits, session.metadata(kEffortKey).value_or(""), session.size(),
                              plan->scene.measured);
+  const bool makes_own_surface = surface_needs_camera(*plan->scene.settings, arguments.mesh);
   LiveDisplay display(reconstruction.painter(), names);
   LoopObserver observer = display.observer();
   observer.on_link = [&link_log](const std::vector<LinkState>& states) { link_log.look(states); };
   observer.on_snapshot(reconstruction.snapshot());  // the mesh, to be shown before the first image
-  if (!surface_needs_camera(*plan->scene.settings, arguments.mesh))
-    watch_mesh(reconstruction.mesh(), display, observer);
+  if (!makes_own_surface) watch_mesh(reconstruction.mesh(), display, observer);
   watch_motion(*plan->scene.kind, display, observer);
   CaptureLoop loop(arguments.session, std::move(session), std::move(links), reconstruction,
                    {.stop_when_source_ends = arguments.once}, std::move(observer));
@@ -279,35 +326,20 @@ void serve(ServeArguments arguments) {
   if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
   install_stop_signals(2);  // the first begins the end, the second cuts it short
   loop.start();
-  if (!waits) tell_it_waits();
+  if (!waits) tell_it_waits(names);
   const Publisher publisher(loop, end, display, monitor ? &*monitor : nullptr, window != nullptr);
   wait_until([&loop] { return loop.finished() || stop_requested(); }, window, display.feed(),
              [&loop] { return take_back_last(loop); });
   tell_service_is_stopping();
   const CaptureEnd::Result result =
       end_capture(loop, end, window, display.feed(), {arguments.session, build_command(arguments)});
-
+  nlohmann::json model_choice;
+  if (request.automatic()) model_choice = {{"model", names.model}, {"why", names.model_reason}};
   const LoopStatus status = loop.status();
-  if (result.model)
-    log_info("session", "the model is saved", {{"model", result.model->string()}, {"captures", status.journaled}});
-  else
-    log_info("session", "no model: no image was accepted",
-             {{"folder", arguments.session}, {"captures", status.journaled}});
-  nlohmann::json report = *result.report;
-  if (request.automatic()) report["model_choice"] = {{"model", names.model}, {"why", names.model_reason}};
-  print_summary(report);
-  if (const std::string failure = status.link().source_failure; !failure.empty())
-    log_warning("link", "the source failed: " + failure);
-  json.write(to_text(report));
-  if (status.ingested > status.counts.withdrawn &&
-      reconstruction.account().counts().accepted + reconstruction.account().counts().held_out == 0)
-    throw surface_needs_camera(*plan->scene.settings, arguments.mesh)
-        ? FileError(arguments.session, "none of its " + std::to_string(status.ingested) +
-                                           " captures can be used; they are kept; a model of moving light "
-                                           "needs a light in each")
-        : FileError(arguments.mesh, "none of the session's " + std::to_string(status.ingested) +
-                                        " captures shows this mesh; they are kept; check that mesh and stage "
-                                        "are in the same frame and units");
+  report_end(arguments, result, status, std::move(model_choice), json);
+  const auto& counts = reconstruction.account().counts();
+  if (status.ingested > status.counts.withdrawn && counts.accepted + counts.held_out == 0)
+    throw none_was_usable(arguments, status.ingested, makes_own_surface);
 }
 
 }  // namespace
@@ -316,16 +348,14 @@ void add_serve_command(Command& program) {
   auto a = std::make_shared<ServeArguments>();
   Command command =
       program.subcommand("serve", "Receives images from a tracker, stores them, and adds them to the model.");
-  command.option(
-      "--mesh", a->mesh,
-      "PLY, OBJ or OFF of the object, in the stage's frame; an irradiance field needs none, an intrinsic lumigraph can "
-      "do without");
+  command.option("--mesh", a->mesh,
+                 "PLY, OBJ or OFF of the object, in the stage's frame; a model that makes its own surface needs none");
   command.option("--session", a->session, "folder of the session; continued if it exists").required();
   const Option config = command.option("--config", a->config, "scene file (TOML)");
   command
       .option("--model", a->model,
-              "kind of model, without a scene file: surface-light-field, irradiance-field, intrinsic-lumigraph; "
-              "or auto: by what moves, camera or light or both, as the tracker announces it")
+              "kind of model, without a scene file: " + names_of_kinds() +
+                  "; or auto: by what moves, camera or light or both, as the tracker announces it")
       .excludes({config});
   a->limits.add_to(command,
                    "PSNR that held-out views must reach, such as 35dB; no patch is kept more exactly than that");

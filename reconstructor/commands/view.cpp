@@ -41,13 +41,13 @@ class Opening {
 
  private:
   void open(const ModelKind& kind, const std::filesystem::path& path, ViewerFeed& feed) try {
-    constexpr double kShareOfOneStage = 0.3;  // a bar that moves; nobody knows how long each takes
+    constexpr double kFractionOfOneStage = 0.3;  // a bar that moves; nobody knows how long each takes
     ViewerState state;
     state.work = WorkInHand{"OPENING the model", 0, {}};
     feed.publish(state);
     kind.open(path, [&](std::shared_ptr<const ModelSnapshot> model) {
       state.snapshot = std::move(model);
-      state.work->share += kShareOfOneStage;
+      state.work->fraction += kFractionOfOneStage;
       feed.publish(state);
     });
     state.work.reset();

@@ -43,14 +43,14 @@ double rank_correlation(std::span<const double> a, std::span<const double> b) {
 }
 
 ErrorRanking judge_error_ranking(const std::vector<HeldOutView>& views, const Appearance& model,
-                                 const PeerHeuristic& peer, const RayPainter& painter) {
+                                 const BaselineHeuristic& other, const RayPainter& painter) {
   std::vector<double> predicted, by_peer, measured;
   ErrorRanking result;
   for (const HeldOutView& view : views) {
     const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
     const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object, view.light);
     const ImageU8 picture = to_srgb8(painted.beauty);
-    const std::vector<float> heuristic = peer.of(camera_centre(view.camera_from_object));
+    const std::vector<float> heuristic = other.of(camera_centre(view.camera_from_object));
     std::vector<TriangleError> errors(model.mesh().triangles.size());
     std::vector<double> expected(errors.size());
     for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -71,7 +71,7 @@ ErrorRanking judge_error_ranking(const std::vector<HeldOutView>& views, const Ap
     }
   }
   result.rank_correlation = rank_correlation(predicted, measured);
-  result.peer_rank_correlation = rank_correlation(by_peer, measured);
+  result.other_rank_correlation = rank_correlation(by_peer, measured);
   return result;
 }
 

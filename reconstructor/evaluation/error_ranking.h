@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "reconstructor/evaluation/held_out.h"
-#include "reconstructor/models/peers.h"
+#include "reconstructor/models/baselines.h"
 
 namespace sheen {
 
@@ -15,11 +15,11 @@ struct ErrorRanking {
   /// Spearman's correlation of the error predicted of a triangle in a view with the RMS error there, over all that show
   /// four pixels or more away from the edge of the object; NaN where there are none.
   double rank_correlation = 0;
-  double peer_rank_correlation = 0;  ///< the same of the peer
+  double other_rank_correlation = 0;  ///< the same of the other heuristic
 };
-/// `peer`: another way to say how well the surface is known, which the model's is compared with.
+/// `other`: another way to say how well the surface is known, which the model's is compared with.
 ErrorRanking judge_error_ranking(const std::vector<HeldOutView>& views, const Appearance& model,
-                                 const PeerHeuristic& peer, const RayPainter& painter);
+                                 const BaselineHeuristic& other, const RayPainter& painter);
 
 /// Of two lists of the same length, equal values sharing their ranks; NaN where one of them does not vary.
 double rank_correlation(std::span<const double> a, std::span<const double> b);

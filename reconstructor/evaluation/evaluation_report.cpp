@@ -50,34 +50,35 @@ json evaluation_report(const Scores& model, const Scores& constant) {
           {"constant_views", views_to_json(constant)}};
 }
 
-json baselines_report(std::span<const PeerScores> peers) {
+json baselines_report(std::span<const BaselineScores> baselines) {
   json report;
-  for (const auto& [peer, scores] : peers) {
-    report[peer.key] = means_to_json(scores);
-    report[peer.key]["views"] = views_to_json(scores);
-    report[peer.key]["bytes"] = bytes_report(peer);
+  for (const auto& [baseline, scores] : baselines) {
+    report[baseline.key] = means_to_json(scores);
+    report[baseline.key]["views"] = views_to_json(scores);
+    report[baseline.key]["bytes"] = bytes_report(baseline);
   }
   return report;
 }
 
-json bytes_report(const Peer& peer) {
-  return {{"disk", peer.disk_bytes}, {"memory", peer.memory_bytes}};
+json bytes_report(const Baseline& baseline) {
+  return {{"disk", baseline.disk_bytes}, {"memory", baseline.memory_bytes}};
 }
 
-void print_baselines(std::span<const PeerScores> peers, const PeerScores& model) {
+void print_baselines(std::span<const BaselineScores> baselines, const BaselineScores& model) {
   std::printf("%-46s %8s %6s %9s %14s %9s %9s\n", "held-out views, object pixels", "PSNR", "SSIM", "inside",
               "gain-aligned", "file MB", "memory MB");
-  const auto line = [](const PeerScores& of) {
+  const auto line = [](const BaselineScores& of) {
     const Scores& s = of.scores;
-    std::printf("%-46s %5.2f dB %6.3f %6.2f dB %11.2f dB %9.2f %9.2f\n", of.peer.title.c_str(), s.psnr_db, s.ssim,
-                s.psnr_inside_db, s.psnr_gain_aligned_db, 1e-6 * of.peer.disk_bytes, 1e-6 * of.peer.memory_bytes);
+    std::printf("%-46s %5.2f dB %6.3f %6.2f dB %11.2f dB %9.2f %9.2f\n", of.baseline.title.c_str(), s.psnr_db, s.ssim,
+                s.psnr_inside_db, s.psnr_gain_aligned_db, 1e-6 * of.baseline.disk_bytes,
+                1e-6 * of.baseline.memory_bytes);
   };
-  for (const PeerScores& peer : peers) line(peer);
+  for (const BaselineScores& baseline : baselines) line(baseline);
   line(model);
-  for (const auto& [peer, scores] : peers) {
-    if (peer.disk_bytes == 0) continue;  // keeps no photographs
+  for (const auto& [baseline, scores] : baselines) {
+    if (baseline.disk_bytes == 0) continue;  // keeps no photographs
     std::printf("  above the %-34s %+5.2f dB %+6.3f %+6.2f dB %+11.2f dB\n",
-                peer.title.substr(0, peer.title.find(" (")).c_str(), model.scores.psnr_db - scores.psnr_db,
+                baseline.title.substr(0, baseline.title.find(" (")).c_str(), model.scores.psnr_db - scores.psnr_db,
                 model.scores.ssim - scores.ssim, model.scores.psnr_inside_db - scores.psnr_inside_db,
                 model.scores.psnr_gain_aligned_db - scores.psnr_gain_aligned_db);
   }
@@ -85,7 +86,7 @@ void print_baselines(std::span<const PeerScores> peers, const PeerScores& model)
 
 json ranking_report(const ErrorRanking& ranking) {
   return {{"rank_correlation", json_number(ranking.rank_correlation)},
-          {"peer_rank_correlation", json_number(ranking.peer_rank_correlation)}};
+          {"peer_rank_correlation", json_number(ranking.other_rank_correlation)}};
 }
 
 json calibration_report(const ErrorCalibration& calibration) {
@@ -144,7 +145,7 @@ void print_predictions(const Scores& scores, const ErrorRanking& ranking, const 
   }
   if (std::isfinite(ranking.rank_correlation))
     std::printf("rank correlation of predicted and measured errors of triangles: %.2f (%s: %s)\n",
-                ranking.rank_correlation, peer_title.c_str(), shown(ranking.peer_rank_correlation).c_str());
+                ranking.rank_correlation, peer_title.c_str(), shown(ranking.other_rank_correlation).c_str());
 }
 
 void print_scores(double psnr_db, double ssim, double constant_psnr_db) {

@@ -7,7 +7,7 @@
 
 #include "reconstructor/evaluation/error_ranking.h"
 #include "reconstructor/evaluation/held_out.h"
-#include "reconstructor/models/peers.h"
+#include "reconstructor/models/baselines.h"
 
 namespace sheen {
 
@@ -21,18 +21,18 @@ nlohmann::json views_to_json(const Scores& scores);
 /// The report of `evaluate`: object, full picture, constant colour, and each view.
 nlohmann::json evaluation_report(const Scores& model, const Scores& constant);
 
-/// What a peer of a model scores on the same pixels.
-struct PeerScores {
-  Peer peer;
+/// What a baseline of a model scores on the same pixels.
+struct BaselineScores {
+  Baseline baseline;
   Scores scores;
 };
-/// An object per peer, as `evaluation_report` has them, with its bytes and views.
-nlohmann::json baselines_report(std::span<const PeerScores> peers);
+/// An object per baseline, as `evaluation_report` has them, with its bytes and views.
+nlohmann::json baselines_report(std::span<const BaselineScores> baselines);
 /// {disk, memory}.
-nlohmann::json bytes_report(const Peer& peer);
-/// A table for a person: a line per peer, the last for the model, and what that is above each of those that keep
+nlohmann::json bytes_report(const Baseline& baseline);
+/// A table for a person: a line per baseline, the last for the model, and what that is above each of those that keep
 /// photographs.
-void print_baselines(std::span<const PeerScores> peers, const PeerScores& model);
+void print_baselines(std::span<const BaselineScores> baselines, const BaselineScores& model);
 
 nlohmann::json ranking_report(const ErrorRanking& ranking);
 nlohmann::json calibration_report(const ErrorCalibration& calibration);

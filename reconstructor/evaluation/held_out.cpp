@@ -147,15 +147,15 @@ Scores score(const std::vector<HeldOutView>& views, const Appearance& model, con
   for (const HeldOutView& view : views) {
     if (progress) progress(scores.views.size(), views.size());
     const ViewScore& s = scores.views.emplace_back(score(view, model, painter));
-    const double share = 1.0 / double(views.size());
-    scores.psnr_db += share * s.psnr_db;
-    scores.ssim += share * s.ssim;
-    scores.psnr_inside_db += share * s.psnr_inside_db;
-    scores.predicted_inside_db += share * s.predicted_inside_db;
-    scores.psnr_gain_aligned_db += share * s.psnr_gain_aligned_db;
-    scores.full_psnr_db += share * s.full_psnr_db;
-    scores.full_ssim += share * s.full_ssim;
-    scores.uncovered += share * s.uncovered;
+    const double weight = 1.0 / double(views.size());
+    scores.psnr_db += weight * s.psnr_db;
+    scores.ssim += weight * s.ssim;
+    scores.psnr_inside_db += weight * s.psnr_inside_db;
+    scores.predicted_inside_db += weight * s.predicted_inside_db;
+    scores.psnr_gain_aligned_db += weight * s.psnr_gain_aligned_db;
+    scores.full_psnr_db += weight * s.full_psnr_db;
+    scores.full_ssim += weight * s.full_ssim;
+    scores.uncovered += weight * s.uncovered;
     pooled += s.error;
   }
   scores.psnr_pooled_db = pooled.psnr_db();

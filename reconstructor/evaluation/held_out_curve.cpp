@@ -36,14 +36,14 @@ void HeldOutCurve::judge(const std::vector<HeldOutView>& held_out, const std::ve
                          const RayPainter& painter) {
   std::vector<std::pair<std::string, std::uint64_t>> names;
   HeldOutPoint point{.images = images};
-  const double share = 1.0 / static_cast<double>(panel.size());
+  const double weight = 1.0 / static_cast<double>(panel.size());
   for (const std::size_t i : panel) {
     const HeldOutView& view = held_out[i];
     names.emplace_back(view.source_session, view.sequence);
     const ObjectScore s = score_object(view, model, painter);
-    point.psnr_db += share * s.psnr_db;
-    point.ssim += share * s.ssim;
-    point.constant_psnr_db += share * score_object(view, constant, painter).psnr_db;
+    point.psnr_db += weight * s.psnr_db;
+    point.ssim += weight * s.ssim;
+    point.constant_psnr_db += weight * score_object(view, constant, painter).psnr_db;
   }
   if (names != panel_) points_.clear();
   panel_ = std::move(names);

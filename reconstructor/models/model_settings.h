@@ -11,9 +11,9 @@
 
 #include "common/geometry/mesh.h"
 #include "reconstructor/models/appearance_model.h"
-#include "reconstructor/models/peers.h"
+#include "reconstructor/models/baselines.h"
 #include "reconstructor/radiance/radiance_image.h"
-#include "reconstructor/surface/ring_visibility.h"
+#include "reconstructor/surface/sample_visibility.h"
 
 namespace sheen {
 
@@ -72,8 +72,9 @@ struct ModelSettings {
   virtual MemoryNeed memory_need(std::size_t vertices, std::size_t triangles) const = 0;
   /// A model of the mesh with these settings, at effort level 0. Throws ConfigError as `require_valid` does.
   virtual std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const = 0;
-  /// For a snapshot of a model with these settings. `photographs`: whether to keep them for peers that need them.
-  virtual std::unique_ptr<Peers> make_peers(std::shared_ptr<const ModelSnapshot> snapshot, bool photographs) const = 0;
+  /// For a snapshot of a model with these settings. `photographs`: whether to keep them for baselines that need them.
+  virtual std::unique_ptr<Baselines> make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
+                                                    bool photographs) const = 0;
 
  protected:
   ModelSettings() = default;

@@ -9,7 +9,7 @@
 #include "common/capture/capture.h"
 #include "common/image/image.h"
 #include "reconstructor/models/appearance_model.h"
-#include "reconstructor/surface/ring_visibility.h"
+#include "reconstructor/surface/sample_visibility.h"
 
 namespace sheen {
 

@@ -103,19 +103,19 @@ template <typename Scalar>
 void FoldedViews<Scalar>::merge(int kept, int removed, std::shared_ptr<const Shown> shown) {
   View& a = views_[kept];
   const View& b = views_[removed];
-  const double share = b.weight / (a.weight + b.weight);
+  const double fraction = b.weight / (a.weight + b.weight);
   const Eigen::Matrix<Scalar, Eigen::Dynamic, 1> apart = coefficients_.col(removed) - coefficients_.col(kept);
   const VectorXd d = apart.template cast<double>();
-  const double w = a.weight * share;
+  const double w = a.weight * fraction;
   if (scatter_.size() == 0) scatter_ = MatrixXd::Zero(coefficients_.rows(), coefficients_.rows());
   scatter_.noalias() += w * d * d.transpose();
   a.scatter += b.scatter + w * d.squaredNorm();
-  a.lost += share * (b.lost - a.lost);
+  a.lost += fraction * (b.lost - a.lost);
   a.unexplained = a.unexplained < 0 || b.unexplained < 0 ? std::max(a.unexplained, b.unexplained)
-                                                         : std::lerp(a.unexplained, b.unexplained, share);
+                                                         : std::lerp(a.unexplained, b.unexplained, fraction);
   a.weight += b.weight;
   a.shown = std::move(shown);
-  coefficients_.col(kept) += static_cast<Scalar>(share) * apart;
+  coefficients_.col(kept) += static_cast<Scalar>(fraction) * apart;
   erase(removed);
 }
 

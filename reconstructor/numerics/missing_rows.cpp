@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 using row_panels::columns;
 
 /// Rows of a patch that was dim where it is now bright say little about each other: a channel's mean row is scaled only
-/// where it predicts at least this share of a typical value.
+/// where it predicts at least this fraction of a typical value.
 constexpr double kDim = 0.04;
 
 /// A revealed row that outshines all others of the patch together as much as this is an event, and starts at zero.
@@ -276,18 +276,18 @@ std::shared_ptr<const ShownRows> MissingRows<Scalar>::shown_by_both(const Basis&
   const auto explained = [&](int view) {
     return [&basis, &views, view](int row) { return basis.row(row).dot(views.coefficients().col(view)); };
   };
-  const double share = views.weight(b) / (views.weight(a) + views.weight(b));
+  const double fraction = views.weight(b) / (views.weight(a) + views.weight(b));
   return std::make_shared<const Shown>(sheen::shown_by_both<Scalar>(
-      witnesses_, views.shown(a), explained(a), views.shown(b), explained(b), static_cast<Scalar>(share)));
+      witnesses_, views.shown(a), explained(a), views.shown(b), explained(b), static_cast<Scalar>(fraction)));
 }
 
 template <typename Scalar>
 std::shared_ptr<const ShownRows> MissingRows<Scalar>::shown_without(const Views& views, int view,
                                                                     const ConstVectorRef& column, double weight) const {
   if (!views.shown(view)) return nullptr;
-  const double share = weight / (views.weight(view) - weight);
+  const double fraction = weight / (views.weight(view) - weight);
   return std::make_shared<const Shown>(sheen::shown_without<Scalar>(
-      witnesses_, *views.shown(view), [&](int row) { return column[row]; }, static_cast<Scalar>(share)));
+      witnesses_, *views.shown(view), [&](int row) { return column[row]; }, static_cast<Scalar>(fraction)));
 }
 
 template class MissingRows<float>;

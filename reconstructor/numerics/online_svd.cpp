@@ -34,8 +34,9 @@ int BasicOnlineSvd<Scalar>::block_size() const {
   constexpr int kSingles = 8;
   constexpr double kGoldenRatio = 0.6180339887498949;
   if (columns_folded_ < kSingles) return 1;
-  const double share = kGoldenRatio * phase_ - std::floor(kGoldenRatio * phase_);  // any few phases in a row fill 0..1
-  const int offset = static_cast<int>(options_.block * share);
+  const double fraction =
+      kGoldenRatio * phase_ - std::floor(kGoldenRatio * phase_);  // any few phases in a row fill 0..1
+  const int offset = static_cast<int>(options_.block * fraction);
   const auto since = static_cast<int>((columns_folded_ - kSingles + options_.block - offset) % options_.block);
   return options_.block - since;
 }

@@ -54,10 +54,10 @@ ShownRows shown_rows(const WitnessRows& witnesses, const RowBits& hidden, Value 
 }
 
 /// Of the weighted mean of two. One of them may be null: it shows all rows, and explained_a(row) or explained_b(row) is
-/// what. `share`: of b in the mean.
+/// what. `fraction`: of b in the mean.
 template <typename Scalar, typename ExplainedA, typename ExplainedB>
 ShownRows shown_by_both(const WitnessRows& witnesses, const ShownRows* a, ExplainedA explained_a, const ShownRows* b,
-                        ExplainedB explained_b, Scalar share) {
+                        ExplainedB explained_b, Scalar fraction) {
   ShownRows both;
   both.hidden.resize((a ? a : b)->hidden.size());
   for (std::size_t word = 0; word < both.hidden.size(); ++word)
@@ -67,8 +67,8 @@ ShownRows shown_by_both(const WitnessRows& witnesses, const ShownRows* a, Explai
   witnesses.visit([&](int row) {
     const bool in_a = !a || !has_row(a->hidden, row), in_b = !b || !has_row(b->hidden, row);
     if (in_a && in_b)
-      values.push_back((1 - share) * (a ? a->sketch.at<Scalar>(next_a) : explained_a(row)) +
-                       share * (b ? b->sketch.at<Scalar>(next_b) : explained_b(row)));
+      values.push_back((1 - fraction) * (a ? a->sketch.at<Scalar>(next_a) : explained_a(row)) +
+                       fraction * (b ? b->sketch.at<Scalar>(next_b) : explained_b(row)));
     next_a += in_a;
     next_b += in_b;
   });
@@ -76,15 +76,15 @@ ShownRows shown_by_both(const WitnessRows& witnesses, const ShownRows* a, Explai
   return both;
 }
 
-/// When a column is taken out of the mean. `share`: weight of the column over that of the others.
+/// When a column is taken out of the mean. `fraction`: weight of the column over that of the others.
 template <typename Scalar, typename Value>
-ShownRows shown_without(const WitnessRows& witnesses, const ShownRows& mean, Value value, Scalar share) {
+ShownRows shown_without(const WitnessRows& witnesses, const ShownRows& mean, Value value, Scalar fraction) {
   std::vector<Scalar> left;
   left.reserve(mean.sketch.size());
   witnesses.visit([&](int row) {
     if (has_row(mean.hidden, row)) return;
     const Scalar kept = mean.sketch.at<Scalar>(left.size());
-    left.push_back(kept + share * (kept - value(row)));
+    left.push_back(kept + fraction * (kept - value(row)));
   });
   return {.hidden = mean.hidden, .sketch = FixedPoint(left)};
 }

@@ -18,10 +18,10 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Below this share of a column's norm its residual is rounding noise and no direction.
+// Below this fraction of a column's norm its residual is rounding noise and no direction.
 template <typename Scalar>
 constexpr double kNoise = 50 * std::numeric_limits<Scalar>::epsilon();
-// A residual that the others of its block explain but for this share of its energy gives no direction of its own:
+// A residual that the others of its block explain but for this fraction of its energy gives no direction of its own:
 // inner products are not more exact than that.
 template <typename Scalar>
 constexpr double kSmallestPivot = 16 * std::numeric_limits<Scalar>::epsilon();
@@ -33,8 +33,8 @@ constexpr int kMostPasses = 3;
 
 // A rotation of the basis costs it about one unit of rounding of orthonormality, and a polish gives it back.
 constexpr int kTurnsBetweenPolishes = 4;
-// What is dropped on the way may be missed later: it takes this share of the budget, the displayed rank the whole.
-constexpr double kShareOfBudgetOnTheWay = 0.5;
+// What is dropped on the way may be missed later: it takes this fraction of the budget, the displayed rank the whole.
+constexpr double kFractionOfBudgetOnTheWay = 0.5;
 
 /// What of each column's energy its coordinates do not hold.
 template <typename Block>
@@ -126,7 +126,7 @@ void SvdBasis<Scalar>::split_residuals(const Columns& columns, Block& block, con
   }
   block.outside = MatrixXd::Zero(0, count);
   block.to_directions = MatrixXd::Zero(count, 0);
-  if (lost_ + block.lost <= kShareOfBudgetOnTheWay * options.tolerance * options.tolerance * energy_after) return;
+  if (lost_ + block.lost <= kFractionOfBudgetOnTheWay * options.tolerance * options.tolerance * energy_after) return;
   MatrixXd gram = row_panels::gram(residuals, columns.stride, norm2);
   gram.noalias() -= block.overlap.transpose() * block.overlap;
   Orthonormalised orthonormal = orthonormalise(std::move(gram), block.residual2, kSmallestPivot<Scalar>);
@@ -150,7 +150,7 @@ void SvdBasis<Scalar>::choose_rank(const VectorXd& descending, double lost, cons
   rotation.rank = static_cast<int>(descending.size());
   while (rotation.rank > 0) {
     const double next = descending[rotation.rank - 1];
-    const bool affordable = lost + rotation.lost + next <= kShareOfBudgetOnTheWay * budget;
+    const bool affordable = lost + rotation.lost + next <= kFractionOfBudgetOnTheWay * budget;
     if (!affordable && next > rounding && rotation.rank <= options.terms_kept()) break;
     rotation.lost += next;
     --rotation.rank;

@@ -20,7 +20,7 @@ struct ViewKernel {
   bool operator==(const ViewKernel&) const = default;
 };
 
-/// The kernels that a ring chooses from.
+/// The kernels that a vertex chooses from.
 inline constexpr std::array<ViewKernel, 6> kViewKernels{{{0.3f, 0.02f},
                                                          {0.6f, 0.05f},
                                                          {0.6f, 1.0f},
@@ -38,7 +38,7 @@ Eigen::MatrixXf angles_between(const Eigen::Matrix3Xf& directions);
 float evaluate(const ViewKernel& kernel, float angle_rad);
 Eigen::MatrixXf covariances(const ViewKernel& kernel, const Eigen::MatrixXf& angles_rad);
 
-/// k of the angles between unit directions (3 x views) and one: what an eye costs a ring.
+/// k of the angles between unit directions (3 x views) and one: what an eye costs a vertex.
 Eigen::VectorXf covariances(const ViewKernel& kernel, const Eigen::Matrix3Xf& directions,
                             const Eigen::Vector3f& direction);
 

@@ -8,7 +8,7 @@
 
 #include "common/capture/capture.h"
 #include "common/image/image.h"
-#include "reconstructor/surface/ring_visibility.h"
+#include "reconstructor/surface/sample_visibility.h"
 
 namespace sheen {
 

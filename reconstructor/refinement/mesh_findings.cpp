@@ -21,7 +21,7 @@ constexpr double kRidge = 1e-3;         // what the surface does not determine (
 constexpr double kMaskOfObject = 2;     // a mask larger than this, of the silhouette's area, shows more than the object
 constexpr double kMargin = 0.03;        // of the silhouette's size: less is an outline that is off, not a part
 constexpr double kLeastMargin_px = 3;
-constexpr double kShareOfImages = 0.1;  // in which a part must be missing to be one
+constexpr double kFractionOfImages = 0.1;  // in which a part must be missing to be one
 
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
@@ -146,7 +146,7 @@ std::vector<MeshFinding> findings_of(const Mesh& given, const RefinedMesh& refin
     largest = region;
     in_image = capture.name;
   }
-  if (masks > 0 && static_cast<double>(uncovered) > kShareOfImages * static_cast<double>(masks))
+  if (masks > 0 && static_cast<double>(uncovered) > kFractionOfImages * static_cast<double>(masks))
     found.push_back(missing_part(largest, in_image, uncovered, masks));
   return found;
 }

@@ -16,7 +16,7 @@ struct MeshOffset {
   double scale = 0;                                    ///< of the corrected mesh, less 1
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();    ///< metres
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< rotation vector, rad
-  double explained = 0;                                ///< share of the squares of the moves that it explains
+  double explained = 0;                                ///< fraction of the squares of the moves that it explains
 };
 /// Robust least squares over the observed vertices.
 MeshOffset common_offset(const Mesh& given, const RefinedMesh& refined);

@@ -68,12 +68,12 @@ std::vector<LightState> lights_of(const AreaLuminaire& lamp, LightKind kind, int
     for (int j = 0; j < per_side; ++j) {
       const auto offset = [&](int k) { return (2 * k + 1.0) / per_side - 1; };
       const Vector3d place = lamp.centre + offset(i) * lamp.half_u + offset(j) * lamp.half_v;
-      double share = strength(place) / (strength(lamp.centre) * per_side * per_side);
+      double fraction = strength(place) / (strength(lamp.centre) * per_side * per_side);
       // A point light's picture has its distance in it already.
-      if (kind == LightKind::kPoint) share *= place.squaredNorm() / lamp.centre.squaredNorm();
-      if (share > 0)
+      if (kind == LightKind::kPoint) fraction *= place.squaredNorm() / lamp.centre.squaredNorm();
+      if (fraction > 0)
         lights.push_back(
-            {kind, kind == LightKind::kPoint ? place : place.normalized(), static_cast<float>(share) * lamp.rgb});
+            {kind, kind == LightKind::kPoint ? place : place.normalized(), static_cast<float>(fraction) * lamp.rgb});
     }
   return lights;
 }

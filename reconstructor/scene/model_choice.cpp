@@ -41,6 +41,13 @@ SceneConfig SceneRequest::chosen_by(const RigMotion& motion) const {
   return file_.empty() ? default_scene(kind.name()) : parse_scene_config(text_, file_, &kind);
 }
 
+std::string names_of_kinds() {
+  std::string names;
+  for (const ModelKind* kind : model_kinds()) names += (names.empty() ? "" : ", ") + std::string(kind->name());
+  std::replace(names.begin(), names.end(), '_', '-');
+  return names;
+}
+
 std::string motion_warning(const ModelKind& kind, const RigMotion& seen) {
   const RigMotion is = kind.motion();
   const bool camera = is.camera == Motion::kStill && seen.camera == Motion::kMoves;

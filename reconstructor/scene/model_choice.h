@@ -27,6 +27,9 @@ class SceneRequest {
   bool automatic_ = false;
 };
 
+/// The names that `--model` takes, for a person: "surface-light-field, ...". "auto" is not among them.
+std::string names_of_kinds();
+
 /// What moves although a kind of model takes it to stand still, for a person; empty where nothing does.
 std::string motion_warning(const ModelKind& kind, const RigMotion& seen);
 

@@ -12,7 +12,7 @@
 #include "reconstructor/models/surface_light_field/patch_interpolation.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/models/surface_light_field/view_interpolation.h"
-#include "reconstructor/radiance/ring_resampler.h"
+#include "reconstructor/radiance/resampling.h"
 #include "reconstructor/surface/map_resolution.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
@@ -46,7 +46,7 @@ Factored factored(const PatchMatrix& matrix, const SurfaceSite& centre, const Ba
                         .images = matrix.views(),
                         .views = ViewSet(centre.place, static_cast<std::size_t>(matrix.reliability.rows()))};
   for (Eigen::Index row = 0; row < matrix.known.rows(); row += 3)
-    patch.shown.push_back(shown_share(static_cast<int>((matrix.known.row(row) != 0).count()), matrix.views()));
+    patch.shown.push_back(shown_fraction(static_cast<int>((matrix.known.row(row) != 0).count()), matrix.views()));
   for (int j = 0; j < matrix.views(); ++j)
     patch.views.add(matrix.eyes.col(j),
                     {matrix.reliability.col(j).data(), static_cast<std::size_t>(matrix.reliability.rows())});
@@ -70,7 +70,7 @@ PatchLevels levels(const Factored& factored) {
 
 std::vector<double> PatchMatrix::weights() const {
   std::vector<double> weights;
-  for (int j = 0; j < views(); ++j) weights.push_back(image_weight({}, share(j)));
+  for (int j = 0; j < views(); ++j) weights.push_back(image_weight({}, fraction(j)));
   return weights;
 }
 
@@ -89,11 +89,10 @@ BatchLightField::BatchLightField(std::shared_ptr<const Mesh> mesh, const Surface
 
 void BatchLightField::add(const Capture& capture) {
   if (!maps_) {
-    maps_ = std::make_shared<VertexRings>(
-        *mesh_,
+    maps_ = std::make_shared<MapLayout>(
         map_resolution(*mesh_, capture.camera, capture.pose.camera_from_object,
                        {options_.surface_map, options_.min_surface_map, options_.max_surface_map, options_.map_scale}));
-    visibility_ = std::make_unique<RingVisibility>(*mesh_, *maps_, options_.visibility);
+    visibility_ = std::make_unique<SampleVisibility>(*mesh_, *maps_, options_.visibility);
     shapes_ = std::make_shared<const PatchShapes>(
         cut_into_patches(*mesh_, *maps_, static_cast<std::size_t>(options_.patch.triangles)));
     kept_.resize(shapes_->patches.size());
@@ -101,7 +100,7 @@ void BatchLightField::add(const Capture& capture) {
   const SurfaceView& view = visibility_->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   image_.load(capture, view);
   resample(image_, view, *maps_, 1, samples_, options_.sampling);
-  const std::vector<float> at_vertices = reliability_at_vertices(*maps_, view);
+  const std::vector<float> at_vertices = reliability_at_vertices(*mesh_, *maps_, view);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kept_.size(), 32), [&](const auto& range) {
     for (std::size_t p = range.begin(); p < range.end(); ++p) {
       if (p % every_ != 0) continue;

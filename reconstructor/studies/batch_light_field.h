@@ -13,7 +13,7 @@
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 #include "reconstructor/numerics/missing_pca.h"
 #include "reconstructor/radiance/radiance_image.h"
-#include "reconstructor/surface/ring_visibility.h"
+#include "reconstructor/surface/sample_visibility.h"
 
 namespace sheen {
 
@@ -27,7 +27,7 @@ struct PatchMatrix {
 
   int views() const { return static_cast<int>(columns.cols()); }
   /// Fraction of the patch's values that an image shows.
-  double share(int view) const { return known.col(view).cast<double>().mean(); }
+  double fraction(int view) const { return known.col(view).cast<double>().mean(); }
   /// Of each view, as the online factorization weighs it.
   std::vector<double> weights() const;
 };
@@ -88,9 +88,9 @@ class BatchLightField {
   std::shared_ptr<const Mesh> mesh_;
   SurfaceLightFieldOptions options_;
   std::size_t every_;
-  std::shared_ptr<const VertexRings> maps_;
+  std::shared_ptr<const MapLayout> maps_;
   std::shared_ptr<const PatchShapes> shapes_;
-  std::unique_ptr<RingVisibility> visibility_;
+  std::unique_ptr<SampleVisibility> visibility_;
   RadianceImage image_;
   Eigen::Matrix3Xf samples_;             ///< encoded values of the current image
   std::vector<std::vector<Kept>> kept_;  ///< per patch

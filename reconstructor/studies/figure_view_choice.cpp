@@ -16,13 +16,13 @@
 namespace sheen {
 namespace {
 
-constexpr std::size_t kRingsLookedAt = 400;
+constexpr std::size_t kVerticesLookedAt = 400;
 
-std::size_t ring_stride(const Mesh& mesh) {
-  return std::max<std::size_t>(1, mesh.vertices.size() / kRingsLookedAt);
+std::size_t vertex_stride(const Mesh& mesh) {
+  return std::max<std::size_t>(1, mesh.vertices.size() / kVerticesLookedAt);
 }
 
-/// A photograph that may be chosen: where it was taken from and what it shows of the rings looked at.
+/// A photograph that may be chosen: where it was taken from and what it shows of the vertices looked at.
 struct Candidate {
   const Capture* capture;
   Eigen::Vector3d eye, direction;  ///< direction: unit, from the object's centre
@@ -44,7 +44,7 @@ std::vector<Candidate> candidates_of(const Experiment& experiment) {
     for (const Hit& hit : experiment.painter->cast(capture.camera, capture.pose.camera_from_object))
       if (hit && hit.front)
         for (const std::uint32_t v : mesh.triangles[hit.triangle]) ++pixels[v];
-    for (std::size_t v = 0; v < pixels.size(); v += ring_stride(mesh))
+    for (std::size_t v = 0; v < pixels.size(); v += vertex_stride(mesh))
       if (pixels[v] > 0) c.seen.push_back({v, pixels[v]});
     candidates.push_back(std::move(c));
   }
@@ -82,7 +82,7 @@ std::size_t most_wanting(const std::vector<Candidate>& all, const std::vector<st
 std::size_t by_paper_heuristic(const std::vector<Candidate>& all, const std::vector<std::size_t>&,
                                const std::vector<std::size_t>& left, SurfaceLightField& model) {
   const auto snapshot = model.light_field_snapshot();
-  const PaperHeuristic heuristic(*snapshot, ring_stride(snapshot->mesh()));
+  const PaperHeuristic heuristic(*snapshot, vertex_stride(snapshot->mesh()));
   return most_wanting(all, left,
                       [&](std::size_t vertex, const Eigen::Vector3d& eye) { return heuristic.of_ring(vertex, eye); });
 }
@@ -92,9 +92,9 @@ std::size_t by_red(const std::vector<Candidate>& all, const std::vector<std::siz
                    const std::vector<std::size_t>& left, SurfaceLightField& model) {
   const auto snapshot = model.light_field_snapshot();
   return most_wanting(all, left, [&](std::size_t vertex, const Eigen::Vector3d& eye) {
-    const SeenRing* ring = snapshot->seen_ring(vertex);
+    const SeenVertex* from = snapshot->seen_vertex(vertex);
     const Eigen::Vector3f direction = (eye.cast<float>() - snapshot->mesh().vertices[vertex]).normalized();
-    return ring ? assess_ring(*ring, direction, snapshot->common_sill()).heuristic() : 1;
+    return from ? assess_vertex(*from, direction, snapshot->common_sill()).heuristic() : 1;
   });
 }
 
@@ -170,8 +170,8 @@ double images_to_reach(const PlotSeries& curve, double y) {
   for (std::size_t i = 0; i < curve.x.size(); ++i) {
     if (curve.y[i] < y) continue;
     if (i == 0) return curve.x[0];
-    const double share = (y - curve.y[i - 1]) / (curve.y[i] - curve.y[i - 1]);
-    return curve.x[i - 1] + share * (curve.x[i] - curve.x[i - 1]);
+    const double fraction = (y - curve.y[i - 1]) / (curve.y[i] - curve.y[i - 1]);
+    return curve.x[i - 1] + fraction * (curve.x[i] - curve.x[i - 1]);
   }
   return std::numeric_limits<double>::quiet_NaN();
 }

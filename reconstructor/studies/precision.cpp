@@ -84,7 +84,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> terms_in_half(const SurfaceLigh
     for (VertexInterpolant& vertex : rounded->vertices) in_half(vertex.weights);
     patches.push_back(std::move(rounded));
   }
-  return std::make_shared<SurfaceLightFieldSnapshot>(whole.shared_mesh(), whole.shared_rings(), whole.shared_shapes(),
+  return std::make_shared<SurfaceLightFieldSnapshot>(whole.shared_mesh(), whole.shared_maps(), whole.shared_shapes(),
                                                      std::move(patches), whole.version(), whole.exposure());
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <deque>
 #include <numeric>
+#include <span>
 #include <tuple>
 
 namespace sheen {
@@ -26,6 +27,28 @@ std::vector<std::uint32_t> next_at_place(const Mesh& mesh) {
   return next;
 }
 
+/// The triangles of each vertex, ascending.
+class TrianglesRoundVertex {
+ public:
+  explicit TrianglesRoundVertex(const Mesh& mesh) : first_(mesh.vertices.size() + 1, 0) {
+    for (const Triangle& t : mesh.triangles)
+      for (const std::uint32_t v : t) ++first_[v + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    triangles_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      for (const std::uint32_t v : mesh.triangles[t]) triangles_[next[v]++] = t;
+  }
+
+  std::span<const std::uint32_t> of(std::size_t vertex) const {
+    return std::span(triangles_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
+  }
+
+ private:
+  std::vector<std::size_t> first_;
+  std::vector<std::uint32_t> triangles_;
+};
+
 Eigen::Matrix3Xf places_of(const Mesh& mesh, const std::vector<std::uint32_t>& vertices) {
   Eigen::Matrix3Xf places(3, static_cast<Eigen::Index>(vertices.size()));
   for (std::size_t i = 0; i < vertices.size(); ++i)
@@ -35,8 +58,7 @@ Eigen::Matrix3Xf places_of(const Mesh& mesh, const std::vector<std::uint32_t>& v
 
 }  // namespace
 
-std::vector<std::uint32_t> nearest_seen(const Mesh& mesh, const VertexRings& rings,
-                                        const std::vector<std::uint8_t>& seen) {
+std::vector<std::uint32_t> nearest_seen(const Mesh& mesh, const std::vector<std::uint8_t>& seen) {
   std::vector<std::uint32_t> source(seen.size(), kNoVertex), all_seen;
   for (std::uint32_t v = 0; v < seen.size(); ++v)
     if (seen[v]) {
@@ -51,19 +73,20 @@ std::vector<std::uint32_t> nearest_seen(const Mesh& mesh, const VertexRings& rin
     source[v] = from;
     front.push_back(v);
   };
+  const TrianglesRoundVertex round_vertex(mesh);
   const std::vector<std::uint32_t> same_place = next_at_place(mesh);
   const auto spread = [&] {
     for (; !front.empty(); front.pop_front()) {
       const std::uint32_t v = front.front();
       for (std::uint32_t next = same_place[v]; next != v; next = same_place[next]) reach(next, source[v]);
-      for (const RingTriangle& member : rings.ring(v))
-        for (const std::uint32_t next : mesh.triangles[member.triangle]) reach(next, source[v]);
+      for (const std::uint32_t t : round_vertex.of(v))
+        for (const std::uint32_t next : mesh.triangles[t]) reach(next, source[v]);
     }
   };
   spread();
   const Eigen::Matrix3Xf places = places_of(mesh, all_seen);
   for (std::uint32_t v = 0; v < seen.size(); ++v) {  // parts of the mesh of which nothing was seen
-    if (source[v] != kNoVertex || rings.ring(v).empty()) continue;
+    if (source[v] != kNoVertex || round_vertex.of(v).empty()) continue;
     Eigen::Index nearest = 0;
     (places.colwise() - mesh.vertices[v]).colwise().squaredNorm().minCoeff(&nearest);
     reach(v, all_seen[static_cast<std::size_t>(nearest)]);

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "common/geometry/mesh.h"
-#include "reconstructor/surface/vertex_ring.h"
 
 namespace sheen {
 
@@ -15,7 +14,6 @@ inline constexpr std::uint32_t kNoVertex = 0xffffffffu;
 /// vertex) is not 0, else the nearest seen one along the mesh, counted in edges, also where triangles meet at several
 /// vertices of one place (a texture's seam). A part of the mesh that touches nothing seen takes the nearest in space.
 /// kNoVertex where nothing is seen, and for unseen vertices without a triangle.
-std::vector<std::uint32_t> nearest_seen(const Mesh& mesh, const VertexRings& rings,
-                                        const std::vector<std::uint8_t>& seen);
+std::vector<std::uint32_t> nearest_seen(const Mesh& mesh, const std::vector<std::uint8_t>& seen);
 
 }  // namespace sheen

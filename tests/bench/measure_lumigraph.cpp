@@ -158,10 +158,10 @@ void report_speed(GoalReport& report, const LightRig& rig, const Model& model, c
 
 void report_midway(GoalReport& report, const std::string& name, const Midway& midway, std::optional<double> goal_db,
                    std::optional<double> gain_db, double goal_iou) {
-  const nlohmann::json peers{{"linear interpolation", midway.linear_db}};
+  const nlohmann::json baselines{{"linear interpolation", midway.linear_db}};
   if (goal_db)
     report.add(at_least(*goal_db, {}, name + ", PSNR, mean of " + std::to_string(midway.pictures), midway.psnr_db, "dB",
-                        peers));
+                        baselines));
   if (gain_db)
     report.add(at_least(*gain_db, {}, name + ", gain over linear interpolation", midway.psnr_db - midway.linear_db,
                         "dB", {{"PSNR", midway.psnr_db}, {"linear interpolation", midway.linear_db}}));

@@ -74,7 +74,7 @@ std::vector<SceneResult> measure_scenes(const fs::path& folder, const std::strin
 }
 
 void report_group(GoalReport& report, const std::vector<SceneResult>& scenes, const std::string& name, double goal,
-                  const nlohmann::json& peers) {
+                  const nlohmann::json& baselines) {
   if (scenes.empty()) return;
   double sum = 0;
   for (const SceneResult& scene : scenes) sum += scene.psnr_db;
@@ -83,7 +83,7 @@ void report_group(GoalReport& report, const std::vector<SceneResult>& scenes, co
   const auto largest =
       std::max_element(scenes.begin(), scenes.end(), [](const auto& a, const auto& b) { return a.bytes < b.bytes; });
   report.add(at_least(goal, {}, name + ", mean of " + std::to_string(scenes.size()) + " scenes",
-                      sum / static_cast<double>(scenes.size()), "dB", peers));
+                      sum / static_cast<double>(scenes.size()), "dB", baselines));
   report.add({name + ", worst scene (" + worst->name + ")", worst->psnr_db, "dB", {}});
   report.add(at_most(kBytes, {}, name + ", largest file", largest->bytes, "bytes"));
 }

@@ -24,7 +24,7 @@ Eigen::VectorXf least_squares(const Eigen::MatrixXf& basis, const Eigen::VectorX
   return visible.colPivHouseholderQr().solve(column(rows).cast<double>()).cast<float>();
 }
 
-double visible_share(Known known) {
+double visible_fraction(Known known) {
   return static_cast<double>(std::count(known.begin(), known.end(), 1)) / static_cast<double>(known.size());
 }
 
@@ -34,9 +34,9 @@ class GatedStream {
  public:
   explicit GatedStream(const OnlineSvdOptions& options, int rows) : factor_(rows, options) {}
   void add(Eigen::VectorXf column, Known known) {
-    const double share = visible_share(known);
-    if (share < 0.5 || (share < 1 && used_ < 10)) return;
-    if (share < 1) {
+    const double fraction = visible_fraction(known);
+    if (fraction < 0.5 || (fraction < 1 && used_ < 10)) return;
+    if (fraction < 1) {
       const Eigen::VectorXf fill = factor_.basis() * least_squares(factor_.basis(), column, known);
       for (Eigen::Index i = 0; i < column.size(); ++i)
         if (!known[i]) column[i] = fill[i];
@@ -88,8 +88,8 @@ void occluded_stream(TestPatch kind, const std::string& name, double occluded, d
       OnlineSvd factor(static_cast<int>(columns.rows()), options);
       for (const int j : order) {
         const Known known(visible.col(j).data(), static_cast<std::size_t>(visible.rows()));
-        const double share = visible_share(known);
-        factor.add(columns.col(j), known, weighted ? share * share : 1);  // as `image_weight` does
+        const double fraction = visible_fraction(known);
+        factor.add(columns.col(j), known, weighted ? fraction * fraction : 1);  // as `image_weight` does
       }
       factor.fold();
       const Eigen::MatrixXd basis = factor.displayed_basis().cast<double>();

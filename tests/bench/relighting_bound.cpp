@@ -15,7 +15,7 @@ namespace sheen {
 namespace {
 
 constexpr double kGreyLevels = 16;
-constexpr std::int64_t kElements = 10'000'000, kShares = 16;
+constexpr std::int64_t kElements = 10'000'000, kParts = 16;
 constexpr int kSearches = 5;  // of which the best counts: other programs take their time, too
 
 struct Surface {
@@ -26,10 +26,10 @@ struct Surface {
 
 /// Largest error of lit elements, in units of exposure.
 double worst_error(const Surface& surface, double spacing, bool far, std::int64_t elements) {
-  std::array<double, kShares> worst{};
-  tbb::parallel_for(std::int64_t{0}, kShares, [&](std::int64_t i) {
+  std::array<double, kParts> worst{};
+  tbb::parallel_for(std::int64_t{0}, kParts, [&](std::int64_t i) {
     worst[static_cast<std::size_t>(i)] =
-        LitElements(surface.plain, spacing, far, static_cast<std::uint64_t>(i) + 1).worst(elements / kShares).lit;
+        LitElements(surface.plain, spacing, far, static_cast<std::uint64_t>(i) + 1).worst(elements / kParts).lit;
   });
   return *std::max_element(worst.begin(), worst.end());
 }

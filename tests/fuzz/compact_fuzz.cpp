@@ -22,7 +22,7 @@ SurfaceLightFieldSnapshot small_model() {
   auto mesh = std::make_shared<Mesh>();
   mesh->vertices = {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}, {-0.1f, -0.1f, -0.1f}};
   mesh->triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
-  auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{5, 3, 4, 2});
+  auto maps = std::make_shared<MapLayout>(std::vector<std::uint8_t>{5, 3, 4, 2});
   constexpr int kViews = 3;
   const Camera camera{.width = 640, .height = 480, .fx = 800, .fy = 800, .cx = 320, .cy = 240};
   std::vector<PosedCamera> cameras;
@@ -30,7 +30,7 @@ SurfaceLightFieldSnapshot small_model() {
     cameras.push_back({camera, look_at(eye, {0, 0, 0}, {0, 0.1, 1})});
   auto reflection = std::make_shared<ReflectionDrift>();
   reflection->coefficients.setConstant(0.1f);
-  const auto shapes = std::make_shared<const PatchShapes>(patch_shapes(*mesh, *rings, {0, 1, 2, 3}));
+  const auto shapes = std::make_shared<const PatchShapes>(patch_shapes(*mesh, *maps, {0, 1, 2, 3}));
   SurfaceLightFieldSnapshot::Patches data(4);
   for (std::size_t p = 0; p < 3; ++p) {
     const std::uint32_t samples = shapes->patches[p].samples;
@@ -41,7 +41,7 @@ SurfaceLightFieldSnapshot small_model() {
     patch->shown.assign(samples, 200);
     for (const std::uint32_t v : shapes->patches[p].vertices) {
       VertexInterpolant& at = patch->vertices.emplace_back();
-      auto from = std::make_shared<RingViews>();
+      auto from = std::make_shared<VertexViews>();
       at.weights = Eigen::MatrixXf::NullaryExpr(2, kViews, [](Eigen::Index i, Eigen::Index j) {
         return 0.3f * static_cast<float>(i + 1) * (j == 1 ? -2.0f : 1.0f);
       });
@@ -64,7 +64,7 @@ SurfaceLightFieldSnapshot small_model() {
     }
     data[p] = std::move(patch);
   }
-  return {mesh, rings, shapes, std::move(data), 1, {}, cameras};
+  return {mesh, maps, shapes, std::move(data), 1, {}, cameras};
 }
 
 std::string valid_file() {

@@ -27,10 +27,10 @@ SurfaceLightFieldSnapshot small_model() {
   auto mesh = std::make_shared<Mesh>();
   mesh->vertices = {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}, {-0.1f, -0.1f, -0.1f}};
   mesh->triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
-  auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 3, 4, 2});
+  auto maps = std::make_shared<MapLayout>(std::vector<std::uint8_t>{2, 3, 4, 2});
   auto reflection = std::make_shared<ReflectionDrift>();
   reflection->coefficients.setConstant(0.1f);
-  const auto shapes = std::make_shared<const PatchShapes>(patch_shapes(*mesh, *rings, {0, 1, 2, 3}));
+  const auto shapes = std::make_shared<const PatchShapes>(patch_shapes(*mesh, *maps, {0, 1, 2, 3}));
   SurfaceLightFieldSnapshot::Patches data(4);
   for (int p = 0; p < 3; ++p) {
     const int rank = p, views = 1 + p;
@@ -40,7 +40,7 @@ SurfaceLightFieldSnapshot small_model() {
     patch->shown.assign(shape.samples, 200);
     for (const std::uint32_t v : shape.vertices) {
       VertexInterpolant& at = patch->vertices.emplace_back();
-      auto from = std::make_shared<RingViews>();
+      auto from = std::make_shared<VertexViews>();
       at.weights = Eigen::MatrixXf::Constant(rank, views, 0.3f);
       at.mean = Eigen::VectorXf::Constant(rank, 0.5f);
       from->frame = hemisphere_frame(mesh->vertices[v].normalized());
@@ -58,7 +58,7 @@ SurfaceLightFieldSnapshot small_model() {
     }
     data[static_cast<std::size_t>(p)] = std::move(patch);
   }
-  return {mesh, rings, shapes, std::move(data), 1};
+  return {mesh, maps, shapes, std::move(data), 1};
 }
 
 struct Files {

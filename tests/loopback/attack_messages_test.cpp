@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Peers that mean harm, on every socket: valid messages that were changed, in any order, too large, or about what never
-// was. Each end goes on, its memory stays bounded, what it refuses it counts by name, and an honest peer that comes
-// afterwards gets what it would have got. tests/loopback/attack runs the same for longer.
+// Baselines that mean harm, on every socket: valid messages that were changed, in any order, too large, or about what
+// never was. Each end goes on, its memory stays bounded, what it refuses it counts by name, and an honest peer that
+// comes afterwards gets what it would have got. tests/loopback/attack runs the same for longer.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -31,13 +31,13 @@ class FlatShader : public ViewShader {
 };
 
 /// It is its own constant colour, and there is nothing beside it.
-class FlatPeers : public Peers {
+class FlatPeers : public Baselines {
  public:
   explicit FlatPeers(std::shared_ptr<const ModelSnapshot> model) : model_(std::move(model)) {}
   void add(const Capture&, float, bool) override {}
   std::shared_ptr<const Appearance> constant_colour() const override { return model_; }
-  std::vector<Peer> others(std::size_t) const override { return {}; }
-  PeerHeuristic heuristic() const override {
+  std::vector<Baseline> from_photographs(std::size_t) const override { return {}; }
+  BaselineHeuristic heuristic() const override {
     return {"none", [n = model_->mesh().triangles.size()](const auto&) { return std::vector<float>(n, 0.5f); }};
   }
 
@@ -89,7 +89,8 @@ std::unique_ptr<AppearanceModel> FlatColourSettings::make_model(std::shared_ptr<
   return std::make_unique<FlatColourModel>(std::move(mesh), *this);
 }
 
-std::unique_ptr<Peers> FlatColourSettings::make_peers(std::shared_ptr<const ModelSnapshot> snapshot, bool) const {
+std::unique_ptr<Baselines> FlatColourSettings::make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
+                                                              bool) const {
   return std::make_unique<FlatPeers>(std::move(snapshot));
 }
 
@@ -103,8 +104,8 @@ bool FlatColourSnapshot::empty() const {
 
 SnapshotFigures FlatColourSnapshot::figures() const {
   const double seen = static_cast<double>(std::count(seen_.begin(), seen_.end(), true));
-  const double share = seen / static_cast<double>(seen_.size());
-  return {.median_rank = 1, .most_rank = 1, .seen = share, .measured = share};
+  const double fraction = seen / static_cast<double>(seen_.size());
+  return {.median_rank = 1, .most_rank = 1, .seen = fraction, .measured = fraction};
 }
 
 std::shared_ptr<const ModelSnapshot> FlatColourSnapshot::filled() const {

@@ -14,7 +14,7 @@ inline Eigen::MatrixXf gaussian_matrix(int rows, int columns, std::uint32_t seed
   return Eigen::MatrixXf::NullaryExpr(rows, columns, [&] { return normal(engine); });
 }
 
-/// A ring's data as it comes from a camera: positive colours times a level that varies with the view, a few smooth
+/// A patch's data as it comes from a camera: positive colours times a level that varies with the view, a few smooth
 /// terms of falling size, and noise of the given standard deviation relative to the mean colour.
 inline Eigen::MatrixXf patch_like_matrix(int rows, int columns, int terms, float noise, std::uint32_t seed) {
   Eigen::MatrixXf data = (0.5f + 0.1f * gaussian_matrix(rows, 1, seed).array()).matrix() *

@@ -45,9 +45,9 @@ Vector3f albedo(const Eigen::Vector2f& at) {
 std::vector<Vector3f> spiral() {
   std::vector<Vector3f> views;
   for (int v = 0; v < kTestPatchViews; ++v) {
-    const float share = (static_cast<float>(v) + 0.5f) / kTestPatchViews;
-    const float polar = std::acos(1 - share * (1 - std::cos(75.0f * std::numbers::pi_v<float> / 180)));
-    const float azimuth = 2 * std::numbers::pi_v<float> * 9 * std::sqrt(share);
+    const float fraction = (static_cast<float>(v) + 0.5f) / kTestPatchViews;
+    const float polar = std::acos(1 - fraction * (1 - std::cos(75.0f * std::numbers::pi_v<float> / 180)));
+    const float azimuth = 2 * std::numbers::pi_v<float> * 9 * std::sqrt(fraction);
     views.emplace_back(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar));
   }
   return views;
@@ -55,7 +55,7 @@ std::vector<Vector3f> spiral() {
 
 }  // namespace
 
-Eigen::Matrix2Xf test_ring_samples() {
+Eigen::Matrix2Xf test_patch_samples() {
   Eigen::Matrix2Xf samples(2, kTestPatchSamples);
   int next = 0;
   for (int t = 0; t < 6; ++t) {
@@ -76,7 +76,7 @@ Eigen::MatrixXf test_patch_columns(TestPatch patch) {
   const std::array<Vector3f, 3> lights{Vector3f(0.4f, -0.3f, 0.87f).normalized(),
                                        Vector3f(-0.6f, 0.1f, 0.8f).normalized(),
                                        Vector3f(0.1f, 0.7f, 0.7f).normalized()};
-  const Eigen::Matrix2Xf samples = test_ring_samples();
+  const Eigen::Matrix2Xf samples = test_patch_samples();
   const std::vector<Vector3f> views = spiral();
   Eigen::MatrixXf columns(3 * kTestPatchSamples, kTestPatchViews);
   for (int s = 0; s < kTestPatchSamples; ++s) {
@@ -117,19 +117,19 @@ std::vector<std::vector<int>> column_orders(const Eigen::MatrixXf& columns, int 
 
 Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic> occluding_edges(int views, double occluded,
                                                                            std::uint32_t seed) {
-  const Eigen::Matrix2Xf samples = test_ring_samples();
+  const Eigen::Matrix2Xf samples = test_patch_samples();
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> uniform;
   Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic> visible =
       Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>::Ones(3 * kTestPatchSamples, views);
   for (int v = 0; v < views; ++v) {
     const bool hidden = uniform(engine) < occluded;
-    const double angle = 2 * std::numbers::pi * uniform(engine), share = 0.2 + 0.6 * uniform(engine);
+    const double angle = 2 * std::numbers::pi * uniform(engine), fraction = 0.2 + 0.6 * uniform(engine);
     if (!hidden) continue;
     const Eigen::VectorXf along =
         samples.transpose() * Eigen::Vector2f(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
     std::vector<float> sorted(along.begin(), along.end());
-    const auto edge = sorted.begin() + static_cast<std::ptrdiff_t>(share * kTestPatchSamples);
+    const auto edge = sorted.begin() + static_cast<std::ptrdiff_t>(fraction * kTestPatchSamples);
     std::nth_element(sorted.begin(), edge, sorted.end());
     for (int s = 0; s < kTestPatchSamples; ++s)
       if (along[s] < *edge) visible.col(v).segment<3>(3 * s).setZero();

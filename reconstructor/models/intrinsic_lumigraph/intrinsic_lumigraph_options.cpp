@@ -8,7 +8,7 @@ namespace sheen {
 namespace {
 
 /// What is compared with: the captured images, in the mean of all lights and interpolated between them.
-class CapturedImages : public Peers {
+class CapturedImages : public Baselines {
  public:
   explicit CapturedImages(const std::shared_ptr<const ModelSnapshot>& model)
       : model_(std::dynamic_pointer_cast<const IntrinsicLumigraphSnapshot>(model)) {}
@@ -16,11 +16,11 @@ class CapturedImages : public Peers {
   std::shared_ptr<const Appearance> constant_colour() const override {
     return std::make_shared<InterpolatedImages>(model_, true);
   }
-  std::vector<Peer> others(std::size_t) const override {
+  std::vector<Baseline> from_photographs(std::size_t) const override {
     return {{"linear_interpolation", "linear interpolation of images",
              std::make_shared<InterpolatedImages>(model_, false), bytes_, bytes_}};
   }
-  PeerHeuristic heuristic() const override {
+  BaselineHeuristic heuristic() const override {
     return {"none", [n = model_->mesh().triangles.size()](const auto&) { return std::vector<float>(n, 0.5f); }};
   }
 
@@ -39,8 +39,8 @@ std::unique_ptr<AppearanceModel> IntrinsicLumigraphOptions::make_model(std::shar
   return std::make_unique<IntrinsicLumigraph>(std::move(mesh), *this);
 }
 
-std::unique_ptr<Peers> IntrinsicLumigraphOptions::make_peers(std::shared_ptr<const ModelSnapshot> snapshot,
-                                                             bool) const {
+std::unique_ptr<Baselines> IntrinsicLumigraphOptions::make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
+                                                                     bool) const {
   return std::make_unique<CapturedImages>(snapshot);
 }
 

@@ -20,7 +20,8 @@ struct IntrinsicLumigraphOptions : ModelSettings {
   std::optional<Mesh> own_mesh(const PosedCamera& camera) const override;
   bool takes_mesh() const override { return true; }
   std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const override;
-  std::unique_ptr<Peers> make_peers(std::shared_ptr<const ModelSnapshot> snapshot, bool photographs) const override;
+  std::unique_ptr<Baselines> make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
+                                            bool photographs) const override;
 };
 
 }  // namespace sheen

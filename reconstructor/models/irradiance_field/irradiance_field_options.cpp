@@ -7,7 +7,7 @@ namespace sheen {
 namespace {
 
 /// What is compared with: the same picture in every light. That of all lights together is the mean.
-class SameInEveryLight : public Peers {
+class SameInEveryLight : public Baselines {
  public:
   explicit SameInEveryLight(std::shared_ptr<const ModelSnapshot> model) : model_(std::move(model)) {}
   void add(const Capture&, float, bool) override {}
@@ -15,8 +15,8 @@ class SameInEveryLight : public Peers {
     const auto& field = dynamic_cast<const IrradianceFieldSnapshot&>(*model_);
     return std::make_shared<FlatPicture>(field.shared_mesh(), field.picture({}), 0.14f);
   }
-  std::vector<Peer> others(std::size_t) const override { return {}; }
-  PeerHeuristic heuristic() const override {
+  std::vector<Baseline> from_photographs(std::size_t) const override { return {}; }
+  BaselineHeuristic heuristic() const override {
     return {"none", [n = model_->mesh().triangles.size()](const auto&) { return std::vector<float>(n, 0.5f); }};
   }
 
@@ -34,7 +34,8 @@ std::unique_ptr<AppearanceModel> IrradianceFieldOptions::make_model(std::shared_
   return std::make_unique<IrradianceField>(std::move(mesh), *this);
 }
 
-std::unique_ptr<Peers> IrradianceFieldOptions::make_peers(std::shared_ptr<const ModelSnapshot> snapshot, bool) const {
+std::unique_ptr<Baselines> IrradianceFieldOptions::make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
+                                                                  bool) const {
   return std::make_unique<SameInEveryLight>(std::move(snapshot));
 }
 

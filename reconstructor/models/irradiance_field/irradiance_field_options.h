@@ -22,7 +22,8 @@ struct IrradianceFieldOptions : ModelSettings {
   bool makes_mesh() const override { return true; }
   std::optional<Mesh> own_mesh(const PosedCamera& camera) const override;
   std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const override;
-  std::unique_ptr<Peers> make_peers(std::shared_ptr<const ModelSnapshot> snapshot, bool photographs) const override;
+  std::unique_ptr<Baselines> make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
+                                            bool photographs) const override;
 };
 
 }  // namespace sheen

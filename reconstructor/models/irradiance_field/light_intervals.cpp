@@ -10,20 +10,20 @@ namespace sheen {
 namespace {
 
 constexpr std::size_t kFewestLights = 8;
-constexpr double kShare = 0.99;  // of the pixels, that an error is stated of: the rest are edges of shadows
+constexpr double kFraction = 0.99;  // of the pixels, that an error is stated of: the rest are edges of shadows
 constexpr double kLeastError = 1e-3;
 constexpr double kRim = 0.5;            // more one-sided lights say nothing of growth
 constexpr std::size_t kMostTried = 32;  // of which growth is measured
 constexpr double kLeastGrowth = 0.25, kMostGrowth = 2;
 
-/// Largest of a pixel's three differences, in grey levels, that `kShare` of the pixels stay below.
+/// Largest of a pixel's three differences, in grey levels, that `kFraction` of the pixels stay below.
 double typical_largest(const ImageF& differences) {
   std::vector<float> largest(differences.size() / 3);
   for (std::size_t i = 0; i < largest.size(); ++i) {
     const float* pixel = differences.data() + 3 * i;
     largest[i] = std::max({std::abs(pixel[0]), std::abs(pixel[1]), std::abs(pixel[2])});
   }
-  return static_cast<double>(quantile(largest, kShare));
+  return static_cast<double>(quantile(largest, kFraction));
 }
 
 /// What surrounds a light.

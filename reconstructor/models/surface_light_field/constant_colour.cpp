@@ -16,7 +16,7 @@ namespace {
 
 struct ConstantColourSnapshot : public Appearance {
   std::shared_ptr<const Mesh> shape;
-  std::shared_ptr<const VertexRings> rings;
+  std::shared_ptr<const MapLayout> maps;
   Eigen::Matrix3Xf colour;  ///< encoded; a sample
   std::vector<std::uint8_t> known;
   ExposureField exposure;
@@ -30,11 +30,11 @@ class ConstantColourShader : public ViewShader {
   ConstantColourShader(const ConstantColourSnapshot& model, float exposure) : model_(model), exposure_(exposure) {}
 
   SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
-    const LatticeStencil stencil = lattice_stencil(model_.rings->resolution(triangle), u, v);
+    const LatticeStencil stencil = lattice_stencil(model_.maps->resolution(triangle), u, v);
     Eigen::Vector3f encoded = Eigen::Vector3f::Zero();
     bool measured = false;
     for (int k = 0; k < 3; ++k) {
-      const auto s = static_cast<Eigen::Index>(model_.rings->first_sample(triangle) + stencil.index[k]);
+      const auto s = static_cast<Eigen::Index>(model_.maps->first_sample(triangle) + stencil.index[k]);
       encoded += stencil.weight[k] * model_.colour.col(s);
       measured |= stencil.weight[k] > 0.25f && model_.known[s];
     }
@@ -63,42 +63,42 @@ float log_ratio(float encoded_seen, float encoded_expected) {
 void fill_unseen(ConstantColourSnapshot& snapshot) {
   const std::size_t triangles = snapshot.shape->triangles.size();
   Eigen::Matrix4Xf in_triangle = Eigen::Matrix4Xf::Zero(4, static_cast<Eigen::Index>(triangles));  // sum, seen samples
-  Eigen::Matrix4Xf in_ring = Eigen::Matrix4Xf::Zero(4, static_cast<Eigen::Index>(snapshot.rings->size()));
+  Eigen::Matrix4Xf round_vertex = Eigen::Matrix4Xf::Zero(4, static_cast<Eigen::Index>(snapshot.shape->vertices.size()));
   for (std::size_t t = 0; t < triangles; ++t) {
     auto sum = in_triangle.col(static_cast<Eigen::Index>(t));
-    for (std::size_t s = snapshot.rings->first_sample(t); s < snapshot.rings->first_sample(t + 1); ++s)
+    for (std::size_t s = snapshot.maps->first_sample(t); s < snapshot.maps->first_sample(t + 1); ++s)
       if (snapshot.known[s]) sum += snapshot.colour.col(static_cast<Eigen::Index>(s)).homogeneous();
-    for (const std::uint32_t v : snapshot.shape->triangles[t]) in_ring.col(v) += sum;
+    for (const std::uint32_t v : snapshot.shape->triangles[t]) round_vertex.col(v) += sum;
   }
-  std::vector<std::uint8_t> seen(snapshot.rings->size());
-  for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = in_ring(3, static_cast<Eigen::Index>(v)) > 0;
-  const std::vector<std::uint32_t> source = nearest_seen(*snapshot.shape, *snapshot.rings, seen);
+  std::vector<std::uint8_t> seen(snapshot.shape->vertices.size());
+  for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = round_vertex(3, static_cast<Eigen::Index>(v)) > 0;
+  const std::vector<std::uint32_t> source = nearest_seen(*snapshot.shape, seen);
   for (std::size_t t = 0; t < triangles; ++t) {
     const std::uint32_t nearest = source[snapshot.shape->triangles[t][0]];
     if (nearest == kNoVertex) return;  // no image shows anything
     const Eigen::Vector4f sum = in_triangle(3, static_cast<Eigen::Index>(t)) > 0
                                     ? in_triangle.col(static_cast<Eigen::Index>(t))
-                                    : in_ring.col(nearest);
-    for (std::size_t s = snapshot.rings->first_sample(t); s < snapshot.rings->first_sample(t + 1); ++s)
+                                    : round_vertex.col(nearest);
+    for (std::size_t s = snapshot.maps->first_sample(t); s < snapshot.maps->first_sample(t + 1); ++s)
       if (!snapshot.known[s]) snapshot.colour.col(static_cast<Eigen::Index>(s)) = sum.head<3>() / sum[3];
   }
 }
 
 }  // namespace
 
-ConstantColour::ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings)
+ConstantColour::ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps)
     : mesh_(std::move(mesh)),
-      rings_(std::move(rings)),
-      sum_(Eigen::Matrix3Xf::Zero(3, static_cast<Eigen::Index>(rings_->total_samples()))),
-      count_(rings_->total_samples(), 0) {}
+      maps_(std::move(maps)),
+      sum_(Eigen::Matrix3Xf::Zero(3, static_cast<Eigen::Index>(maps_->total_samples()))),
+      count_(maps_->total_samples(), 0) {}
 
 void ConstantColour::add(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.visible_in_triangle.size(), 128), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       const int visible = view.visible_in_triangle[t];
       if (visible == 0) continue;
-      const auto first = static_cast<Eigen::Index>(rings_->first_sample(t));
-      const int samples = lattice_samples(rings_->resolution(t));
+      const auto first = static_cast<Eigen::Index>(maps_->first_sample(t));
+      const int samples = lattice_samples(maps_->resolution(t));
       if (visible == samples) {
         sum_.middleCols(first, samples) += encoded.middleCols(first, samples);
         for (int s = 0; s < samples; ++s) ++count_[first + s];
@@ -130,7 +130,7 @@ std::vector<float> ConstantColour::log_ratios(const SurfaceView& view, const Eig
       if (view.visible_in_triangle[t] == 0) continue;
       float seen = 0, expected = 0;
       int values = 0;
-      for (std::size_t s = rings_->first_sample(t); s < rings_->first_sample(t + 1); ++s)
+      for (std::size_t s = maps_->first_sample(t); s < maps_->first_sample(t + 1); ++s)
         if (view.visible[s] && count_[s] > 0) {
           seen += encoded.col(static_cast<Eigen::Index>(s)).sum();
           expected += sum_.col(static_cast<Eigen::Index>(s)).sum() / static_cast<float>(count_[s]);
@@ -145,7 +145,7 @@ std::vector<float> ConstantColour::log_ratios(const SurfaceView& view, const Eig
 std::shared_ptr<const Appearance> ConstantColour::snapshot(ExposureField exposure) const {
   auto snapshot = std::make_shared<ConstantColourSnapshot>();
   snapshot->shape = mesh_;
-  snapshot->rings = rings_;
+  snapshot->maps = maps_;
   snapshot->exposure = std::move(exposure);
   snapshot->colour = sum_;
   snapshot->known.resize(count_.size());

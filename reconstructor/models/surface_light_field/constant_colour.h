@@ -7,8 +7,8 @@
 
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
-#include "reconstructor/surface/ring_visibility.h"
-#include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/map_layout.h"
+#include "reconstructor/surface/sample_visibility.h"
 
 namespace sheen {
 
@@ -16,7 +16,7 @@ namespace sheen {
 /// dependence. Every figure of a surface light field stands beside it.
 class ConstantColour {
  public:
-  ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings);
+  ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps);
 
   /// encoded: 3 x samples; only columns of visible samples are read. Log of how much brighter an image is than the
   /// mean, per triangle that both show; NaN elsewhere.
@@ -27,7 +27,7 @@ class ConstantColour {
 
  private:
   std::shared_ptr<const Mesh> mesh_;
-  std::shared_ptr<const VertexRings> rings_;
+  std::shared_ptr<const MapLayout> maps_;
   Eigen::Matrix3Xf sum_;
   std::vector<std::uint32_t> count_;
 };

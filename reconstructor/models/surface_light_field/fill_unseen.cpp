@@ -93,10 +93,10 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightF
   SurfaceLightFieldSnapshot::Patches patches = snapshot.patches();
   std::vector<std::uint8_t> seen(snapshot.mesh().vertices.size());
   for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = snapshot.seen_at(v) != nullptr;
-  const std::vector<std::uint32_t> nearest = nearest_seen(snapshot.mesh(), snapshot.rings(), seen);
+  const std::vector<std::uint32_t> nearest = nearest_seen(snapshot.mesh(), seen);
   for (std::size_t p = 0; p < patches.size(); ++p)
     if (!patches[p] || !patches[p]->seen()) patches[p] = guess(snapshot, snapshot.shapes().patches[p], nearest);
-  return std::make_shared<SurfaceLightFieldSnapshot>(snapshot.shared_mesh(), snapshot.shared_rings(),
+  return std::make_shared<SurfaceLightFieldSnapshot>(snapshot.shared_mesh(), snapshot.shared_maps(),
                                                      snapshot.shared_shapes(), std::move(patches), snapshot.version(),
                                                      snapshot.exposure(), snapshot.cameras());
 }

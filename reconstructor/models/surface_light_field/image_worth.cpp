@@ -10,38 +10,38 @@
 namespace sheen {
 namespace {
 
-constexpr std::size_t kRingsLookedAt = 200;
+constexpr std::size_t kVerticesLookedAt = 200;
 constexpr float kMinFacing = 0.2f;  // cosine: as the visibility test asks
-constexpr double kLevel = 0.5;      // variance of a ring's level, in units of how much it varies with the view
-constexpr float kReach = 0.8f;      // rad: over which two images of a ring tell of each other
+constexpr double kLevel = 0.5;      // variance of a vertex's level, in units of how much it varies with the view
+constexpr float kReach = 0.8f;      // rad: over which two images of a vertex tell of each other
 constexpr double kNoise = 0.05;
 constexpr double kUnseen = 0.02;  // mean square of encoded values, by which a guess of what no image shows is wrong
 constexpr double kPriorVariation = 1e-3;  // mean square of encoded values, before any image
-constexpr double kPriorViews = 4;         // views that the rings' common variation with the view counts for
+constexpr double kPriorViews = 4;         // views that the vertices' common variation with the view counts for
 
-/// How much a ring varies with the view: sum over its views of the mean square over its rows, encoded values.
+/// How much a vertex varies with the view: sum over its views of the mean square over its rows, encoded values.
 struct Variation {
   double sum = 0, views = 0;
 };
 
-/// Covariance of what a ring shows from two directions, in units of how much it varies with the view.
+/// Covariance of what a vertex shows from two directions, in units of how much it varies with the view.
 double covariance(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return kLevel + std::exp(-angle_between(a, b) / kReach);
 }
 
-/// A picture shows the ring the less exactly, the more obliquely.
+/// A picture shows the vertex the less exactly, the more obliquely.
 double noise(float facing) {
   return kNoise / std::max(facing, 0.5f * kMinFacing);
 }
 
-/// Places in sight of a ring, and how uncertain it is from there.
+/// Places in sight of a vertex, and how uncertain it is from there.
 struct Sight {
   std::vector<std::size_t> eyes;
   std::vector<float> facing;
-  Eigen::VectorXd variance;  ///< in units of how much the ring varies with the view
+  Eigen::VectorXd variance;  ///< in units of how much the vertex varies with the view
 };
 
-Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, const SeenRing* ring,
+Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, const SeenVertex* from,
                std::span<const Eigen::Vector3d> eyes) {
   Sight sight;
   std::vector<Eigen::Vector3f> directions;
@@ -54,10 +54,10 @@ Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, con
     directions.push_back(direction);
   }
   const auto n = static_cast<Eigen::Index>(directions.size());
-  const Eigen::Index views = ring ? ring->views->directions.cols() : 0;
+  const Eigen::Index views = from ? from->views->directions.cols() : 0;
   sight.variance = Eigen::VectorXd::Constant(n, kLevel + 1);
   if (views == 0 || n == 0) return sight;
-  const Eigen::Matrix3Xf& seen_from = ring->views->directions;
+  const Eigen::Matrix3Xf& seen_from = from->views->directions;
   Eigen::MatrixXd among(views, views), across(views, n);
   for (Eigen::Index a = 0; a < views; ++a) {
     for (Eigen::Index b = 0; b <= a; ++b) among(a, b) = among(b, a) = covariance(seen_from.col(a), seen_from.col(b));
@@ -75,16 +75,16 @@ Sight sight_of(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, con
 std::vector<double> image_worth(const LightFieldSnapshot& snapshot, std::span<const Eigen::Vector3d> eyes) {
   const Mesh& mesh = snapshot.mesh();
   const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
-  const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kRingsLookedAt);
+  const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kVerticesLookedAt);
   std::vector<std::size_t> looked_at;
   for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) looked_at.push_back(v);
-  const auto ring_of = [&](std::size_t i) { return snapshot.seen_ring(looked_at[i]); };
+  const auto seen_at = [&](std::size_t i) { return snapshot.seen_vertex(looked_at[i]); };
 
   std::vector<Variation> variations(looked_at.size());
   tbb::parallel_for(std::size_t{0}, looked_at.size(), [&](std::size_t i) {
-    if (const SeenRing* ring = ring_of(i)) {
-      const auto views = static_cast<double>(ring->views->directions.cols());
-      variations[i] = {snapshot.ring_variation(looked_at[i]) * views, views};
+    if (const SeenVertex* from = seen_at(i)) {
+      const auto views = static_cast<double>(from->views->directions.cols());
+      variations[i] = {snapshot.vertex_variation(looked_at[i]) * views, views};
     }
   });
   Variation common{kPriorVariation, 1};
@@ -98,16 +98,16 @@ std::vector<double> image_worth(const LightFieldSnapshot& snapshot, std::span<co
     const std::size_t v = looked_at[i];
     const double variation =
         (variations[i].sum + kPriorViews * common.sum / common.views) / (variations[i].views + kPriorViews);
-    const SeenRing* const ring = ring_of(i);
-    const Sight sight = sight_of(mesh.vertices[v], normals[v], ring, eyes);
+    const SeenVertex* const from = seen_at(i);
+    const Sight sight = sight_of(mesh.vertices[v], normals[v], from, eyes);
     by_ring[i].assign(eyes.size(), 0);
     for (std::size_t k = 0; k < sight.eyes.size(); ++k)
       by_ring[i][sight.eyes[k]] =
-          sight.facing[k] * (variation * sight.variance[static_cast<Eigen::Index>(k)] + (ring ? 0 : kUnseen));
+          sight.facing[k] * (variation * sight.variance[static_cast<Eigen::Index>(k)] + (from ? 0 : kUnseen));
   });
   std::vector<double> worth(eyes.size(), 0);
-  for (const std::vector<double>& ring : by_ring)
-    for (std::size_t e = 0; e < eyes.size(); ++e) worth[e] += ring[e];
+  for (const std::vector<double>& from : by_ring)
+    for (std::size_t e = 0; e < eyes.size(); ++e) worth[e] += from[e];
   return worth;
 }
 

@@ -20,7 +20,7 @@ class LightFieldShader : public ViewShader {
  public:
   LightFieldShader(const LightFieldSnapshot& snapshot, const Eigen::Vector3d& eye)
       : mesh_(snapshot.shared_mesh()),
-        rings_(snapshot.shared_rings()),
+        maps_(snapshot.shared_maps()),
         coefficients_(snapshot.coefficients_for(eye)),
         exposure_(snapshot.exposure().at(eye)),
         quality_(snapshot.quality_for(eye)) {
@@ -36,7 +36,7 @@ class LightFieldShader : public ViewShader {
     if (!patch || patch->rank() == 0) return {};
     const auto corner = [&](std::size_t c) { return coefficients_.col(place.columns[c]).head(patch->rank()); };
     const Eigen::VectorXf h = (1 - u - v) * corner(0) + u * corner(1) + v * corner(2);
-    const LatticeStencil stencil = lattice_stencil(rings_->resolution(triangle), u, v);
+    const LatticeStencil stencil = lattice_stencil(maps_->resolution(triangle), u, v);
     Eigen::Vector3f encoded = Eigen::Vector3f::Zero();
     SampleState state = SampleState::kUnseen;
     for (int k = 0; k < 3; ++k) {
@@ -51,7 +51,7 @@ class LightFieldShader : public ViewShader {
 
  private:
   std::shared_ptr<const Mesh> mesh_;
-  std::shared_ptr<const VertexRings> rings_;
+  std::shared_ptr<const MapLayout> maps_;
   std::vector<std::shared_ptr<const SurfacePatch>> patches_;
   std::vector<TrianglePlace> places_;  ///< per triangle
   Eigen::MatrixXf coefficients_;
@@ -61,7 +61,7 @@ class LightFieldShader : public ViewShader {
 
 }  // namespace
 
-std::uint8_t shown_share(int showed_it, int images) {
+std::uint8_t shown_fraction(int showed_it, int images) {
   if (showed_it <= 0) return 0;
   return static_cast<std::uint8_t>(std::clamp(std::lround(255.0 * showed_it / std::max(images, 1)), 1L, 255L));
 }
@@ -81,16 +81,16 @@ ViewAdvice LightFieldSnapshot::advise_next_view(const Eigen::Vector3d& eye) cons
 }
 
 std::vector<SurfaceQuality> LightFieldSnapshot::quality_for(const Eigen::Vector3d& eye) const {
-  std::vector<SurfaceQuality> rings(mesh_->vertices.size()), triangles;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rings.size(), 64), [&](const auto& range) {
+  std::vector<SurfaceQuality> vertices(mesh_->vertices.size()), triangles;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 64), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (const SeenRing* ring = seen_ring(v))
-        rings[v] = assess_ring(*ring, (eye.cast<float>() - mesh_->vertices[v]).normalized(), common_sill());
+      if (const SeenVertex* from = seen_vertex(v))
+        vertices[v] = assess_vertex(*from, (eye.cast<float>() - mesh_->vertices[v]).normalized(), common_sill());
   });
   triangles.reserve(mesh_->triangles.size());
   for (std::size_t t = 0; t < mesh_->triangles.size(); ++t) {
     const auto& [a, b, c] = mesh_->triangles[t];
-    triangles.push_back(seen(t) ? combine(rings[a], rings[b], rings[c]) : SurfaceQuality{});
+    triangles.push_back(seen(t) ? combine(vertices[a], vertices[b], vertices[c]) : SurfaceQuality{});
   }
   return triangles;
 }

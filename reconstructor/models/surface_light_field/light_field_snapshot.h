@@ -11,12 +11,12 @@
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/numerics/view_kernel.h"
 #include "reconstructor/radiance/exposure_field.h"
-#include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/map_layout.h"
 
 namespace sheen {
 
 /// Fraction of a patch's images that showed a sample, in 255ths; 0 only where none did, and no more than 255.
-std::uint8_t shown_share(int showed_it, int images);
+std::uint8_t shown_fraction(int showed_it, int images);
 /// What such a fraction says of the sample. The one place where the states are told apart.
 SampleState sample_state(std::uint8_t shown);
 
@@ -24,7 +24,7 @@ SampleState sample_state(std::uint8_t shown);
 /// eye. Values are sRGB-encoded (`srgb_encode`); the sum over a triangle's corners is decoded once, at the end.
 struct SurfacePatch {
   Eigen::MatrixXf basis;            ///< rows (3 * samples) x rank
-  std::vector<std::uint8_t> shown;  ///< per sample: fraction of the images that showed it (`shown_share`)
+  std::vector<std::uint8_t> shown;  ///< per sample: fraction of the images that showed it (`shown_fraction`)
 
   int rank() const { return static_cast<int>(basis.cols()); }
   SampleState state(int sample) const { return sample_state(shown[sample]); }
@@ -32,7 +32,7 @@ struct SurfacePatch {
 
 /// From where triangles round a vertex were seen, and how what lies between is interpolated. Patches of which the same
 /// images showed something share it.
-struct RingViews {
+struct VertexViews {
   Eigen::Matrix3Xf directions;  ///< unit vectors from the vertex to the cameras, object frame; a column per view
   Eigen::VectorXf reliability;  ///< per view, > 0: the kernel's nugget is divided by it
   std::shared_ptr<const ReflectionDrift> reflection;  ///< what all patches share; null where the vertex does without
@@ -46,21 +46,21 @@ struct RingViews {
 };
 
 /// How what the triangles round a vertex show varies with the view.
-struct SeenRing {
-  std::shared_ptr<const RingViews> views;  ///< never null
-  float sill = 0;                          ///< mean square per value: how much it varies (`ViewInterpolant::sill`)
-  float residual = 0;                      ///< psi_p: smoothed relative projection error of new images, 0..1
-  int views_folded = 0;                    ///< images ingested, thinned ones included
+struct SeenVertex {
+  std::shared_ptr<const VertexViews> views;  ///< never null
+  float sill = 0;                            ///< mean square per value: how much it varies (`ViewInterpolant::sill`)
+  float residual = 0;                        ///< psi_p: smoothed relative projection error of new images, 0..1
+  int views_folded = 0;                      ///< images ingested, thinned ones included
 };
 
 /// An immutable surface light field (000): a triangle's surface maps times the mean of its corners' view coefficients,
 /// weighted barycentrically. Patches of triangles share maps.
 class LightFieldSnapshot : public ModelSnapshot {
  public:
-  LightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings, std::uint64_t version,
+  LightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps, std::uint64_t version,
                      ExposureField exposure, std::vector<PosedCamera> cameras)
       : mesh_(std::move(mesh)),
-        rings_(std::move(rings)),
+        maps_(std::move(maps)),
         version_(version),
         exposure_(std::move(exposure)),
         cameras_(std::move(cameras)) {}
@@ -72,8 +72,8 @@ class LightFieldSnapshot : public ModelSnapshot {
   std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
   ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
 
-  const std::shared_ptr<const VertexRings>& shared_rings() const { return rings_; }
-  const VertexRings& rings() const { return *rings_; }
+  const std::shared_ptr<const MapLayout>& shared_maps() const { return maps_; }
+  const MapLayout& maps() const { return *maps_; }
   const ExposureField& exposure() const { return exposure_; }
 
   virtual std::size_t patch_count() const = 0;
@@ -89,17 +89,17 @@ class LightFieldSnapshot : public ModelSnapshot {
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const = 0;
 
   /// Null where no image showed anything of the vertex's triangles.
-  virtual const SeenRing* seen_ring(std::size_t vertex) const = 0;
-  /// How much the ring varies with the view: mean over its views of the mean square over its rows, encoded.
-  virtual double ring_variation(std::size_t vertex) const = 0;
-  virtual float common_sill() const = 0;  ///< mean of the rings' sills
+  virtual const SeenVertex* seen_vertex(std::size_t vertex) const = 0;
+  /// How much the vertex varies with the view: mean over its views of the mean square over its rows, encoded.
+  virtual double vertex_variation(std::size_t vertex) const = 0;
+  virtual float common_sill() const = 0;  ///< mean of the vertices' sills
 
   virtual int max_rank() const = 0;                                           ///< of all patches
   std::vector<SurfaceQuality> quality_for(const Eigen::Vector3d& eye) const;  ///< per triangle
 
  private:
   std::shared_ptr<const Mesh> mesh_;
-  std::shared_ptr<const VertexRings> rings_;
+  std::shared_ptr<const MapLayout> maps_;
   std::uint64_t version_;
   ExposureField exposure_;
   std::vector<PosedCamera> cameras_;

@@ -20,7 +20,7 @@ constexpr double kIngestSample = 8 + 1 + 12 + 12 + 4;
 constexpr double kIngestPixel = 12 + 4 + 4 + 3 + 16 * 4 / 3.0;
 constexpr double kImageCopies = 2;  // of an image: as the file has it, and decoded
 constexpr double kSnapshots = 2;
-constexpr double kFixedPerTriangle = 600;  // mesh, ray scene, rings, and what an image shows of them
+constexpr double kFixedPerTriangle = 600;  // mesh, ray scene, and what an image shows of them
 constexpr int kFewTerms = 3, kFewColumns = 8;
 
 }  // namespace
@@ -39,24 +39,24 @@ MemoryNeed memory_need(std::size_t triangles, const SurfaceLightFieldOptions& op
           fixed + patches * PatchModel::largest_bytes(samples, vertices, options.patch)};
 }
 
-MemoryAccount fixed_account(const Mesh& mesh, const VertexRings& rings, const CaptureSize& image) {
+MemoryAccount fixed_account(const Mesh& mesh, const MapLayout& maps, const CaptureSize& image) {
   const auto vertices = static_cast<double>(mesh.vertices.size()),
              triangles = static_cast<double>(mesh.triangles.size()),
-             samples = static_cast<double>(rings.total_samples());
+             samples = static_cast<double>(maps.total_samples());
   MemoryAccount account;
   account.mesh = vertices * (sizeof(Eigen::Vector3f) + sizeof(Eigen::Matrix3f)) + triangles * sizeof(Triangle) +
-                 3 * triangles * (sizeof(RingTriangle) + sizeof(std::uint32_t)) + triangles * sizeof(std::size_t);
+                 static_cast<double>(maps.bytes());
   account.ray_scene = kRayScenes * kRaySceneTriangle * triangles;
   account.ingest = kIngestSample * samples + kIngestPixel * image.pixels + kImageCopies * image.bytes;
   return account;
 }
 
 MemoryAccount largest_account(const Mesh& mesh, const Capture& first, const SurfaceLightFieldOptions& options) {
-  const VertexRings rings(
-      mesh, map_resolution(mesh, first.camera, first.pose.camera_from_object,
-                           {options.surface_map, options.min_surface_map, options.max_surface_map, options.map_scale}));
-  MemoryAccount account = fixed_account(mesh, rings, size_of(first));
-  const PatchShapes shapes = cut_into_patches(mesh, rings, static_cast<std::size_t>(options.patch.triangles));
+  const MapLayout maps(
+      map_resolution(mesh, first.camera, first.pose.camera_from_object,
+                     {options.surface_map, options.min_surface_map, options.max_surface_map, options.map_scale}));
+  MemoryAccount account = fixed_account(mesh, maps, size_of(first));
+  const PatchShapes shapes = cut_into_patches(mesh, maps, static_cast<std::size_t>(options.patch.triangles));
   for (const PatchShape& shape : shapes.patches) {
     account.model +=
         PatchModel::largest_bytes(shape.samples, static_cast<double>(shape.vertices.size()), options.patch);

@@ -7,12 +7,12 @@
 #include "common/geometry/mesh.h"
 #include "reconstructor/models/memory_account.h"
 #include "reconstructor/models/surface_light_field/surface_light_field_options.h"
-#include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/map_layout.h"
 
 namespace sheen {
 
 /// Mesh, ray scene and ingest; the rest 0. All images are taken to be as large.
-MemoryAccount fixed_account(const Mesh& mesh, const VertexRings& rings, const CaptureSize& image);
+MemoryAccount fixed_account(const Mesh& mesh, const MapLayout& maps, const CaptureSize& image);
 /// Upper bound of all but held-out views and probe once every patch holds all the terms and views that the options
 /// allow.
 MemoryAccount largest_account(const Mesh& mesh, const Capture& first, const SurfaceLightFieldOptions& options);

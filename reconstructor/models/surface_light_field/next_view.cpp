@@ -14,7 +14,7 @@ namespace sheen {
 namespace {
 
 constexpr int kCandidates = 48;
-constexpr std::size_t kRingsLookedAt = 200;
+constexpr std::size_t kVerticesLookedAt = 200;
 constexpr double kLowest = 0.15;  // sine of the elevation: a camera needs room above the stage
 constexpr double kHighest = 0.97;
 
@@ -50,7 +50,7 @@ struct Prospect {
 Prospect prospect_from(const LightFieldSnapshot& snapshot, const std::vector<Eigen::Vector3f>& normals,
                        const Eigen::Vector3d& eye) {
   const Mesh& mesh = snapshot.mesh();
-  const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kRingsLookedAt);
+  const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kVerticesLookedAt);
   double sum = 0, squared_error = 0, weight = 0;
   std::array<double, 5> by_reason{};
   for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) {
@@ -58,7 +58,8 @@ Prospect prospect_from(const LightFieldSnapshot& snapshot, const std::vector<Eig
     const double facing = normals[v].dot(direction);
     if (facing < 0.2) continue;
     SurfaceQuality quality;
-    if (const SeenRing* ring = snapshot.seen_ring(v)) quality = assess_ring(*ring, direction, snapshot.common_sill());
+    if (const SeenVertex* from = snapshot.seen_vertex(v))
+      quality = assess_vertex(*from, direction, snapshot.common_sill());
     sum += facing * quality.heuristic();
     squared_error += facing * quality.error * quality.error;
     weight += facing;

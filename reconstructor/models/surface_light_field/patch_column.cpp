@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/patch_column.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
 namespace sheen {
@@ -13,7 +10,7 @@ bool shows(const SurfaceView& view, const PatchShape& patch) {
                      [&](std::uint32_t t) { return view.visible_in_triangle[t] > 0; });
 }
 
-bool gather(const VertexRings& maps, const PatchShape& patch, const ShownImage& image, PatchColumn& column) {
+bool gather(const MapLayout& maps, const PatchShape& patch, const ShownImage& image, PatchColumn& column) {
   if (!shows(image.view, patch)) return false;
   column.visible.resize(patch.samples);
   column.values.resize(3 * Eigen::Index{patch.samples});
@@ -28,23 +25,26 @@ bool gather(const VertexRings& maps, const PatchShape& patch, const ShownImage& 
   return true;
 }
 
-std::vector<float> reliability_at_vertices(const VertexRings& rings, const SurfaceView& view) {
+std::vector<float> reliability_at_vertices(const Mesh& mesh, const MapLayout& maps, const SurfaceView& view) {
   constexpr float kLeast = 0.003f;
-  std::vector<float> reliability(rings.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rings.size(), 256), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      int visible = 0;
-      float cosine = 0;
-      for (const RingTriangle& member : rings.ring(v)) {
-        const int here = view.visible_in_triangle[member.triangle];
-        if (here == 0) continue;
-        visible += here;
-        cosine = std::max(cosine, view.cosine[member.triangle]);
-      }
-      const float share = static_cast<float>(visible) / static_cast<float>(std::max(rings.ring_samples(v), 1));
-      reliability[v] = std::max(kLeast, cosine * share);
+  struct Round {  // the triangles round a vertex
+    int samples = 0, visible = 0;
+    float cosine = 0;
+  };
+  std::vector<Round> round(mesh.vertices.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const int visible = view.visible_in_triangle[t];
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      round[v].samples += lattice_samples(maps.resolution(t));
+      round[v].visible += visible;
+      if (visible > 0) round[v].cosine = std::max(round[v].cosine, view.cosine[t]);
     }
-  });
+  }
+  std::vector<float> reliability;
+  reliability.reserve(round.size());
+  for (const Round& r : round)
+    reliability.push_back(
+        std::max(kLeast, r.cosine * (static_cast<float>(r.visible) / static_cast<float>(std::max(r.samples, 1)))));
   return reliability;
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/patch_shapes.h"
-#include "reconstructor/surface/ring_visibility.h"
-#include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/map_layout.h"
+#include "reconstructor/surface/sample_visibility.h"
 
 namespace sheen {
 
@@ -26,11 +26,11 @@ struct PatchColumn {
 bool shows(const SurfaceView& view, const PatchShape& patch);
 
 /// False when no sample of the patch is visible; `column` is then unchanged. Its buffers are reused.
-bool gather(const VertexRings& maps, const PatchShape& patch, const ShownImage& image, PatchColumn& column);
+bool gather(const MapLayout& maps, const PatchShape& patch, const ShownImage& image, PatchColumn& column);
 
 /// How far to rely on the image at each vertex of the mesh, in (0, 1]: the cosine of the most frontal visible triangle
 /// round it, times the fraction of the triangles round it that is visible. Where nothing is, a patch may have a guess:
 /// hardly at all.
-std::vector<float> reliability_at_vertices(const VertexRings& rings, const SurfaceView& view);
+std::vector<float> reliability_at_vertices(const Mesh& mesh, const MapLayout& maps, const SurfaceView& view);
 
 }  // namespace sheen

@@ -50,14 +50,14 @@ Begun begun(FactorizedPatch patch, std::size_t vertices) {
 
 /// What a vertex has of these views, and the kriging between them.
 struct Kriged {
-  std::shared_ptr<const RingViews> views;
+  std::shared_ptr<const VertexViews> views;
   ViewKriging kriging;
 };
 
 Kriged kriged(const InterpolatedVertex& vertex, SiteViews seen) {
   const SharedInterpolation& interpolation = vertex.interpolation;
   const Eigen::Vector3f normal = vertex.frame.row(2);
-  auto views = std::make_shared<RingViews>();
+  auto views = std::make_shared<VertexViews>();
   views->directions = std::move(seen.directions);
   views->reliability = std::move(seen.reliability);
   views->kernel = interpolation.chosen.kernel;
@@ -96,7 +96,7 @@ void interpolate_at(const InterpolatedVertex& vertex, std::span<const PatchVerte
 }  // namespace
 
 std::vector<std::shared_ptr<const PatchSnapshot>> interpolated(
-    const PatchShapes& shapes, const VertexRings& maps,
+    const PatchShapes& shapes, const MapLayout& maps,
     const std::function<std::optional<FactorizedPatch>(std::uint32_t)>& settle,
     const std::function<InterpolatedVertex(std::uint32_t)>& vertex, ViewMethod method) {
   std::vector<std::optional<Begun>> patches(shapes.patches.size());

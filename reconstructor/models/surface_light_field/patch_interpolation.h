@@ -32,7 +32,7 @@ struct InterpolatedVertex {
 struct FactorizedPatch {
   Eigen::MatrixXf basis, coefficients;  ///< rows x rank, rank x views
   std::vector<std::uint8_t> shown;      ///< `SurfacePatch::shown`
-  float residual = 0;                   ///< `SeenRing::residual`
+  float residual = 0;                   ///< `SeenVertex::residual`
   int images = 0;                       ///< ingested
   ViewSet views;
 };
@@ -42,7 +42,7 @@ struct FactorizedPatch {
 /// threads, and may let go of what it gives. Kriging costs the cube of the number of views: patches that share a vertex
 /// and have the same views there share it.
 std::vector<std::shared_ptr<const PatchSnapshot>> interpolated(
-    const PatchShapes& shapes, const VertexRings& maps,
+    const PatchShapes& shapes, const MapLayout& maps,
     const std::function<std::optional<FactorizedPatch>(std::uint32_t patch)>& settle,
     const std::function<InterpolatedVertex(std::uint32_t vertex)>& vertex, ViewMethod method);
 

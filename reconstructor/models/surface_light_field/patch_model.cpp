@@ -31,8 +31,8 @@ OnlineSvdOptions patch_factor_options(OnlineSvdOptions options) {
   return options;
 }
 
-double image_weight(const OnlineSvdOptions& options, double share_shown) {
-  return options.imputation == Imputation::kLeastSquares ? 1 : share_shown * share_shown;
+double image_weight(const OnlineSvdOptions& options, double fraction_shown) {
+  return options.imputation == Imputation::kLeastSquares ? 1 : fraction_shown * fraction_shown;
 }
 
 PatchModel::PatchModel(int samples, std::size_t vertices, const SurfaceSite& centre, const PatchModelOptions& options,
@@ -59,9 +59,9 @@ PatchModel::Absorbed PatchModel::absorb(const Eigen::VectorXf& column, std::span
   const auto shown = static_cast<std::size_t>(std::count(visible.begin(), visible.end(), 1));
   if (!shows_enough(shown, visible.size())) return result;
   result.used = true;
-  const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
+  const float fraction = static_cast<float>(shown) / static_cast<float>(visible.size());
   const OnlineSvd::Reports folded =
-      factor_.add(column, known_rows(visible, shown), image_weight(options_.factor, share));
+      factor_.add(column, known_rows(visible, shown), image_weight(options_.factor, fraction));
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
   views_.add(eye, reliability);
@@ -83,8 +83,8 @@ void PatchModel::withdraw(const Eigen::VectorXf& column, std::span<const std::ui
   if (images_ == 0 || !shows_enough(shown, visible.size())) return;
   const int view = views_.view_from(eye), folded = factor_.folded_views();
   if (view < folded) {
-    const float share = static_cast<float>(shown) / static_cast<float>(visible.size());
-    const double weight = factor_.weight_of(view), taken = image_weight(options_.factor, share);
+    const float fraction = static_cast<float>(shown) / static_cast<float>(visible.size());
+    const double weight = factor_.weight_of(view), taken = image_weight(options_.factor, fraction);
     factor_.take_from(view, column, known_rows(visible, shown), taken);
     if (factor_.folded_views() < folded)
       views_.remove(view);
@@ -256,7 +256,7 @@ FactorizedPatch PatchModel::settled() const {
                         .images = images_,
                         .views = views_};
   patch.shown.reserve(shown_.size());
-  for (const std::uint16_t images : shown_) patch.shown.push_back(shown_share(images, images_));
+  for (const std::uint16_t images : shown_) patch.shown.push_back(shown_fraction(images, images_));
   return patch;
 }
 

@@ -31,7 +31,7 @@ OnlineSvdOptions patch_factor_options(OnlineSvdOptions options);
 
 /// Weight of an image in a patch's factor: what it does not show is a guess that only repeats the basis, so it counts
 /// for less than its fraction (docs/decisions/missing_samples.md). The paper's imputation has no weights.
-double image_weight(const OnlineSvdOptions& options, double share_shown);
+double image_weight(const OnlineSvdOptions& options, double fraction_shown);
 
 /// The surface light field of one patch as it grows: the online SVD of what was seen (OnlineSvd) and from where
 /// (ViewSet), in the same numbering. How it varies between the views is the vertices' own (InterpolationUpkeep).

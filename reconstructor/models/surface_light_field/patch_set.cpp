@@ -36,7 +36,7 @@ SurfaceSite centre_of(const Mesh& mesh, const PatchShape& patch) {
   return centre;
 }
 
-PatchSet::PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> maps,
+PatchSet::PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps,
                    std::span<const Eigen::Matrix3f> frames, const PatchModelOptions& options)
     : mesh_(std::move(mesh)),
       maps_(std::move(maps)),
@@ -103,7 +103,7 @@ PatchSet::Update PatchSet::absorb(Indices chosen, const ShownImage& image, std::
   update.repeated.assign(chosen.size(), 0);
   std::vector<PatchModel::Absorbed> absorbed(chosen.size());
   const Eigen::Vector3f eye = image.view.eye.cast<float>();
-  const std::vector<float> reliability = reliability_at_vertices(*maps_, image.view);
+  const std::vector<float> reliability = reliability_at_vertices(*mesh_, *maps_, image.view);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chosen.size(), 4), [&](const auto& range) {
     PatchColumn column;
     std::vector<float> at_vertices;

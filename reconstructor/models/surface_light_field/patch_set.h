@@ -12,8 +12,8 @@
 #include "reconstructor/models/surface_light_field/patch_column.h"
 #include "reconstructor/models/surface_light_field/patch_model.h"
 #include "reconstructor/models/surface_light_field/patch_shapes.h"
-#include "reconstructor/surface/ring_visibility.h"
-#include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/map_layout.h"
+#include "reconstructor/surface/sample_visibility.h"
 
 namespace sheen {
 
@@ -27,7 +27,7 @@ class PatchSet {
   using Indices = std::span<const std::uint32_t>;  ///< of patches, ascending
 
   /// `frames`: of the vertices' hemispheres.
-  PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> maps,
+  PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps,
            std::span<const Eigen::Matrix3f> frames, const PatchModelOptions& options);
 
   const std::shared_ptr<const PatchShapes>& shapes() const { return shapes_; }
@@ -73,7 +73,7 @@ class PatchSet {
   bool gather(std::size_t patch, const ShownImage& image, PatchColumn& column) const;
 
   std::shared_ptr<const Mesh> mesh_;
-  std::shared_ptr<const VertexRings> maps_;
+  std::shared_ptr<const MapLayout> maps_;
   std::shared_ptr<const PatchShapes> shapes_;
   std::span<const Eigen::Matrix3f> frames_;
   PatchModelOptions options_;

@@ -50,7 +50,7 @@ void number_vertices(const Mesh& mesh, PatchShapes& shapes) {
 
 }  // namespace
 
-PatchShapes patch_shapes(const Mesh& mesh, const VertexRings& rings, std::vector<std::uint32_t> patch_of) {
+PatchShapes patch_shapes(const Mesh& mesh, const MapLayout& maps, std::vector<std::uint32_t> patch_of) {
   PatchShapes shapes;
   shapes.patch_of = std::move(patch_of);
   shapes.first_sample.resize(mesh.triangles.size());
@@ -61,7 +61,7 @@ PatchShapes patch_shapes(const Mesh& mesh, const VertexRings& rings, std::vector
     shapes.first_sample[t] = shape.samples;
     shape.triangles.push_back(t);
     shape.first_sample.push_back(shape.samples);
-    shape.samples += static_cast<std::uint32_t>(lattice_samples(rings.resolution(t)));
+    shape.samples += static_cast<std::uint32_t>(lattice_samples(maps.resolution(t)));
     shape.vertices.insert(shape.vertices.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
   }
   for (PatchShape& shape : shapes.patches) {
@@ -74,7 +74,7 @@ PatchShapes patch_shapes(const Mesh& mesh, const VertexRings& rings, std::vector
 
 /// From triangle to triangle: a patch takes the free neighbour that has most corners in it already, the earliest of
 /// equals. What is left over goes to the smallest patch beside it.
-PatchShapes cut_into_patches(const Mesh& mesh, const VertexRings& rings, std::size_t most_triangles) {
+PatchShapes cut_into_patches(const Mesh& mesh, const MapLayout& maps, std::size_t most_triangles) {
   const auto neighbours = neighbours_of(mesh);
   const std::size_t count = mesh.triangles.size();
   std::vector<std::uint32_t> patch_of(count, kNone);
@@ -127,7 +127,7 @@ PatchShapes cut_into_patches(const Mesh& mesh, const VertexRings& rings, std::si
     for (const std::uint32_t t : triangles) patch_of[t] = patches;
     ++patches;
   }
-  return patch_shapes(mesh, rings, std::move(patch_of));
+  return patch_shapes(mesh, maps, std::move(patch_of));
 }
 
 }  // namespace sheen

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/geometry/mesh.h"
-#include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/map_layout.h"
 
 namespace sheen {
 
@@ -56,10 +56,10 @@ struct PatchShapes {
 };
 
 /// `patch_of`: for each triangle its patch; of 0 .. n - 1, each must have a triangle.
-PatchShapes patch_shapes(const Mesh& mesh, const VertexRings& rings, std::vector<std::uint32_t> patch_of);
+PatchShapes patch_shapes(const Mesh& mesh, const MapLayout& maps, std::vector<std::uint32_t> patch_of);
 
 /// Patches of so many neighbouring triangles. They depend on connections alone, in whole numbers, so that a reader cuts
 /// a mesh the same way.
-PatchShapes cut_into_patches(const Mesh& mesh, const VertexRings& rings, std::size_t most_triangles);
+PatchShapes cut_into_patches(const Mesh& mesh, const MapLayout& maps, std::size_t most_triangles);
 
 }  // namespace sheen

@@ -29,7 +29,7 @@ Eigen::VectorXf VertexInterpolant::coefficients(const Eigen::Vector3f& direction
 }
 
 void CoefficientsAtVertex::of(const VertexInterpolant& vertex, Eigen::Ref<Eigen::VectorXf> h) {
-  const RingViews& views = *vertex.views;
+  const VertexViews& views = *vertex.views;
   if (vertex.triangulation) {
     h = vertex.weights * delaunay_weights(*vertex.triangulation, hemisphere_point(views.frame, direction_));
     return;
@@ -55,7 +55,7 @@ bool PatchSnapshot::seen() const {
 
 std::size_t PatchSnapshot::shown_samples() const {
   return static_cast<std::size_t>(
-      std::count_if(shown.begin(), shown.end(), [](std::uint8_t share) { return share > 0; }));
+      std::count_if(shown.begin(), shown.end(), [](std::uint8_t fraction) { return fraction > 0; }));
 }
 
 std::size_t PatchSnapshot::bytes() const {

@@ -16,7 +16,7 @@ namespace sheen {
 /// seen from the vertex:
 /// h(d) = mean + drift * reflection(d mirrored about the normal) + sum_j weights.col(j) * k(angle(d,
 /// directions.col(j))).
-struct VertexInterpolant : SeenRing {
+struct VertexInterpolant : SeenVertex {
   Eigen::MatrixXf weights;  ///< rank x views: kriging in its dual form
   Eigen::VectorXf mean;     ///< rank
   Eigen::VectorXf drift;    ///< rank: of the reflection that all share; empty where the vertex does without
@@ -47,7 +47,7 @@ class CoefficientsAtVertex {
 
  private:
   Eigen::Vector3f direction_;
-  const RingViews* views_ = nullptr;  ///< of which the following is
+  const VertexViews* views_ = nullptr;  ///< of which the following is
   Eigen::VectorXf covariances_;
   float reflected_ = 0;
 };

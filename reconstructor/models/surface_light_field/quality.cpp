@@ -9,16 +9,16 @@
 namespace sheen {
 namespace {
 
-constexpr float kCommonViews = 1;  // images that the other rings' sills count for
+constexpr float kCommonViews = 1;  // images that the other vertices' sills count for
 
 }  // namespace
 
-SurfaceQuality assess_ring(const SeenRing& ring, const Eigen::Vector3f& direction, float common_sill) {
+SurfaceQuality assess_vertex(const SeenVertex& vertex, const Eigen::Vector3f& direction, float common_sill) {
   SurfaceQuality quality;
   quality.seen = true;
-  const RingViews& from = *ring.views;
+  const VertexViews& from = *vertex.views;
   const auto views = static_cast<float>(from.directions.cols());
-  const float sill = (views * ring.sill + kCommonViews * common_sill) / (views + kCommonViews);
+  const float sill = (views * vertex.sill + kCommonViews * common_sill) / (views + kCommonViews);
   quality.error = std::sqrt(sill * prediction_variance(from.directions, from.kernel, direction));
   quality.nearest_cosine = (from.directions.transpose() * direction).maxCoeff();
   quality.best_cosine = from.best_cosine;

@@ -7,14 +7,14 @@
 
 namespace sheen {
 
-struct SeenRing;
+struct SeenVertex;
 
-/// The error is kriging's own: the sill, which says how well the ring's images predict each other, times the variance
-/// of what is seen from there given the images. `common_sill`: of all rings (`LightFieldSnapshot::common_sill`);
-/// it counts for one image beside the ring's own.
-SurfaceQuality assess_ring(const SeenRing& ring, const Eigen::Vector3f& direction, float common_sill);
+/// The error is kriging's own: the sill, which says how well the vertex's images predict each other, times the variance
+/// of what is seen from there given the images. `common_sill`: of all vertices (`LightFieldSnapshot::common_sill`);
+/// it counts for one image beside the vertex's own.
+SurfaceQuality assess_vertex(const SeenVertex& vertex, const Eigen::Vector3f& direction, float common_sill);
 
-/// A triangle is known as well as the mean of its rings, and is unseen when any of them is.
+/// A triangle is known as well as the mean of its vertices, and is unseen when any of them is.
 SurfaceQuality combine(const SurfaceQuality& a, const SurfaceQuality& b, const SurfaceQuality& c);
 
 }  // namespace sheen

@@ -45,10 +45,10 @@ ReflectionFit::Centred::Centred(const PatchLevels& patch)
       weight(patch.reliability) {
   for (Eigen::Index j = 0; j < patch.directions.cols(); ++j)
     harmonics.col(j) = spherical_harmonics(mirrored(patch.directions.col(j), patch.normal).normalized());
-  const Eigen::VectorXf share = weight / weight.sum();
-  mean = levels * share;
+  const Eigen::VectorXf fraction = weight / weight.sum();
+  mean = levels * fraction;
   levels.colwise() -= mean;
-  const Eigen::VectorXf mean_harmonics = harmonics * share;
+  const Eigen::VectorXf mean_harmonics = harmonics * fraction;
   harmonics.colwise() -= mean_harmonics;
   sensitivity = mean;
 }

@@ -34,11 +34,11 @@ float mean_sill(const SurfaceLightFieldSnapshot::Patches& patches) {
 }  // namespace
 
 SurfaceLightFieldSnapshot::SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh> mesh,
-                                                     std::shared_ptr<const VertexRings> rings,
+                                                     std::shared_ptr<const MapLayout> maps,
                                                      std::shared_ptr<const PatchShapes> shapes, Patches patches,
                                                      std::uint64_t version, ExposureField exposure,
                                                      std::vector<PosedCamera> cameras)
-    : LightFieldSnapshot(std::move(mesh), std::move(rings), version, std::move(exposure), std::move(cameras)),
+    : LightFieldSnapshot(std::move(mesh), std::move(maps), version, std::move(exposure), std::move(cameras)),
       shapes_(std::move(shapes)),
       patches_(std::move(patches)),
       common_sill_(mean_sill(patches_)) {}
@@ -57,7 +57,7 @@ std::shared_ptr<const LightFieldSnapshot> SurfaceLightFieldSnapshot::with_patche
   Patches data;
   data.reserve(patches.size());
   for (const auto& patch : patches) data.push_back(std::static_pointer_cast<const PatchSnapshot>(patch));
-  return std::make_shared<SurfaceLightFieldSnapshot>(shared_mesh(), shared_rings(), shapes_, std::move(data), version(),
+  return std::make_shared<SurfaceLightFieldSnapshot>(shared_mesh(), shared_maps(), shapes_, std::move(data), version(),
                                                      exposure(), cameras());
 }
 
@@ -72,7 +72,7 @@ const VertexInterpolant* SurfaceLightFieldSnapshot::seen_at(std::size_t vertex) 
   return most;
 }
 
-double SurfaceLightFieldSnapshot::ring_variation(std::size_t vertex) const {
+double SurfaceLightFieldSnapshot::vertex_variation(std::size_t vertex) const {
   const PatchSnapshot* patch = nullptr;
   const VertexInterpolant* const at = seen_at(vertex);
   for (const PatchVertex& round : shapes_->round(vertex))
@@ -145,9 +145,9 @@ std::size_t SurfaceLightFieldSnapshot::memory_bytes() const {
   for (const auto& patch : patches_)
     if (patch) bytes += patch->bytes();
   for (std::size_t v = 0; v < mesh().vertices.size(); ++v) {
-    std::vector<const RingViews*> counted;  // those that patches share
+    std::vector<const VertexViews*> counted;  // those that patches share
     for (const auto& [p, i] : shapes_->round(v)) {
-      const RingViews* views = patches_[p] ? patches_[p]->vertices[i].views.get() : nullptr;
+      const VertexViews* views = patches_[p] ? patches_[p]->vertices[i].views.get() : nullptr;
       if (!views || std::find(counted.begin(), counted.end(), views) != counted.end()) continue;
       counted.push_back(views);
       bytes += views->bytes();
@@ -167,10 +167,10 @@ void SurfaceLightFieldSnapshot::save(const std::filesystem::path& folder, const 
 
 std::shared_ptr<const ModelSnapshot> bare_mesh(std::shared_ptr<const Mesh> mesh, std::vector<PosedCamera> cameras) {
   constexpr std::uint8_t kLeastResolution = 2;
-  auto rings = std::make_shared<const VertexRings>(*mesh, std::vector(mesh->triangles.size(), kLeastResolution));
-  auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *rings, 1));
+  auto maps = std::make_shared<const MapLayout>(std::vector(mesh->triangles.size(), kLeastResolution));
+  auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, 1));
   SurfaceLightFieldSnapshot::Patches unknown(shapes->patches.size());
-  return std::make_shared<SurfaceLightFieldSnapshot>(std::move(mesh), std::move(rings), std::move(shapes),
+  return std::make_shared<SurfaceLightFieldSnapshot>(std::move(mesh), std::move(maps), std::move(shapes),
                                                      std::move(unknown), 0, ExposureField{}, std::move(cameras));
 }
 

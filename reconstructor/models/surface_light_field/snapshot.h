@@ -21,7 +21,7 @@ class SurfaceLightFieldSnapshot : public LightFieldSnapshot {
  public:
   using Patches = std::vector<std::shared_ptr<const PatchSnapshot>>;  ///< as the shapes have them
 
-  SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const VertexRings> rings,
+  SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps,
                             std::shared_ptr<const PatchShapes> shapes, Patches patches, std::uint64_t version,
                             ExposureField exposure = {}, std::vector<PosedCamera> cameras = {});
 
@@ -45,8 +45,8 @@ class SurfaceLightFieldSnapshot : public LightFieldSnapshot {
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const override;
   std::shared_ptr<const LightFieldSnapshot> with_patches(
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const override;
-  const SeenRing* seen_ring(std::size_t vertex) const override { return seen_at(vertex); }
-  double ring_variation(std::size_t vertex) const override;
+  const SeenVertex* seen_vertex(std::size_t vertex) const override { return seen_at(vertex); }
+  double vertex_variation(std::size_t vertex) const override;
   int max_rank() const override;
   float common_sill() const override { return common_sill_; }
 

@@ -18,7 +18,7 @@
 #include "reconstructor/models/surface_light_field/patch_set.h"
 #include "reconstructor/radiance/capture_rules.h"
 #include "reconstructor/radiance/exposure_gain.h"
-#include "reconstructor/radiance/ring_resampler.h"
+#include "reconstructor/radiance/resampling.h"
 #include "reconstructor/surface/map_resolution.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
@@ -27,7 +27,7 @@ namespace {
 
 // An image that may repeat an earlier one is decided on one patch of so many; by so many of those.
 constexpr std::size_t kPatchesPerTested = 13;  // no multiple of how many a regular mesh has side by side
-constexpr double kRepeatedShare = 0.95;
+constexpr double kRepeatedFraction = 0.95;
 constexpr std::size_t kPredictedPatches = 16;  // per image: each costs a solve
 
 bool has_pose(const PoseEstimate& pose) {
@@ -65,8 +65,8 @@ struct SurfaceLightField::Pipeline {
   };
   std::optional<Beginning> beginning;
   // From the first image on:
-  std::shared_ptr<const VertexRings> shape;
-  std::unique_ptr<RingVisibility> visibility;
+  std::shared_ptr<const MapLayout> shape;
+  std::unique_ptr<SampleVisibility> visibility;
   std::unique_ptr<ConstantColour> constant_colour;
   std::optional<PatchSet> patches;
   double update_fraction = 1;  ///< of the patches that an image shows: those that it updates
@@ -103,10 +103,10 @@ struct SurfaceLightField::Pipeline {
 };
 
 void SurfaceLightField::Pipeline::start(const Beginning& first) {
-  shape = std::make_shared<VertexRings>(*mesh, map_resolution(*mesh, first.camera, first.camera_from_object,
-                                                              {options.surface_map, options.min_surface_map,
-                                                               options.max_surface_map, options.map_scale}));
-  visibility = std::make_unique<RingVisibility>(*mesh, *shape, options.visibility, scene);
+  shape = std::make_shared<MapLayout>(
+      map_resolution(*mesh, first.camera, first.camera_from_object,
+                     {options.surface_map, options.min_surface_map, options.max_surface_map, options.map_scale}));
+  visibility = std::make_unique<SampleVisibility>(*mesh, *shape, options.visibility, scene);
   constant_colour = std::make_unique<ConstantColour>(mesh, shape);
   patches.emplace(mesh, shape, frames, options.patch);
 }
@@ -206,7 +206,7 @@ bool SurfaceLightField::Pipeline::repeats_earlier_image(const SurfaceView& view,
   }
   resample(image, view, *shape, triangles, report.exposure_gain, samples, options.sampling);
   const std::size_t repeated = patches->count_repeated(tested, {view, samples});
-  if (static_cast<double>(repeated) < kRepeatedShare * static_cast<double>(tested.size())) return false;
+  if (static_cast<double>(repeated) < kRepeatedFraction * static_cast<double>(tested.size())) return false;
   report.patches_skipped = shown.size();
   return true;
 }
@@ -323,7 +323,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_
   if (p.finished) return p.finished->snapshot;
   if (!p.patches) {  // nothing seen yet: an empty light field on the coarsest maps
     const std::vector<std::uint8_t> coarse(p.mesh->triangles.size(), 2);
-    auto maps = std::make_shared<VertexRings>(*p.mesh, coarse);
+    auto maps = std::make_shared<MapLayout>(coarse);
     auto shapes = std::make_shared<const PatchShapes>(
         cut_into_patches(*p.mesh, *maps, static_cast<std::size_t>(p.options.patch.triangles)));
     SurfaceLightFieldSnapshot::Patches none(shapes->patches.size());
@@ -349,7 +349,7 @@ void SurfaceLightField::finish() {
 std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
   if (pipeline_->constant_colour) return pipeline_->constant_colour->snapshot(pipeline_->exposure_field());
   const std::vector<std::uint8_t> coarse(pipeline_->mesh->triangles.size(), 2);
-  return ConstantColour(pipeline_->mesh, std::make_shared<VertexRings>(*pipeline_->mesh, coarse)).snapshot();
+  return ConstantColour(pipeline_->mesh, std::make_shared<MapLayout>(coarse)).snapshot();
 }
 
 ModelFigures SurfaceLightField::figures() const {
@@ -364,7 +364,7 @@ ModelFigures SurfaceLightField::figures() const {
 MemoryAccount SurfaceLightField::memory(const CaptureSize& image) const {
   constexpr double kSnapshots = 2;  // the one that is shown, and the one that follows
   MemoryAccount account;
-  if (rings()) account = fixed_account(*pipeline_->mesh, *rings(), image);
+  if (maps()) account = fixed_account(*pipeline_->mesh, *maps(), image);
   account.model = static_cast<double>(bytes());
   account.snapshots = kSnapshots * static_cast<double>(snapshot_bytes());
   return account;
@@ -380,7 +380,7 @@ std::size_t SurfaceLightField::snapshot_bytes() const {
   return pipeline_->patches ? pipeline_->patches->snapshot_bytes() : 0;
 }
 
-const VertexRings* SurfaceLightField::rings() const {
+const MapLayout* SurfaceLightField::maps() const {
   return pipeline_->shape.get();
 }
 

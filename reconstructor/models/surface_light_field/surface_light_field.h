@@ -46,7 +46,7 @@ class SurfaceLightField : public AppearanceModel {
   MemoryAccount memory(const CaptureSize& image) const override;
   std::size_t bytes() const;           ///< of all patches
   std::size_t snapshot_bytes() const;  ///< of a snapshot of all patches
-  const VertexRings* rings() const;    ///< null until an image comes
+  const MapLayout* maps() const;       ///< null until an image comes
 
  private:
   struct Pipeline;

@@ -6,7 +6,7 @@
 
 #include "common/base/errors.h"
 #include "reconstructor/models/surface_light_field/effort_levels.h"
-#include "reconstructor/models/surface_light_field/light_field_peers.h"
+#include "reconstructor/models/surface_light_field/light_field_baselines.h"
 #include "reconstructor/models/surface_light_field/memory_account.h"
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 
@@ -60,10 +60,10 @@ std::unique_ptr<AppearanceModel> SurfaceLightFieldOptions::make_model(std::share
   return std::make_unique<SurfaceLightField>(std::move(mesh), *this);
 }
 
-std::unique_ptr<Peers> SurfaceLightFieldOptions::make_peers(std::shared_ptr<const ModelSnapshot> snapshot,
-                                                            bool photographs) const {
-  return std::make_unique<LightFieldPeers>(std::dynamic_pointer_cast<const LightFieldSnapshot>(snapshot), *this,
-                                           photographs);
+std::unique_ptr<Baselines> SurfaceLightFieldOptions::make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
+                                                                    bool photographs) const {
+  return std::make_unique<LightFieldBaselines>(std::dynamic_pointer_cast<const LightFieldSnapshot>(snapshot), *this,
+                                               photographs);
 }
 
 const SurfaceLightFieldOptions& light_field_options(const ModelSettings& settings, const std::string& who) {

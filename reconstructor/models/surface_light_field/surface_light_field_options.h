@@ -25,7 +25,8 @@ struct SurfaceLightFieldOptions : ModelSettings {
   int effort_levels() const override;
   MemoryNeed memory_need(std::size_t vertices, std::size_t triangles) const override;
   std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const override;
-  std::unique_ptr<Peers> make_peers(std::shared_ptr<const ModelSnapshot> snapshot, bool photographs) const override;
+  std::unique_ptr<Baselines> make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
+                                            bool photographs) const override;
 
   static constexpr const char* kName = "surface_light_field";
 };

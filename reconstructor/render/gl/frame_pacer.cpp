@@ -11,12 +11,12 @@ namespace {
 constexpr std::array<MovingFrame, 6> kLevels{MovingFrame{1, true}, {1, false}, {1.5, false},
                                              {2, false},           {3, false}, {4, false}};
 constexpr int kCoarsest = static_cast<int>(kLevels.size()) - 1;
-constexpr double kShareOfOneSample = 0.45;  // of the time of several
-constexpr int kSlowFrames = 2;              // of which one alone is an accident
+constexpr double kFractionOfOneSample = 0.45;  // of the time of several
+constexpr int kSlowFrames = 2;                 // of which one alone is an accident
 
 double cost(int level) {
   const MovingFrame& frame = kLevels[static_cast<std::size_t>(level)];
-  return (frame.smooth ? 1 : kShareOfOneSample) / (frame.pixel * frame.pixel);
+  return (frame.smooth ? 1 : kFractionOfOneSample) / (frame.pixel * frame.pixel);
 }
 
 /// The finest level at which a frame is within the goal, when one at `level` takes `ms`. What does not shrink with the

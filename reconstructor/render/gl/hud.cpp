@@ -184,7 +184,7 @@ void Hud::draw_work(OverlayPainter& overlay) const {
   overlay.text(x + pad, y, what, kText);
   y += overlay.line_height() + pad / 2;
   overlay.fill(x + pad, y, width - 2 * pad, bar, {70, 75, 84, 255});
-  overlay.fill(x + pad, y, (width - 2 * pad) * static_cast<float>(std::clamp(state.work->share, 0.0, 1.0)), bar,
+  overlay.fill(x + pad, y, (width - 2 * pad) * static_cast<float>(std::clamp(state.work->fraction, 0.0, 1.0)), bar,
                kGreen);
   overlay.text(x + pad, y + bar + pad / 2, state.work->way_out, kDim);
 }

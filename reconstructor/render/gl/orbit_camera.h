@@ -15,7 +15,7 @@ struct Viewpoint {
   Rigid3 camera_from_object;
   /// How far a person has turned the light, radians: round the z axis of the object, and up. For models of moving
   /// light.
-  Eigen::Vector2d light_turn = Eigen::Vector2d::Zero();
+  Eigen::Vector2d light_rotation = Eigen::Vector2d::Zero();
 
   bool operator==(const Viewpoint&) const = default;
   Eigen::Vector3d eye() const { return camera_centre(camera_from_object); }

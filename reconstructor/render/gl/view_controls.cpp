@@ -53,7 +53,7 @@ void ViewControls::frame(const ModelSnapshot& model) {
 
 void ViewControls::reset() {
   follow = false;
-  light_turn.setZero();
+  light_rotation.setZero();
   if (framed_) stand_where_it_opens();
 }
 

@@ -31,7 +31,7 @@ struct ViewControls {
   bool help = false;
   bool figures = true;  ///< text and guides over the picture
   OrbitCamera orbit;
-  Eigen::Vector2d light_turn = Eigen::Vector2d::Zero();  ///< see `Viewpoint::light_turn`
+  Eigen::Vector2d light_rotation = Eigen::Vector2d::Zero();  ///< see `Viewpoint::light_rotation`
 
   std::optional<Eigen::Vector3d> eye;  ///< where the free camera stands at first; empty: `frame` decides
 

@@ -55,7 +55,7 @@ std::vector<ViewerScene::SurfacePanel> ViewerScene::surface_panels(const ViewerS
     const Panel panel = follow ? fit(area, state.capture->camera.width, state.capture->camera.height) : area;
     Viewpoint viewpoint =
         follow ? tracked_viewpoint(*state.capture, panel) : controls.orbit.viewpoint(panel.width, panel.height);
-    viewpoint.light_turn = controls.light_turn;
+    viewpoint.light_rotation = controls.light_rotation;
     panels.push_back({panel, viewpoint, shading});
   };
   const int half = std::max(1, width / 2);

@@ -48,7 +48,7 @@ struct NextView {
 /// What the person waits for, with a bar.
 struct WorkInHand {
   std::string what;     ///< shown as it stands
-  double share = 0;     ///< of the work that is done, 0..1
+  double fraction = 0;  ///< of the work that is done, 0..1
   std::string way_out;  ///< how to go without it; may be empty
 };
 

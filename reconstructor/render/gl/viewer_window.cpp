@@ -158,7 +158,7 @@ struct ViewerWindow::Impl {
     const Eigen::Vector2d part = moved / std::max(1, height);
     const bool control = glfwGetKey(window.get(), GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS;
     if (control && held(GLFW_MOUSE_BUTTON_LEFT)) {
-      controls.light_turn += 4 * Eigen::Vector2d(part.x(), -part.y());
+      controls.light_rotation += 4 * Eigen::Vector2d(part.x(), -part.y());
       changed = true;
       return;
     }

@@ -140,14 +140,14 @@ TEST(RayScene, NoRaySlipsThroughAnEdge) {
   const Mesh mesh = sphere_mesh(1, 3);
   const RayScene scene(mesh);
   std::mt19937 engine(4);
-  std::uniform_real_distribution<float> share(0.001f, 0.999f);
+  std::uniform_real_distribution<float> fraction(0.001f, 0.999f);
   std::vector<Ray> rays;
   for (const Triangle& t : mesh.triangles)
     for (int c = 0; c < 3; ++c)
       for (int k = 0; k < 8; ++k) {
         const Eigen::Vector3f a = mesh.vertices[t[c]], b = mesh.vertices[t[(c + 1) % 3]];
-        const float w = share(engine);
-        const Eigen::Vector3f target = w * a + (1 - w) * b, aside(share(engine), share(engine), share(engine));
+        const float w = fraction(engine);
+        const Eigen::Vector3f target = w * a + (1 - w) * b, aside(fraction(engine), fraction(engine), fraction(engine));
         const Eigen::Vector3f eye = 3 * (target + 0.5f * aside).normalized();
         rays.push_back({eye, target - eye});
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Peers that do not keep to the protocol, or to this version of it.
+// Baselines that do not keep to the protocol, or to this version of it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

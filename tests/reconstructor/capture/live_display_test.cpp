@@ -149,7 +149,7 @@ TEST(LiveDisplay, FinishingSavingAndJudgingAreStatesWithABar) {
     const auto window = display.feed().latest();
     ASSERT_TRUE(window->work);
     EXPECT_EQ(window->work->what.substr(0, word.size()), word);
-    EXPECT_EQ(window->work->share, 0.25);
+    EXPECT_EQ(window->work->fraction, 0.25);
     EXPECT_EQ(window->link, TrackerLink::kEnded) << "not a tracker that fell silent";
     MonitorState page = display.monitor_state({}, end);
     page.last_frame = long_ago;

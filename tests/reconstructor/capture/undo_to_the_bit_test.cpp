@@ -95,10 +95,10 @@ TEST_F(UndoToTheBit, AtOnceWhereTheModelTookNothingOfTheImage) {
   expect_exact_after_a_restart(*model, missing);
 }
 
-TEST_F(UndoToTheBit, AnImageThatSomeRingsSkippedIsTakenOutOfTheOthersFirst) {
+TEST_F(UndoToTheBit, AnImageThatSomePatchesSkippedIsTakenOutOfTheOthersFirst) {
   const auto model = made_of();
   const CaptureAccount::PatchCounts before = model->account().patches();
-  ASSERT_GT(before.skipped, light_field(*model->snapshot()).rings().size())
+  ASSERT_GT(before.skipped, light_field(*model->snapshot()).mesh().vertices.size())
       << "the repetition and half of the other image";
   ASSERT_FALSE(model->account().captures()[kPartlySkipped].repeated);
   ASSERT_EQ(model->withdraw(images_[kPartlySkipped]), Withdrawn::kNearly);
@@ -109,7 +109,7 @@ TEST_F(UndoToTheBit, AnImageThatSomeRingsSkippedIsTakenOutOfTheOthersFirst) {
   expect_exact_after_a_restart(*model, {kPartlySkipped});
 }
 
-TEST_F(UndoToTheBit, ImagesOfABudgetThatLeavesRingsOut) {
+TEST_F(UndoToTheBit, ImagesOfABudgetThatLeavesPatchesOut) {
   for (const std::size_t image : {std::size_t{20}, std::size_t{4}, kRefused, kRepeated}) {
     const auto model = made_of(kNeverKept);
     ASSERT_LT(model->effort().update_fraction, 0.5);

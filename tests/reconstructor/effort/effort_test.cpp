@@ -101,7 +101,7 @@ TEST(EffortControl, TheRecordGivesTheSameSharesAgain) {
     expect_error<ConfigError>([&] { EffortControl(33, kLevels, wrong, 5); }, {"record", wrong});
 }
 
-TEST(Budget, OneThatCannotHoldLeavesRingsOutAndTheRecordReproducesTheModel) {
+TEST(Budget, OneThatCannotHoldLeavesPatchesOutAndTheRecordReproducesTheModel) {
   const std::vector<Capture> images = glossy_captures(40);
   const SurfaceLightFieldOptions options = plain_options();
   Reconstruction hurried(*square_object().mesh, options);
@@ -175,7 +175,7 @@ TEST(Memory, TheBoundHoldsWhateverComes) {
   EXPECT_LE(held.total(), bound.total());
 }
 
-TEST(Memory, TheRingsAreCutDownAfterAnyImageThatWouldExceedIt) {
+TEST(Memory, ThePatchesAreCutDownAfterAnyImageThatWouldExceedIt) {
   SurfaceLightFieldOptions options = plain_options();
   options.patch.factor = {.max_rank = 24, .tolerance = 0};
   const std::vector<Capture> images = glossy_captures(90);

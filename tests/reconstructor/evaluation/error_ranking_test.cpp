@@ -35,7 +35,7 @@ analytic::Scene half_shiny(double turns) {
           })};
 }
 
-PeerHeuristic papers(const std::shared_ptr<const SurfaceLightFieldSnapshot>& model) {
+BaselineHeuristic papers(const std::shared_ptr<const SurfaceLightFieldSnapshot>& model) {
   return {"the paper's", [model](const Eigen::Vector3d& eye) { return PaperHeuristic(*model).seen_from(eye); }};
 }
 
@@ -60,7 +60,7 @@ Judged judge(const analytic::Scene& scene, int images) {
 TEST(ErrorRanking, TellsTheHalfThatIsWrongFromTheOneThatIsRight) {
   const Judged judged = judge(half_shiny(4), 30);
   EXPECT_GT(judged.ranking.rank_correlation, 0.6);
-  EXPECT_GT(judged.ranking.rank_correlation, judged.ranking.peer_rank_correlation);
+  EXPECT_GT(judged.ranking.rank_correlation, judged.ranking.other_rank_correlation);
   const Mesh& mesh = judged.model->mesh();
   const auto quality = judged.model->quality_for({0.06, 0.1, 0.45});
   for (std::size_t t = 0; t < quality.size(); ++t) {

@@ -62,8 +62,8 @@ class Photographs : public ::testing::Test {
   static constexpr std::uint32_t kMiddle = 10;  // its corner 2 is the square's centre
   std::shared_ptr<const Mesh> mesh = std::make_shared<Mesh>(square_mesh(0.1f, 0, 4));
   std::shared_ptr<const Appearance> nothing = std::make_shared<testing::PlainModel>(*mesh, Eigen::Vector3f(7, 8, 9));
-  VertexRings rings{*mesh, std::vector<std::uint8_t>(mesh->triangles.size(), 8)};
-  RingVisibility visibility{*mesh, rings, {}};
+  MapLayout maps{std::vector<std::uint8_t>(mesh->triangles.size(), 8)};
+  SampleVisibility visibility{*mesh, maps, {}};
   RayPainter painter{*mesh};
   std::shared_ptr<PhotographSet> photographs;
   std::shared_ptr<const Appearance> nearest, lumigraph;
@@ -125,8 +125,8 @@ TEST_F(Photographs, TheGroundDoesNotBleedInAtTheRim) {
 TEST_F(Photographs, AnotherSurfaceDoesNotBleedInAtItsEdge) {
   // A white square floats over a dark one: 425 px a metre above, 340 px a metre below.
   const auto both = std::make_shared<Mesh>(joined(square_mesh(0.1f, 0, 4), square_mesh(0.03f, 0.1f, 1)));
-  VertexRings with_floating(*both, std::vector<std::uint8_t>(both->triangles.size(), 8));
-  RingVisibility looker(*both, with_floating, {});
+  MapLayout with_floating(std::vector<std::uint8_t>(both->triangles.size(), 8));
+  SampleVisibility looker(*both, with_floating, {});
   photographs = std::make_shared<PhotographSet>(both, VisibilityOptions{});
   const auto level = [](const Eigen::Vector3d& p) { return p.z() > 0.05 ? 1.0 : 0.2; };
   const Scene scene{analytic::nearest_of(analytic::square(0.1, 0), analytic::square(0.03, 0.1)),
@@ -173,8 +173,8 @@ TEST_F(Photographs, TheLumigraphsWeightsAreBuehlers) {
 TEST_F(Photographs, OneThatDoesNotShowThePointTakesNoPart) {
   // A second square hides the middle from the first photograph, which is the eye's own.
   const auto both = std::make_shared<Mesh>(joined(square_mesh(0.1f, 0, 4), square_mesh(0.02f, 0.2f, 1)));
-  VertexRings with_blind(*both, std::vector<std::uint8_t>(both->triangles.size(), 8));
-  RingVisibility looker(*both, with_blind, {});
+  MapLayout with_blind(std::vector<std::uint8_t>(both->triangles.size(), 8));
+  SampleVisibility looker(*both, with_blind, {});
   photographs = std::make_shared<PhotographSet>(both, VisibilityOptions{});
   Scene scene = leaning_scene();
   scene.surface = analytic::nearest_of(scene.surface, analytic::square(0.02, 0.2));

@@ -93,7 +93,7 @@ TEST(Missing, AColumnOfWhichOnlyADimRowIsKnownIsNotBrighterThanAThousandTimesIt)
 }
 
 TEST(Missing, PartsThatNoColumnShowsTogetherAreNotDark) {
-  // A diffuse ring of which some columns show the first rows, others the last, and none both.
+  // A diffuse patch of which some columns show the first rows, others the last, and none both.
   const MatrixXf data = patch_like_matrix(300, 24, 0, 0.01f, 2);
   for (const int block : {1, 12}) {
     OnlineSvd factor(300, {.max_rank = 6, .block = block, .tolerance = 0.05});
@@ -270,8 +270,8 @@ TEST(Missing, AnOccludedStreamIsNearlyAsGoodAsAFullOne) {
   OnlineSvd factor(static_cast<int>(data.rows()), {.max_rank = 12, .tolerance = 0, .channels = 3});
   for (const int j : order) {
     const Mask known(visible.col(j).begin(), visible.col(j).end());
-    const double share = visible.col(j).cast<double>().mean();
-    factor.add(data.col(j), known, share * share);
+    const double fraction = visible.col(j).cast<double>().mean();
+    factor.add(data.col(j), known, fraction * fraction);
   }
   factor.fold();
   EXPECT_EQ(broken_invariants(factor), "");

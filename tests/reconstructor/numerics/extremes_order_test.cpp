@@ -27,8 +27,8 @@ double over_batch(const MatrixXf& data, const OnlineSvdOptions& options) {
 }
 
 TEST(Order, SortedTestPatchesAreWithinTheGoal) {
-  for (const auto& [ring, goal] : {std::pair(TestPatch::kTypical, 1.001), std::pair(TestPatch::kHard, 1.01)}) {
-    const MatrixXf data = test_patch_columns(ring);
+  for (const auto& [patch, goal] : {std::pair(TestPatch::kTypical, 1.001), std::pair(TestPatch::kHard, 1.01)}) {
+    const MatrixXf data = test_patch_columns(patch);
     for (const std::vector<int>& order : column_orders(data, 1))
       EXPECT_LT(over_batch(data(Eigen::all, order), {.max_rank = 12, .tolerance = 0}), goal);
   }

@@ -20,8 +20,8 @@ MatrixXf without(const MatrixXf& columns, Eigen::Index removed) {
 }
 
 TEST(Removal, OfAStrangerLongAfterLeavesNoTrace) {
-  for (const TestPatch ring : {TestPatch::kTypical, TestPatch::kHard}) {
-    MatrixXf data = test_patch_columns(ring);
+  for (const TestPatch patch : {TestPatch::kTypical, TestPatch::kHard}) {
+    MatrixXf data = test_patch_columns(patch);
     data.col(17) = 3 * data.col(17).cwiseAbs().maxCoeff() * gaussian_matrix(2448, 1, 1);
     const OnlineSvdOptions options{.max_rank = 12, .tolerance = 0};
     OnlineSvd factor = settled_factor(data, options);

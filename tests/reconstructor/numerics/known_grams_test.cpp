@@ -53,8 +53,8 @@ void expect_as_defined(int rank, int columns, const Patterns& hidden) {
 TEST(KnownGrams, SamplesHiddenAtRandomFewAndMany) {
   std::mt19937 random(1);
   for (const int columns : {1, 3, 17, 63, 64})
-    for (const double share : {0.03, 0.5, 0.97}) {
-      std::bernoulli_distribution hides(share);
+    for (const double fraction : {0.03, 0.5, 0.97}) {
+      std::bernoulli_distribution hides(fraction);
       Patterns hidden(601);
       for (std::size_t row = 0; row < hidden.size(); ++row) {
         if (row % 3 != 0) {  // a sample has three channels

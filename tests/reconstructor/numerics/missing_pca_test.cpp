@@ -28,9 +28,9 @@ double miss(const BatchPca& pca, const MatrixXf& truth) {
 }
 
 /// Each value known with this probability.
-KnownValues known_at_random(int rows, int columns, double share, std::uint32_t seed) {
+KnownValues known_at_random(int rows, int columns, double fraction, std::uint32_t seed) {
   std::mt19937 engine(seed);
-  std::bernoulli_distribution shown(share);
+  std::bernoulli_distribution shown(fraction);
   return KnownValues::NullaryExpr(rows, columns, [&] { return static_cast<std::uint8_t>(shown(engine)); });
 }
 
@@ -38,11 +38,11 @@ KnownValues known_at_random(int rows, int columns, double share, std::uint32_t s
 KnownValues known_beside_edges(int rows, int columns, double occluded, std::uint32_t seed) {
   std::mt19937 engine(seed);
   std::bernoulli_distribution hides(occluded), from_start(0.5);
-  std::uniform_real_distribution<double> share(0.2, 0.8);
+  std::uniform_real_distribution<double> fraction(0.2, 0.8);
   KnownValues known = KnownValues::Ones(rows, columns);
   for (int j = 0; j < columns; ++j) {
     if (!hides(engine)) continue;
-    const int hidden = static_cast<int>(share(engine) * rows);
+    const int hidden = static_cast<int>(fraction(engine) * rows);
     if (from_start(engine))
       known.col(j).head(hidden).setZero();
     else
@@ -200,7 +200,7 @@ TEST(Surprise, OfTheBatchIsNeverMoreThanOfAnyOnlineFactorization) {
                      weights[static_cast<std::size_t>(j)]);
         const double online = surprise(data, known, factor.settled().displayed_basis().cast<double>(), weights);
         EXPECT_GE(online, batch - 1e-6) << occluded << " occluded, seed " << seed << ", " << inside << " terms inside";
-        EXPECT_LT(online, batch + 1) << "of the same ring";
+        EXPECT_LT(online, batch + 1) << "of the same patch";
         ++compared;
       }
     }

@@ -70,7 +70,7 @@ RC_GTEST_PROP(OnlineSvdProperties, TheErrorIsWhatItSays, ()) {
   RC_PRE(columns.norm() > 0);
   RC_ASSERT(std::abs(factor.energy() / columns.squaredNorm() - 1) < 1e-5);
   // Parts of a column that are lost at different times need not be orthogonal: on matrices as hostile as these the sum
-  // is off by up to a quarter below and twice above; on rings it is exact to a few percent.
+  // is off by up to a quarter below and twice above; on patches it is exact to a few percent.
   RC_ASSERT(model_error(factor, data) <= 1.25 * factor.relative_error() + kBlockDigits);
   RC_ASSERT(displayed_model_error(factor, data) <= 1.25 * factor.displayed_error() + kBlockDigits);
   RC_ASSERT(factor.relative_error() <= 2.5 * model_error(factor, data) + kBlockDigits);
@@ -115,9 +115,9 @@ RC_GTEST_PROP(OnlineSvdProperties, MissingRowsRemovalAndMergingKeepTheInvariants
   const OnlineSvdOptions options = any_options();
   OnlineSvd factor(static_cast<int>(data.rows()), options, *rc::gen::inRange(0U, 40U));
   for (Eigen::Index j = 0; j < data.cols(); ++j) {
-    const int share = *rc::gen::element(0, 1, 20, 60, 100);
+    const int fraction = *rc::gen::element(0, 1, 20, 60, 100);
     std::vector<std::uint8_t> known(static_cast<std::size_t>(data.rows()));
-    for (std::uint8_t& k : known) k = *rc::gen::inRange(0, 100) < share;
+    for (std::uint8_t& k : known) k = *rc::gen::inRange(0, 100) < fraction;
     factor.add(data.col(j), known, *rc::gen::element(1e-3, 0.5, 1.0, 100.0));
     const int act = *rc::gen::inRange(0, 6);
     if (act == 0) factor.remove(*rc::gen::inRange(0, factor.views()));

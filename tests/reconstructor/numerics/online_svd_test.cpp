@@ -40,7 +40,7 @@ TEST(OnlineSvd, HoldsEverythingWhenItMay) {
   EXPECT_NEAR(factor.energy(), data.cast<double>().squaredNorm(), 1e-4 * factor.energy());
 }
 
-TEST(OnlineSvd, ADiffuseRingCostsOneTerm) {
+TEST(OnlineSvd, ADiffusePatchCostsOneTerm) {
   const Eigen::MatrixXf data = patch_like_matrix(300, 60, 0, 0.01f, 2);
   const OnlineSvd factor = factor_of(data, {.max_rank = 24, .block = 12, .tolerance = 0.02});
   EXPECT_EQ(factor.rank(), 1);
@@ -109,8 +109,8 @@ TEST(OnlineSvdEstimate, FillsHiddenRowsFromTheOthers) {
   EXPECT_LT((filled - data.col(40)).norm(), 0.01 * data.col(40).norm()) << "the new column lies in the span";
 }
 
-TEST(OnlineSvdReveal, RowsSeenLateAreTakenToHaveVariedLikeTheRing) {
-  // Ring of one level a view; its last thirty rows, seen by the last column only, are half as bright as the mean.
+TEST(OnlineSvdReveal, RowsSeenLateAreTakenToHaveVariedLikeTheRest) {
+  // Patch of one level a view; its last thirty rows, seen by the last column only, are half as bright as the mean.
   const Eigen::VectorXf colours = (0.5f + 0.1f * gaussian_matrix(120, 1, 16).array()).matrix();
   const Eigen::RowVectorXf level = (1.0f + 0.2f * gaussian_matrix(1, 8, 17).array()).matrix();
   Eigen::MatrixXf data = colours * level;

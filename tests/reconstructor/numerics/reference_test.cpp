@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the factorization is measured on and compared with: the two test rings, the occluder, Brand's plain update.
+// What the factorization is measured on and compared with: the two test patches, the occluder, Brand's plain update.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ TEST(TestPatches, OrdersAreSortedOrShuffledPermutations) {
 
 TEST(TestPatches, AnOccluderHidesWholeSamplesOnOneSide) {
   const auto visible = occluding_edges(200, 0.5, 3);
-  const Eigen::Matrix2Xf samples = test_ring_samples();
+  const Eigen::Matrix2Xf samples = test_patch_samples();
   int occluded = 0;
   for (int v = 0; v < 200; ++v) {
     const double hidden = 1 - visible.col(v).cast<double>().mean();

@@ -106,7 +106,7 @@ TEST(BatchLightField, KeepsEveryColumn) {
   ASSERT_EQ(patch.views(), 5);
   for (int j = 0; j < 5; ++j) {
     EXPECT_EQ(patch.images[static_cast<std::size_t>(j)], static_cast<std::uint32_t>(j));
-    EXPECT_EQ(patch.share(j), 1.0);
+    EXPECT_EQ(patch.fraction(j), 1.0);
     const Eigen::Vector3d eye = camera_centre(images[static_cast<std::size_t>(j)].pose.camera_from_object);
     EXPECT_LT((patch.eyes.col(j) - eye.cast<float>()).norm(), 1e-6);
   }

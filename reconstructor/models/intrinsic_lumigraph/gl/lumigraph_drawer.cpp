@@ -10,9 +10,9 @@ namespace sheen {
 namespace {
 
 /// Turned round the object's z axis, and up as far as the zenith or the horizon.
-Eigen::Vector3d turned_light(const Eigen::Vector3d& place, const Eigen::Vector2d& turn) {
-  const double azimuth = std::atan2(place.y(), place.x()) + turn.x(),
-               elevation = std::clamp(std::asin(place.normalized().z()) + turn.y(), 0.02, M_PI / 2);
+Eigen::Vector3d turned_light(const Eigen::Vector3d& place, const Eigen::Vector2d& rotation) {
+  const double azimuth = std::atan2(place.y(), place.x()) + rotation.x(),
+               elevation = std::clamp(std::asin(place.normalized().z()) + rotation.y(), 0.02, M_PI / 2);
   return place.norm() * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
                                         std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
 }
@@ -29,7 +29,7 @@ bool LumigraphDrawer::update(const std::shared_ptr<const ModelSnapshot>& snapsho
 }
 
 std::vector<std::string> LumigraphDrawer::notes() const {
-  return {"Ctrl and the mouse turn the light"};
+  return {"Ctrl and the mouse rotation the light"};
 }
 
 void LumigraphDrawer::refresh(const Viewpoint& viewpoint, const LightState& light) {
@@ -43,7 +43,7 @@ void LumigraphDrawer::draw(const Viewpoint& viewpoint, const DrawArea& area, Sur
   if (!painter_ || painter_->model()->empty()) return;
   const IntrinsicLumigraphSnapshot& model = *painter_->model();
   LightState light{.kind = model.light_kind(), .position = model.light_place({})};
-  light.position = turned_light(light.position, viewpoint.light_turn);
+  light.position = turned_light(light.position, viewpoint.light_rotation);
   refresh(viewpoint, light);
   const bool needs = shading == SurfaceShading::kHeuristic || shading == SurfaceShading::kReasons;
   TexturedPanel::Look look{.black_is_empty = true};

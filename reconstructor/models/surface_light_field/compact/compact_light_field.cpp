@@ -37,13 +37,13 @@ std::shared_ptr<const SurfacePatch> take_surface(Patch& patch) {
   return surface;
 }
 
-std::shared_ptr<const RingViews> ring_views(const CompactModel& model, const CompactRing& ring, RingSystem system,
-                                            const Eigen::Vector3f& normal) {
-  auto views = std::make_shared<RingViews>();
+std::shared_ptr<const VertexViews> vertex_views(const CompactModel& model, const CompactVertex& vertex,
+                                                KrigingSystem system, const Eigen::Vector3f& normal) {
+  auto views = std::make_shared<VertexViews>();
   views->directions = std::move(system.directions);
   views->reliability = std::move(system.reliability);
   views->kernel = system.kernel;
-  if (ring.drift) views->reflection = model.reflection;
+  if (vertex.drift) views->reflection = model.reflection;
   views->frame = hemisphere_frame(normal);
   views->best_cosine = views->directions.cols() > 0 ? (normal.transpose() * views->directions).maxCoeff() : -1;
   return views;
@@ -75,7 +75,7 @@ SnapshotFigures figures_of(const std::vector<std::shared_ptr<const SurfacePatch>
 }  // namespace
 
 CompactLightField::CompactLightField(CompactModel model, std::shared_ptr<const std::string> encoded)
-    : LightFieldSnapshot(model.mesh, model.rings_of_mesh, kOnlySnapshot, model.exposure, model.cameras),
+    : LightFieldSnapshot(model.mesh, model.maps, kOnlySnapshot, model.exposure, model.cameras),
       shapes_(model.shapes),
       encoded_(std::move(encoded)) {
   const std::size_t vertices = model.mesh->vertices.size();
@@ -94,15 +94,15 @@ CompactLightField::CompactLightField(CompactModel model, std::shared_ptr<const s
   seen_.resize(vertices);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 16), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (const CompactRing* ring = model.ring(v)) interpolate_at(model, v, normals[model.source[v]]);
+      if (model.drawn_by(v)) interpolate_at(model, v, normals[model.source[v]]);
   });
   double sum = 0, views = 0;
   for (std::size_t v = 0; v < vertices; ++v) {
-    const CompactRing& ring = model.rings[v];
-    if (!ring.seen) continue;
-    seen_[v] = {interpolants_[v].views, ring.sill, ring.residual, ring.views_folded};
-    sum += ring.sill * static_cast<double>(ring.views.size());
-    views += static_cast<double>(ring.views.size());
+    const CompactVertex& vertex = model.vertices[v];
+    if (!vertex.seen) continue;
+    seen_[v] = {interpolants_[v].views, vertex.sill, vertex.residual, vertex.views_folded};
+    sum += vertex.sill * static_cast<double>(vertex.views.size());
+    views += static_cast<double>(vertex.views.size());
   }
   common_sill_ = views > 0 ? static_cast<float>(sum / views) : 0;
   for (const Patch& patch : model.patches)
@@ -110,24 +110,24 @@ CompactLightField::CompactLightField(CompactModel model, std::shared_ptr<const s
   figures_ = figures_of(patches_);
 }
 
-void CompactLightField::interpolate_at(const CompactModel& model, std::size_t vertex, const Eigen::Vector3f& normal) {
-  const CompactRing& ring = *model.ring(vertex);
-  RingSystem system = ring_system(model, ring, normal);
+void CompactLightField::interpolate_at(const CompactModel& model, std::size_t v, const Eigen::Vector3f& normal) {
+  const CompactVertex& vertex = *model.drawn_by(v);
+  KrigingSystem system = kriging_system(model, vertex, normal);
   Eigen::Index terms = 0;
-  Interpolant& here = interpolants_[vertex];
+  Interpolant& here = interpolants_[v];
   for (const std::uint32_t p : here.patches) terms += model.patches[p].coefficients.rows();
   Eigen::MatrixXf coefficients(terms, system.directions.cols());
   Eigen::Index first = 0;
   for (const std::uint32_t p : here.patches) {
     const Patch& patch = model.patches[p];
-    const std::vector<Eigen::Index> at = places(ring, patch_images(model, shapes_.patches[p]));
+    const std::vector<Eigen::Index> at = places(vertex, patch_images(model, shapes_.patches[p]));
     for (std::size_t j = 0; j < at.size(); ++j)
       coefficients.col(static_cast<Eigen::Index>(j)).segment(first, patch.coefficients.rows()) =
           patch.coefficients.col(at[j]);
     first += patch.coefficients.rows();
   }
   ViewInterpolant interpolant = krige(system.directions, coefficients, system.reliability, system.kernel, system.drift);
-  here.views = ring_views(model, ring, std::move(system), normal);
+  here.views = vertex_views(model, vertex, std::move(system), normal);
   here.weights = std::move(interpolant.weights);
   here.mean = std::move(interpolant.mean);
   here.drift = std::move(interpolant.drift);
@@ -176,7 +176,7 @@ std::shared_ptr<const ModelSnapshot> CompactLightField::filled() const {
   return shared_from_this();
 }
 
-const SeenRing* CompactLightField::seen_ring(std::size_t vertex) const {
+const SeenVertex* CompactLightField::seen_vertex(std::size_t vertex) const {
   return seen_[vertex].views ? &seen_[vertex] : nullptr;
 }
 

@@ -29,8 +29,8 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const override;
   std::shared_ptr<const LightFieldSnapshot> with_patches(
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const override;
-  const SeenRing* seen_ring(std::size_t vertex) const override;
-  double ring_variation(std::size_t vertex) const override { return seen_[vertex].sill; }
+  const SeenVertex* seen_vertex(std::size_t vertex) const override;
+  double vertex_variation(std::size_t vertex) const override { return seen_[vertex].sill; }
   int max_rank() const override { return patches_.empty() ? 0 : 1 + max_terms_; }
   float common_sill() const override { return common_sill_; }
 
@@ -38,7 +38,7 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
   /// Kriging of the terms of all patches round a vertex, one below the other: h = mean + drift * reflection + weights
   /// * k.
   struct Interpolant {
-    std::shared_ptr<const RingViews> views;
+    std::shared_ptr<const VertexViews> views;
     Eigen::MatrixXf weights;
     Eigen::VectorXf mean, drift;
     std::vector<std::uint32_t> patches, columns;  ///< round the vertex, and where their coefficients go
@@ -48,7 +48,7 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
   std::vector<std::shared_ptr<const SurfacePatch>> patches_;  ///< the mean map, then the terms
   PatchShapes shapes_;
   std::vector<Interpolant> interpolants_;  ///< per vertex
-  std::vector<SeenRing> seen_;             ///< per vertex; without views where no image showed it
+  std::vector<SeenVertex> seen_;           ///< per vertex; without views where no image showed it
   float common_sill_ = 0;
   int max_terms_ = 0;
   SnapshotFigures figures_;

@@ -12,40 +12,40 @@ Eigen::Vector3f camera_direction(const CompactModel& model, std::size_t vertex, 
 
 void find_sources(CompactModel& model) {
   std::vector<std::uint8_t> seen;
-  for (const CompactRing& ring : model.rings) seen.push_back(ring.seen);
-  model.source = nearest_seen(*model.mesh, *model.rings_of_mesh, seen);
+  for (const CompactVertex& vertex : model.vertices) seen.push_back(vertex.seen);
+  model.source = nearest_seen(*model.mesh, seen);
 }
 
 std::vector<std::uint16_t> patch_images(const CompactModel& model, const PatchShape& shape) {
   std::vector<std::uint16_t> images;
-  for (const std::uint32_t vertex : shape.vertices)
-    if (const CompactRing* ring = model.ring(vertex))
-      for (const CompactView& view : ring->views) images.push_back(view.image);
+  for (const std::uint32_t v : shape.vertices)
+    if (const CompactVertex* vertex = model.drawn_by(v))
+      for (const CompactView& view : vertex->views) images.push_back(view.image);
   std::sort(images.begin(), images.end());
   images.erase(std::unique(images.begin(), images.end()), images.end());
   return images;
 }
 
-std::vector<Eigen::Index> places(const CompactRing& ring, const std::vector<std::uint16_t>& images) {
+std::vector<Eigen::Index> places(const CompactVertex& vertex, const std::vector<std::uint16_t>& images) {
   std::vector<Eigen::Index> places;
-  places.reserve(ring.views.size());
-  for (const CompactView& view : ring.views)
+  places.reserve(vertex.views.size());
+  for (const CompactView& view : vertex.views)
     places.push_back(std::lower_bound(images.begin(), images.end(), view.image) - images.begin());
   return places;
 }
 
-RingSystem ring_system(const CompactModel& model, const CompactRing& ring, const Eigen::Vector3f& normal) {
-  RingSystem system;
-  const auto views = static_cast<Eigen::Index>(ring.views.size());
+KrigingSystem kriging_system(const CompactModel& model, const CompactVertex& vertex, const Eigen::Vector3f& normal) {
+  KrigingSystem system;
+  const auto views = static_cast<Eigen::Index>(vertex.views.size());
   system.directions.resize(3, views);
   system.reliability.resize(views);
-  system.kernel = model.kernels[ring.kernel];
+  system.kernel = model.kernels[vertex.kernel];
   for (Eigen::Index j = 0; j < views; ++j) {
-    const CompactView& view = ring.views[static_cast<std::size_t>(j)];
+    const CompactView& view = vertex.views[static_cast<std::size_t>(j)];
     system.directions.col(j) = view.direction;
     system.reliability[j] = view.reliability;
   }
-  if (!ring.drift || !model.reflection) return system;
+  if (!vertex.drift || !model.reflection) return system;
   system.drift.resize(views);
   for (Eigen::Index j = 0; j < views; ++j) system.drift[j] = model.reflection->at(system.directions.col(j), normal);
   return system;

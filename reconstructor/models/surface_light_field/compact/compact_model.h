@@ -13,12 +13,12 @@
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/numerics/view_kernel.h"
 #include "reconstructor/radiance/exposure_field.h"
+#include "reconstructor/surface/map_layout.h"
 #include "reconstructor/surface/nearest_seen.h"
-#include "reconstructor/surface/vertex_ring.h"
 
 namespace sheen {
 
-/// A view of a ring: the image that it stands for. Views that were merged stand a little beside it.
+/// A view that a vertex has: the image that it stands for. Views that were merged stand a little beside it.
 struct CompactView {
   std::uint16_t image = 0;    ///< index into CompactModel::cameras
   Eigen::Vector3f direction;  ///< unit, from the vertex; of the camera itself unless `moved`
@@ -26,19 +26,19 @@ struct CompactView {
   float reliability = 1;
 };
 
-/// From where a ring was seen and how it interpolates: all of a ring but its colours.
-struct CompactRing {
-  bool seen = false;               ///< by any image; a ring that is not takes the views of its `source`
+/// From where a vertex was seen and how patches are interpolated there.
+struct CompactVertex {
+  bool seen = false;               ///< by any image; one that is not takes the views of its `source`
   std::vector<CompactView> views;  ///< by ascending image
   std::uint8_t kernel = 0;         ///< index into CompactModel::kernels
-  bool drift = false;              ///< takes part in the reflection that all rings share
+  bool drift = false;              ///< takes part in the reflection that all vertices share
   float sill = 0, residual = 0;
   int views_folded = 0;
 };
 
 /// Colours of a patch, sRGB-encoded in grey levels (0..255): row i in image j is mean_i + basis_i . coefficients_j.
 struct Patch {
-  Eigen::VectorXf mean;            ///< 3 * samples; empty where none of its rings is known
+  Eigen::VectorXf mean;            ///< 3 * samples; empty where nothing is known at its vertices
   Eigen::MatrixXf basis;           ///< rows x terms, by falling energy
   Eigen::MatrixXf coefficients;    ///< terms x images (`patch_images`)
   Eigen::VectorXf displayed;       ///< per term: RMS of what it adds to the picture
@@ -46,46 +46,46 @@ struct Patch {
 };
 
 /// A surface light field with one basis for a few triangles: colour(s, d) = mean(s) + basis(s) sum_c beta_c A w_c(d),
-/// where A are the patch's coefficients in the images and w_c(d) the weights by which the ring of corner c krigs
-/// between its views. Nothing is stored for three rings; blending is the rings' own.
+/// where A are the patch's coefficients in the images and w_c(d) the kriging weights of the views that corner c has.
+/// A triangle is stored once, and blended between its corners.
 struct CompactModel {
   std::shared_ptr<const Mesh> mesh;
-  std::shared_ptr<const VertexRings> rings_of_mesh;
+  std::shared_ptr<const MapLayout> maps;
   std::vector<PosedCamera> cameras;  ///< of the images
   ExposureField exposure;
-  std::shared_ptr<const ReflectionDrift> reflection;  ///< null where no ring uses it
+  std::shared_ptr<const ReflectionDrift> reflection;  ///< null where no vertex uses it
   std::vector<ViewKernel> kernels;
-  std::vector<CompactRing> rings;     ///< per vertex
-  std::vector<std::uint32_t> source;  ///< per vertex: itself, or the seen one that is its guess (`nearest_seen`)
-  std::size_t patch_triangles = 1;    ///< that `shapes` were cut by
+  std::vector<CompactVertex> vertices;  ///< of the mesh
+  std::vector<std::uint32_t> source;    ///< per vertex: itself, or the seen one that is its guess (`nearest_seen`)
+  std::size_t patch_triangles = 1;      ///< that `shapes` were cut by
   PatchShapes shapes;
   std::vector<Patch> patches;  ///< as `shapes` has them
 
-  /// The ring that a vertex is drawn by; null where nothing is known.
-  const CompactRing* ring(std::size_t vertex) const {
-    return source[vertex] == kNoVertex ? nullptr : &rings[source[vertex]];
+  /// The vertex whose views a vertex is drawn with; null where nothing is known.
+  const CompactVertex* drawn_by(std::size_t vertex) const {
+    return source[vertex] == kNoVertex ? nullptr : &vertices[source[vertex]];
   }
 };
 
 /// From a vertex to a camera.
 Eigen::Vector3f camera_direction(const CompactModel& model, std::size_t vertex, std::size_t camera);
 
-/// Where each vertex takes its views from (`CompactModel::source`), once it is known which rings were seen.
+/// Where each vertex takes its views from (`CompactModel::source`), once it is known which vertices were seen.
 void find_sources(CompactModel& model);
 
-/// Images that any ring of the patch's corners has a view of, ascending.
+/// Images that any vertex of the patch has a view of, ascending.
 std::vector<std::uint16_t> patch_images(const CompactModel& model, const PatchShape& shape);
 
-/// For each view of a ring, where its image stands among those of a patch.
-std::vector<Eigen::Index> places(const CompactRing& ring, const std::vector<std::uint16_t>& images);
+/// For each view of a vertex, where its image stands among those of a patch.
+std::vector<Eigen::Index> places(const CompactVertex& vertex, const std::vector<std::uint16_t>& images);
 
-/// Directions and reliabilities of a ring's views, and its drift in them (empty without).
-struct RingSystem {
+/// Directions and reliabilities of a vertex's views, and its drift in them (empty without).
+struct KrigingSystem {
   Eigen::Matrix3Xf directions;
   Eigen::VectorXf reliability, drift;
   ViewKernel kernel;
 };
 /// `normal`: of the vertex whose views these are.
-RingSystem ring_system(const CompactModel& model, const CompactRing& ring, const Eigen::Vector3f& normal);
+KrigingSystem kriging_system(const CompactModel& model, const CompactVertex& vertex, const Eigen::Vector3f& normal);
 
 }  // namespace sheen

@@ -11,7 +11,7 @@ namespace {
 
 /// The samples of a triangle along one of its edges, in the edge's direction, as they stand in its patch.
 std::vector<Eigen::Index> samples_along(const CompactModel& model, const TriangleEdge& edge) {
-  const int n = model.rings_of_mesh->resolution(edge.triangle);
+  const int n = model.maps->resolution(edge.triangle);
   std::vector<Eigen::Index> samples;
   for (int k = 0; k < n; ++k) {
     int weight[3] = {0, 0, 0};  // of the corners
@@ -37,8 +37,8 @@ Eigen::Matrix3Xf resampled(const Eigen::Matrix3Xf& values, Eigen::Index places) 
   for (Eigen::Index k = 0; k < places; ++k) {
     const float at = static_cast<float>(k) * static_cast<float>(values.cols() - 1) / static_cast<float>(places - 1);
     const Eigen::Index low = std::min(static_cast<Eigen::Index>(at), values.cols() - 2);
-    const float share = at - static_cast<float>(low);
-    out.col(k) = (1 - share) * values.col(low) + share * values.col(low + 1);
+    const float fraction = at - static_cast<float>(low);
+    out.col(k) = (1 - fraction) * values.col(low) + fraction * values.col(low + 1);
   }
   return out;
 }

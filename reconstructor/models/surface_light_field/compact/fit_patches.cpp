@@ -25,11 +25,11 @@ constexpr float kMoved = 2e-3f;  // rad: further from all cameras a view is one 
 std::vector<std::uint8_t> resolutions(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical) {
   std::vector<std::uint8_t> resolution;
   for (const std::uint32_t old : canonical.old_triangle)
-    resolution.push_back(static_cast<std::uint8_t>(snapshot.rings().resolution(old)));
+    resolution.push_back(static_cast<std::uint8_t>(snapshot.maps().resolution(old)));
   return resolution;
 }
 
-/// Gives each view of a ring the camera that it is of, or the nearest one that is left.
+/// Gives each view of a vertex the camera that it is of, or the nearest one that is left.
 std::vector<std::uint16_t> images_of(const Eigen::Matrix3Xf& directions, const Eigen::Matrix3Xf& cameras) {
   struct Pair {
     float cosine;
@@ -60,7 +60,7 @@ std::uint8_t kernel_index(std::vector<ViewKernel>& kernels, const ViewKernel& ke
 /// Coefficients of a patch's views, in grey levels: what kriging displays there, at any vertex, and what the nugget
 /// kept from being displayed.
 Eigen::MatrixXf view_coefficients(const VertexInterpolant& at) {
-  const RingViews& views = *at.views;
+  const VertexViews& views = *at.views;
   Eigen::MatrixXf coefficients(at.weights.rows(), views.directions.cols());
   for (Eigen::Index j = 0; j < coefficients.cols(); ++j)
     coefficients.col(j) =
@@ -68,8 +68,8 @@ Eigen::MatrixXf view_coefficients(const VertexInterpolant& at) {
   return kGreyLevels * coefficients;
 }
 
-/// What is displayed in a ring's own views of values in them: values * (I - Z diag(nugget / reliability)).
-Eigen::MatrixXf smoother(const RingSystem& system) {
+/// What is displayed in a vertex's own views of values in them: values * (I - Z diag(nugget / reliability)).
+Eigen::MatrixXf smoother(const KrigingSystem& system) {
   const Eigen::Index n = system.directions.cols();
   if (n < 2) return Eigen::MatrixXf::Identity(n, n);
   const ViewInterpolant dual =
@@ -106,19 +106,19 @@ class PatchFit {
   CompactModel fit() {
     const Mesh& mesh = *canonical_.mesh;
     model_.mesh = canonical_.mesh;
-    model_.rings_of_mesh = std::make_shared<VertexRings>(mesh, resolutions(snapshot_, canonical_));
+    model_.maps = std::make_shared<MapLayout>(resolutions(snapshot_, canonical_));
     model_.patch_triangles = patch_triangles_;
-    model_.shapes = cut_into_patches(mesh, *model_.rings_of_mesh, patch_triangles_);
+    model_.shapes = cut_into_patches(mesh, *model_.maps, patch_triangles_);
     model_.cameras = snapshot_.cameras();
     model_.exposure = snapshot_.exposure();
-    model_.rings.resize(mesh.vertices.size());
+    model_.vertices.resize(mesh.vertices.size());
     describe_grown();
-    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) describe_ring(v);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) describe_vertex(v);
     find_sources(model_);
     const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
     smoothers_.resize(mesh.vertices.size());
     tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t v) {
-      if (model_.rings[v].seen) smoothers_[v] = smoother(ring_system(model_, model_.rings[v], normals[v]));
+      if (model_.vertices[v].seen) smoothers_[v] = smoother(kriging_system(model_, model_.vertices[v], normals[v]));
     });
     model_.patches.resize(model_.shapes.patches.size());
     tbb::parallel_for(std::size_t{0}, model_.patches.size(), [&](std::size_t i) { fit_patch(i); });
@@ -152,29 +152,29 @@ class PatchFit {
   }
 
   /// The views of all patches round a vertex.
-  void describe_ring(std::size_t vertex) {
-    const std::uint32_t old_vertex = canonical_.old_vertex[vertex];
+  void describe_vertex(std::size_t v) {
+    const std::uint32_t old_vertex = canonical_.old_vertex[v];
     const VertexInterpolant* const most = snapshot_.seen_at(old_vertex);
-    CompactRing& ring = model_.rings[vertex];
+    CompactVertex& vertex = model_.vertices[v];
     if (!most || model_.cameras.empty()) return;
-    ring.seen = true;
-    ring.kernel = kernel_index(model_.kernels, most->views->kernel);
-    ring.sill = most->sill;
-    ring.residual = most->residual;
-    ring.views_folded = most->views_folded;
+    vertex.seen = true;
+    vertex.kernel = kernel_index(model_.kernels, most->views->kernel);
+    vertex.sill = most->sill;
+    vertex.residual = most->residual;
+    vertex.views_folded = most->views_folded;
     std::map<std::uint16_t, CompactView> views;
     for (const PatchVertex& round : snapshot_.shapes().round(old_vertex)) {
       const std::vector<std::uint16_t>& images = grown_[round.patch].images;
       if (images.empty()) continue;
-      const RingViews& at = *snapshot_.patches()[round.patch]->vertices[round.vertex].views;
+      const VertexViews& at = *snapshot_.patches()[round.patch]->vertices[round.vertex].views;
       if (at.reflection) {
-        ring.drift = true;
+        vertex.drift = true;
         model_.reflection = at.reflection;
       }
       for (std::size_t j = 0; j < images.size(); ++j) {
         const auto column = static_cast<Eigen::Index>(j);
         CompactView view{.image = images[j], .reliability = at.reliability[column]};
-        view.direction = camera_direction(model_, vertex, view.image);
+        view.direction = camera_direction(model_, v, view.image);
         view.moved = angle_between(view.direction, at.directions.col(column)) > kMoved;
         if (view.moved) view.direction = at.directions.col(column);
         const auto [known, first] = views.try_emplace(view.image, view);
@@ -186,7 +186,7 @@ class PatchFit {
           known->second.reliability = view.reliability;
       }
     }
-    for (const auto& [image, view] : views) ring.views.push_back(view);
+    for (const auto& [image, view] : views) vertex.views.push_back(view);
   }
 
   void fit_patch(std::size_t index) {
@@ -199,7 +199,7 @@ class PatchFit {
     Eigen::MatrixXf columns(3 * Eigen::Index{shape.samples}, count);
     for (std::size_t i = 0; i < shape.triangles.size(); ++i) {
       const std::uint32_t first = shape.first_sample[i];
-      const int samples = lattice_samples(model_.rings_of_mesh->resolution(shape.triangles[i]));
+      const int samples = lattice_samples(model_.maps->resolution(shape.triangles[i]));
       gather(shape.triangles[i], images, columns.middleRows(3 * Eigen::Index{first}, 3 * samples),
              std::span(patch.state).subspan(first, static_cast<std::size_t>(samples)));
     }
@@ -211,7 +211,7 @@ class PatchFit {
     for (const std::uint32_t vertex : shape.vertices) {
       const std::uint32_t source = model_.source[vertex];
       if (source == kNoVertex) continue;
-      const std::vector<Eigen::Index> at = places(model_.rings[source], images);
+      const std::vector<Eigen::Index> at = places(model_.vertices[source], images);
       const Eigen::MatrixXd square = (smoothers_[source] * smoothers_[source].transpose()).template cast<double>();
       for (std::size_t i = 0; i < at.size(); ++i)
         for (std::size_t j = 0; j < at.size(); ++j)
@@ -228,7 +228,7 @@ class PatchFit {
     const PatchShapes& shapes = filled_->shapes();
     const std::uint32_t p = shapes.patch_of[old];
     const PatchSnapshot& patch = *filled_->patches()[p];
-    const int n = model_.rings_of_mesh->resolution(triangle), samples = lattice_samples(n);
+    const int n = model_.maps->resolution(triangle), samples = lattice_samples(n);
     const auto first = static_cast<int>(shapes.first_sample[old]);
     const std::vector<int> old_sample = rotated_samples(n, canonical_.first_corner[triangle]);
     for (std::size_t s = 0; s < old_sample.size(); ++s) state[s] = patch.state(first + old_sample[s]);

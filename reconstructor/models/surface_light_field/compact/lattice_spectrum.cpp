@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "reconstructor/numerics/symmetric_eigen.h"
-#include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/map_layout.h"
 
 namespace sheen {
 namespace {

@@ -26,7 +26,7 @@ struct QuantisedTerm {
 };
 
 struct QuantisedPatch {
-  bool known = false;  ///< any ring of its corners is
+  bool known = false;  ///< any of its vertices is
   QuantisedMap mean;
   std::vector<QuantisedTerm> terms;
 };

@@ -16,7 +16,7 @@
 #include "reconstructor/models/surface_light_field/compact/edge_blending.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
 #include "reconstructor/models/surface_light_field/compact/patch_coding.h"
-#include "reconstructor/models/surface_light_field/compact/ring_coding.h"
+#include "reconstructor/models/surface_light_field/compact/vertex_coding.h"
 #include "reconstructor/models/surface_light_field/files/json_parts.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 
@@ -96,7 +96,7 @@ Layout layout_of(const CompactModel& model) {
         layout.patches.haar_parent[t][static_cast<std::size_t>(step.coefficient)] =
             static_cast<std::uint16_t>(step.parent);
       for (const std::uint32_t triangle : model.shapes.patches[t].triangles) {
-        layout.resolutions[t].push_back(model.rings_of_mesh->resolution(triangle));
+        layout.resolutions[t].push_back(model.maps->resolution(triangle));
         for (const LatticeSpectrum::Tile& tile : lattice_spectrum(layout.resolutions[t].back()).tiles)
           layout.patches.tile_sizes[t].push_back(static_cast<int>(tile.samples.size()));
       }
@@ -128,7 +128,7 @@ bool is_compact(std::string_view start) {
 }
 
 std::string encode_compact(CompactModel& model, const CanonicalMesh& mesh, float step, const Rounding& rounding) {
-  const std::string rings = encode_rings(model);  // first: reliabilities are those of the file from here on
+  const std::string vertices = encode_vertices(model);  // first: reliabilities are those of the file from here on
   const Layout layout = layout_of(model);
   std::vector<QuantisedPatch> patches(model.patches.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
@@ -137,14 +137,14 @@ std::string encode_compact(CompactModel& model, const CanonicalMesh& mesh, float
   });
   std::vector<std::uint8_t> resolutions;
   for (std::size_t t = 0; t < model.mesh->triangles.size(); ++t)
-    resolutions.push_back(static_cast<std::uint8_t>(model.rings_of_mesh->resolution(t)));
+    resolutions.push_back(static_cast<std::uint8_t>(model.maps->resolution(t)));
   const int layers = layer_count(patches);
 
   std::string out = start_of_file(kFormat, {});
   append_chunk(out, "DESC", packed(description_of(model, step, layers).dump()));
   append_chunk(out, "MESH", packed(mesh.bytes));
   append_chunk(out, "RESO", encode_resolutions(resolutions));
-  append_chunk(out, "RING", rings);
+  append_chunk(out, "RING", vertices);
   append_chunk(out, layer_name(0), encode_layer(layout.patches, patches, 0));
   append_chunk(out, "STAT", encode_states(model));
   for (int layer = 1; layer < layers; ++layer)
@@ -169,11 +169,11 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
     for (const std::uint8_t resolution : resolutions) samples += static_cast<std::size_t>(lattice_samples(resolution));
     if (samples > kMostSamples || samples > kSamplesPerByte * bytes.size())
       chunks.fail(reading, "asks for more samples than such a file can hold");
-    model.rings_of_mesh = std::make_shared<VertexRings>(*model.mesh, std::move(resolutions));
+    model.maps = std::make_shared<MapLayout>(std::move(resolutions));
     reading = "RING";
-    decode_rings(chunks.required(reading), model);
+    decode_vertices(chunks.required(reading), model);
     find_sources(model);
-    model.shapes = cut_into_patches(*model.mesh, *model.rings_of_mesh, description.patch_triangles);
+    model.shapes = cut_into_patches(*model.mesh, *model.maps, description.patch_triangles);
     const Layout layout = layout_of(model);
     std::future<void> shown;  // the smooth part: made ready beside the decoding, which is serial
     model.patches.resize(model.shapes.patches.size());

@@ -14,8 +14,8 @@
 namespace sheen {
 
 /// A surface light field in one file, docs/model_format.md: chunks with checksums, the most important first, so that a
-/// reader of its beginning has a coarser model. `step`: of `quantise`. `model`: its rings become what a reader finds in
-/// the file.
+/// reader of its beginning has a coarser model. `step`: of `quantise`. `model`: what it knows of its vertices becomes
+/// what a reader finds in the file.
 std::string encode_compact(CompactModel& model, const CanonicalMesh& mesh, float step, const Rounding& rounding);
 
 /// Whether a file begins like one.

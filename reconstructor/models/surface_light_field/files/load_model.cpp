@@ -110,7 +110,7 @@ std::shared_ptr<const Mesh> read_mesh(const Description& description, const fs::
   return std::make_shared<Mesh>(load_mesh_unchanged(file));
 }
 
-std::shared_ptr<const VertexRings> read_maps(const Description& description, const Mesh& mesh) {
+std::shared_ptr<const MapLayout> read_maps(const Description& description, const Mesh& mesh) {
   auto resolution =
       description.list<std::uint8_t>(description.json(), "lattice_resolution", mesh.triangles.size(), 2, 255);
   constexpr std::int64_t kMostSamples = std::int64_t{1} << 28;  // values of a patch's samples are counted in 32 bits
@@ -119,7 +119,7 @@ std::shared_ptr<const VertexRings> read_maps(const Description& description, con
   if (samples > kMostSamples)
     description.fail("lattice_resolution", "asks for " + std::to_string(samples) + " samples, more than " +
                                                std::to_string(kMostSamples) + " that a model may have");
-  return std::make_shared<VertexRings>(mesh, std::move(resolution));
+  return std::make_shared<MapLayout>(std::move(resolution));
 }
 
 /// A field that `from_json` reads.
@@ -134,7 +134,7 @@ Value read_part(const Description& description, const char* field, Value (*from_
 }
 
 std::shared_ptr<const PatchShapes> read_shapes(const Description& description, const Mesh& mesh,
-                                               const VertexRings& rings) {
+                                               const MapLayout& maps) {
   const std::size_t triangles = mesh.triangles.size();
   auto patch_of = description.list<std::uint32_t>(description.json(), "patch_of_triangle", triangles, 0,
                                                   static_cast<double>(triangles) - 1);
@@ -146,14 +146,14 @@ std::shared_ptr<const PatchShapes> read_shapes(const Description& description, c
   }
   for (std::uint32_t patch = 0; patch < last; ++patch)
     if (!there[patch]) description.fail("patch_of_triangle", "patch " + std::to_string(patch) + " has no triangle");
-  return std::make_shared<const PatchShapes>(patch_shapes(mesh, rings, std::move(patch_of)));
+  return std::make_shared<const PatchShapes>(patch_shapes(mesh, maps, std::move(patch_of)));
 }
 
 /// Patches with all but what maps.exr holds, and where that stands.
 struct Patches {
   ModelLayout layout;
   std::vector<std::shared_ptr<PatchSnapshot>> data;  ///< in the order of the layout
-  std::vector<std::shared_ptr<RingViews>> views;     ///< of all their vertices one after the other, as in the layout
+  std::vector<std::shared_ptr<VertexViews>> views;   ///< of all their vertices one after the other, as in the layout
   std::shared_ptr<const ReflectionDrift> reflection;
 
   VertexInterpolant& vertex(std::size_t i) {
@@ -192,7 +192,7 @@ Patches read_patch_list(const Description& description, const PatchShapes& shape
     data->vertices.resize(shapes.patches[patch[i]].vertices.size());
     for (VertexInterpolant& vertex : data->vertices) {
       patches.layout.add_vertex(views[next]);
-      auto& from = patches.views.emplace_back(std::make_shared<RingViews>());
+      auto& from = patches.views.emplace_back(std::make_shared<VertexViews>());
       from->kernel = {scale[next], nugget[next], static_cast<KernelShape>(shape[next])};
       from->best_cosine = cosine[next];
       vertex.views = from;
@@ -288,9 +288,9 @@ class MapsReader {
       const PatchEntry& entry = patches_.layout.patches[i];
       patches_.data[i]->shown.resize(static_cast<std::size_t>(entry.samples));
       for (int s = 0; s < entry.samples; ++s) {
-        const float share = image.data()[entry.first_sample + static_cast<std::size_t>(s)];
-        if (!(share >= 0 && share <= 1)) fail("measured", "holds a fraction outside 0..1");
-        patches_.data[i]->shown[static_cast<std::size_t>(s)] = static_cast<std::uint8_t>(std::lround(255 * share));
+        const float fraction = image.data()[entry.first_sample + static_cast<std::size_t>(s)];
+        if (!(fraction >= 0 && fraction <= 1)) fail("measured", "holds a fraction outside 0..1");
+        patches_.data[i]->shown[static_cast<std::size_t>(s)] = static_cast<std::uint8_t>(std::lround(255 * fraction));
       }
     }
   }
@@ -302,7 +302,7 @@ class MapsReader {
     const int channels = image.channels();
     for (std::size_t i = 0; i < patches_.layout.vertices.size(); ++i) {
       const VertexEntry& entry = patches_.layout.vertices[i];
-      RingViews& views = *patches_.views[i];
+      VertexViews& views = *patches_.views[i];
       const Eigen::Map<const Eigen::MatrixXf> pixels(image.data() + channels * entry.first_view, channels, entry.views);
       views.directions = pixels.topRows<3>();
       views.reliability = pixels.row(3).transpose();
@@ -317,7 +317,7 @@ class MapsReader {
     for (std::size_t i = 0; i < patches_.layout.vertices.size(); ++i) {
       const VertexEntry& entry = patches_.layout.vertices[i];
       VertexInterpolant& vertex = patches_.vertex(i);
-      RingViews& views = *patches_.views[i];
+      VertexViews& views = *patches_.views[i];
       const float* pixel = image.data() + std::size_t(image.channels()) * i;
       views.frame = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(pixel);
       if ((views.frame * views.frame.transpose() - Eigen::Matrix3f::Identity()).cwiseAbs().maxCoeff() > 1e-3f)
@@ -335,14 +335,14 @@ class MapsReader {
   std::map<std::string, Expected> expected_;
 };
 
-bool alike(const RingViews& a, const RingViews& b) {
+bool alike(const VertexViews& a, const VertexViews& b) {
   return a.directions.cols() == b.directions.cols() && a.directions == b.directions && a.reliability == b.reliability &&
          a.kernel == b.kernel && a.reflection == b.reflection && a.frame == b.frame && a.best_cosine == b.best_cosine;
 }
 
 /// Patches round a vertex that have the same views share them again.
 void share_views(Patches& patches, const PatchShapes& shapes) {
-  std::vector<std::vector<std::shared_ptr<const RingViews>>> round(shapes.first_round.size() - 1);
+  std::vector<std::vector<std::shared_ptr<const VertexViews>>> round(shapes.first_round.size() - 1);
   for (std::size_t i = 0; i < patches.layout.vertices.size(); ++i) {
     const VertexEntry& entry = patches.layout.vertices[i];
     const std::uint32_t patch = patches.layout.patches[entry.entry].patch;

@@ -85,7 +85,7 @@ Json description_of(const Snapshot& model, const ModelLayout& layout, const std:
   json["exposure"] = exposure_to_json(model.exposure());
   json["reflection"] = reflection_to_json(reflection_of(model));
   Json resolution = Json::array();
-  for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) resolution.push_back(model.rings().resolution(t));
+  for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) resolution.push_back(model.maps().resolution(t));
   json["lattice_resolution"] = std::move(resolution);
   json["patch_of_triangle"] = model.shapes().patch_of;
   Json& patches = json["patches"];
@@ -155,7 +155,7 @@ ImageF measured_image(const Snapshot& model, const ModelLayout& layout) {
   for (const PatchEntry& entry : layout.patches) {
     const std::vector<std::uint8_t>& shown = patch_of(model, entry).shown;
     std::transform(shown.begin(), shown.end(), image.data() + entry.first_sample,
-                   [](std::uint8_t share) { return share / 255.0f; });
+                   [](std::uint8_t fraction) { return fraction / 255.0f; });
   }
   return image;
 }

@@ -79,7 +79,7 @@ bool LightFieldRenderer::update(const std::shared_ptr<const ModelSnapshot>& mode
   if (!model) return true;
   const auto snapshot = std::dynamic_pointer_cast<const LightFieldSnapshot>(model);
   if (!snapshot) throw Error("what is to be drawn is not a surface light field");
-  if (snapshot->shared_mesh() != mesh_ || snapshot->shared_rings() != rings_) upload_mesh(*snapshot);
+  if (snapshot->shared_mesh() != mesh_ || snapshot->shared_maps() != maps_) upload_mesh(*snapshot);
   const bool complete = upload_patches(*snapshot);
   exposure_ = snapshot->exposure();
   check_gl("uploading surface maps");
@@ -93,7 +93,7 @@ std::vector<std::string> LightFieldRenderer::notes() const {
 
 void LightFieldRenderer::upload_mesh(const LightFieldSnapshot& snapshot) {
   const Mesh& mesh = snapshot.mesh();
-  const VertexRings& rings = snapshot.rings();
+  const MapLayout& maps = snapshot.maps();
   std::vector<Eigen::Vector4f> positions;
   for (const Eigen::Vector3f& p : mesh.vertices) positions.push_back(p.homogeneous());
   std::vector<std::uint32_t> corners;
@@ -102,7 +102,7 @@ void LightFieldRenderer::upload_mesh(const LightFieldSnapshot& snapshot) {
     const TrianglePlace place = snapshot.place(t);
     for (std::size_t c = 0; c < 3; ++c)
       corners.insert(corners.end(), {mesh.triangles[t][c], place.patch, place.first_sample, place.columns[c]});
-    resolutions.push_back(static_cast<std::uint8_t>(rings.resolution(t)));
+    resolutions.push_back(static_cast<std::uint8_t>(maps.resolution(t)));
   }
   positions_.assign(positions.size(), positions.data());
   corners_.assign(corners.size() / 4, corners.data());
@@ -114,7 +114,7 @@ void LightFieldRenderer::upload_mesh(const LightFieldSnapshot& snapshot) {
   shortened_patches_ = 0;
   triangle_count_ = mesh.triangles.size();
   mesh_ = snapshot.shared_mesh();
-  rings_ = snapshot.shared_rings();
+  maps_ = snapshot.shared_maps();
   shown_.reset();
   order_eye_.reset();
 }

@@ -58,7 +58,7 @@ class LightFieldRenderer : public ModelDrawer {
   BufferTexture quality_;       ///< per triangle: heuristic, reason
 
   std::shared_ptr<const Mesh> mesh_;
-  std::shared_ptr<const VertexRings> rings_;
+  std::shared_ptr<const MapLayout> maps_;
   std::vector<std::shared_ptr<const SurfacePatch>> uploaded_;  ///< per patch: what the GPU holds
   std::vector<BasisSlot> patch_slots_;
   std::size_t shortened_patches_ = 0;

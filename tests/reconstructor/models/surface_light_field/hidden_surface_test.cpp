@@ -82,7 +82,7 @@ TEST(HiddenSurface, WhatFewImagesShowIsImputedAndWhatNoneShowsUnseen) {
   const Scene scene{object.surface, analytic::diffuse(0.2)};
   SurfaceLightField model(object.mesh, plain_options());
   std::vector<Capture> images = captures(scene, eyes(12, kDistance, kLowest));
-  // From left to right: shown by all, a stripe, narrower than a ring, that a third show, shown by none.
+  // From left to right: shown by all, a stripe, narrower than a patch, that a third show, shown by none.
   for (std::size_t i = 0; i < images.size(); ++i)
     images[i] =
         hide(images[i], [&](double x, double) { return x > 0.05 || (i % 3 != 0 && std::abs(x - 0.025) < 0.008); });
@@ -101,14 +101,14 @@ TEST(HiddenSurface, WhatFewImagesShowIsImputedAndWhatNoneShowsUnseen) {
 }
 
 TEST(SampleStates, TheShareOfTheImagesDecides) {
-  EXPECT_EQ(shown_share(0, 7), 0);
-  EXPECT_EQ(shown_share(1, 100'000), 1) << "shown once is not unseen";
-  EXPECT_EQ(shown_share(5, 5), 255);
-  EXPECT_EQ(sample_state(shown_share(0, 4)), SampleState::kUnseen);
-  EXPECT_EQ(sample_state(shown_share(1, 4)), SampleState::kImputed);
-  EXPECT_EQ(sample_state(shown_share(49, 100)), SampleState::kImputed);
-  EXPECT_EQ(sample_state(shown_share(1, 2)), SampleState::kMeasured) << "half is enough";
-  EXPECT_EQ(sample_state(shown_share(1, 1)), SampleState::kMeasured);
+  EXPECT_EQ(shown_fraction(0, 7), 0);
+  EXPECT_EQ(shown_fraction(1, 100'000), 1) << "shown once is not unseen";
+  EXPECT_EQ(shown_fraction(5, 5), 255);
+  EXPECT_EQ(sample_state(shown_fraction(0, 4)), SampleState::kUnseen);
+  EXPECT_EQ(sample_state(shown_fraction(1, 4)), SampleState::kImputed);
+  EXPECT_EQ(sample_state(shown_fraction(49, 100)), SampleState::kImputed);
+  EXPECT_EQ(sample_state(shown_fraction(1, 2)), SampleState::kMeasured) << "half is enough";
+  EXPECT_EQ(sample_state(shown_fraction(1, 1)), SampleState::kMeasured);
 }
 
 TEST(HiddenSurface, APlaceShownForTheFirstTimeTakesOnItsColourAtOnce) {
@@ -141,7 +141,7 @@ TEST(HiddenSurface, ViewDependenceOfAPlaceShownLateIsLearned) {
 }
 
 TEST(HiddenSurface, ASliverThatOnlyTheNeighbouringRingTookInIsNotDarkened) {
-  // Every other image shows the left part, the others the right part; between them a gap that none shows. Rings over
+  // Every other image shows the left part, the others the right part; between them a gap that none shows. Patches over
   // the gap take in one part or both, each from other images: neither colour must be dimmed, nor what lies between.
   const Object object = square_object();
   const Scene scene{object.surface, analytic::diffuse(0.2)};

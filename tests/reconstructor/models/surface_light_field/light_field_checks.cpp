@@ -76,7 +76,7 @@ const SurfaceLightFieldSnapshot& light_field(const ModelSnapshot& snapshot) {
 void expect_same_patches(const ModelSnapshot& first, const ModelSnapshot& second) {
   const SurfaceLightFieldSnapshot &a = light_field(first), &b = light_field(second);
   ASSERT_EQ(a.shapes().patch_of, b.shapes().patch_of);
-  ASSERT_EQ(a.rings().total_samples(), b.rings().total_samples());
+  ASSERT_EQ(a.maps().total_samples(), b.maps().total_samples());
   for (std::size_t i = 0; i < a.patches().size(); ++i) {
     const PatchSnapshot *p = a.patches()[i].get(), *q = b.patches()[i].get();
     ASSERT_EQ(p == nullptr, q == nullptr) << "patch " << i;

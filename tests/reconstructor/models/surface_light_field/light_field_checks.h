@@ -60,12 +60,12 @@ struct Comparison {
 };
 Comparison compare(const Appearance& model, const analytic::Scene& scene, const std::vector<Eigen::Vector3d>& eyes);
 
-/// Fails the test for every ring that is not the same to the last bit.
+/// Fails the test for every patch that is not the same to the last bit.
 void expect_same_patches(const ModelSnapshot& a, const ModelSnapshot& b);
 /// A snapshot that is known to be of a surface light field.
 const SurfaceLightFieldSnapshot& light_field(const ModelSnapshot& snapshot);
 
-/// Share of the rings that images reached that have at most this rank.
+/// Fraction of the patches that images reached that have at most this rank.
 double share_of_rank_up_to(const SurfaceLightField& model, std::size_t rank);
 
 }  // namespace sheen

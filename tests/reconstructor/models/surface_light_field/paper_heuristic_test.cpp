@@ -15,7 +15,7 @@ namespace {
 
 /// Three views close round the normal: a small triangle on the view map, and large ones.
 VertexInterpolant three_views(float residual) {
-  auto views = std::make_shared<RingViews>();
+  auto views = std::make_shared<VertexViews>();
   views->frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
   views->directions.resize(3, 3);
   for (int j = 0; j < 3; ++j) {
@@ -32,8 +32,8 @@ VertexInterpolant three_views(float residual) {
 /// that have the corner.
 std::vector<float> heuristic(const std::array<float, 4>& residuals, const Eigen::Vector3d& eye) {
   const auto mesh = std::make_shared<Mesh>(square_mesh(1e-3f, 0, 1));
-  const auto rings = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>(2, 2));
-  const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *rings, 1));
+  const auto maps = std::make_shared<MapLayout>(std::vector<std::uint8_t>(2, 2));
+  const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, 1));
   SurfaceLightFieldSnapshot::Patches data(2);
   for (std::size_t p = 0; p < 2; ++p) {
     auto patch = std::make_shared<PatchSnapshot>();
@@ -46,7 +46,7 @@ std::vector<float> heuristic(const std::array<float, 4>& residuals, const Eigen:
     }
     if (seen) data[p] = std::move(patch);
   }
-  const SurfaceLightFieldSnapshot snapshot(mesh, rings, shapes, data, 1);
+  const SurfaceLightFieldSnapshot snapshot(mesh, maps, shapes, data, 1);
   return PaperHeuristic(snapshot).seen_from(eye);
 }
 
@@ -68,7 +68,7 @@ TEST(PaperHeuristic, IsTheRootOfTheMeanOfBothSquares) {
   EXPECT_NEAR(heuristic({1, 1, 1, 1}, {90, 0, 40})[0], 1, 1e-6);
 }
 
-TEST(PaperHeuristic, OfATriangleIsOfTheMeanOfItsRingsAndOneWithAnUnseenOne) {
+TEST(PaperHeuristic, OfATriangleIsOfTheMeanOfItsVerticesAndOneWithAnUnseenOne) {
   const auto mesh = square_mesh(1e-3f, 0, 1);
   const auto& [a, b, c] = mesh.triangles[0];
   std::array<float, 4> residuals{0, 0, 0, 0};

@@ -60,24 +60,24 @@ TEST(PapersWays, DelaunayPassesThroughTheViewsAndIsLinearBetweenThem) {
   ingest_all(model, captures({object.surface, analytic::two_terms(0.2)}, from));
   const auto snapshot = model.light_field_snapshot();
   const std::size_t middle = 9 * 4 + 4;
-  const VertexInterpolant& ring = *snapshot->seen_at(middle);
-  ASSERT_TRUE(ring.triangulation);
+  const VertexInterpolant& vertex = *snapshot->seen_at(middle);
+  ASSERT_TRUE(vertex.triangulation);
   for (int j = 0; j < 25; ++j)
-    EXPECT_LT((ring.coefficients(ring.views->directions.col(j)) - ring.weights.col(j)).norm(),
-              0.02 * ring.weights.norm() / 5)
+    EXPECT_LT((vertex.coefficients(vertex.views->directions.col(j)) - vertex.weights.col(j)).norm(),
+              0.02 * vertex.weights.norm() / 5)
         << j;
   int inside = 0;
-  for (const auto& corners : ring.triangulation->triangles) {
+  for (const auto& corners : vertex.triangulation->triangles) {
     if (std::any_of(corners.begin(), corners.end(), [](int p) { return p < ViewTriangulation::kCorners; })) continue;
     ++inside;
     Eigen::Vector2f place = Eigen::Vector2f::Zero();
-    Eigen::VectorXf mean = Eigen::VectorXf::Zero(ring.weights.rows());
+    Eigen::VectorXf mean = Eigen::VectorXf::Zero(vertex.weights.rows());
     for (const int p : corners) {
-      place += ring.triangulation->points.col(p) / 3;
-      mean += ring.weights.col(p - ViewTriangulation::kCorners) / 3;
+      place += vertex.triangulation->points.col(p) / 3;
+      mean += vertex.weights.col(p - ViewTriangulation::kCorners) / 3;
     }
     const Eigen::Vector3f local(place.x(), place.y(), std::sqrt(1 - place.squaredNorm()));
-    EXPECT_LT((ring.coefficients(ring.views->frame.transpose() * local) - mean).norm(), 1e-3 * mean.norm());
+    EXPECT_LT((vertex.coefficients(vertex.views->frame.transpose() * local) - mean).norm(), 1e-3 * mean.norm());
   }
   EXPECT_GT(inside, 10);
 }

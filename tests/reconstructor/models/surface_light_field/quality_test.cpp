@@ -52,7 +52,7 @@ TEST(Quality, TheReasonIsTheWorstThatHolds) {
   EXPECT_EQ((SurfaceQuality{true, 0.01f, 0.8f, 0.2f}.reason()), QualityReason::kOblique);
 }
 
-TEST(Quality, ATriangleIsKnownAsTheMeanOfItsRingsAndUnseenWithAnyOfThem) {
+TEST(Quality, ATriangleIsKnownAsTheMeanOfItsVerticesAndUnseenWithAnyOfThem) {
   const SurfaceQuality a{true, 0.03f, 0.6f, 0.5f}, b{true, 0.06f, 0.9f, 0.9f}, c{true, 0, 0.3f, 0.1f};
   const SurfaceQuality mean = combine(a, b, c);
   EXPECT_TRUE(mean.seen);
@@ -62,9 +62,9 @@ TEST(Quality, ATriangleIsKnownAsTheMeanOfItsRingsAndUnseenWithAnyOfThem) {
   EXPECT_EQ(combine(a, SurfaceQuality{}, c).heuristic(), 1);
 }
 
-/// A ring of three views close round the normal.
-VertexInterpolant ring_of_three() {
-  auto views = std::make_shared<RingViews>();
+/// A vertex with three views close round the normal.
+VertexInterpolant seen_from_three() {
+  auto views = std::make_shared<VertexViews>();
   views->frame = hemisphere_frame(Eigen::Vector3f::UnitZ());
   views->best_cosine = 0.8f;
   views->kernel = kViewKernels[0];
@@ -73,21 +73,21 @@ VertexInterpolant ring_of_three() {
     const float angle = 2.0f * j;
     views->directions.col(j) = Eigen::Vector3f(0.2f * std::cos(angle), 0.2f * std::sin(angle), 1).normalized();
   }
-  VertexInterpolant ring;
-  ring.views = std::move(views);
-  ring.sill = 0.004f;
-  return ring;
+  VertexInterpolant vertex;
+  vertex.views = std::move(views);
+  vertex.sill = 0.004f;
+  return vertex;
 }
 
-TEST(Quality, TheErrorOfARingIsKrigings) {
-  const VertexInterpolant ring = ring_of_three();
+TEST(Quality, TheErrorAtAVertexIsKrigings) {
+  const VertexInterpolant vertex = seen_from_three();
   const auto variance = [&](const Eigen::Vector3f& direction) {
-    return prediction_variance(ring.views->directions, ring.views->kernel, direction);
+    return prediction_variance(vertex.views->directions, vertex.views->kernel, direction);
   };
   constexpr float kCommon = 0.012f;  // counts for one view beside the three
   const Eigen::Vector3f far = Eigen::Vector3f(0.9f, 0, 0.4f).normalized();
-  const SurfaceQuality near = assess_ring(ring, Eigen::Vector3f::UnitZ(), kCommon),
-                       aside = assess_ring(ring, far, kCommon);
+  const SurfaceQuality near = assess_vertex(vertex, Eigen::Vector3f::UnitZ(), kCommon),
+                       aside = assess_vertex(vertex, far, kCommon);
   EXPECT_TRUE(near.seen && aside.seen);
   EXPECT_NEAR(near.error, std::sqrt(0.006f * variance(Eigen::Vector3f::UnitZ())), 1e-6);
   EXPECT_NEAR(aside.error, std::sqrt(0.006f * variance(far)), 1e-6);
@@ -102,22 +102,22 @@ TEST(Quality, AGuessIsUnseen) {
   patch.basis = Eigen::MatrixXf::Ones(3, 1);
   patch.shown = {255};
   EXPECT_FALSE(patch.seen()) << "a patch without vertices";
-  patch.vertices = {ring_of_three()};
+  patch.vertices = {seen_from_three()};
   EXPECT_TRUE(patch.seen());
   patch.shown = {0};
   EXPECT_FALSE(patch.seen()) << "its colour is a neighbour's";
   patch.shown = {255};
-  patch.vertices[0].views = std::make_shared<RingViews>();
+  patch.vertices[0].views = std::make_shared<VertexViews>();
   EXPECT_FALSE(patch.seen()) << "a patch without views";
 }
 
 TEST(Quality, ASillWithoutBoundsIsAsBadAsCanBeAndFitsAFile) {
-  VertexInterpolant ring = ring_of_three();
+  VertexInterpolant vertex = seen_from_three();
   ViewInterpolant interpolant;
   interpolant.sill = 1e80;
-  ring.set_interpolation(interpolant, 1);
-  EXPECT_EQ(ring.sill, 1e6f);
-  EXPECT_EQ(assess_ring(ring, Eigen::Vector3f::UnitZ(), ring.sill).heuristic(), 1);
+  vertex.set_interpolation(interpolant, 1);
+  EXPECT_EQ(vertex.sill, 1e6f);
+  EXPECT_EQ(assess_vertex(vertex, Eigen::Vector3f::UnitZ(), vertex.sill).heuristic(), 1);
 }
 
 TEST(Quality, FallsFromOneAsImagesCome) {
@@ -180,7 +180,7 @@ TEST(NextView, PointsToTheSideThatNoImageShows) {
   EXPECT_LT(advice.eye.x(), -0.25);
   EXPECT_GT(advice.eye.z(), 0) << "above the stage";
   EXPECT_NEAR(advice.eye.norm(), eye.norm(), 1e-3) << "as far from the object as now";
-  // What is diffuse and was seen is known from everywhere, so that the share of the rest remains.
+  // What is diffuse and was seen is known from everywhere, so that the fraction of the rest remains.
   double unseen = 0, all = 0;
   for (const Eigen::Vector3f& vertex : object.mesh->vertices) {
     const Eigen::Vector3d place = vertex.cast<double>(), normal = place.normalized();

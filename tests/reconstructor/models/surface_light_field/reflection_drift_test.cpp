@@ -20,35 +20,35 @@ float light(const Eigen::Vector3f& r) {
   return c * c * c * c;
 }
 
-/// Rings of all normals and greys in front of 12 eyes each.
-std::vector<PatchLevels> rings(int count, bool shiny, std::uint32_t seed) {
+/// Patches of all normals and greys in front of 12 eyes each.
+std::vector<PatchLevels> patches(int count, bool shiny, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
   const auto draw = [&] { return Eigen::Vector3f(normal(random), normal(random), normal(random)).normalized(); };
   std::vector<PatchLevels> out;
   for (int v = 0; v < count; ++v) {
-    PatchLevels ring{draw(), Eigen::Matrix3Xf(3, 12), Eigen::Matrix3Xf(3, 12), Eigen::VectorXf::Ones(12)};
+    PatchLevels patch{draw(), Eigen::Matrix3Xf(3, 12), Eigen::Matrix3Xf(3, 12), Eigen::VectorXf::Ones(12)};
     const float grey = 0.2f + 0.4f * static_cast<float>(v % 7) / 6;
     for (int j = 0; j < 12; ++j) {
       Eigen::Vector3f d = draw();
-      if (d.dot(ring.normal) < 0) d = -d;
-      ring.directions.col(j) = d;
-      ring.levels.col(j).setConstant(grey * (1 + (shiny ? 0.5f * light(mirrored(d, ring.normal)) : 0)));
+      if (d.dot(patch.normal) < 0) d = -d;
+      patch.directions.col(j) = d;
+      patch.levels.col(j).setConstant(grey * (1 + (shiny ? 0.5f * light(mirrored(d, patch.normal)) : 0)));
     }
-    out.push_back(ring);
+    out.push_back(patch);
   }
   return out;
 }
 
-TEST(ReflectionDrift, FindsTheLightThatAllRingsMirror) {
-  const auto drift = estimate_reflection_drift(rings(300, true, 1));
+TEST(ReflectionDrift, FindsTheLightThatAllPatchesMirror) {
+  const auto drift = estimate_reflection_drift(patches(300, true, 1));
   ASSERT_TRUE(drift);
   // Known up to a factor and a constant: what is left of the true light after the best of both.
-  for (const PatchLevels& ring : rings(20, true, 2)) {
+  for (const PatchLevels& patch : patches(20, true, 2)) {
     Eigen::VectorXd truth(12), found(12);
     for (int j = 0; j < 12; ++j) {
-      truth[j] = light(mirrored(ring.directions.col(j), ring.normal));
-      found[j] = drift->at(ring.directions.col(j), ring.normal);
+      truth[j] = light(mirrored(patch.directions.col(j), patch.normal));
+      found[j] = drift->at(patch.directions.col(j), patch.normal);
     }
     truth.array() -= truth.mean();
     found.array() -= found.mean();
@@ -58,7 +58,7 @@ TEST(ReflectionDrift, FindsTheLightThatAllRingsMirror) {
 }
 
 TEST(ReflectionDrift, ARoundAtATimeGivesTheSameBitsAsAllAtOnce) {
-  const std::vector<PatchLevels> some = rings(300, true, 1);
+  const std::vector<PatchLevels> some = patches(300, true, 1);
   ReflectionFit fit(some);
   int rounds = 1;
   while (!fit.step()) ++rounds;
@@ -67,14 +67,14 @@ TEST(ReflectionDrift, ARoundAtATimeGivesTheSameBitsAsAllAtOnce) {
   EXPECT_EQ(fit.result()->coefficients, estimate_reflection_drift(some)->coefficients);
 }
 
-TEST(ReflectionDrift, AMatteObjectAndFewRingsHaveNone) {
-  EXPECT_FALSE(estimate_reflection_drift(rings(5, true, 3)));
-  const auto drift = estimate_reflection_drift(rings(300, false, 4));
+TEST(ReflectionDrift, AMatteObjectAndFewPatchesHaveNone) {
+  EXPECT_FALSE(estimate_reflection_drift(patches(5, true, 3)));
+  const auto drift = estimate_reflection_drift(patches(300, false, 4));
   if (drift) EXPECT_LT(drift->coefficients.tail(kHarmonics - 1).norm(), 1e-3);
 }
 
 TEST(ReflectionDrift, OneImputedLevelThatRanAwayDoesNotBendIt) {
-  std::vector<PatchLevels> some = rings(300, true, 1);
+  std::vector<PatchLevels> some = patches(300, true, 1);
   const auto clean = estimate_reflection_drift(some);
   some[7].levels.col(3).setConstant(1e4f);
   some[7].reliability[3] = 0.05f;

@@ -285,13 +285,13 @@ TEST(SurfaceLightField, TheMapsHaveASampleAPixelUnlessTheSceneSaysOtherwise) {
   SurfaceLightField model(object.mesh, plain_options());
   ingest_all(model, images);
   // 0.025 m cells at 500 px a metre: the diagonal has 17.7 pixels.
-  EXPECT_EQ(model.light_field_snapshot()->rings().resolution(0), 19);
+  EXPECT_EQ(model.light_field_snapshot()->maps().resolution(0), 19);
   SurfaceLightFieldOptions fixed = plain_options();
   fixed.surface_map = 6;
   SurfaceLightField coarse(object.mesh, fixed);
   ingest_all(coarse, images);
   for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t)
-    EXPECT_EQ(coarse.light_field_snapshot()->rings().resolution(t), 6);
+    EXPECT_EQ(coarse.light_field_snapshot()->maps().resolution(t), 6);
 }
 
 TEST(SurfaceLightField, PixelsThatAreNoNumbersAreAsIfNotThere) {
@@ -412,7 +412,7 @@ TEST(SurfaceLightFieldSnapshot, FiguresCountWhatImagesShowed) {
   auto mesh = std::make_shared<Mesh>();
   mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}};
   mesh->triangles = {{0, 1, 2}, {2, 1, 3}, {1, 4, 3}};
-  const auto maps = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 3, 3});
+  const auto maps = std::make_shared<MapLayout>(std::vector<std::uint8_t>{2, 3, 3});
   const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, 1));
   SurfaceLightFieldSnapshot::Patches data(3);
   const auto patch = [&](std::size_t p, int rank, std::size_t measured) {

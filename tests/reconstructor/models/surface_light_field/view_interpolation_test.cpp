@@ -40,7 +40,7 @@ InterpolationErrors errors_of_row(const Eigen::MatrixXf& coefficients) {
 /// Vertices 0 .. 8 in rows of three, 4 in the middle; a patch for each of the eight triangles.
 std::shared_ptr<const PatchShapes> small_square() {
   const Mesh mesh = square_mesh(0.1f, 0, 2);
-  const VertexRings maps(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 2));
+  const MapLayout maps(std::vector<std::uint8_t>(mesh.triangles.size(), 2));
   return std::make_shared<const PatchShapes>(cut_into_patches(mesh, maps, 1));
 }
 

@@ -93,7 +93,7 @@ void open_model(benchmark::State& bench) {
 }
 BENCHMARK(open_model)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
 
-/// What a new snapshot costs: all rings of the model to the GPU, drawing included.
+/// What a new snapshot costs: all patches of the model to the GPU, drawing included.
 void upload_everything(benchmark::State& bench) try {
   const SyntheticLightField light_field({.around = 128, .across = 48});
   ViewerWindow window(surface_light_field_kind(), {.width = 64, .height = 64, .visible = false, .samples = 1});

@@ -45,7 +45,7 @@ Eigen::Vector3f surface(const Eigen::Vector3f& p) {
 }
 
 /// Coefficient of term r of every patch, as a multiple of how bright the surface is from a direction.
-float share(int r) {
+float fraction(int r) {
   return (r % 2 ? -1.0f : 1.0f) * (1 + 0.5f * static_cast<float>(r));
 }
 
@@ -57,15 +57,15 @@ SyntheticLightField::SyntheticLightField(const SyntheticOptions& options) : opti
   for (std::size_t t = 0; t < resolution.size(); ++t) resolution[t] = t % 7 == 0 ? 2 : (t % 3 == 0 ? 8 : 16);
   normals_ = vertex_normals(*mesh);
   mesh_ = mesh;
-  rings_ = std::make_shared<VertexRings>(*mesh, std::move(resolution));
+  maps_ = std::make_shared<MapLayout>(std::move(resolution));
   constexpr std::size_t kTriangles = 2;
-  shapes_ = std::make_shared<const PatchShapes>(cut_into_patches(*mesh_, *rings_, kTriangles));
+  shapes_ = std::make_shared<const PatchShapes>(cut_into_patches(*mesh_, *maps_, kTriangles));
   SurfaceLightFieldSnapshot::Patches data(shapes_->patches.size());
   for (std::size_t p = 0; p < data.size(); ++p) {
     const bool unseen = static_cast<double>(p) < options.unseen * static_cast<double>(data.size()) || p % 97 == 96;
     if (!unseen) data[p] = make_patch(p, 1 + static_cast<int>(p * 7 % static_cast<std::size_t>(options.max_rank)));
   }
-  snapshot_ = std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, shapes_, std::move(data), options.version);
+  snapshot_ = std::make_shared<SurfaceLightFieldSnapshot>(mesh_, maps_, shapes_, std::move(data), options.version);
 }
 
 std::shared_ptr<const PatchSnapshot> SyntheticLightField::make_patch(std::size_t index, int rank,
@@ -76,7 +76,7 @@ std::shared_ptr<const PatchSnapshot> SyntheticLightField::make_patch(std::size_t
   patch->shown.resize(shape.samples);
   for (std::size_t k = 0; k < shape.triangles.size(); ++k) {
     const std::uint32_t t = shape.triangles[k];
-    const int n = rings_->resolution(t);
+    const int n = maps_->resolution(t);
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j) {
         const float u = static_cast<float>(i) / (n - 1), v = static_cast<float>(j) / (n - 1);
@@ -84,10 +84,10 @@ std::shared_ptr<const PatchSnapshot> SyntheticLightField::make_patch(std::size_t
         const int row = 3 * (static_cast<int>(shape.first_sample[k]) + lattice_index(n, i, j));
         Eigen::Vector3f left = brightness * surface(p);
         for (int r = 0; r + 1 < rank; ++r) {
-          patch->basis.block<3, 1>(row, r) = pattern(p, r) / share(r);
+          patch->basis.block<3, 1>(row, r) = pattern(p, r) / fraction(r);
           left -= pattern(p, r);
         }
-        patch->basis.block<3, 1>(row, rank - 1) = left / share(rank - 1);
+        patch->basis.block<3, 1>(row, rank - 1) = left / fraction(rank - 1);
         const bool side = options_.unseen > 0 && std::abs(p.y()) < 0.02f;
         patch->shown[row / 3] = !side ? 255 : p.x() < 0 ? 0 : 60;
       }
@@ -98,7 +98,7 @@ std::shared_ptr<const PatchSnapshot> SyntheticLightField::make_patch(std::size_t
 
 VertexInterpolant SyntheticLightField::make_vertex(std::uint32_t vertex, int rank) const {
   constexpr int kViews = 10;
-  auto views = std::make_shared<RingViews>();
+  auto views = std::make_shared<VertexViews>();
   views->frame = hemisphere_frame(normals_[vertex]);
   views->directions.resize(3, kViews);
   for (int j = 0; j < kViews; ++j) {
@@ -114,8 +114,8 @@ VertexInterpolant SyntheticLightField::make_vertex(std::uint32_t vertex, int ran
   at.mean.resize(rank);
   at.weights.resize(rank, kViews);
   for (int r = 0; r < rank; ++r) {
-    at.mean[r] = share(r);
-    for (int j = 0; j < kViews; ++j) at.weights(r, j) = 0.2f * share(r) * std::cos(1.1f * static_cast<float>(j + 1));
+    at.mean[r] = fraction(r);
+    for (int j = 0; j < kViews; ++j) at.weights(r, j) = 0.2f * fraction(r) * std::cos(1.1f * static_cast<float>(j + 1));
   }
   at.sill = 0.006f + 0.006f * std::sin(40 * mesh_->vertices[vertex].x());
   at.views_folded = kViews;
@@ -128,7 +128,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_chang
   auto data = snapshot_->patches();
   for (std::size_t p = 0; p < data.size(); p += static_cast<std::size_t>(stride))
     data[p] = make_patch(p, 1 + static_cast<int>(p * 5 % static_cast<std::size_t>(max_rank)), kBrighter);
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, shapes_, std::move(data), snapshot_->version() + 1);
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, maps_, shapes_, std::move(data), snapshot_->version() + 1);
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_other_bases() const {
@@ -147,14 +147,14 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_other
     }
     patch = other;
   }
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, shapes_, std::move(data), snapshot_->version() + 1);
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, maps_, shapes_, std::move(data), snapshot_->version() + 1);
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_exposure(float factor) const {
   ExposureField exposure;
   exposure.directions = Eigen::Vector3f(0, 0, 1);
   exposure.log_gain = {.mean = Eigen::VectorXf::Constant(1, std::log(factor)), .weights = Eigen::MatrixXf::Zero(1, 1)};
-  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, rings_, shapes_, snapshot_->patches(),
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, maps_, shapes_, snapshot_->patches(),
                                                      snapshot_->version() + 1, exposure);
 }
 

@@ -14,7 +14,7 @@ namespace sheen {
 struct SyntheticOptions {
   int around = 64, across = 24;  ///< 2 * around * across triangles
   int max_rank = 6;              ///< ranks differ from patch to patch: 1 .. max_rank
-  double unseen = 0.1;  ///< share of the way round that no image has reached; behind it lies a part that is guessed,
+  double unseen = 0.1;  ///< fraction of the way round that no image has reached; behind it lies a part that is guessed,
                         ///< opposite one that is imputed
   std::uint64_t version = 1;
 };
@@ -38,7 +38,7 @@ class SyntheticLightField {
 
   SyntheticOptions options_;
   std::shared_ptr<const Mesh> mesh_;
-  std::shared_ptr<const VertexRings> rings_;
+  std::shared_ptr<const MapLayout> maps_;
   std::shared_ptr<const PatchShapes> shapes_;
   std::vector<Eigen::Vector3f> normals_;
   std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot_;

@@ -31,7 +31,7 @@ TEST_F(Window, IncrementalUploadEqualsAFullOne) {
   EXPECT_GT(largest_difference(and_back, incremental), 10) << "the change can be seen at all";
 }
 
-TEST_F(Window, WhileRingsAreOnTheirWayThePictureStaysWhole) {
+TEST_F(Window, WhilePatchesAreOnTheirWayThePictureStaysWhole) {
   const SyntheticLightField light_field({});
   LightFieldRenderer renderer({.texels_per_update = 50000});
   RenderTarget target(kWidth, kHeight, 1);
@@ -47,7 +47,7 @@ TEST_F(Window, WhileRingsAreOnTheirWayThePictureStaysWhole) {
   while (!renderer.update(light_field.snapshot())) {
   }
   const ImageU8 before = render(view);
-  // Every ring gets other maps and other coefficients that make the same picture; maps of the one with coefficients of
+  // Every patch gets other maps and other coefficients that make the same picture; maps of the one with coefficients of
   // the other would not.
   const auto next = light_field.with_other_bases();
   bool complete = false;
@@ -109,7 +109,7 @@ TEST_F(Window, PiecesMakeTheSamePictureAsTheWhole) {
   }
 }
 
-TEST_F(Window, FullGraphicsMemoryShortensRingsInsteadOfLosingThem) {
+TEST_F(Window, FullGraphicsMemoryShortensPatchesInsteadOfLosingThem) {
   const SyntheticLightField light_field({.unseen = 0});
   LightFieldRenderer renderer({.max_buffer_texels = 200000});
   while (!renderer.update(light_field.snapshot())) {
@@ -161,7 +161,7 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
 TEST_F(Window, BeforeTheFirstImageTheMeshIsThereInGrey) {
   const auto model = SyntheticLightField({}).snapshot();
   const auto empty =
-      std::make_shared<SurfaceLightFieldSnapshot>(model->shared_mesh(), model->shared_rings(), model->shared_shapes(),
+      std::make_shared<SurfaceLightFieldSnapshot>(model->shared_mesh(), model->shared_maps(), model->shared_shapes(),
                                                   SurfaceLightFieldSnapshot::Patches(model->patches().size()), 0);
   const ImageU8 picture = draw(empty);
   const Viewpoint view = window_->controls().orbit.viewpoint(kWidth, kHeight);
@@ -188,9 +188,9 @@ TEST_F(Window, BeforeTheFirstImageTheMeshIsThereInGrey) {
 
 TEST_F(Window, WhatThePersonWaitsForHasABar) {
   window_->controls().figures = true;
-  const auto green = [this](double share) {
+  const auto green = [this](double fraction) {
     ViewerState state = state_of(SyntheticLightField({.around = 24, .across = 8}).snapshot());
-    state.work = WorkInHand{"SAVING the model: part 13 of 52", share};
+    state.work = WorkInHand{"SAVING the model: part 13 of 52", fraction};
     const ImageU8 picture = window_->draw_once(state);
     int n = 0;
     for (int y = 0; y < kHeight; ++y)

@@ -67,9 +67,9 @@ TEST(ViewHaar, IsOrthonormalOverEverySubset) {
 
 TEST(PatchShapes, EachTriangleIsInOnePatch) {
   const Mesh mesh = sphere_mesh(1, 3);
-  const VertexRings rings(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 5));
+  const MapLayout maps(std::vector<std::uint8_t>(mesh.triangles.size(), 5));
   for (const std::size_t most : {1, 4, 8, 30}) {
-    const PatchShapes shapes = cut_into_patches(mesh, rings, most);
+    const PatchShapes shapes = cut_into_patches(mesh, maps, most);
     std::size_t triangles = 0;
     for (std::size_t p = 0; p < shapes.patches.size(); ++p) {
       const PatchShape& patch = shapes.patches[p];

@@ -32,7 +32,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
     mesh->triangles.push_back({i, (i + 1) % 4, 4});
     mesh->triangles.push_back({(i + 1) % 4, i, 5});
   }
-  auto maps = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>{2, 3, 4, 5, 6, 7, 16, 2});
+  auto maps = std::make_shared<MapLayout>(std::vector<std::uint8_t>{2, 3, 4, 5, 6, 7, 16, 2});
   auto shapes = std::make_shared<const PatchShapes>(patch_shapes(*mesh, *maps, {0, 0, 1, 1, 1, 2, 3, 3}));
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
@@ -48,7 +48,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
     for (std::uint32_t s = 0; s < shape.samples; ++s) patch->shown.push_back(static_cast<std::uint8_t>(random()));
     for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
       VertexInterpolant& at = patch->vertices.emplace_back();
-      auto seen_from = std::make_shared<RingViews>();
+      auto seen_from = std::make_shared<VertexViews>();
       const int views = 1 + 3 * static_cast<int>(i);
       at.weights = Eigen::MatrixXf::NullaryExpr(rank, views, draw);
       at.mean = Eigen::VectorXf::NullaryExpr(rank, draw);
@@ -173,7 +173,7 @@ TEST(ModelFiles, ASaveThatIsStoppedAnywhereLeavesTheOlderModel) {
 TEST(ModelFiles, AModelThatNoImageReached) {
   const TempFolder folder;
   const auto model = random_model(1);
-  const SurfaceLightFieldSnapshot empty(model->shared_mesh(), model->shared_rings(), model->shared_shapes(),
+  const SurfaceLightFieldSnapshot empty(model->shared_mesh(), model->shared_maps(), model->shared_shapes(),
                                         SurfaceLightFieldSnapshot::Patches(4), 0);
   save_model(empty, folder.path());
   const auto again = load_model(folder.path());
@@ -334,7 +334,7 @@ TEST(ModelFiles, LatticesOfMoreSamplesThanCanBeCountedAreRefused) {
   auto mesh = std::make_shared<Mesh>();
   mesh->vertices = {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}};
   mesh->triangles.assign(30'000, {0, 1, 2});  // of all together more samples than 32 bits count
-  const auto maps = std::make_shared<VertexRings>(*mesh, std::vector<std::uint8_t>(30'000, 2));
+  const auto maps = std::make_shared<MapLayout>(std::vector<std::uint8_t>(30'000, 2));
   const auto shapes = std::make_shared<const PatchShapes>(
       patch_shapes(*mesh, *maps, std::vector<std::uint32_t>(mesh->triangles.size(), 0)));
   save_model({mesh, maps, shapes, SurfaceLightFieldSnapshot::Patches(1), 1}, folder.path());
@@ -369,7 +369,7 @@ TEST(ModelFiles, AValueThatIsNotFiniteIsRefused) {
   auto broken = std::make_shared<PatchSnapshot>(*data[1]);
   broken->basis(3, 1) = std::nanf("");
   data[1] = broken;
-  save_model({model->shared_mesh(), model->shared_rings(), model->shared_shapes(), data, 1}, folder.path());
+  save_model({model->shared_mesh(), model->shared_maps(), model->shared_shapes(), data, 1}, folder.path());
   expect_error([&] { load_model(folder.path()); }, {"maps.exr", "surface.rank01", "finite"});
 }
 

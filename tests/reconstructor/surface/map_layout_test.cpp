@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/map_layout.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
-#include <set>
-
-#include "tests/support/test_meshes.h"
+#include <vector>
 
 namespace sheen {
 namespace {
@@ -48,33 +46,22 @@ TEST(Lattice, StencilReproducesLinearFunctions) {
     }
 }
 
-TEST(VertexRings, EveryTriangleIsInTheRingsOfItsThreeCorners) {
-  const Mesh mesh = sphere_mesh(1, 2);
-  std::vector<std::uint8_t> resolution(mesh.triangles.size());
-  for (std::size_t t = 0; t < resolution.size(); ++t) resolution[t] = static_cast<std::uint8_t>(2 + t % 5);
-  const VertexRings rings(mesh, resolution);
-  ASSERT_EQ(rings.size(), mesh.vertices.size());
-  std::size_t members = 0;
-  for (std::size_t v = 0; v < rings.size(); ++v) {
-    std::uint32_t next = 0;
-    for (const RingTriangle& member : rings.ring(v)) {
-      EXPECT_EQ(mesh.triangles[member.triangle][member.corner], v);
-      EXPECT_EQ(member.first_sample, next) << "samples of a ring are gap-free";
-      EXPECT_EQ(&rings.membership(member.triangle, member.corner), &member);
-      next += lattice_samples(rings.resolution(member.triangle));
-      ++members;
-    }
-    EXPECT_EQ(rings.ring_samples(v), static_cast<int>(next));
+TEST(MapLayout, SamplesOfTriangleAfterTriangleLeaveNoGap) {
+  const std::vector<std::uint8_t> resolution{2, 7, 3, 255, 2};
+  const MapLayout maps(resolution);
+  ASSERT_EQ(maps.triangles(), resolution.size());
+  std::size_t next = 0;
+  for (std::size_t t = 0; t < resolution.size(); ++t) {
+    EXPECT_EQ(maps.resolution(t), resolution[t]);
+    EXPECT_EQ(maps.first_sample(t), next);
+    next += static_cast<std::size_t>(lattice_samples(resolution[t]));
   }
-  EXPECT_EQ(members, 3 * mesh.triangles.size());
+  EXPECT_EQ(maps.first_sample(resolution.size()), next);
+  EXPECT_EQ(maps.total_samples(), next);
 }
 
-TEST(VertexRings, IsolatedVerticesHaveEmptyRings) {
-  Mesh mesh = square_mesh(1, 0, 1);
-  mesh.vertices.emplace_back(5, 5, 5);
-  const VertexRings rings(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 4));
-  EXPECT_TRUE(rings.ring(4).empty());
-  EXPECT_EQ(rings.ring_samples(4), 0);
+TEST(MapLayout, OfNoTriangleHasNoSample) {
+  EXPECT_EQ(MapLayout({}).total_samples(), 0u);
 }
 
 }  // namespace

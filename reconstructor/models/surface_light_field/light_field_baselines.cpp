@@ -1,31 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/light_field_peers.h"
+#include "reconstructor/models/surface_light_field/light_field_baselines.h"
 
 #include "reconstructor/models/photograph_coding.h"
-#include "reconstructor/radiance/ring_resampler.h"
+#include "reconstructor/radiance/resampling.h"
 
 namespace sheen {
 
-LightFieldPeers::LightFieldPeers(std::shared_ptr<const LightFieldSnapshot> model,
-                                 const SurfaceLightFieldOptions& options, bool photographs)
+LightFieldBaselines::LightFieldBaselines(std::shared_ptr<const LightFieldSnapshot> model,
+                                         const SurfaceLightFieldOptions& options, bool photographs)
     : model_(std::move(model)),
       sampling_(options.sampling),
-      visibility_(model_->mesh(), model_->rings(), options.visibility),
-      mean_(model_->shared_mesh(), model_->shared_rings()) {
+      visibility_(model_->mesh(), model_->maps(), options.visibility),
+      mean_(model_->shared_mesh(), model_->shared_maps()) {
   if (photographs) photographs_ = std::make_shared<PhotographSet>(model_->shared_mesh(), options.visibility);
 }
 
-void LightFieldPeers::add(const Capture& capture, float exposure_gain, bool repeated) {
+void LightFieldBaselines::add(const Capture& capture, float exposure_gain, bool repeated) {
   const SurfaceView& view = visibility_.look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   if (!repeated) {
     image_.load(capture, view);
-    resample(image_, view, model_->rings(), exposure_gain, encoded_, sampling_);
+    resample(image_, view, model_->maps(), exposure_gain, encoded_, sampling_);
     mean_.add(view, encoded_);
   }
   if (photographs_) photographs_->add(capture, level_radiance(capture, exposure_gain), view);
 }
 
-std::vector<Peer> LightFieldPeers::others(std::size_t model_bytes) const {
+std::vector<Baseline> LightFieldBaselines::from_photographs(std::size_t model_bytes) const {
   if (!photographs_) return {};
   const std::shared_ptr<const Appearance> constant = constant_colour();
   const auto disk = static_cast<double>(photographs_->pixel_bytes()),
@@ -40,7 +40,7 @@ std::vector<Peer> LightFieldPeers::others(std::size_t model_bytes) const {
        PhotographSet::unstructured_lumigraph(photographs_, constant), disk, memory}};
 }
 
-PeerHeuristic LightFieldPeers::heuristic() const {
+BaselineHeuristic LightFieldBaselines::heuristic() const {
   const auto paper = std::make_shared<PaperHeuristic>(*model_);
   return {"the paper's heuristic",
           [model = model_, paper](const Eigen::Vector3d& eye) { return paper->seen_from(eye); }};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/radiance/ring_resampler.h"
+#include "reconstructor/radiance/resampling.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -14,11 +14,11 @@ namespace sheen {
 namespace {
 
 /// `values`: a buffer that is reused.
-void resample_triangle(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings, std::size_t t,
+void resample_triangle(const RadianceImage& image, const SurfaceView& view, const MapLayout& maps, std::size_t t,
                        float gain, Eigen::Matrix3Xf& encoded, Sampling sampling, std::vector<float>& values) {
   const int visible = view.visible_in_triangle[t];
   if (visible == 0) return;
-  const std::size_t first = rings.first_sample(t), samples = rings.first_sample(t + 1) - first;
+  const std::size_t first = maps.first_sample(t), samples = maps.first_sample(t + 1) - first;
   values.resize(3 * static_cast<std::size_t>(visible) + 1);
   image.sample(std::span(view.pixel).subspan(first, samples), std::span(view.visible).subspan(first, samples),
                view.step_px[t], sampling, values.data());
@@ -33,23 +33,23 @@ void resample_triangle(const RadianceImage& image, const SurfaceView& view, cons
 
 }  // namespace
 
-void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings, float gain,
+void resample(const RadianceImage& image, const SurfaceView& view, const MapLayout& maps, float gain,
               Eigen::Matrix3Xf& encoded, Sampling sampling) {
-  encoded.resize(3, static_cast<Eigen::Index>(rings.total_samples()));
+  encoded.resize(3, static_cast<Eigen::Index>(maps.total_samples()));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.cosine.size(), 128), [&](const auto& range) {
     std::vector<float> values;
     for (std::size_t t = range.begin(); t < range.end(); ++t)
-      resample_triangle(image, view, rings, t, gain, encoded, sampling, values);
+      resample_triangle(image, view, maps, t, gain, encoded, sampling, values);
   });
 }
 
-void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings,
+void resample(const RadianceImage& image, const SurfaceView& view, const MapLayout& maps,
               std::span<const std::uint32_t> triangles, float gain, Eigen::Matrix3Xf& encoded, Sampling sampling) {
-  encoded.resize(3, static_cast<Eigen::Index>(rings.total_samples()));
+  encoded.resize(3, static_cast<Eigen::Index>(maps.total_samples()));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 128), [&](const auto& range) {
     std::vector<float> values;
     for (std::size_t i = range.begin(); i < range.end(); ++i)
-      resample_triangle(image, view, rings, triangles[i], gain, encoded, sampling, values);
+      resample_triangle(image, view, maps, triangles[i], gain, encoded, sampling, values);
   });
 }
 

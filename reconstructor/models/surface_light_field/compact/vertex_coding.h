@@ -13,12 +13,12 @@ std::string encode_resolutions(const std::vector<std::uint8_t>& resolutions);
 /// Throws std::runtime_error where one cannot be.
 std::vector<std::uint8_t> decode_resolutions(std::string_view bytes, std::size_t triangles);
 
-/// The rings of a model: which were seen, in which images, how they interpolate. Reliabilities are kept to a sixth of
-/// a stop, sills to a twelfth of an octave, directions of merged views to a thousandth.
-/// What a reader will find is left in `model`.
-std::string encode_rings(CompactModel& model);
+/// The vertices of a model: which were seen, in which images, and how patches are interpolated there. Reliabilities are
+/// kept to a sixth of a stop, sills to a twelfth of an octave, directions of merged views to a thousandth. What a
+/// reader will find is left in `model`.
+std::string encode_vertices(CompactModel& model);
 /// Into `model`, of which mesh, cameras, kernels and reflection must be there. Throws std::runtime_error.
-void decode_rings(std::string_view bytes, CompactModel& model);
+void decode_vertices(std::string_view bytes, CompactModel& model);
 
 /// Which samples were measured, imputed, or not seen.
 std::string encode_states(const CompactModel& model);

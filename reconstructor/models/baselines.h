@@ -14,7 +14,7 @@
 namespace sheen {
 
 /// Another way to show what the same images show.
-struct Peer {
+struct Baseline {
   std::string key;    ///< in reports
   std::string title;  ///< for a person
   std::shared_ptr<const Appearance> appearance;
@@ -23,23 +23,23 @@ struct Peer {
 };
 
 /// Another way to say how well a surface is known, per triangle seen from an eye; 0 = well known .. 1.
-struct PeerHeuristic {
+struct BaselineHeuristic {
   std::string title;
   std::function<std::vector<float>(const Eigen::Vector3d& eye)> of;
 };
 
 /// What a saved model is compared with: made from the images that the model was built from.
-class Peers {
+class Baselines {
  public:
-  virtual ~Peers() = default;
+  virtual ~Baselines() = default;
   /// An image that is in the model. `exposure_gain`: that the model divided it by. `repeated`: the model took nothing
   /// of it.
   virtual void add(const Capture& capture, float exposure_gain, bool repeated) = 0;
   virtual std::shared_ptr<const Appearance> constant_colour() const = 0;
-  /// The others, from the weakest to the strongest; none where photographs were not asked for. `model_bytes`: of the
-  /// model's files, which a peer may be brought to.
-  virtual std::vector<Peer> others(std::size_t model_bytes) const = 0;
-  virtual PeerHeuristic heuristic() const = 0;
+  /// Those that keep the photographs, from the weakest to the strongest; none where photographs were not asked for.
+  /// `model_bytes`: of the model's files, to which photographs may be brought.
+  virtual std::vector<Baseline> from_photographs(std::size_t model_bytes) const = 0;
+  virtual BaselineHeuristic heuristic() const = 0;
 };
 
 }  // namespace sheen

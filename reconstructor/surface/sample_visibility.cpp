@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/surface/ring_visibility.h"
+#include "reconstructor/surface/sample_visibility.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -14,19 +14,19 @@
 #include "common/camera/batch_projection.h"
 
 namespace sheen {
-RingVisibility::RingVisibility(const Mesh& mesh, const VertexRings& rings, const VisibilityOptions& options,
-                               std::shared_ptr<const RayScene> scene)
+SampleVisibility::SampleVisibility(const Mesh& mesh, const MapLayout& maps, const VisibilityOptions& options,
+                                   std::shared_ptr<const RayScene> scene)
     : mesh_(mesh),
-      rings_(rings),
+      maps_(maps),
       options_(options),
       scene_(scene ? std::move(scene) : std::make_shared<const RayScene>(mesh)) {
-  view_.pixel.resize(rings.total_samples());
-  view_.visible.resize(rings.total_samples());
+  view_.pixel.resize(maps.total_samples());
+  view_.visible.resize(maps.total_samples());
   view_.visible_in_triangle.resize(mesh.triangles.size());
   view_.cosine.resize(mesh.triangles.size());
   view_.step_px.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const int n = rings.resolution(t);
+    const int n = maps.resolution(t);
     Lattice& lattice = lattices_[n];
     if (!lattice.u.empty()) continue;
     longest_lattice_ = std::max<std::size_t>(longest_lattice_, lattice_samples(n));
@@ -38,7 +38,7 @@ RingVisibility::RingVisibility(const Mesh& mesh, const VertexRings& rings, const
   }
 }
 
-const SurfaceView& RingVisibility::look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
+const SurfaceView& SampleVisibility::look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
   view_.eye = camera_centre(camera_from_object);
   cast_depth(camera, camera_from_object, mask);
   erode_depth(camera);
@@ -48,7 +48,7 @@ const SurfaceView& RingVisibility::look(const Camera& camera, const Rigid3& came
   return view_;
 }
 
-void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
+void SampleVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
   const int w = camera.width, h = camera.height;
   if (!(camera == rays_of_)) {
     rays_.resize(std::size_t(w) * h);
@@ -99,7 +99,7 @@ void RingVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_
   });
 }
 
-void RingVisibility::erode_depth(const Camera& camera) {
+void SampleVisibility::erode_depth(const Camera& camera) {
   const int w = camera.width, h = camera.height, r = options_.erosion_px;
   const auto footprint = static_cast<float>(options_.depth_step / std::min(camera.fx, camera.fy));
   std::fill_n(view_.safe_depth.data(), view_.safe_depth.size(), 0.0f);
@@ -150,15 +150,15 @@ void RingVisibility::erode_depth(const Camera& camera) {
   });
 }
 
-void RingVisibility::test_samples(const Camera& camera, const Rigid3& camera_from_object) {
+void SampleVisibility::test_samples(const Camera& camera, const Rigid3& camera_from_object) {
   const Eigen::Vector3f eye = view_.eye.cast<float>();
   const auto nearer = static_cast<float>(1 - options_.depth_tolerance / std::min(camera.fx, camera.fy));
   const auto largest_x = static_cast<float>(camera.width - 2), largest_y = static_cast<float>(camera.height - 2);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 64), [&](const auto& range) {
     std::vector<float> buffer(5 * longest_lattice_);
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
-      const std::size_t first = rings_.first_sample(t);
-      const int n = rings_.resolution(t);
+      const std::size_t first = maps_.first_sample(t);
+      const int n = maps_.resolution(t);
       const std::size_t samples = lattice_samples(n);
       const Eigen::Vector3f normal = mesh_.area_normal(t);
       const Eigen::Vector3f centre = (mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3;

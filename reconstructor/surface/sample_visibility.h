@@ -11,7 +11,7 @@
 #include "common/camera/rigid3.h"
 #include "common/geometry/ray_scene.h"
 #include "common/image/image.h"
-#include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/map_layout.h"
 
 namespace sheen {
 
@@ -23,7 +23,7 @@ struct VisibilityOptions {
   double depth_tolerance = 6;  ///< how far behind the first hit a sample may lie, in pixel footprints
 };
 
-/// What one image shows of the sampled surface. Arrays per sample run as VertexRings::first_sample says.
+/// What one image shows of the sampled surface. Arrays per sample run as MapLayout::first_sample says.
 struct SurfaceView {
   Eigen::Vector3d eye;                   ///< object frame
   PixelBox box;                          ///< pixels that can show the mesh
@@ -44,11 +44,11 @@ struct SurfaceView {
 /// Decides sample by sample what an image shows (000 sec. 4.2, which tests vertices only): the sample must be the first
 /// hit of its pixel's ray on a front face, away from every silhouette and depth edge, so that background never bleeds
 /// in.
-class RingVisibility {
+class SampleVisibility {
  public:
   /// `scene`: of the mesh, where there is one already.
-  RingVisibility(const Mesh& mesh, const VertexRings& rings, const VisibilityOptions& options,
-                 std::shared_ptr<const RayScene> scene = nullptr);
+  SampleVisibility(const Mesh& mesh, const MapLayout& maps, const VisibilityOptions& options,
+                   std::shared_ptr<const RayScene> scene = nullptr);
 
   /// `mask`: empty, or the image's size with 0 where pixels are to be ignored. Not thread-safe (buffers are reused).
   const SurfaceView& look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
@@ -64,7 +64,7 @@ class RingVisibility {
   };
 
   const Mesh& mesh_;
-  const VertexRings& rings_;
+  const MapLayout& maps_;
   VisibilityOptions options_;
   std::shared_ptr<const RayScene> scene_;
   std::array<Lattice, 256> lattices_;  ///< of the resolutions that triangles have

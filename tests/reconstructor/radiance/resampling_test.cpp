@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/radiance/ring_resampler.h"
+#include "reconstructor/radiance/resampling.h"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ ImageF noise(int width, int height) {
   return image_of(width, height, [&](int, int, int) { return uniform(engine); });
 }
 
-TEST(RingResampler, AConstantStaysConstantAtAllLevelsAndUpToTheBorder) {
+TEST(Resampling, AConstantStaysConstantAtAllLevelsAndUpToTheBorder) {
   for (const auto& [w, h] :
        {std::pair(100, 60), std::pair(37, 41), std::pair(9, 9), std::pair(3, 2), std::pair(1, 1)}) {
     const RadianceImage image(image_of(w, h, [](int, int, int c) { return 0.25f * (c + 1); }));
@@ -44,7 +44,7 @@ TEST(RingResampler, AConstantStaysConstantAtAllLevelsAndUpToTheBorder) {
   }
 }
 
-TEST(RingResampler, FullResolutionGivesBackThePixels) {
+TEST(Resampling, FullResolutionGivesBackThePixels) {
   const ImageF pixels = noise(40, 30);
   const RadianceImage image(pixels);
   for (int y = 0; y < 30; ++y)
@@ -57,7 +57,7 @@ TEST(RingResampler, FullResolutionGivesBackThePixels) {
 
 // Cubic convolution with parameter a keeps constants; on f(x) = x its error is (1 + 2 a) t (1 - t) (2 t - 1) at the
 // fraction t between two pixels (no error for a = -1/2 alone), which is below 0.02 of a pixel for a = -0.6.
-TEST(RingResampler, ARampIsReproducedAsTheKernelsMomentsSay) {
+TEST(Resampling, ARampIsReproducedAsTheKernelsMomentsSay) {
   const RadianceImage image(image_of(64, 64, [](int x, int y, int c) { return c == 0 ? x : c == 1 ? y : x + 2 * y; }));
   const auto error = [](double t) { return (1 - 2 * 0.6) * t * (1 - t) * (2 * t - 1); };
   for (int i = 0; i <= 20; ++i)
@@ -71,7 +71,7 @@ TEST(RingResampler, ARampIsReproducedAsTheKernelsMomentsSay) {
     }
 }
 
-TEST(RingResampler, TheCoarserLevelsReproduceARampExactly) {
+TEST(Resampling, TheCoarserLevelsReproduceARampExactly) {
   const RadianceImage image(image_of(128, 128, [](int x, int y, int c) { return c == 0 ? x : c == 1 ? y : 1 + x; }));
   for (const float step : {1.7f, 3.2f, 5.0f, 6.4f, 12.0f})
     for (int i = 0; i <= 10; ++i) {
@@ -81,7 +81,7 @@ TEST(RingResampler, TheCoarserLevelsReproduceARampExactly) {
     }
 }
 
-TEST(RingResampler, ACoarseSampleIsTheMeanOfItsBlock) {
+TEST(Resampling, ACoarseSampleIsTheMeanOfItsBlock) {
   const ImageF pixels = noise(64, 48);
   const RadianceImage image(pixels);
   for (int level = 1; level <= 3; ++level) {
@@ -99,7 +99,7 @@ TEST(RingResampler, ACoarseSampleIsTheMeanOfItsBlock) {
   }
 }
 
-TEST(RingResampler, AMapFinerThanTheImageReadsTheFullImage) {
+TEST(Resampling, AMapFinerThanTheImageReadsTheFullImage) {
   const RadianceImage image(
       image_of(64, 64, [](int x, int y, int) { return (x + y) % 2; }));  // nothing survives a halving
   for (const float step : {0.01f, 0.5f, 1.0f, 1.6f}) {
@@ -109,7 +109,7 @@ TEST(RingResampler, AMapFinerThanTheImageReadsTheFullImage) {
   for (const float step : {1.61f, 3.2f, 6.0f, 100.0f}) EXPECT_EQ(image.sample({20, 20}, step).x(), 0.5f) << step;
 }
 
-TEST(RingResampler, LightIsNeverNegative) {
+TEST(Resampling, LightIsNeverNegative) {
   const RadianceImage image(image_of(16, 16, [](int x, int, int) { return x < 8 ? 0 : 100; }));
   float lowest = 1;
   for (int i = 0; i <= 150; ++i) lowest = std::min(lowest, image.sample(Eigen::Vector2f(0.1f * i, 8), 1).minCoeff());
@@ -135,7 +135,7 @@ SurfaceView view_of(const ImageF& pixels, const PixelBox& box, float step) {
   return view;
 }
 
-TEST(RingResampler, PixelsThatAreNoNumbersAreMarkedAndReadAsZero) {
+TEST(Resampling, PixelsThatAreNoNumbersAreMarkedAndReadAsZero) {
   ImageF pixels = noise(20, 10);
   EXPECT_TRUE(usable_pixels(capture_of(pixels)).empty());
   pixels.at(3, 4, 1) = std::numeric_limits<float>::quiet_NaN();
@@ -163,7 +163,7 @@ TEST(RingResampler, PixelsThatAreNoNumbersAreMarkedAndReadAsZero) {
   EXPECT_NE(both.at(8, 7), 0);
 }
 
-TEST(RingResampler, APartOfTheImageReadsAsTheWholeDoes) {
+TEST(Resampling, APartOfTheImageReadsAsTheWholeDoes) {
   const ImageF pixels = noise(120, 90);
   const RadianceImage whole(pixels);
   const Capture capture = capture_of(pixels);
@@ -181,23 +181,23 @@ TEST(RingResampler, APartOfTheImageReadsAsTheWholeDoes) {
       }
 }
 
-TEST(RingResampler, BesideASilhouetteASampleHasTheObjectsColour) {
+TEST(Resampling, BesideASilhouetteASampleHasTheObjectsColour) {
   // A disc of one colour on black and on a glaring ground, with mixed pixels at its rim and some that are no numbers.
   const Eigen::Vector3f colour(0.3f, 0.5f, 0.7f);
   for (const float ground : {0.0f, 5.0f}) {
     SurfaceView view = view_of(ImageF(64, 64, 1), {10, 10, 54, 54}, 0);
-    const auto share = [](int x, int y) { return std::clamp(20.5f - std::hypot(x - 31.3f, y - 32.1f), 0.0f, 1.0f); };
-    ImageF pixels =
-        image_of(64, 64, [&](int x, int y, int c) { return share(x, y) * colour[c] + (1 - share(x, y)) * ground; });
+    const auto fraction = [](int x, int y) { return std::clamp(20.5f - std::hypot(x - 31.3f, y - 32.1f), 0.0f, 1.0f); };
+    ImageF pixels = image_of(
+        64, 64, [&](int x, int y, int c) { return fraction(x, y) * colour[c] + (1 - fraction(x, y)) * ground; });
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) {
         float least = 1;
         for (int j = -1; j <= 1; ++j)
-          for (int i = -1; i <= 1; ++i) least = std::min(least, share(x + i, y + j));
-        view.from_edge.at(x, y) = share(x, y) < 1 ? 0 : least < 1 ? 1 : 2;
+          for (int i = -1; i <= 1; ++i) least = std::min(least, fraction(x + i, y + j));
+        view.from_edge.at(x, y) = fraction(x, y) < 1 ? 0 : least < 1 ? 1 : 2;
       }
     for (int x = 0; x < 64; ++x)
-      if (share(x, 40) < 1) pixels.at(x, 40, 1) = std::numeric_limits<float>::quiet_NaN();
+      if (fraction(x, 40) < 1) pixels.at(x, 40, 1) = std::numeric_limits<float>::quiet_NaN();
     for (const float step : {1.0f, 3.0f}) {  // the kernel itself, and the level of half the size
       view.step_px = {step};
       for (const Sampling sampling : {Sampling::kCubic, Sampling::kLinear}) {
@@ -208,7 +208,8 @@ TEST(RingResampler, BesideASilhouetteASampleHasTheObjectsColour) {
           for (float x = 8; x < 56; x += 0.23f) {
             const int i = static_cast<int>(x + 0.5f), j = static_cast<int>(y + 0.5f);
             if (view.from_edge.at(i, j) == 0) continue;  // as visibility decides
-            beside += share(i - 1, j) < 1 || share(i + 1, j) < 1 || share(i, j - 1) < 1 || share(i, j + 1) < 1;
+            beside +=
+                fraction(i - 1, j) < 1 || fraction(i + 1, j) < 1 || fraction(i, j - 1) < 1 || fraction(i, j + 1) < 1;
             ASSERT_LT((image.sample({x, y}, step, sampling) - colour).cwiseAbs().maxCoeff(), 1e-5f) << x << ' ' << y;
           }
         EXPECT_GT(beside, 1000u);
@@ -251,7 +252,7 @@ struct TwoSquares {
   Eigen::Vector3f floor_colour{0.02f, 0.5f, 0.7f}, upper_colour{0.9f, 0.1f, 0};
 };
 
-TEST(RingResampler, BesideAnotherSurfaceASampleHasItsOwnColourExactly) {
+TEST(Resampling, BesideAnotherSurfaceASampleHasItsOwnColourExactly) {
   const TwoSquares scene;
   Capture capture = capture_of(scene.picture());
   ImageU8 mask(240, 180, 1, 255);
@@ -267,19 +268,18 @@ TEST(RingResampler, BesideAnotherSurfaceASampleHasItsOwnColourExactly) {
   for (const int n : {3, 8, 20})
     for (const int erosion : {0, 1})
       for (const Sampling sampling : {Sampling::kCubic, Sampling::kLinear}) {
-        const VertexRings rings(scene.mesh,
-                                std::vector<std::uint8_t>(scene.mesh.triangles.size(), static_cast<std::uint8_t>(n)));
-        RingVisibility visibility(scene.mesh, rings, {.erosion_px = erosion});
+        const MapLayout maps(std::vector<std::uint8_t>(scene.mesh.triangles.size(), static_cast<std::uint8_t>(n)));
+        SampleVisibility visibility(scene.mesh, maps, {.erosion_px = erosion});
         const SurfaceView& view = visibility.look(scene.camera, scene.camera_from_object, mask);
         RadianceImage image;
         image.load(capture, view);
         Eigen::Matrix3Xf encoded;
-        resample(image, view, rings, 1, encoded, sampling);
+        resample(image, view, maps, 1, encoded, sampling);
         for (std::size_t t = 0; t < scene.mesh.triangles.size(); ++t) {
           const bool upper = scene.mesh.corner(t, 0).z() > 0;
           const Eigen::Vector3f colour =
               (upper ? scene.upper_colour : scene.floor_colour).unaryExpr([](float v) { return srgb_encode(v); });
-          for (std::size_t s = rings.first_sample(t); s < rings.first_sample(t + 1); ++s) {
+          for (std::size_t s = maps.first_sample(t); s < maps.first_sample(t + 1); ++s) {
             if (!view.visible[s]) continue;
             beside[upper] += view.from_edge.at(static_cast<int>(view.pixel[s].x() + 0.5f),
                                                static_cast<int>(view.pixel[s].y() + 0.5f)) == 1;
@@ -291,7 +291,7 @@ TEST(RingResampler, BesideAnotherSurfaceASampleHasItsOwnColourExactly) {
   EXPECT_GT(std::min(beside[0], beside[1]), 400u);
 }
 
-TEST(RingResampler, LinearSamplingIsTheMeanOfTheFourPixelsRound) {
+TEST(Resampling, LinearSamplingIsTheMeanOfTheFourPixelsRound) {
   const ImageF pixels = noise(8, 8);
   const RadianceImage image(pixels);
   const auto pixel = [&](int x, int y) { return Eigen::Map<const Eigen::Vector3f>(pixels.pixel(x, y)); };
@@ -299,11 +299,11 @@ TEST(RingResampler, LinearSamplingIsTheMeanOfTheFourPixelsRound) {
   EXPECT_LT((image.sample({3.5f, 4.5f}, 1, Sampling::kLinear) - mean).norm(), 1e-6f);
 }
 
-TEST(RingResampler, SamplesAreDividedByTheGainAndEncodedAndHiddenOnesAreLeftAlone) {
+TEST(Resampling, SamplesAreDividedByTheGainAndEncodedAndHiddenOnesAreLeftAlone) {
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
-  const VertexRings rings(mesh, {3, 2});
+  const MapLayout maps({3, 2});
   SurfaceView view;
   view.visible = {1, 0, 1, 1, 0, 1, 1, 1, 1};
   view.visible_in_triangle = {4, 0};  // the second triangle is not looked at, whatever its samples say
@@ -312,7 +312,7 @@ TEST(RingResampler, SamplesAreDividedByTheGainAndEncodedAndHiddenOnesAreLeftAlon
   for (int s = 0; s < 9; ++s) view.pixel.emplace_back(2 + s, 3);
   const RadianceImage image(image_of(16, 8, [](int x, int, int c) { return 0.02f * x + 0.1f * c; }));
   Eigen::Matrix3Xf encoded = Eigen::Matrix3Xf::Constant(3, 9, -7);
-  resample(image, view, rings, 2, encoded);
+  resample(image, view, maps, 2, encoded);
   for (int s = 0; s < 9; ++s)
     for (int c = 0; c < 3; ++c) {
       const bool read = s < 6 && view.visible[s];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/surface/ring_visibility.h"
+#include "reconstructor/surface/sample_visibility.h"
 
 #include <gtest/gtest.h>
 
@@ -16,16 +16,16 @@ Camera camera() {
 }
 const Rigid3 kFromAbove = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0});
 
-VertexRings rings_of(const Mesh& mesh, int n) {
-  return VertexRings(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), static_cast<std::uint8_t>(n)));
+MapLayout maps_of(const Mesh& mesh, int n) {
+  return MapLayout(std::vector<std::uint8_t>(mesh.triangles.size(), static_cast<std::uint8_t>(n)));
 }
 
 /// Every sample with its place in the object frame.
 template <typename F>
-void for_each_sample(const Mesh& mesh, const VertexRings& rings, F&& f) {
+void for_each_sample(const Mesh& mesh, const MapLayout& maps, F&& f) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const int n = rings.resolution(t);
-    std::size_t s = rings.first_sample(t);
+    const int n = maps.resolution(t);
+    std::size_t s = maps.first_sample(t);
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j, ++s) {
         const float u = float(i) / (n - 1), v = float(j) / (n - 1);
@@ -34,24 +34,24 @@ void for_each_sample(const Mesh& mesh, const VertexRings& rings, F&& f) {
   }
 }
 
-TEST(RingVisibility, ASquareIsSeenButForItsRim) {
+TEST(SampleVisibility, ASquareIsSeenButForItsRim) {
   const Mesh mesh = square_mesh(0.4f, 0, 8);
-  const VertexRings rings = rings_of(mesh, 6);
-  RingVisibility visibility(mesh, rings, {});
+  const MapLayout maps = maps_of(mesh, 6);
+  SampleVisibility visibility(mesh, maps, {});
   const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
   // 250 px per metre at z = 2: the rim of 1 px is 0.004 m wide, one pixel more or less for the grid.
-  for_each_sample(mesh, rings, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
+  for_each_sample(mesh, maps, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
     const float inside = 0.4f - std::max(std::abs(p.x()), std::abs(p.y()));
     if (inside > 0.017f) EXPECT_TRUE(view.visible[s]) << p.transpose();
     if (inside < 0.003f) EXPECT_FALSE(view.visible[s]) << p.transpose();
   });
 }
 
-TEST(RingVisibility, ErosionKeepsAsManyPixelsMoreAway) {
+TEST(SampleVisibility, ErosionKeepsAsManyPixelsMoreAway) {
   const Mesh mesh = square_mesh(0.4f, 0, 8);  // pixels 100 to 299, 50 to 249
-  const VertexRings rings = rings_of(mesh, 6);
+  const MapLayout maps = maps_of(mesh, 6);
   for (const int erosion : {0, 1, 3}) {
-    RingVisibility visibility(mesh, rings, {.erosion_px = erosion});
+    SampleVisibility visibility(mesh, maps, {.erosion_px = erosion});
     const ImageF& safe = visibility.look(camera(), kFromAbove, {}).safe_depth;
     for (int y = 0; y < 300; ++y)
       for (int x = 0; x < 400; ++x) {
@@ -61,14 +61,14 @@ TEST(RingVisibility, ErosionKeepsAsManyPixelsMoreAway) {
   }
 }
 
-TEST(RingVisibility, PixelsSayHowFarTheEdgeOfTheirSurfaceIs) {
+TEST(SampleVisibility, PixelsSayHowFarTheEdgeOfTheirSurfaceIs) {
   // The floor ends at pixel 299; its left part is masked to pixel 149; before it floats a square, pixels 175 to 224.
   const Mesh mesh = joined(square_mesh(0.4f, 0, 8), square_mesh(0.05f, 1, 1));
-  const VertexRings rings = rings_of(mesh, 6);
+  const MapLayout maps = maps_of(mesh, 6);
   ImageU8 mask(400, 300, 1, 255);
   for (int y = 0; y < 300; ++y) std::fill_n(mask.row(y), 150, std::uint8_t{0});
   for (const int erosion : {0, 1, 4}) {
-    RingVisibility visibility(mesh, rings, {.erosion_px = erosion});
+    SampleVisibility visibility(mesh, maps, {.erosion_px = erosion});
     for (int repetition = 0; repetition < 2; ++repetition) {  // the second with buffers that were used
       if (repetition == 1) visibility.look(camera(), look_at({0.3, 0.2, 1.9}, {0, 0, 0}, {0, 1, 0}), {});
       const SurfaceView& view = visibility.look(camera(), kFromAbove, mask);
@@ -85,15 +85,15 @@ TEST(RingVisibility, PixelsSayHowFarTheEdgeOfTheirSurfaceIs) {
   }
 }
 
-TEST(RingVisibility, SamplesAreProjectedThroughTheLens) {
+TEST(SampleVisibility, SamplesAreProjectedThroughTheLens) {
   Camera lens = camera();
   lens.distortion = {-0.2, 0.05, 0.001, -0.001, 0};
   const Mesh mesh = square_mesh(0.4f, 0, 4);
-  const VertexRings rings = rings_of(mesh, 5);
-  RingVisibility visibility(mesh, rings, {});
+  const MapLayout maps = maps_of(mesh, 5);
+  SampleVisibility visibility(mesh, maps, {});
   const SurfaceView& view = visibility.look(lens, kFromAbove, {});
   std::size_t seen = 0;
-  for_each_sample(mesh, rings, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
+  for_each_sample(mesh, maps, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
     if (!view.visible[s]) return;
     ++seen;
     EXPECT_LT((view.pixel[s].cast<double>() - *lens.project(kFromAbove * p.cast<double>())).norm(), 1e-3);
@@ -101,17 +101,17 @@ TEST(RingVisibility, SamplesAreProjectedThroughTheLens) {
   EXPECT_GT(seen, 100u);
 }
 
-TEST(RingVisibility, AnOccluderHidesExactlyItsShadowSampleBySample) {
+TEST(SampleVisibility, AnOccluderHidesExactlyItsShadowSampleBySample) {
   const Mesh floor = square_mesh(0.4f, 0, 4);
   const Mesh mesh = joined(floor, square_mesh(0.1f, 1, 1));  // half way up: its shadow on the floor is 0.2 m
-  const VertexRings rings = rings_of(mesh, 12);
-  RingVisibility visibility(mesh, rings, {});
+  const MapLayout maps = maps_of(mesh, 12);
+  SampleVisibility visibility(mesh, maps, {});
   const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
   int partly = 0;
   for (std::size_t t = 0; t < floor.triangles.size(); ++t)
     partly += view.visible_in_triangle[t] > 0 && view.visible_in_triangle[t] < lattice_samples(12);
   EXPECT_GT(partly, 0) << "triangles that are half hidden are decided sample by sample";
-  for_each_sample(mesh, rings, [&](std::size_t t, std::size_t s, const Eigen::Vector3f& p) {
+  for_each_sample(mesh, maps, [&](std::size_t t, std::size_t s, const Eigen::Vector3f& p) {
     if (t >= floor.triangles.size()) return;
     const float from_shadow = std::max(std::abs(p.x()), std::abs(p.y())) - 0.2f;
     if (from_shadow < -0.004f) EXPECT_FALSE(view.visible[s]) << p.transpose();
@@ -120,13 +120,13 @@ TEST(RingVisibility, AnOccluderHidesExactlyItsShadowSampleBySample) {
   });
 }
 
-TEST(RingVisibility, ASphereShowsItsFrontAndNothingGrazing) {
+TEST(SampleVisibility, ASphereShowsItsFrontAndNothingGrazing) {
   const Mesh mesh = sphere_mesh(0.4f, 4);
-  const VertexRings rings = rings_of(mesh, 4);
+  const MapLayout maps = maps_of(mesh, 4);
   for (const double least : {VisibilityOptions{}.min_cosine, 0.2, 0.5}) {
-    RingVisibility visibility(mesh, rings, {.min_cosine = least});
+    SampleVisibility visibility(mesh, maps, {.min_cosine = least});
     const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
-    for_each_sample(mesh, rings, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
+    for_each_sample(mesh, maps, [&](std::size_t, std::size_t s, const Eigen::Vector3f& p) {
       const double cosine = p.normalized().dot((Eigen::Vector3f(0, 0, 2) - p).normalized());
       if (cosine > least + 0.15) EXPECT_TRUE(view.visible[s]) << cosine << " least " << least;
       if (cosine < least - 0.05) EXPECT_FALSE(view.visible[s]) << cosine << " least " << least;
@@ -134,15 +134,15 @@ TEST(RingVisibility, ASphereShowsItsFrontAndNothingGrazing) {
   }
 }
 
-TEST(RingVisibility, BackFacesAndWhatLiesBehindThemDoNotCount) {
+TEST(SampleVisibility, BackFacesAndWhatLiesBehindThemDoNotCount) {
   Mesh turned = square_mesh(0.1f, 1, 1);
   for (Triangle& t : turned.triangles) std::swap(t[1], t[2]);
   const Mesh floor = square_mesh(0.4f, 0, 4);
   const Mesh mesh = joined(floor, turned);
-  const VertexRings rings = rings_of(mesh, 6);
-  RingVisibility visibility(mesh, rings, {});
+  const MapLayout maps = maps_of(mesh, 6);
+  SampleVisibility visibility(mesh, maps, {});
   const SurfaceView& view = visibility.look(camera(), kFromAbove, {});
-  for_each_sample(mesh, rings, [&](std::size_t t, std::size_t s, const Eigen::Vector3f& p) {
+  for_each_sample(mesh, maps, [&](std::size_t t, std::size_t s, const Eigen::Vector3f& p) {
     if (t >= floor.triangles.size())
       EXPECT_FALSE(view.visible[s]);
     else if (std::max(std::abs(p.x()), std::abs(p.y())) < 0.19f)
@@ -150,13 +150,13 @@ TEST(RingVisibility, BackFacesAndWhatLiesBehindThemDoNotCount) {
   });
 }
 
-TEST(RingVisibility, TheMaskIsHonouredAndEroded) {
+TEST(SampleVisibility, TheMaskIsHonouredAndEroded) {
   const Mesh mesh = square_mesh(0.4f, 0, 8);
-  const VertexRings rings = rings_of(mesh, 6);
+  const MapLayout maps = maps_of(mesh, 6);
   ImageU8 mask(400, 300, 1, 255);
   for (int y = 0; y < 300; ++y)
     for (int x = 0; x < 200; ++x) mask.at(x, y) = 0;
-  RingVisibility visibility(mesh, rings, {});
+  SampleVisibility visibility(mesh, maps, {});
   const SurfaceView& view = visibility.look(camera(), kFromAbove, mask);
   std::size_t seen = 0;
   for (std::size_t s = 0; s < view.visible.size(); ++s)
@@ -168,10 +168,10 @@ TEST(RingVisibility, TheMaskIsHonouredAndEroded) {
   EXPECT_EQ(seen, view.visible_samples);
 }
 
-TEST(RingVisibility, AnObjectBehindTheCameraOrOutsideThePictureIsNotSeen) {
+TEST(SampleVisibility, AnObjectBehindTheCameraOrOutsideThePictureIsNotSeen) {
   const Mesh mesh = square_mesh(0.4f, 0, 2);
-  const VertexRings rings = rings_of(mesh, 4);
-  RingVisibility visibility(mesh, rings, {});
+  const MapLayout maps = maps_of(mesh, 4);
+  SampleVisibility visibility(mesh, maps, {});
   EXPECT_EQ(visibility.look(camera(), look_at({0, 0, 2}, {0, 0, 4}, {0, 1, 0}), {}).visible_samples, 0u);
   EXPECT_EQ(visibility.look(camera(), look_at({0, 0, 2}, {9, 0, 1}, {0, 1, 0}), {}).visible_samples, 0u);
   EXPECT_GT(visibility.look(camera(), kFromAbove, {}).visible_samples, 0u) << "and the next look is unharmed";

@@ -6,18 +6,18 @@
 #include <span>
 
 #include "reconstructor/radiance/radiance_image.h"
-#include "reconstructor/surface/ring_visibility.h"
-#include "reconstructor/surface/vertex_ring.h"
+#include "reconstructor/surface/map_layout.h"
+#include "reconstructor/surface/sample_visibility.h"
 
 namespace sheen {
 
 /// The colours that an image gives to the surface samples it shows, interpolated as linear radiance, divided by `gain`
 /// and encoded (`srgb_encode`): 3 x samples. Columns of samples that are not visible are left as they were.
-void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings, float gain,
+void resample(const RadianceImage& image, const SurfaceView& view, const MapLayout& maps, float gain,
               Eigen::Matrix3Xf& encoded, Sampling sampling = Sampling::kCubic);
 
 /// The same of some triangles only.
-void resample(const RadianceImage& image, const SurfaceView& view, const VertexRings& rings,
+void resample(const RadianceImage& image, const SurfaceView& view, const MapLayout& maps,
               std::span<const std::uint32_t> triangles, float gain, Eigen::Matrix3Xf& encoded,
               Sampling sampling = Sampling::kCubic);
 

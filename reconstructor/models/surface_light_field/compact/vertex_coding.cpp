@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/compact/ring_coding.h"
+#include "reconstructor/models/surface_light_field/compact/vertex_coding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,17 +35,17 @@ float sill_of(std::int32_t steps) {
   return kLeastSill * std::exp2(static_cast<float>(std::clamp(steps, 0, 800)) / kSillSteps);
 }
 
-/// What the rings before say of the next.
-struct RingHistory {
+/// What the vertices before say of the next.
+struct VertexHistory {
   bool seen = true, drift = false;
   int kernel = 0;
   std::int32_t sill = 0, residual = 0, folded_surplus = 0;
-  std::vector<std::uint8_t> has;          ///< per camera, in the ring before
+  std::vector<std::uint8_t> has;          ///< per camera, in the vertex before
   std::vector<std::int32_t> reliability;  ///< per camera, beyond what its angle says
 };
 
-// Contexts of the rings, one range after the other.
-enum RingContext : int {
+// Contexts of the vertices, one range after the other.
+enum VertexContext : int {
   kSeen = 0,
   kSameKernel = kSeen + 2,
   kKernel = kSameKernel + 1,
@@ -57,7 +57,7 @@ enum RingContext : int {
   kReliability = kHas + 2 * kFacingBuckets * 2,
   kMoved = kReliability + 3 * kSignedContexts,
   kOffset = kMoved + 1,
-  kRingContexts = kOffset + kSignedContexts,
+  kVertexContexts = kOffset + kSignedContexts,
 };
 
 /// By how much a value differs from the last one, which it takes the place of. A damaged file adds up to anything.
@@ -67,29 +67,29 @@ void code_after(Coder& coder, int context, std::int32_t value, std::int32_t& las
   last = std::clamp(last + code_signed(coder, context, value - last), -kMost, kMost);
 }
 
-/// A ring is coded after the one before it, which is mostly a neighbour. `ring` is filled where `coder` reads.
+/// A vertex is coded after the one before it, which is mostly a neighbour. It is filled where `coder` reads.
 template <typename Coder>
-void code_ring(Coder& coder, const CompactModel& model, std::size_t vertex, const Eigen::Vector3f& normal,
-               RingHistory& before, CompactRing& ring) {
-  ring.seen = coder.bit(kSeen + before.seen, ring.seen);
-  before.seen = ring.seen;
-  if (!ring.seen) return;
-  if (!coder.bit(kSameKernel, ring.kernel == before.kernel))
-    before.kernel = static_cast<int>(code_number(coder, kKernel, ring.kernel));
-  if (before.kernel >= static_cast<int>(model.kernels.size())) throw std::runtime_error("a ring has no kernel");
-  ring.kernel = static_cast<std::uint8_t>(before.kernel);
-  before.drift = ring.drift = coder.bit(kDrift + before.drift, ring.drift);
-  code_after(coder, kSill, sill_steps(ring.sill), before.sill);
+void code_vertex(Coder& coder, const CompactModel& model, std::size_t v, const Eigen::Vector3f& normal,
+                 VertexHistory& before, CompactVertex& vertex) {
+  vertex.seen = coder.bit(kSeen + before.seen, vertex.seen);
+  before.seen = vertex.seen;
+  if (!vertex.seen) return;
+  if (!coder.bit(kSameKernel, vertex.kernel == before.kernel))
+    before.kernel = static_cast<int>(code_number(coder, kKernel, vertex.kernel));
+  if (before.kernel >= static_cast<int>(model.kernels.size())) throw std::runtime_error("a vertex has no kernel");
+  vertex.kernel = static_cast<std::uint8_t>(before.kernel);
+  before.drift = vertex.drift = coder.bit(kDrift + before.drift, vertex.drift);
+  code_after(coder, kSill, sill_steps(vertex.sill), before.sill);
   code_after(coder, kResidual,
-             static_cast<std::int32_t>(std::lround(kResidualSteps * std::clamp(ring.residual, 0.0f, 1.0f))),
+             static_cast<std::int32_t>(std::lround(kResidualSteps * std::clamp(vertex.residual, 0.0f, 1.0f))),
              before.residual);
 
   std::vector<CompactView> views;
-  auto next = ring.views.begin();
+  auto next = vertex.views.begin();
   for (std::size_t camera = 0; camera < model.cameras.size(); ++camera) {
-    const Eigen::Vector3f exact = camera_direction(model, vertex, camera);
+    const Eigen::Vector3f exact = camera_direction(model, v, camera);
     const float facing = normal.dot(exact);
-    const bool wanted = !Coder::kReads && next != ring.views.end() && next->image == camera;
+    const bool wanted = !Coder::kReads && next != vertex.views.end() && next->image == camera;
     const int last = camera > 0 ? before.has[camera - 1] : 0;
     const bool has = coder.bit(kHas + (facing_bucket(facing) * 2 + before.has[camera]) * 2 + last, wanted);
     before.has[camera] = has;
@@ -119,22 +119,23 @@ void code_ring(Coder& coder, const CompactModel& model, std::size_t vertex, cons
     }
     views.push_back(view);
   }
-  code_after(coder, kFolded, ring.views_folded - static_cast<int>(views.size()), before.folded_surplus);
-  ring.views_folded = static_cast<int>(views.size()) + before.folded_surplus;
-  ring.views = std::move(views);
-  ring.sill = sill_of(before.sill);
-  ring.residual = static_cast<float>(std::clamp(before.residual, 0, 255)) / kResidualSteps;
-  if (ring.views.empty()) throw std::runtime_error("a ring that was seen has no view");
+  code_after(coder, kFolded, vertex.views_folded - static_cast<int>(views.size()), before.folded_surplus);
+  vertex.views_folded = static_cast<int>(views.size()) + before.folded_surplus;
+  vertex.views = std::move(views);
+  vertex.sill = sill_of(before.sill);
+  vertex.residual = static_cast<float>(std::clamp(before.residual, 0, 255)) / kResidualSteps;
+  if (vertex.views.empty()) throw std::runtime_error("a vertex that was seen has no view");
 }
 
-/// Writes what the rings are, and leaves in `model` what a reader will find.
+/// Writes what is known of the vertices, and leaves in `model` what a reader will find.
 template <typename Coder>
-void code_rings(Coder& coder, CompactModel& model) {
-  RingHistory before;
+void code_vertices(Coder& coder, CompactModel& model) {
+  VertexHistory before;
   before.has.assign(model.cameras.size(), 0);
   before.reliability.assign(model.cameras.size(), 0);
   const std::vector<Eigen::Vector3f> normals = vertex_normals(*model.mesh);
-  for (std::size_t v = 0; v < model.rings.size(); ++v) code_ring(coder, model, v, normals[v], before, model.rings[v]);
+  for (std::size_t v = 0; v < model.vertices.size(); ++v)
+    code_vertex(coder, model, v, normals[v], before, model.vertices[v]);
 }
 
 constexpr int kStateContexts = 3 + 3 * 2 + 9 * 2;
@@ -150,7 +151,7 @@ void code_states(Coder& coder, const CompactModel& model, std::vector<std::vecto
   int last = static_cast<int>(SampleState::kMeasured);
   for (std::size_t t = 0; t < states.size(); ++t) {
     std::vector<SampleState>& state = states[t];
-    const int n = model.rings_of_mesh->resolution(t);
+    const int n = model.maps->resolution(t);
     if (Coder::kReads) state.assign(static_cast<std::size_t>(lattice_samples(n)), SampleState::kUnseen);
     const bool same =
         coder.bit(last, std::all_of(state.begin(), state.end(), [&](SampleState s) { return s == state[0]; }));
@@ -199,16 +200,16 @@ std::vector<std::uint8_t> decode_resolutions(std::string_view bytes, std::size_t
   return resolutions;
 }
 
-std::string encode_rings(CompactModel& model) {
-  ContextEncoder coder(kRingContexts);
-  code_rings(coder, model);
+std::string encode_vertices(CompactModel& model) {
+  ContextEncoder coder(kVertexContexts);
+  code_vertices(coder, model);
   return coder.finish();
 }
 
-void decode_rings(std::string_view bytes, CompactModel& model) {
-  ContextDecoder coder(kRingContexts, bytes);
-  model.rings.assign(model.mesh->vertices.size(), {});
-  code_rings(coder, model);
+void decode_vertices(std::string_view bytes, CompactModel& model) {
+  ContextDecoder coder(kVertexContexts, bytes);
+  model.vertices.assign(model.mesh->vertices.size(), {});
+  code_vertices(coder, model);
 }
 
 std::string encode_states(const CompactModel& model) {
@@ -216,7 +217,7 @@ std::string encode_states(const CompactModel& model) {
   std::vector<std::vector<SampleState>> states;
   for (std::size_t t = 0; t < model.mesh->triangles.size(); ++t) {
     const auto first = model.patches[model.shapes.patch_of[t]].state.begin() + model.shapes.first_sample[t];
-    states.emplace_back(first, first + lattice_samples(model.rings_of_mesh->resolution(t)));
+    states.emplace_back(first, first + lattice_samples(model.maps->resolution(t)));
   }
   code_states(coder, model, states);
   return coder.finish();

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace sheen {
+
+/// Samples of a triangle's surface map stand on a triangular lattice of `resolution` n: (i, j), i, j >= 0, i + j < n,
+/// at barycentric weights (1 - (i + j) / (n - 1), i / (n - 1), j / (n - 1)) of its corners 0, 1, 2. A map "16x16" is n
+/// = 16: the half of a 16x16 square that a triangle fills.
+constexpr int lattice_samples(int resolution) {
+  return resolution * (resolution + 1) / 2;
+}
+
+/// Index of lattice point (i, j): j runs fastest.
+constexpr int lattice_index(int resolution, int i, int j) {
+  return i * resolution - i * (i - 1) / 2 + j;
+}
+
+/// The three lattice points round a place on a triangle and their weights (they sum to 1): linear interpolation.
+struct LatticeStencil {
+  int index[3];
+  float weight[3];
+};
+/// u, v: barycentric weights of corners 1 and 2.
+LatticeStencil lattice_stencil(int resolution, float u, float v);
+
+/// Where the samples of a mesh's surface maps stand (000 sec. 4.1): triangle after triangle, each with its lattice
+/// points in order. What an image shows and the colours that it gives are listed by sample in this order.
+class MapLayout {
+ public:
+  /// `resolution[t]` >= 2 is the lattice resolution of triangle t.
+  explicit MapLayout(std::vector<std::uint8_t> resolution);
+
+  std::size_t triangles() const { return resolution_.size(); }
+  int resolution(std::size_t triangle) const { return resolution_[triangle]; }
+  /// Index of the triangle's first sample; of `triangles()`: the number of all samples.
+  std::size_t first_sample(std::size_t triangle) const { return first_[triangle]; }
+  std::size_t total_samples() const { return first_.back(); }
+  std::size_t bytes() const;  ///< of memory
+
+ private:
+  std::vector<std::uint8_t> resolution_;
+  std::vector<std::size_t> first_;
+};
+
+}  // namespace sheen
