@@ -84,8 +84,8 @@ void evaluate(const EvaluateArguments& arguments) {
   if (arguments.baselines) {
     std::vector<BaselineScores> baselines{{{"constant_colour", "constant colour", constant}, constant_scores}};
     const std::uintmax_t bytes = saved_bytes(arguments.model);
-    for (const Baseline& other : others->from_photographs(bytes))
-      baselines.push_back({other, score(views, *other.appearance, painter)});
+    for (const Baseline& baseline : others->from_photographs(bytes))
+      baselines.push_back({baseline, score(views, *baseline.appearance, painter)});
     report["baselines"] = baselines_report(baselines);
     const BaselineScores itself{{.title = std::string(saved.kind->title()) + " (no photograph kept)",
                                  .disk_bytes = static_cast<double>(bytes),
