@@ -10,36 +10,65 @@
 
 namespace sheen {
 
+/// Magnitude of the largest of finite numbers; 0 of none.
+template <typename Scalar>
+double largest_magnitude(const Scalar* values, std::size_t count) {
+  Scalar largest = 0;
+  for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, std::abs(values[i]));
+  return static_cast<double>(largest);
+}
+
+/// The step by which codes of this type reach numbers up to `largest`.
+template <typename Code>
+double step_to_reach(double largest) {
+  return std::max(largest / std::numeric_limits<Code>::max(), std::numeric_limits<double>::min());
+}
+
+/// Numbers as whole multiples of a step, which must reach them. Rounding to even.
+template <typename Code, typename Scalar>
+void encode_fixed(const Scalar* values, std::size_t count, double step, Code* codes) {
+  constexpr double kWhole = 6755399441055744.0;  // 1.5 * 2^52: sums with it have no fraction
+  const double inverse = 1 / step;
+  for (std::size_t i = 0; i < count; ++i)
+    codes[i] = static_cast<Code>(static_cast<std::int32_t>(static_cast<double>(values[i]) * inverse + kWhole - kWhole));
+}
+
+template <typename Code, typename Scalar>
+void decode_fixed(const Code* codes, std::size_t count, double step, Scalar* values) {
+  if (const auto scale = static_cast<Scalar>(step); scale >= std::numeric_limits<Scalar>::min())
+    for (std::size_t i = 0; i < count; ++i) values[i] = scale * static_cast<Scalar>(codes[i]);
+  else  // of numbers near the smallest that there are
+    for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<Scalar>(step * codes[i]);
+}
+
 /// Numbers of much the same size in 16 bits each: whole multiples of a 32767th of the largest. What is read back is
 /// wrong by half of that at most, whether the number itself is large or small.
 class FixedPoint {
  public:
   FixedPoint() = default;
   template <typename Scalar>
-  explicit FixedPoint(const std::vector<Scalar>& values);
+  explicit FixedPoint(const std::vector<Scalar>& values) : codes_(values.size(), 0) {
+    const double largest = largest_magnitude(values.data(), values.size());
+    if (largest == 0) return;
+    step_ = step_to_reach<std::int16_t>(largest);
+    encode_fixed(values.data(), values.size(), step_, codes_.data());
+  }
 
   std::size_t size() const { return codes_.size(); }
   template <typename Scalar>
   Scalar at(std::size_t i) const {
     return static_cast<Scalar>(step_ * codes_[i]);
   }
+  /// All of them, into room for `size`.
+  template <typename Scalar>
+  void decode(Scalar* values) const {
+    decode_fixed(codes_.data(), codes_.size(), step_, values);
+  }
   std::size_t bytes() const { return sizeof(std::int16_t) * codes_.capacity(); }
 
  private:
-  static constexpr int kLargest = std::numeric_limits<std::int16_t>::max();
-
   double step_ = 0;
   std::vector<std::int16_t> codes_;
 };
-
-template <typename Scalar>
-FixedPoint::FixedPoint(const std::vector<Scalar>& values) : codes_(values.size(), 0) {
-  double largest = 0;
-  for (const Scalar value : values) largest = std::max(largest, std::abs(static_cast<double>(value)));
-  if (largest == 0) return;
-  step_ = std::max(largest / kLargest, std::numeric_limits<double>::min());
-  for (std::size_t i = 0; i < values.size(); ++i)
-    codes_[i] = static_cast<std::int16_t>(std::lround(static_cast<double>(values[i]) / step_));
-}
 
 }  // namespace sheen

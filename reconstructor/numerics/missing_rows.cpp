@@ -62,9 +62,8 @@ typename MissingRows<Scalar>::Matrix MissingRows<Scalar>::missed_projections(con
   std::vector<int> rows;
   rows.reserve(static_cast<std::size_t>(witnesses_.count()));
   witnesses_.visit([&](int row) { rows.push_back(row); });
-  const auto whole = basis.leading(basis.rank());
   for (int k = 0; k < basis.rank(); ++k)
-    for (int w = 0; w < witnesses_.count(); ++w) witness_basis(w, k) = whole(rows[w], k);
+    for (int w = 0; w < witnesses_.count(); ++w) witness_basis(w, k) = basis.columns().column(k)[rows[w]];
   for (Eigen::Index j = 0; j < count; ++j) y.col(j) = views.coefficients().col(of[j]);
   Matrix missed = -witness_basis * y;
   for (Eigen::Index j = 0; j < count; ++j) {
@@ -124,7 +123,7 @@ typename MissingRows<Scalar>::Vector MissingRows<Scalar>::estimate(const Basis& 
                                                                    std::span<const std::uint8_t> known,
                                                                    double noise) const {
   const int rows = basis.rows(), rank = basis.rank();
-  Matrix shown = Matrix::Zero(basis.padded_rows(), 1);
+  Matrix shown = Matrix::Zero(row_panels::padded(rows), 1);
   shown.col(0).head(rows) = column;
   HiddenPatterns hidden(rows, 0);
   bool all_known = true;
@@ -274,7 +273,7 @@ std::shared_ptr<const ShownRows> MissingRows<Scalar>::shown_by_both(const Basis&
                                                                     int b) const {
   if (!views.shown(a) && !views.shown(b)) return nullptr;
   const auto explained = [&](int view) {
-    return [&basis, &views, view](int row) { return basis.row(row).dot(views.coefficients().col(view)); };
+    return [&basis, &views, view](int row) { return basis.dot(row, views.coefficients().col(view)); };
   };
   const double fraction = views.weight(b) / (views.weight(a) + views.weight(b));
   return std::make_shared<const Shown>(sheen::shown_by_both<Scalar>(

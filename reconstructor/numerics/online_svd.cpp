@@ -12,6 +12,9 @@
 namespace sheen {
 namespace {
 
+/// Of the sensor's variance: what keeping the basis in fixed point may add each time that it is folded.
+constexpr double kPackedNoise = 1.0 / 64;
+
 void require(bool holds, const char* rule) {
   if (!holds) throw std::invalid_argument(rule);
 }
@@ -25,7 +28,11 @@ const OnlineSvdOptions& valid(const OnlineSvdOptions& options, int rows) {
 
 template <typename Scalar>
 BasicOnlineSvd<Scalar>::BasicOnlineSvd(int rows, const OnlineSvdOptions& options, unsigned phase)
-    : options_(valid(options, rows)), phase_(phase), basis_(rows), missing_(rows, options), pending_(rows) {}
+    : options_(valid(options, rows)),
+      phase_(phase),
+      basis_(rows),
+      missing_(rows, options),
+      pending_(rows, options.sensor_variance > 0) {}
 
 /// Single columns at first, for what is imputed leans on the columns before; then folds a block apart, at counts that
 /// differ with the phase.
@@ -59,6 +66,7 @@ template <typename Scalar>
 typename BasicOnlineSvd<Scalar>::Reports BasicOnlineSvd<Scalar>::fold() {
   Reports reports;
   if (pending_.empty()) return reports;
+  basis_.open();
   missing_.impute_again_when_due(basis_, views_, columns_folded_, row_noise());
   const Eigen::VectorXd weights = pending_.scaled_weights();
   const HiddenPatterns hidden = pending_.hidden_patterns();
@@ -83,6 +91,7 @@ typename BasicOnlineSvd<Scalar>::Reports BasicOnlineSvd<Scalar>::fold() {
   views_.append(fold, std::move(arrivals));
   columns_folded_ += pending();
   pending_.clear();
+  close_basis();
   return reports;
 }
 
@@ -139,8 +148,9 @@ Scalar BasicOnlineSvd<Scalar>::pending_value(int column, int row) const {
 
 template <typename Scalar>
 typename BasicOnlineSvd<Scalar>::Matrix BasicOnlineSvd<Scalar>::pending_coefficients() const {
+  if (pending_.empty()) return Matrix(rank(), 0);
   Eigen::MatrixXd y =
-      missing_.project(basis_, views_, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
+      missing_.project(basis_.opened(), views_, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
   for (int j = 0; j < pending(); ++j) y.col(j) *= std::ldexp(1.0, pending_.exponent(j));
   return stored<Scalar>(y);
 }
@@ -149,7 +159,7 @@ template <typename Scalar>
 typename BasicOnlineSvd<Scalar>::Vector BasicOnlineSvd<Scalar>::estimate(const ConstVectorRef& column,
                                                                          std::span<const std::uint8_t> known,
                                                                          double noise) const {
-  return missing_.estimate(basis_, views_, column, known, noise);
+  return missing_.estimate(basis_.opened(), views_, column, known, noise);
 }
 
 template <typename Scalar>
@@ -192,7 +202,14 @@ void BasicOnlineSvd<Scalar>::rediagonalise() {
 
 template <typename Scalar>
 void BasicOnlineSvd<Scalar>::turn_to_singular_order() {
+  basis_.open();
   views_.follow(basis_.restore_order(options_));
+  close_basis();
+}
+
+template <typename Scalar>
+void BasicOnlineSvd<Scalar>::close_basis() {
+  basis_.close(kPackedNoise * options_.sensor_variance, views_.total_weight());
 }
 
 template <typename Scalar>
@@ -201,11 +218,13 @@ std::size_t BasicOnlineSvd<Scalar>::bytes() const {
 }
 
 template <typename Scalar>
-double BasicOnlineSvd<Scalar>::bytes_for(double rows, double terms, double columns, double views, double sketched) {
+double BasicOnlineSvd<Scalar>::bytes_for(double rows, double terms, double columns, double views, double sketched,
+                                         bool packed) {
   constexpr double kViewEntry = 140;                  // its line in the ledger, and the head of what it showed
   const double padded = rows + row_panels::kPadding;  // to whole vectors
   const double view = kViewEntry + padded / 8 + sizeof(std::int16_t) * sketched;
-  return sizeof(Scalar) * (padded * (terms + columns) + terms * views) + 2 * sizeof(double) * terms * terms +
+  const double value = packed ? sizeof(std::int16_t) : sizeof(Scalar);
+  return value * padded * (terms + columns) + sizeof(Scalar) * terms * views + 2 * sizeof(double) * terms * terms +
          padded / 8 + views * view;
 }
 

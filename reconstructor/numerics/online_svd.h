@@ -49,6 +49,9 @@ struct ColumnReport {
 /// that no column showed so far is zero in B; the first columns that show it give it its channel's mean row, scaled to
 /// their values: a surface point seen late is taken to have varied like its patch.
 ///
+/// Where the options name a sensor's noise, both basis and pending columns are kept in fixed point between folds, which
+/// adds a part of that noise (`kPackedNoise`): a half to a quarter of the memory.
+///
 /// Views are numbered 0 .. views() - 1, in the order of their arrival: first the folded, then the pending ones. Folds
 /// depend on how many columns were added and on nothing else: looking (`settled`, `pending_coefficients`) never changes
 /// what comes later. Zero columns are kept (y = 0). Rows that are not finite count as unknown. Any scale from denormals
@@ -78,12 +81,16 @@ class BasicOnlineSvd {
   int pending() const { return pending_.count(); }
   std::int64_t columns_added() const { return columns_added_; }
 
-  auto basis() const { return basis_.leading(rank()); }
+  Matrix basis() const { return basis_.leading(rank()); }
   const Matrix& coefficients() const { return views_.coefficients(); }  ///< rank x folded_views()
-  auto displayed_basis() const { return basis_.leading(displayed_rank()); }
+  Matrix displayed_basis() const { return basis_.leading(displayed_rank()); }
+  /// What the basis explains of a row of a folded view.
+  Scalar explained(int view, int row) const { return basis_.dot(row, views_.coefficients().col(view)); }
   /// displayed_rank() x folded_views(). A view that hides rows has the coefficients that are most probable given what
   /// it showed and that only these terms will explain it: the terms behind the displayed ones are noise then.
-  Matrix displayed_coefficients() const { return missing_.displayed_coefficients(basis_, views_, row_noise()); }
+  Matrix displayed_coefficients() const {
+    return missing_.displayed_coefficients(basis_.opened(), views_, row_noise());
+  }
   const Eigen::MatrixXd& gram() const { return basis_.gram(); }
   /// Squared singular values of the folded columns (each times the root of its weight), descending.
   const Eigen::VectorXd& spectrum() const { return basis_.spectrum(); }
@@ -98,8 +105,8 @@ class BasicOnlineSvd {
   std::size_t bytes() const;  ///< of heap memory held
   /// Upper bound of `bytes` for a factor of so many rows that holds so many terms, so many columns in its buffer and so
   /// many views, whatever columns come. Fractions are means over factors. `sketched`: rows of which views that hide
-  /// rows remember what they showed (OnlineSvdOptions::witnesses).
-  static double bytes_for(double rows, double terms, double columns, double views, double sketched);
+  /// rows remember what they showed (OnlineSvdOptions::witnesses). `packed`: whether the options name a sensor's noise.
+  static double bytes_for(double rows, double terms, double columns, double views, double sketched, bool packed);
 
   /// Adds a column (`rows` values) as a new view with a weight > 0. Not empty when the column filled its block, which
   /// is then folded: a report for each column of the block.
@@ -147,6 +154,7 @@ class BasicOnlineSvd {
   void follow_noise(double unexplained);
   void forget_noise_of_the_removed();
   void turn_to_singular_order();
+  void close_basis();
   void rediagonalise();
 
   OnlineSvdOptions options_;

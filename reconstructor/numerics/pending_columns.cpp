@@ -33,7 +33,7 @@ template <typename Scalar>
 void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::span<const std::uint8_t> known,
                                  double weight) {
   const auto rows = static_cast<std::size_t>(rows_);
-  Column pending{.weight = weight, .exponent = 0, .hidden = {}, .values = std::vector<Scalar>(rows)};
+  Column pending{.weight = weight, .exponent = 0, .hidden = {}, .values = std::vector<Scalar>(rows), .codes = {}};
   Scalar peak = copy_and_peak(column.data(), rows, pending.values.data());
   if (!std::isfinite(peak) || (!known.empty() && std::memchr(known.data(), 0, known.size()))) {
     pending.hidden.assign(words_of(rows_), 0);
@@ -50,6 +50,10 @@ void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::sp
   }
   constexpr int kHarmless = 24;
   if (peak > 0 && std::abs(std::ilogb(peak)) > kHarmless) pending.exponent = std::ilogb(peak);
+  if (packed_) {
+    pending.codes = FixedPoint(pending.values);
+    pending.values = {};
+  }
   columns_.reserve(columns_.size() + 1);  // no more than that: there are many patches
   columns_.push_back(std::move(pending));
 }
@@ -68,7 +72,11 @@ typename PendingColumns<Scalar>::Columns PendingColumns<Scalar>::gathered() cons
   Scalar* to = buffer.data();
   for (const Column& column : columns_) {
     Scalar* const end = to + length;
-    std::fill(std::copy(column.values.begin(), column.values.end(), to), end, Scalar{0});
+    if (packed_)
+      column.codes.decode(to);
+    else
+      std::copy(column.values.begin(), column.values.end(), to);
+    std::fill(to + rows_, end, Scalar{0});
     if (column.exponent != 0)
       std::transform(end - length, end, end - length, [&](Scalar x) { return std::ldexp(x, -column.exponent); });
     to = end;
@@ -105,7 +113,8 @@ template <typename Scalar>
 std::size_t PendingColumns<Scalar>::bytes() const {
   std::size_t bytes = sizeof(Column) * columns_.capacity();
   for (const Column& column : columns_)
-    bytes += sizeof(std::uint64_t) * column.hidden.capacity() + sizeof(Scalar) * column.values.capacity();
+    bytes += sizeof(std::uint64_t) * column.hidden.capacity() + sizeof(Scalar) * column.values.capacity() +
+             column.codes.bytes();
   return bytes;
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "reconstructor/numerics/fixed_point.h"
 #include "reconstructor/numerics/row_bits.h"
 #include "reconstructor/numerics/row_panels.h"
 
@@ -15,14 +16,14 @@ namespace sheen {
 
 /// The columns of one block while they wait to be folded. Squares of single precision neither overflow nor vanish: a
 /// column that is far from one is handed to the fold times a power of two, 2^-exponent. Rows that a column does not
-/// show are 0.
+/// show are 0. Packed, values are kept in 16 bits each: 15 of the largest of the column.
 template <typename Scalar>
 class PendingColumns {
  public:
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
   using Columns = row_panels::Columns<Scalar>;
 
-  explicit PendingColumns(int rows) : rows_(rows) {}
+  PendingColumns(int rows, bool packed) : rows_(rows), packed_(packed) {}
 
   int count() const { return static_cast<int>(columns_.size()); }
   bool empty() const { return columns_.empty(); }
@@ -42,7 +43,9 @@ class PendingColumns {
   HiddenPatterns hidden_patterns() const;
 
   /// As it was added; 0 where the column hides the row.
-  Scalar value(int column, int row) const { return columns_[column].values[row]; }
+  Scalar value(int column, int row) const {
+    return packed_ ? columns_[column].codes.template at<Scalar>(row) : columns_[column].values[row];
+  }
   /// All columns side by side, scaled, of padded length. They are the caller's until the same thread asks again, of
   /// whichever factor.
   Columns gathered() const;
@@ -53,10 +56,12 @@ class PendingColumns {
     double weight;
     int exponent;
     RowBits hidden;
-    std::vector<Scalar> values;
+    std::vector<Scalar> values;  ///< empty where they are packed
+    FixedPoint codes;
   };
 
   int rows_;
+  bool packed_;
   std::vector<Column> columns_;
 };
 

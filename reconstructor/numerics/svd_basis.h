@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "reconstructor/numerics/online_svd_options.h"
+#include "reconstructor/numerics/packed_columns.h"
 #include "reconstructor/numerics/row_bits.h"
 #include "reconstructor/numerics/row_panels.h"
 
@@ -56,6 +57,9 @@ struct Fold {
 ///
 /// Energy is counted exactly: B is orthonormal, so what is dropped is orthogonal to what is kept, and the sum of
 /// w ||c||^2 over all columns is trace G + lost.
+///
+/// Between folds B may be packed: in fixed point, as exactly as the sensor's noise asks for. Then only sizes, G, single
+/// values (`dot`) and copies can be asked for; all else asks for an open basis.
 template <typename Scalar>
 class SvdBasis {
  public:
@@ -67,16 +71,22 @@ class SvdBasis {
   int rows() const { return rows_; }
   int rank() const { return rank_; }
   int displayed() const { return displayed_; }
-  auto leading(int terms) const { return basis_.topLeftCorner(rows_, terms); }
+  Matrix leading(int terms) const;  ///< rows x terms
   auto row(int row) const { return basis_.row(row).head(rank_); }
+  Scalar dot(int row, const Eigen::Ref<const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>>& y) const;  ///< of a row and y
   row_panels::Columns<const Scalar> columns() const { return row_panels::columns(basis_, rank_); }
-  Eigen::Index padded_rows() const { return basis_.rows(); }
   const Eigen::MatrixXd& gram() const { return gram_; }
   const Eigen::VectorXd& spectrum() const { return spectrum_; }  ///< squared singular values, descending
   double lost() const { return lost_; }
   double energy() const { return gram_.trace() + lost_; }
   double displayed_error() const;  ///< root of the fraction of the energy that the displayed terms do not hold
   std::size_t bytes() const;
+
+  /// Packs it. `variance`: squared error of a row that this may add, at most, where 8 bits a value do; 0: nothing is
+  /// packed. `weight`: of all columns, by which their coefficients' mean squares are known.
+  void close(double variance, double weight);
+  void open();  ///< unpacks it
+  SvdBasis opened() const;
 
   /// B^T of columns that are as long as the padded rows: rank x columns.
   Eigen::MatrixXd project(const row_panels::Columns<const Scalar>& columns) const;
@@ -119,7 +129,8 @@ class SvdBasis {
   int rank_ = 0, displayed_ = 0;
   int rotations_ = 0;  ///< of the basis since the last polish, that one included
   double lost_ = 0;    ///< energy of the folded columns that B does not hold
-  Matrix basis_;       ///< padded rows x rank
+  Matrix basis_;       ///< padded rows x rank; empty while it is packed
+  PackedColumns<Scalar> packed_;
   Eigen::MatrixXd gram_;
   Eigen::VectorXd spectrum_;
 };

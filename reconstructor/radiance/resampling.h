@@ -12,7 +12,8 @@
 namespace sheen {
 
 /// The colours that an image gives to the surface samples it shows, interpolated as linear radiance, divided by `gain`
-/// and encoded (`srgb_encode`): 3 x samples. Columns of samples that are not visible are left as they were.
+/// and encoded (`srgb_encode`): a column for each sample that faces the camera (`SurfaceView::first`), or more. Columns
+/// of samples that are not visible are left as they were.
 void resample(const RadianceImage& image, const SurfaceView& view, const MapLayout& maps, float gain,
               Eigen::Matrix3Xf& encoded, Sampling sampling = Sampling::kCubic);
 

@@ -20,10 +20,10 @@ SampleVisibility::SampleVisibility(const Mesh& mesh, const MapLayout& maps, cons
       maps_(maps),
       options_(options),
       scene_(scene ? std::move(scene) : std::make_shared<const RayScene>(mesh)) {
-  view_.pixel.resize(maps.total_samples());
   view_.visible.resize(maps.total_samples());
   view_.visible_in_triangle.resize(mesh.triangles.size());
   view_.cosine.resize(mesh.triangles.size());
+  view_.first.resize(mesh.triangles.size());
   view_.step_px.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const int n = maps.resolution(t);
@@ -42,6 +42,7 @@ const SurfaceView& SampleVisibility::look(const Camera& camera, const Rigid3& ca
   view_.eye = camera_centre(camera_from_object);
   cast_depth(camera, camera_from_object, mask);
   erode_depth(camera);
+  find_facing();
   test_samples(camera, camera_from_object);
   view_.visible_samples =
       std::accumulate(view_.visible_in_triangle.begin(), view_.visible_in_triangle.end(), std::size_t{0});
@@ -150,8 +151,26 @@ void SampleVisibility::erode_depth(const Camera& camera) {
   });
 }
 
-void SampleVisibility::test_samples(const Camera& camera, const Rigid3& camera_from_object) {
+void SampleVisibility::find_facing() {
   const Eigen::Vector3f eye = view_.eye.cast<float>();
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 1024), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      const Eigen::Vector3f normal = mesh_.area_normal(t);
+      const Eigen::Vector3f centre = (mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3;
+      const Eigen::Vector3f to_eye = eye - centre;
+      view_.cosine[t] = normal.dot(to_eye) / std::max(normal.norm() * to_eye.norm(), 1e-30f);
+    }
+  });
+  std::size_t samples = 0;
+  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    view_.first[t] = static_cast<std::uint32_t>(samples);
+    if (view_.cosine[t] >= options_.min_cosine)
+      samples += static_cast<std::size_t>(lattice_samples(maps_.resolution(t)));
+  }
+  view_.pixel.resize(samples);
+}
+
+void SampleVisibility::test_samples(const Camera& camera, const Rigid3& camera_from_object) {
   const auto nearer = static_cast<float>(1 - options_.depth_tolerance / std::min(camera.fx, camera.fy));
   const auto largest_x = static_cast<float>(camera.width - 2), largest_y = static_cast<float>(camera.height - 2);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 64), [&](const auto& range) {
@@ -160,10 +179,6 @@ void SampleVisibility::test_samples(const Camera& camera, const Rigid3& camera_f
       const std::size_t first = maps_.first_sample(t);
       const int n = maps_.resolution(t);
       const std::size_t samples = lattice_samples(n);
-      const Eigen::Vector3f normal = mesh_.area_normal(t);
-      const Eigen::Vector3f centre = (mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3;
-      const Eigen::Vector3f to_eye = eye - centre;
-      view_.cosine[t] = normal.dot(to_eye) / std::max(normal.norm() * to_eye.norm(), 1e-30f);
       view_.visible_in_triangle[t] = 0;
       view_.step_px[t] = 0;
       std::fill_n(view_.visible.begin() + first, samples, std::uint8_t{0});
@@ -187,7 +202,7 @@ void SampleVisibility::test_samples(const Camera& camera, const Rigid3& camera_f
 
       int visible = 0;
       for (std::size_t s = 0; s < samples; ++s) {
-        view_.pixel[first + s] = {px[s], py[s]};
+        view_.pixel[view_.first[t] + s] = {px[s], py[s]};
         const bool inside = (px[s] >= 1) & (py[s] >= 1) & (px[s] <= largest_x) & (py[s] <= largest_y);
         if (!inside) continue;
         const bool shown =
@@ -198,7 +213,7 @@ void SampleVisibility::test_samples(const Camera& camera, const Rigid3& camera_f
       view_.visible_in_triangle[t] = visible;
       if (visible > 0) {
         const double f = std::sqrt(camera.fx * camera.fy), depth = corner.z() + (along_u.z() + along_v.z()) / 3;
-        const double area_px = 0.5 * normal.norm() * view_.cosine[t] * f * f / (depth * depth);
+        const double area_px = 0.5 * mesh_.area_normal(t).norm() * view_.cosine[t] * f * f / (depth * depth);
         view_.step_px[t] = static_cast<float>(std::sqrt(2 * area_px) / (n - 1));
       }
     }

@@ -23,12 +23,14 @@ struct VisibilityOptions {
   double depth_tolerance = 6;  ///< how far behind the first hit a sample may lie, in pixel footprints
 };
 
-/// What one image shows of the sampled surface. Arrays per sample run as MapLayout::first_sample says.
+/// What one image shows of the sampled surface. Arrays per sample run as MapLayout::first_sample says, those of the
+/// samples on triangles that face the camera as `first` says.
 struct SurfaceView {
   Eigen::Vector3d eye;                   ///< object frame
   PixelBox box;                          ///< pixels that can show the mesh
-  std::vector<Eigen::Vector2f> pixel;    ///< per sample: where it falls in the image, through the lens
   std::vector<std::uint8_t> visible;     ///< per sample
+  std::vector<std::uint32_t> first;      ///< per triangle that faces the camera: its first sample among those of such
+  std::vector<Eigen::Vector2f> pixel;    ///< per sample that faces it: where it falls in the image, through the lens
   std::vector<int> visible_in_triangle;  ///< per triangle: how many of its samples are visible
   std::vector<float> cosine;             ///< per triangle: towards the camera; <= 0 when it faces away
   std::vector<float> step_px;            ///< per triangle: mean distance of neighbouring samples in the image
@@ -56,6 +58,7 @@ class SampleVisibility {
  private:
   void cast_depth(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
   void erode_depth(const Camera& camera);
+  void find_facing();
   void test_samples(const Camera& camera, const Rigid3& camera_from_object);
 
   /// Barycentric weights of corners 1 and 2, per lattice point.

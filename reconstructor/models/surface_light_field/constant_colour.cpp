@@ -100,26 +100,30 @@ void ConstantColour::add(const SurfaceView& view, const Eigen::Matrix3Xf& encode
       const auto first = static_cast<Eigen::Index>(maps_->first_sample(t));
       const int samples = lattice_samples(maps_->resolution(t));
       if (visible == samples) {
-        sum_.middleCols(first, samples) += encoded.middleCols(first, samples);
+        sum_.middleCols(first, samples) += encoded.middleCols(view.first[t], samples);
         for (int s = 0; s < samples; ++s) ++count_[first + s];
         continue;
       }
-      for (Eigen::Index s = first; s < first + samples; ++s)
-        if (view.visible[s]) {
-          sum_.col(s) += encoded.col(s);
-          ++count_[s];
+      for (Eigen::Index s = 0; s < samples; ++s)
+        if (view.visible[first + s]) {
+          sum_.col(first + s) += encoded.col(view.first[t] + s);
+          ++count_[first + s];
         }
     }
   });
 }
 
 void ConstantColour::remove(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count_.size(), 4096), [&](const auto& range) {
-    for (std::size_t s = range.begin(); s < range.end(); ++s)
-      if (view.visible[s] && count_[s] > 0) {
-        sum_.col(static_cast<Eigen::Index>(s)) -= encoded.col(static_cast<Eigen::Index>(s));
-        --count_[s];
-      }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.visible_in_triangle.size(), 128), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      if (view.visible_in_triangle[t] == 0) continue;
+      const auto first = static_cast<Eigen::Index>(maps_->first_sample(t));
+      for (Eigen::Index s = 0; s < lattice_samples(maps_->resolution(t)); ++s)
+        if (view.visible[first + s] && count_[first + s] > 0) {
+          sum_.col(first + s) -= encoded.col(view.first[t] + s);
+          --count_[first + s];
+        }
+    }
   });
 }
 
@@ -130,10 +134,11 @@ std::vector<float> ConstantColour::log_ratios(const SurfaceView& view, const Eig
       if (view.visible_in_triangle[t] == 0) continue;
       float seen = 0, expected = 0;
       int values = 0;
-      for (std::size_t s = maps_->first_sample(t); s < maps_->first_sample(t + 1); ++s)
-        if (view.visible[s] && count_[s] > 0) {
-          seen += encoded.col(static_cast<Eigen::Index>(s)).sum();
-          expected += sum_.col(static_cast<Eigen::Index>(s)).sum() / static_cast<float>(count_[s]);
+      const auto first = static_cast<Eigen::Index>(maps_->first_sample(t));
+      for (Eigen::Index s = 0; s < lattice_samples(maps_->resolution(t)); ++s)
+        if (view.visible[first + s] && count_[first + s] > 0) {
+          seen += encoded.col(view.first[t] + s).sum();
+          expected += sum_.col(first + s).sum() / static_cast<float>(count_[first + s]);
           values += 3;
         }
       if (values > 0) ratios[t] = log_ratio(seen / static_cast<float>(values), expected / static_cast<float>(values));

@@ -18,8 +18,8 @@ class ConstantColour {
  public:
   ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps);
 
-  /// encoded: 3 x samples; only columns of visible samples are read. Log of how much brighter an image is than the
-  /// mean, per triangle that both show; NaN elsewhere.
+  /// encoded: as `resample` has it; only columns of visible samples are read. Log of how much brighter an image is than
+  /// the mean, per triangle that both show; NaN elsewhere.
   std::vector<float> log_ratios(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) const;
   void add(const SurfaceView& view, const Eigen::Matrix3Xf& encoded);
   void remove(const SurfaceView& view, const Eigen::Matrix3Xf& encoded);

@@ -19,8 +19,11 @@ bool gather(const MapLayout& maps, const PatchShape& patch, const ShownImage& im
     const int count = lattice_samples(maps.resolution(patch.triangles[i]));
     const Eigen::Index to = patch.first_sample[i];
     std::copy_n(image.view.visible.begin() + static_cast<std::ptrdiff_t>(from), count, column.visible.begin() + to);
-    Eigen::Map<Eigen::Matrix3Xf>(column.values.data() + 3 * to, 3, count) =
-        image.samples.middleCols(static_cast<Eigen::Index>(from), count);
+    Eigen::Map<Eigen::Matrix3Xf> values(column.values.data() + 3 * to, 3, count);
+    if (image.view.visible_in_triangle[patch.triangles[i]] > 0)
+      values = image.samples.middleCols(image.view.first[patch.triangles[i]], count);
+    else
+      values.setZero();
   }
   return true;
 }

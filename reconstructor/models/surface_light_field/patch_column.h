@@ -14,7 +14,7 @@ namespace sheen {
 /// What an image shows of the surface: where its samples lie, and their encoded values (`resample`).
 struct ShownImage {
   const SurfaceView& view;
-  const Eigen::Matrix3Xf& samples;  ///< 3 x samples of all triangles
+  const Eigen::Matrix3Xf& samples;  ///< 3 x samples that face the camera
 };
 
 /// What one image shows of one patch: a column of its matrix (000 sec. 4.1).

@@ -113,9 +113,8 @@ bool PatchModel::repeats(const Eigen::VectorXf& column, std::span<const std::uin
   if (!may_repeat(eye)) return false;
   const int view = views_.nearest(eye).view;
   const int waiting = view - factor_.folded_views();  // < 0: folded
-  const Eigen::VectorXf coefficients = waiting < 0 ? factor_.coefficients().col(view) : Eigen::VectorXf();
-  const auto kept = [&](Eigen::Index row) -> float {
-    return waiting < 0 ? factor_.basis().row(row).dot(coefficients)
+  const auto kept = [&](Eigen::Index row) {
+    return waiting < 0 ? factor_.explained(view, static_cast<int>(row))
                        : factor_.pending_value(waiting, static_cast<int>(row));
   };
   double unexplained = 0;
@@ -167,9 +166,10 @@ PatchModel::Prediction PatchModel::predict(const Eigen::VectorXf& column, std::s
   if (rank() == 0) return predicted;
   const Eigen::VectorXf h = interpolated(views_.seen_from_centre(), with_pending(factor_.displayed_coefficients()),
                                          interpolation, centre_.normal, (eye - centre_.place).normalized());
+  const Eigen::MatrixXf displayed = factor_.displayed_basis();
   for (std::size_t s = 0; s < visible.size(); ++s) {
     const auto row = static_cast<Eigen::Index>(3 * s);
-    const auto basis = factor_.displayed_basis().middleRows<3>(row);
+    const auto basis = displayed.middleRows<3>(row);
     if (!visible[s] || basis.isZero(0)) continue;
     predicted.squared_error += (column.segment<3>(row) - basis * h).squaredNorm();
     predicted.values += 3;
@@ -201,10 +201,11 @@ InterpolationErrors PatchModel::interpolation_errors(const ReflectionDrift* refl
 /// Of the displayed basis, per channel: 3 x rank.
 Eigen::MatrixXf PatchModel::mean_shown_rows() const {
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, rank());
+  const Eigen::MatrixXf displayed = factor_.displayed_basis();
   int seen = 0;
   for (std::size_t s = 0; s < shown_.size(); ++s)
     if (shown_[s] > 0) {
-      mean += factor_.displayed_basis().middleRows<3>(static_cast<Eigen::Index>(3 * s));
+      mean += displayed.middleRows<3>(static_cast<Eigen::Index>(3 * s));
       ++seen;
     }
   return mean / static_cast<float>(std::max(seen, 1));
@@ -231,7 +232,8 @@ double PatchModel::largest_bytes(double samples, double vertices, const PatchMod
   const double rows = 3 * samples, views = options.max_views + factor.block;
   return sizeof(PatchModel) + sizeof(std::uint16_t) * samples +
          views * static_cast<double>(ViewSet::bytes_for(1, static_cast<std::size_t>(vertices))) +
-         OnlineSvd::bytes_for(rows, factor.terms_kept(), factor.block, views, factor.witnesses(static_cast<int>(rows)));
+         OnlineSvd::bytes_for(rows, factor.terms_kept(), factor.block, views, factor.witnesses(static_cast<int>(rows)),
+                              kSensorVariance > 0);
 }
 
 double PatchModel::largest_snapshot_bytes(double samples, double vertices, const PatchModelOptions& options) {

@@ -281,10 +281,12 @@ TEST(Resampling, BesideAnotherSurfaceASampleHasItsOwnColourExactly) {
               (upper ? scene.upper_colour : scene.floor_colour).unaryExpr([](float v) { return srgb_encode(v); });
           for (std::size_t s = maps.first_sample(t); s < maps.first_sample(t + 1); ++s) {
             if (!view.visible[s]) continue;
-            beside[upper] += view.from_edge.at(static_cast<int>(view.pixel[s].x() + 0.5f),
-                                               static_cast<int>(view.pixel[s].y() + 0.5f)) == 1;
-            ASSERT_LT((encoded.col(s) - colour).cwiseAbs().maxCoeff(), 5e-5f)
-                << n << ' ' << erosion << ' ' << view.pixel[s].transpose();
+            const std::size_t facing = view.first[t] + s - maps.first_sample(t);
+            const Eigen::Vector2f pixel = view.pixel[facing];
+            beside[upper] +=
+                view.from_edge.at(static_cast<int>(pixel.x() + 0.5f), static_cast<int>(pixel.y() + 0.5f)) == 1;
+            ASSERT_LT((encoded.col(static_cast<Eigen::Index>(facing)) - colour).cwiseAbs().maxCoeff(), 5e-5f)
+                << n << ' ' << erosion << ' ' << pixel.transpose();
           }
         }
       }
@@ -306,6 +308,7 @@ TEST(Resampling, SamplesAreDividedByTheGainAndEncodedAndHiddenOnesAreLeftAlone) 
   const MapLayout maps({3, 2});
   SurfaceView view;
   view.visible = {1, 0, 1, 1, 0, 1, 1, 1, 1};
+  view.first = {0, 6};
   view.visible_in_triangle = {4, 0};  // the second triangle is not looked at, whatever its samples say
   view.cosine = {1, 1};
   view.step_px = {1, 1};

@@ -17,6 +17,7 @@ class PatchColumnTest : public testing::Test {
       encoded_.col(s) = Eigen::Vector3f(0, 0.1f, 0.2f).array() + static_cast<float>(s);
     view_.eye = {0, 0, 2};
     view_.visible.assign(samples, 0);
+    view_.first = {0, 3};
     view_.visible_in_triangle = {0, 0};
     view_.cosine = {0.9f, 0.4f};
   }

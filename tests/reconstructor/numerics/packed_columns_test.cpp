@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/numerics/packed_columns.h"
+
+#include <gtest/gtest.h>
+
+#include "reconstructor/numerics/online_svd.h"
+#include "tests/support/matchers.h"
+#include "tests/support/test_matrices.h"
+
+namespace sheen {
+namespace {
+
+TEST(PackedColumns, TakeEightBitsWhereTheStepIsFineEnoughAndSixteenElsewhere) {
+  for (const int rows : {1, 7, 64, 101}) {
+    const Eigen::MatrixXf columns = gaussian_matrix(rows, 3, 1) * Eigen::Vector3f(1, 1e-3f, 1e3f).asDiagonal();
+    const Eigen::VectorXd largest = columns.cwiseAbs().colwise().maxCoeff().transpose().cast<double>();
+    const PackedColumns<float> packed(columns, Eigen::Vector3d(largest[0] / 126, largest[1] / 128, 1e9));
+    const Eigen::MatrixXf out = packed.unpacked(3);
+    const Eigen::Vector3d step(largest[0] / 127, largest[1] / 32767, largest[2] / 127);
+    for (int k = 0; k < 3; ++k)
+      for (int row = 0; row < rows; ++row) {
+        EXPECT_LE(std::abs(static_cast<double>(out(row, k)) - columns(row, k)), 0.501 * step[k]) << row << " " << k;
+        EXPECT_EQ(packed.at(row, k), out(row, k));
+      }
+    EXPECT_EQ(packed.unpacked(2), out.leftCols(2));
+    EXPECT_EQ(PackedColumns<float>(out, Eigen::Vector3d(largest[0] / 126, largest[1] / 128, 1e9)).unpacked(3), out)
+        << "packing what was unpacked changes nothing";
+  }
+}
+
+TEST(PackedColumns, ZerosStayZeros) {
+  const PackedColumns<double> packed(Eigen::MatrixXd::Zero(5, 2), Eigen::Vector2d(0, 1));
+  EXPECT_EQ(packed.unpacked(2), Eigen::MatrixXd::Zero(5, 2));
+  EXPECT_TRUE(PackedColumns<double>().empty());
+}
+
+/// Columns as of a camera with noise of this variance, whose factor knows of it or not.
+OnlineSvd factor_of(const Eigen::MatrixXf& data, double sensor_variance) {
+  OnlineSvd factor(static_cast<int>(data.rows()), {.block = 8, .tolerance = 0.002, .sensor_variance = sensor_variance});
+  for (Eigen::Index j = 0; j < data.cols(); ++j) factor.add(data.col(j));
+  return factor;
+}
+
+double mean_square_error(const OnlineSvd& factor, const Eigen::MatrixXf& data) {
+  const OnlineSvd settled = factor.settled();
+  return (settled.displayed_basis() * settled.displayed_coefficients() - data).cast<double>().squaredNorm() /
+         static_cast<double>(data.size());
+}
+
+TEST(PackedFactor, ErrsByLessThanTheNoiseThatItWasToldOf) {
+  constexpr double kNoise = 2e-5;
+  const Eigen::MatrixXf truth = patch_like_matrix(450, 150, 12, 0, 5);
+  const Eigen::MatrixXf data = truth + std::sqrt(static_cast<float>(kNoise)) * gaussian_matrix(450, 150, 6);
+  const OnlineSvd exact = factor_of(data, 0), packed = factor_of(data, kNoise);
+  EXPECT_LT(mean_square_error(packed, truth), mean_square_error(exact, truth) + 0.5 * kNoise);
+  EXPECT_NEAR(packed.row_noise() / exact.row_noise(), 1, 0.3);
+  EXPECT_LT(orthogonality_loss(packed.basis()), 0.02);
+  EXPECT_LT(static_cast<double>(packed.bytes()), 0.6 * static_cast<double>(exact.bytes()));
+}
+
+TEST(PackedFactor, IsNotChangedByLooking) {
+  const Eigen::MatrixXf data = patch_like_matrix(90, 40, 6, 0.01f, 7);
+  const OnlineSvd alone = factor_of(data, 2e-5);
+  OnlineSvd watched(90, alone.options());
+  for (Eigen::Index j = 0; j < data.cols(); ++j) {
+    watched.add(data.col(j));
+    watched.settled();
+    watched.pending_coefficients();
+    watched.displayed_coefficients();
+    watched.estimate(data.col(0), {}, 1e-4);
+  }
+  EXPECT_EQ(watched.basis(), alone.basis());
+  EXPECT_EQ(watched.coefficients(), alone.coefficients());
+}
+
+TEST(PackedFactor, TellsOfEachRowWhatItsBasisDoes) {
+  const Eigen::MatrixXf data = patch_like_matrix(90, 40, 6, 0.01f, 8);
+  OnlineSvd factor = factor_of(data, 2e-5);
+  factor.fold();
+  const Eigen::MatrixXf all = factor.basis() * factor.coefficients();
+  for (int view = 0; view < 40; view += 7)
+    for (int row = 0; row < 90; row += 13) EXPECT_NEAR(factor.explained(view, row), all(row, view), 1e-4);
+}
+
+}  // namespace
+}  // namespace sheen
