@@ -33,12 +33,18 @@ void encode_fixed(const Scalar* values, std::size_t count, double step, Code* co
     codes[i] = static_cast<Code>(static_cast<std::int32_t>(static_cast<double>(values[i]) * inverse + kWhole - kWhole));
 }
 
+/// The number that a code stands for.
+template <typename Scalar, typename Code>
+Scalar fixed_value(Code code, double step) {
+  const auto scale = static_cast<Scalar>(step);
+  // But for numbers near the smallest that there are, their own precision will do.
+  return scale >= std::numeric_limits<Scalar>::min() ? scale * static_cast<Scalar>(code)
+                                                     : static_cast<Scalar>(step * code);
+}
+
 template <typename Code, typename Scalar>
 void decode_fixed(const Code* codes, std::size_t count, double step, Scalar* values) {
-  if (const auto scale = static_cast<Scalar>(step); scale >= std::numeric_limits<Scalar>::min())
-    for (std::size_t i = 0; i < count; ++i) values[i] = scale * static_cast<Scalar>(codes[i]);
-  else  // of numbers near the smallest that there are
-    for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<Scalar>(step * codes[i]);
+  for (std::size_t i = 0; i < count; ++i) values[i] = fixed_value<Scalar>(codes[i], step);
 }
 
 /// Numbers of much the same size in 16 bits each: whole multiples of a 32767th of the largest. What is read back is
@@ -57,7 +63,7 @@ class FixedPoint {
   std::size_t size() const { return codes_.size(); }
   template <typename Scalar>
   Scalar at(std::size_t i) const {
-    return static_cast<Scalar>(step_ * codes_[i]);
+    return fixed_value<Scalar>(codes_[i], step_);
   }
   /// All of them, into room for `size`.
   template <typename Scalar>

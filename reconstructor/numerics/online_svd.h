@@ -84,6 +84,7 @@ class BasicOnlineSvd {
   Matrix basis() const { return basis_.leading(rank()); }
   const Matrix& coefficients() const { return views_.coefficients(); }  ///< rank x folded_views()
   Matrix displayed_basis() const { return basis_.leading(displayed_rank()); }
+  PackedColumns<Scalar> packed_displayed_basis() const { return basis_.packed(displayed_rank()); }  ///< as it is kept
   /// What the basis explains of a row of a folded view.
   Scalar explained(int view, int row) const { return basis_.dot(row, views_.coefficients().col(view)); }
   /// displayed_rank() x folded_views(). A view that hides rows has the coefficients that are most probable given what

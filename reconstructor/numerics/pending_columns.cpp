@@ -52,7 +52,7 @@ void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::sp
   if (peak > 0 && std::abs(std::ilogb(peak)) > kHarmless) pending.exponent = std::ilogb(peak);
   if (packed_) {
     pending.codes = FixedPoint(pending.values);
-    pending.values = {};
+    pending.values = std::vector<Scalar>();
   }
   columns_.reserve(columns_.size() + 1);  // no more than that: there are many patches
   columns_.push_back(std::move(pending));

@@ -89,7 +89,13 @@ std::size_t SvdBasis<Scalar>::bytes() const {
 template <typename Scalar>
 typename SvdBasis<Scalar>::Matrix SvdBasis<Scalar>::leading(int terms) const {
   if (packed_.empty()) return basis_.topLeftCorner(rows_, terms);
-  return packed_.unpacked(terms).topRows(rows_);
+  return packed_.unpacked(rows_, terms);
+}
+
+template <typename Scalar>
+PackedColumns<Scalar> SvdBasis<Scalar>::packed(int terms) const {
+  if (packed_.empty()) return Matrix(basis_.topLeftCorner(rows_, terms));
+  return packed_.leading(rows_, terms);
 }
 
 template <typename Scalar>
@@ -113,7 +119,7 @@ void SvdBasis<Scalar>::close(double variance, double weight) {
 template <typename Scalar>
 void SvdBasis<Scalar>::open() {
   if (packed_.empty()) return;
-  basis_ = packed_.unpacked(rank_);
+  basis_ = packed_.unpacked();
   packed_ = {};
 }
 

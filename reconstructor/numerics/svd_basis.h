@@ -71,7 +71,8 @@ class SvdBasis {
   int rows() const { return rows_; }
   int rank() const { return rank_; }
   int displayed() const { return displayed_; }
-  Matrix leading(int terms) const;  ///< rows x terms
+  Matrix leading(int terms) const;                ///< rows x terms
+  PackedColumns<Scalar> packed(int terms) const;  ///< the same, packed as it is
   auto row(int row) const { return basis_.row(row).head(rank_); }
   Scalar dot(int row, const Eigen::Ref<const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>>& y) const;  ///< of a row and y
   row_panels::Columns<const Scalar> columns() const { return row_panels::columns(basis_, rank_); }

@@ -39,7 +39,7 @@ Factored factored(const PatchMatrix& matrix, const SurfaceSite& centre, const Ba
     missing.noise = online_factor(matrix, *how.measures_noise, in_order(matrix.views())).row_noise();
   const BatchPca pca =
       batch_pca_imputed(matrix.columns, matrix.known, how.rank, how.imputing_rank, matrix.weights(), missing);
-  FactorizedPatch patch{.basis = pca.basis.cast<float>(),
+  FactorizedPatch patch{.basis = Eigen::MatrixXf(pca.basis.cast<float>()),
                         .coefficients = pca.coefficients.cast<float>(),
                         .shown = {},
                         .residual = static_cast<float>(pca.relative_error),
@@ -55,11 +55,12 @@ Factored factored(const PatchMatrix& matrix, const SurfaceSite& centre, const Ba
 
 PatchLevels levels(const Factored& factored) {
   const FactorizedPatch& patch = factored.patch;
-  Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, patch.basis.cols());
+  const Eigen::MatrixXf basis = patch.basis.unpacked();
+  Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, basis.cols());
   int seen = 0;
   for (std::size_t s = 0; s < patch.shown.size(); ++s)
     if (patch.shown[s] > 0) {
-      mean += patch.basis.middleRows<3>(static_cast<Eigen::Index>(3 * s));
+      mean += basis.middleRows<3>(static_cast<Eigen::Index>(3 * s));
       ++seen;
     }
   return patch_levels(patch.views.seen_from_centre(), mean / static_cast<float>(std::max(seen, 1)), patch.coefficients,

@@ -80,7 +80,9 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> terms_in_half(const SurfaceLigh
       continue;
     }
     auto rounded = std::make_shared<PatchSnapshot>(*patch);
-    in_half(rounded->basis);
+    Eigen::MatrixXf basis = rounded->basis.unpacked();
+    in_half(basis);
+    rounded->basis = basis;
     for (VertexInterpolant& vertex : rounded->vertices) in_half(vertex.weights);
     patches.push_back(std::move(rounded));
   }

@@ -35,9 +35,10 @@ SurfaceLightFieldSnapshot small_model() {
   for (std::size_t p = 0; p < 3; ++p) {
     const std::uint32_t samples = shapes->patches[p].samples;
     auto patch = std::make_shared<PatchSnapshot>();
-    patch->basis = Eigen::MatrixXf::NullaryExpr(3 * Eigen::Index{samples}, 2, [](Eigen::Index i, Eigen::Index j) {
-      return 0.3f + 0.2f * std::sin(static_cast<float>(3 * i + 7 * j));
-    });
+    patch->basis =
+        Eigen::MatrixXf(Eigen::MatrixXf::NullaryExpr(3 * Eigen::Index{samples}, 2, [](Eigen::Index i, Eigen::Index j) {
+          return 0.3f + 0.2f * std::sin(static_cast<float>(3 * i + 7 * j));
+        }));
     patch->shown.assign(samples, 200);
     for (const std::uint32_t v : shapes->patches[p].vertices) {
       VertexInterpolant& at = patch->vertices.emplace_back();

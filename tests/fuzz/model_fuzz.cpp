@@ -36,7 +36,7 @@ SurfaceLightFieldSnapshot small_model() {
     const int rank = p, views = 1 + p;
     const PatchShape& shape = shapes->patches[static_cast<std::size_t>(p)];
     auto patch = std::make_shared<PatchSnapshot>();
-    patch->basis = Eigen::MatrixXf::Constant(3 * Eigen::Index{shape.samples}, rank, 0.2f);
+    patch->basis = Eigen::MatrixXf(Eigen::MatrixXf::Constant(3 * Eigen::Index{shape.samples}, rank, 0.2f));
     patch->shown.assign(shape.samples, 200);
     for (const std::uint32_t v : shape.vertices) {
       VertexInterpolant& at = patch->vertices.emplace_back();

@@ -13,11 +13,12 @@ constexpr int kLatticeNeighbours[6][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 
 }  // namespace
 
 Eigen::MatrixXf mean_seen_rows(const SurfacePatch& patch) {
+  const Eigen::MatrixXf basis = patch.basis.unpacked();
   Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, patch.rank());
   int seen = 0;
   for (std::size_t s = 0; s < patch.shown.size(); ++s)
     if (patch.shown[s]) {
-      mean += patch.basis.middleRows<3>(static_cast<Eigen::Index>(3 * s));
+      mean += basis.middleRows<3>(static_cast<Eigen::Index>(3 * s));
       ++seen;
     }
   return mean / static_cast<float>(std::max(seen, 1));
@@ -26,6 +27,7 @@ Eigen::MatrixXf mean_seen_rows(const SurfacePatch& patch) {
 void fill_unseen_samples(SurfacePatch& patch, std::span<const int> resolution) {
   if (patch.rank() == 0 || std::find(patch.shown.begin(), patch.shown.end(), 0) == patch.shown.end()) return;
   const Eigen::MatrixXf mean = mean_seen_rows(patch);
+  Eigen::MatrixXf basis = patch.basis.unpacked();
   int first = 0;
   for (const int n : resolution) {
     for (int i = 0; i < n; ++i)
@@ -39,16 +41,17 @@ void fill_unseen_samples(SurfacePatch& patch, std::span<const int> resolution) {
           if (a < 0 || b < 0 || a + b >= n) continue;
           const int neighbour = first + lattice_index(n, a, b);
           if (!patch.shown[neighbour]) continue;
-          sum += patch.basis.middleRows<3>(3 * neighbour);
+          sum += basis.middleRows<3>(3 * neighbour);
           ++seen;
         }
         if (seen > 0)
-          patch.basis.middleRows<3>(3 * sample) = sum / static_cast<float>(seen);
+          basis.middleRows<3>(3 * sample) = sum / static_cast<float>(seen);
         else
-          patch.basis.middleRows<3>(3 * sample) = mean;
+          basis.middleRows<3>(3 * sample) = mean;
       }
     first += lattice_samples(n);
   }
+  patch.basis = {basis, patch.basis.steps()};
 }
 
 namespace {
@@ -73,7 +76,7 @@ Source source_at(const SurfaceLightFieldSnapshot& snapshot, std::uint32_t vertex
 std::shared_ptr<const PatchSnapshot> guess(const SurfaceLightFieldSnapshot& snapshot, const PatchShape& shape,
                                            std::span<const std::uint32_t> nearest) {
   auto guess = std::make_shared<PatchSnapshot>();
-  guess->basis = Eigen::Matrix3f::Identity().replicate(shape.samples, 1);
+  guess->basis = Eigen::MatrixXf(Eigen::Matrix3f::Identity().replicate(shape.samples, 1));
   guess->shown.assign(shape.samples, 0);
   for (const std::uint32_t v : shape.vertices) {
     if (nearest[v] == kNoVertex) return nullptr;

@@ -41,7 +41,7 @@ class LightFieldShader : public ViewShader {
     SampleState state = SampleState::kUnseen;
     for (int k = 0; k < 3; ++k) {
       const int sample = static_cast<int>(place.first_sample) + stencil.index[k];
-      encoded.noalias() += stencil.weight[k] * (patch->basis.middleRows<3>(3 * sample) * h);
+      encoded += stencil.weight[k] * patch->basis.three_rows_times(3 * Eigen::Index{sample}, h);
       if (stencil.weight[k] > 0.25f) state = std::max(state, patch->state(sample));
     }
     const Eigen::Vector3f radiance(srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z()));

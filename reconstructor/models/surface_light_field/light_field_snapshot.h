@@ -9,6 +9,7 @@
 #include "reconstructor/models/model_snapshot.h"
 #include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
+#include "reconstructor/numerics/packed_columns.h"
 #include "reconstructor/numerics/view_kernel.h"
 #include "reconstructor/radiance/exposure_field.h"
 #include "reconstructor/surface/map_layout.h"
@@ -23,7 +24,7 @@ SampleState sample_state(std::uint8_t shown);
 /// Surface maps of a part of the surface: encoded value of row i = sum_r basis(i, r) * h_r, with coefficients h of the
 /// eye. Values are sRGB-encoded (`srgb_encode`); the sum over a triangle's corners is decoded once, at the end.
 struct SurfacePatch {
-  Eigen::MatrixXf basis;            ///< rows (3 * samples) x rank
+  PackedColumns<float> basis;       ///< rows (3 * samples) x rank
   std::vector<std::uint8_t> shown;  ///< per sample: fraction of the images that showed it (`shown_fraction`)
 
   int rank() const { return static_cast<int>(basis.cols()); }

@@ -30,10 +30,11 @@ struct InterpolatedVertex {
 
 /// A patch of which everything is known but what lies between its views.
 struct FactorizedPatch {
-  Eigen::MatrixXf basis, coefficients;  ///< rows x rank, rank x views
-  std::vector<std::uint8_t> shown;      ///< `SurfacePatch::shown`
-  float residual = 0;                   ///< `SeenVertex::residual`
-  int images = 0;                       ///< ingested
+  PackedColumns<float> basis;       ///< rows x rank
+  Eigen::MatrixXf coefficients;     ///< rank x views
+  std::vector<std::uint8_t> shown;  ///< `SurfacePatch::shown`
+  float residual = 0;               ///< `SeenVertex::residual`
+  int images = 0;                   ///< ingested
   ViewSet views;
 };
 

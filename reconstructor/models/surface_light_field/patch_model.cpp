@@ -251,7 +251,7 @@ std::optional<FactorizedPatch> PatchModel::factorized() const {
 }
 
 FactorizedPatch PatchModel::settled() const {
-  FactorizedPatch patch{.basis = factor_.displayed_basis(),
+  FactorizedPatch patch{.basis = factor_.packed_displayed_basis(),
                         .coefficients = factor_.displayed_coefficients(),
                         .shown = {},
                         .residual = residual_,

@@ -59,7 +59,7 @@ std::size_t PatchSnapshot::shown_samples() const {
 }
 
 std::size_t PatchSnapshot::bytes() const {
-  std::size_t bytes = static_cast<std::size_t>(basis.size()) * sizeof(float) + shown.size();
+  std::size_t bytes = basis.bytes() + shown.size();
   for (const VertexInterpolant& vertex : vertices) bytes += vertex.bytes();
   return bytes;
 }

@@ -15,22 +15,34 @@ TEST(PackedColumns, TakeEightBitsWhereTheStepIsFineEnoughAndSixteenElsewhere) {
     const Eigen::MatrixXf columns = gaussian_matrix(rows, 3, 1) * Eigen::Vector3f(1, 1e-3f, 1e3f).asDiagonal();
     const Eigen::VectorXd largest = columns.cwiseAbs().colwise().maxCoeff().transpose().cast<double>();
     const PackedColumns<float> packed(columns, Eigen::Vector3d(largest[0] / 126, largest[1] / 128, 1e9));
-    const Eigen::MatrixXf out = packed.unpacked(3);
+    const Eigen::MatrixXf out = packed.unpacked();
     const Eigen::Vector3d step(largest[0] / 127, largest[1] / 32767, largest[2] / 127);
     for (int k = 0; k < 3; ++k)
       for (int row = 0; row < rows; ++row) {
         EXPECT_LE(std::abs(static_cast<double>(out(row, k)) - columns(row, k)), 0.501 * step[k]) << row << " " << k;
         EXPECT_EQ(packed.at(row, k), out(row, k));
       }
-    EXPECT_EQ(packed.unpacked(2), out.leftCols(2));
-    EXPECT_EQ(PackedColumns<float>(out, Eigen::Vector3d(largest[0] / 126, largest[1] / 128, 1e9)).unpacked(3), out)
-        << "packing what was unpacked changes nothing";
+    EXPECT_EQ(packed.leading((rows + 1) / 2, 2).unpacked(), out.topLeftCorner((rows + 1) / 2, 2));
+    EXPECT_EQ(packed.column(1), out.col(1));
+    EXPECT_EQ(PackedColumns<float>(out, packed.steps()).unpacked(), out) << "packing what was unpacked changes nothing";
   }
 }
 
+TEST(PackedColumns, WithoutAStepAreExact) {
+  const Eigen::MatrixXf columns = gaussian_matrix(31, 4, 2);
+  const PackedColumns<float> exact(columns), mixed(columns, Eigen::Vector4d(0, 1, 0, 1e-9));
+  EXPECT_EQ(exact.unpacked(), columns);
+  EXPECT_EQ(mixed.column(0), columns.col(0));
+  EXPECT_EQ(mixed.column(2), columns.col(2));
+  EXPECT_LT(mixed.bytes(), exact.bytes());
+  const Eigen::Vector4f y(1, -2, 0.5f, 3);
+  EXPECT_LT((exact.three_rows_times(9, y) - columns.middleRows<3>(9) * y).norm(), 1e-5f);
+  EXPECT_LT((mixed.three_rows_times(9, y) - mixed.unpacked().middleRows<3>(9) * y).norm(), 1e-5f);
+}
+
 TEST(PackedColumns, ZerosStayZeros) {
-  const PackedColumns<double> packed(Eigen::MatrixXd::Zero(5, 2), Eigen::Vector2d(0, 1));
-  EXPECT_EQ(packed.unpacked(2), Eigen::MatrixXd::Zero(5, 2));
+  const PackedColumns<double> packed(Eigen::MatrixXd::Zero(5, 2), Eigen::Vector2d(1e-300, 1));
+  EXPECT_EQ(packed.unpacked(), Eigen::MatrixXd::Zero(5, 2));
   EXPECT_TRUE(PackedColumns<double>().empty());
 }
 

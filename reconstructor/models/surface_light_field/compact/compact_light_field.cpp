@@ -28,9 +28,9 @@ std::uint8_t fraction_of(SampleState state) {
 std::shared_ptr<const SurfacePatch> take_surface(Patch& patch) {
   if (patch.mean.size() == 0) return nullptr;
   auto surface = std::make_shared<SurfacePatch>();
-  surface->basis.resize(patch.mean.size(), 1 + patch.basis.cols());
-  surface->basis.col(0) = patch.mean / kGreyLevels;
-  surface->basis.rightCols(patch.basis.cols()) = patch.basis / kGreyLevels;
+  Eigen::MatrixXf basis(patch.mean.size(), 1 + patch.basis.cols());
+  basis << patch.mean / kGreyLevels, patch.basis / kGreyLevels;
+  surface->basis = basis;
   for (const SampleState state : patch.state) surface->shown.push_back(fraction_of(state));
   patch.mean.resize(0);
   patch.basis.resize(0, 0);
@@ -183,7 +183,7 @@ const SeenVertex* CompactLightField::seen_vertex(std::size_t vertex) const {
 std::size_t CompactLightField::memory_bytes() const {
   std::size_t bytes = 0;
   for (const auto& patch : patches_)
-    if (patch) bytes += static_cast<std::size_t>(patch->basis.size()) * sizeof(float) + patch->shown.size();
+    if (patch) bytes += patch->basis.bytes() + patch->shown.size();
   for (const Interpolant& interpolant : interpolants_)
     bytes += static_cast<std::size_t>(interpolant.weights.size() + interpolant.mean.size() + interpolant.drift.size()) *
              sizeof(float);

@@ -241,7 +241,7 @@ class PatchFit {
       coefficients.col(i) = view != known.end() ? Eigen::VectorXf(grown_[p].coefficients.col(view - known.begin()))
                                                 : expected(old, patch, image);
     }
-    const Eigen::MatrixXf values = patch.basis.middleRows(3 * first, 3 * samples) * coefficients;
+    const Eigen::MatrixXf values = patch.basis.unpacked().middleRows(3 * first, 3 * samples) * coefficients;
     for (int s = 0; s < samples; ++s)
       columns.middleRows<3>(3 * s) = values.middleRows<3>(3 * old_sample[static_cast<std::size_t>(s)]);
   }

@@ -241,12 +241,14 @@ class MapsReader {
     if (claimed > kSlack + kDensest * double(fs::file_size(file_)))
       throw FileError(file_.string(), "is too small for the " + std::to_string(std::int64_t(claimed / 1e6)) +
                                           " MB of surface maps that model.json describes");
+    basis_.resize(patches_.data.size());
     for (std::size_t i = 0; i < patches_.data.size(); ++i) {
       const PatchEntry& entry = patches_.layout.patches[i];
-      patches_.data[i]->basis.resize(3 * entry.samples, entry.rank);
+      basis_[i].resize(3 * entry.samples, entry.rank);
     }
     read_exr(
         file_, [&](const std::string& name) { return expected_.contains(name); }, [&](ExrPart&& part) { take(part); });
+    for (std::size_t i = 0; i < patches_.data.size(); ++i) patches_.data[i]->basis = std::exchange(basis_[i], {});
   }
 
  private:
@@ -279,7 +281,7 @@ class MapsReader {
     for (std::size_t i = 0; i < patches_.data.size(); ++i) {
       const PatchEntry& entry = patches_.layout.patches[i];
       if (rank < entry.rank)
-        patches_.data[i]->basis.col(rank) =
+        basis_[i].col(rank) =
             Eigen::Map<const Eigen::VectorXf>(image.data() + 3 * entry.first_sample, 3 * entry.samples);
     }
   }
@@ -333,6 +335,7 @@ class MapsReader {
   fs::path file_;
   Patches& patches_;
   std::map<std::string, Expected> expected_;
+  std::vector<Eigen::MatrixXf> basis_;  ///< per patch, while it is read
 };
 
 bool alike(const VertexViews& a, const VertexViews& b) {

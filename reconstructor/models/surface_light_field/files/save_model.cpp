@@ -122,7 +122,7 @@ std::string id_of(const Json& description, const Snapshot& model) {
   };
   for (const auto& patch : model.patches()) {
     if (!patch) continue;
-    add(patch->basis);
+    add(patch->basis.unpacked());
     add(patch->shown);
     for (const VertexInterpolant& vertex : patch->vertices) {
       add(vertex.views->directions);
@@ -146,7 +146,7 @@ ImageF surface_image(const Snapshot& model, const ModelLayout& layout, int rank)
   for (const PatchEntry& entry : layout.patches)
     if (rank < entry.rank)
       Eigen::Map<Eigen::VectorXf>(image.data() + 3 * entry.first_sample, 3 * entry.samples) =
-          patch_of(model, entry).basis.col(rank);
+          patch_of(model, entry).basis.column(rank);
   return image;
 }
 

@@ -17,7 +17,8 @@ void pack(const SurfacePatch& patch, int rank, std::vector<std::uint16_t>& texel
   const std::size_t samples = static_cast<std::size_t>(patch.basis.rows() / 3);
   texels.resize(samples * rank * 4);
   for (int r = 0; r < rank; ++r) {
-    const float* value = patch.basis.col(r).data();
+    const Eigen::VectorXf values = patch.basis.column(r);
+    const float* value = values.data();
     std::uint16_t* texel = texels.data() + 4 * r;
     for (std::size_t s = 0; s < samples; ++s, texel += 4 * rank, value += 3) {
       for (int c = 0; c < 3; ++c) texel[c] = bits(value[c]);

@@ -37,7 +37,7 @@ std::vector<float> heuristic(const std::array<float, 4>& residuals, const Eigen:
   SurfaceLightFieldSnapshot::Patches data(2);
   for (std::size_t p = 0; p < 2; ++p) {
     auto patch = std::make_shared<PatchSnapshot>();
-    patch->basis = Eigen::MatrixXf::Ones(9, 1);
+    patch->basis = Eigen::MatrixXf(Eigen::MatrixXf::Ones(9, 1));
     patch->shown.assign(3, 255);
     bool seen = true;
     for (const std::uint32_t v : shapes->patches[p].vertices) {

@@ -99,7 +99,7 @@ TEST(Quality, TheErrorAtAVertexIsKrigings) {
 TEST(Quality, AGuessIsUnseen) {
   PatchSnapshot patch;
   EXPECT_FALSE(patch.seen()) << "a patch without a basis";
-  patch.basis = Eigen::MatrixXf::Ones(3, 1);
+  patch.basis = Eigen::MatrixXf(Eigen::MatrixXf::Ones(3, 1));
   patch.shown = {255};
   EXPECT_FALSE(patch.seen()) << "a patch without vertices";
   patch.vertices = {seen_from_three()};

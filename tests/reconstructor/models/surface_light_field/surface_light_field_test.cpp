@@ -417,7 +417,7 @@ TEST(SurfaceLightFieldSnapshot, FiguresCountWhatImagesShowed) {
   SurfaceLightFieldSnapshot::Patches data(3);
   const auto patch = [&](std::size_t p, int rank, std::size_t measured) {
     auto made = std::make_shared<PatchSnapshot>();
-    made->basis.resize(3 * shapes->patches[p].samples, rank);
+    made->basis = Eigen::MatrixXf(Eigen::MatrixXf::Zero(3 * shapes->patches[p].samples, rank));
     made->shown.assign(shapes->patches[p].samples, 0);
     std::fill_n(made->shown.begin(), measured, 255);
     if (measured == 2) made->shown[0] = 100;

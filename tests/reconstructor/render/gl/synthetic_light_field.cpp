@@ -72,7 +72,7 @@ std::shared_ptr<const PatchSnapshot> SyntheticLightField::make_patch(std::size_t
                                                                      float brightness) const {
   const PatchShape& shape = shapes_->patches[index];
   auto patch = std::make_shared<PatchSnapshot>();
-  patch->basis.resize(3 * Eigen::Index{shape.samples}, rank);
+  Eigen::MatrixXf basis(3 * Eigen::Index{shape.samples}, rank);
   patch->shown.resize(shape.samples);
   for (std::size_t k = 0; k < shape.triangles.size(); ++k) {
     const std::uint32_t t = shape.triangles[k];
@@ -84,14 +84,15 @@ std::shared_ptr<const PatchSnapshot> SyntheticLightField::make_patch(std::size_t
         const int row = 3 * (static_cast<int>(shape.first_sample[k]) + lattice_index(n, i, j));
         Eigen::Vector3f left = brightness * surface(p);
         for (int r = 0; r + 1 < rank; ++r) {
-          patch->basis.block<3, 1>(row, r) = pattern(p, r) / fraction(r);
+          basis.block<3, 1>(row, r) = pattern(p, r) / fraction(r);
           left -= pattern(p, r);
         }
-        patch->basis.block<3, 1>(row, rank - 1) = left / fraction(rank - 1);
+        basis.block<3, 1>(row, rank - 1) = left / fraction(rank - 1);
         const bool side = options_.unseen > 0 && std::abs(p.y()) < 0.02f;
         patch->shown[row / 3] = !side ? 255 : p.x() < 0 ? 0 : 60;
       }
   }
+  patch->basis = basis;
   for (const std::uint32_t v : shape.vertices) patch->vertices.push_back(make_vertex(v, rank));
   return patch;
 }
@@ -136,15 +137,18 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_other
   for (auto& patch : data) {
     if (!patch) continue;
     auto other = std::make_shared<PatchSnapshot>(*patch);
+    const Eigen::MatrixXf before = patch->basis.unpacked();
+    Eigen::MatrixXf basis = before;
     for (int r = 0; r < patch->rank(); ++r) {
       const int from = patch->rank() - 1 - r;
       const float sign = r % 2 ? -1.0f : 1.0f;
-      other->basis.col(r) = sign * patch->basis.col(from);
+      basis.col(r) = sign * before.col(from);
       for (std::size_t k = 0; k < patch->vertices.size(); ++k) {
         other->vertices[k].mean[r] = sign * patch->vertices[k].mean[from];
         other->vertices[k].weights.row(r) = sign * patch->vertices[k].weights.row(from);
       }
     }
+    other->basis = basis;
     patch = other;
   }
   return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, maps_, shapes_, std::move(data), snapshot_->version() + 1);
