@@ -2,8 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
-#include <span>
+#include <cstddef>
 
 #include "reconstructor/radiance/radiance_image.h"
 #include "reconstructor/surface/map_layout.h"
@@ -11,15 +10,18 @@
 
 namespace sheen {
 
-/// The colours that an image gives to the surface samples it shows, interpolated as linear radiance, divided by `gain`
-/// and encoded (`srgb_encode`): a column for each sample that faces the camera (`SurfaceView::first`), or more. Columns
-/// of samples that are not visible are left as they were.
-void resample(const RadianceImage& image, const SurfaceView& view, const MapLayout& maps, float gain,
-              Eigen::Matrix3Xf& encoded, Sampling sampling = Sampling::kCubic);
+/// An image, and what it shows of the sampled surface.
+struct SurfaceImage {
+  const RadianceImage& image;
+  const SurfaceView& view;
+  const MapLayout& maps;
+  float gain;  ///< that its colours are divided by
+  Sampling sampling;
+};
 
-/// The same of some triangles only.
-void resample(const RadianceImage& image, const SurfaceView& view, const MapLayout& maps,
-              std::span<const std::uint32_t> triangles, float gain, Eigen::Matrix3Xf& encoded,
-              Sampling sampling = Sampling::kCubic);
+/// The colours that an image gives to the samples of a triangle that it shows, interpolated as linear radiance, divided
+/// by the gain and encoded (`srgb_encode`): 3 x samples of the triangle. Columns of samples that are not visible are
+/// left as they were.
+void resample(const SurfaceImage& from, std::size_t triangle, Eigen::Ref<Eigen::Matrix3Xf> encoded);
 
 }  // namespace sheen

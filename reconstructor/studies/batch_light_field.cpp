@@ -100,13 +100,12 @@ void BatchLightField::add(const Capture& capture) {
   }
   const SurfaceView& view = visibility_->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   image_.load(capture, view);
-  resample(image_, view, *maps_, 1, samples_, options_.sampling);
   const std::vector<float> at_vertices = reliability_at_vertices(*mesh_, *maps_, view);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kept_.size(), 32), [&](const auto& range) {
     for (std::size_t p = range.begin(); p < range.end(); ++p) {
       if (p % every_ != 0) continue;
       PatchColumn column;
-      if (!gather(*maps_, shapes_->patches[p], {view, samples_}, column)) continue;
+      if (!gather(shapes_->patches[p], {image_, view, *maps_, 1, options_.sampling}, column)) continue;
       const auto shown = static_cast<double>(std::count(column.visible.begin(), column.visible.end(), 1));
       if (shown < options_.patch.min_visible * static_cast<double>(column.visible.size())) continue;
       std::vector<float> reliability;

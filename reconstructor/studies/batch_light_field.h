@@ -92,7 +92,6 @@ class BatchLightField {
   std::shared_ptr<const PatchShapes> shapes_;
   std::unique_ptr<SampleVisibility> visibility_;
   RadianceImage image_;
-  Eigen::Matrix3Xf samples_;             ///< encoded values of the current image
   std::vector<std::vector<Kept>> kept_;  ///< per patch
   std::uint32_t images_ = 0;
 };

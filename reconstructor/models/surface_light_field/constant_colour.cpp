@@ -92,52 +92,65 @@ ConstantColour::ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr
       sum_(Eigen::Matrix3Xf::Zero(3, static_cast<Eigen::Index>(maps_->total_samples()))),
       count_(maps_->total_samples(), 0) {}
 
-void ConstantColour::add(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.visible_in_triangle.size(), 128), [&](const auto& range) {
+void ConstantColour::add(std::size_t triangle, std::span<const std::uint8_t> visible,
+                         const Eigen::Ref<const Eigen::Matrix3Xf>& encoded) {
+  const auto first = static_cast<Eigen::Index>(maps_->first_sample(triangle));
+  for (Eigen::Index s = 0; s < encoded.cols(); ++s)
+    if (visible[s]) {
+      sum_.col(first + s) += encoded.col(s);
+      ++count_[first + s];
+    }
+}
+
+void ConstantColour::add(const SurfaceImage& image) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, maps_->triangles(), 128), [&](const auto& range) {
+    Eigen::Matrix3Xf encoded;
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
-      const int visible = view.visible_in_triangle[t];
-      if (visible == 0) continue;
-      const auto first = static_cast<Eigen::Index>(maps_->first_sample(t));
-      const int samples = lattice_samples(maps_->resolution(t));
-      if (visible == samples) {
-        sum_.middleCols(first, samples) += encoded.middleCols(view.first[t], samples);
-        for (int s = 0; s < samples; ++s) ++count_[first + s];
-        continue;
-      }
-      for (Eigen::Index s = 0; s < samples; ++s)
-        if (view.visible[first + s]) {
-          sum_.col(first + s) += encoded.col(view.first[t] + s);
-          ++count_[first + s];
-        }
+      if (image.view.visible_in_triangle[t] == 0) continue;
+      encoded.resize(3, lattice_samples(maps_->resolution(t)));
+      resample(image, t, encoded);
+      add(t, std::span(image.view.visible).subspan(maps_->first_sample(t)), encoded);
     }
   });
 }
 
-void ConstantColour::remove(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.visible_in_triangle.size(), 128), [&](const auto& range) {
-    for (std::size_t t = range.begin(); t < range.end(); ++t) {
-      if (view.visible_in_triangle[t] == 0) continue;
-      const auto first = static_cast<Eigen::Index>(maps_->first_sample(t));
-      for (Eigen::Index s = 0; s < lattice_samples(maps_->resolution(t)); ++s)
-        if (view.visible[first + s] && count_[first + s] > 0) {
-          sum_.col(first + s) -= encoded.col(view.first[t] + s);
-          --count_[first + s];
-        }
-    }
-  });
+void ConstantColour::add(const PatchShape& patch, const PatchColumn& column) {
+  for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
+    const std::uint32_t t = patch.triangles[i], from = patch.first_sample[i];
+    add(t, std::span(column.visible).subspan(from),
+        Eigen::Map<const Eigen::Matrix3Xf>(column.values.data() + 3 * std::size_t{from}, 3,
+                                           lattice_samples(maps_->resolution(t))));
+  }
 }
 
-std::vector<float> ConstantColour::log_ratios(const SurfaceView& view, const Eigen::Matrix3Xf& encoded) const {
+void ConstantColour::remove(const PatchShape& patch, const PatchColumn& column) {
+  for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
+    const std::uint32_t t = patch.triangles[i];
+    const auto first = static_cast<Eigen::Index>(maps_->first_sample(t));
+    for (Eigen::Index s = 0; s < lattice_samples(maps_->resolution(t)); ++s) {
+      const Eigen::Index from = patch.first_sample[i] + s;
+      if (!column.visible[static_cast<std::size_t>(from)] || count_[first + s] == 0) continue;
+      sum_.col(first + s) -= column.values.segment<3>(3 * from);
+      --count_[first + s];
+    }
+  }
+}
+
+std::vector<float> ConstantColour::log_ratios(const SurfaceImage& image) const {
+  const SurfaceView& view = image.view;
   std::vector<float> ratios(view.cosine.size(), std::numeric_limits<float>::quiet_NaN());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ratios.size(), 256), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ratios.size(), 128), [&](const auto& range) {
+    Eigen::Matrix3Xf encoded;
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       if (view.visible_in_triangle[t] == 0) continue;
+      encoded.resize(3, lattice_samples(maps_->resolution(t)));
+      resample(image, t, encoded);
       float seen = 0, expected = 0;
       int values = 0;
       const auto first = static_cast<Eigen::Index>(maps_->first_sample(t));
-      for (Eigen::Index s = 0; s < lattice_samples(maps_->resolution(t)); ++s)
+      for (Eigen::Index s = 0; s < encoded.cols(); ++s)
         if (view.visible[first + s] && count_[first + s] > 0) {
-          seen += encoded.col(view.first[t] + s).sum();
+          seen += encoded.col(s).sum();
           expected += sum_.col(first + s).sum() / static_cast<float>(count_[first + s]);
           values += 3;
         }

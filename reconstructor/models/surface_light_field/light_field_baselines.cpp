@@ -2,7 +2,6 @@
 #include "reconstructor/models/surface_light_field/light_field_baselines.h"
 
 #include "reconstructor/models/photograph_coding.h"
-#include "reconstructor/radiance/resampling.h"
 
 namespace sheen {
 
@@ -19,8 +18,7 @@ void LightFieldBaselines::add(const Capture& capture, float exposure_gain, bool 
   const SurfaceView& view = visibility_.look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   if (!repeated) {
     image_.load(capture, view);
-    resample(image_, view, model_->maps(), exposure_gain, encoded_, sampling_);
-    mean_.add(view, encoded_);
+    mean_.add({image_, view, model_->maps(), exposure_gain, sampling_});
   }
   if (photographs_) photographs_->add(capture, level_radiance(capture, exposure_gain), view);
 }

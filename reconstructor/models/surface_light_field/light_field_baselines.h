@@ -34,7 +34,6 @@ class LightFieldBaselines : public Baselines {
   ConstantColour mean_;
   std::shared_ptr<PhotographSet> photographs_;  ///< null where they are not asked for
   RadianceImage image_;
-  Eigen::Matrix3Xf encoded_;
 };
 
 }  // namespace sheen

@@ -10,20 +10,17 @@ bool shows(const SurfaceView& view, const PatchShape& patch) {
                      [&](std::uint32_t t) { return view.visible_in_triangle[t] > 0; });
 }
 
-bool gather(const MapLayout& maps, const PatchShape& patch, const ShownImage& image, PatchColumn& column) {
+bool gather(const PatchShape& patch, const SurfaceImage& image, PatchColumn& column) {
   if (!shows(image.view, patch)) return false;
   column.visible.resize(patch.samples);
   column.values.resize(3 * Eigen::Index{patch.samples});
+  column.values.setZero();
   for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
-    const std::size_t from = maps.first_sample(patch.triangles[i]);
-    const int count = lattice_samples(maps.resolution(patch.triangles[i]));
-    const Eigen::Index to = patch.first_sample[i];
-    std::copy_n(image.view.visible.begin() + static_cast<std::ptrdiff_t>(from), count, column.visible.begin() + to);
-    Eigen::Map<Eigen::Matrix3Xf> values(column.values.data() + 3 * to, 3, count);
-    if (image.view.visible_in_triangle[patch.triangles[i]] > 0)
-      values = image.samples.middleCols(image.view.first[patch.triangles[i]], count);
-    else
-      values.setZero();
+    const std::uint32_t t = patch.triangles[i], to = patch.first_sample[i];
+    const int count = lattice_samples(image.maps.resolution(t));
+    std::copy_n(image.view.visible.begin() + static_cast<std::ptrdiff_t>(image.maps.first_sample(t)), count,
+                column.visible.begin() + to);
+    resample(image, t, Eigen::Map<Eigen::Matrix3Xf>(column.values.data() + 3 * std::size_t{to}, 3, count));
   }
   return true;
 }

@@ -6,27 +6,22 @@
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/patch_shapes.h"
+#include "reconstructor/radiance/resampling.h"
 #include "reconstructor/surface/map_layout.h"
 #include "reconstructor/surface/sample_visibility.h"
 
 namespace sheen {
 
-/// What an image shows of the surface: where its samples lie, and their encoded values (`resample`).
-struct ShownImage {
-  const SurfaceView& view;
-  const Eigen::Matrix3Xf& samples;  ///< 3 x samples that face the camera
-};
-
 /// What one image shows of one patch: a column of its matrix (000 sec. 4.1).
 struct PatchColumn {
-  Eigen::VectorXf values;             ///< 3 x samples of the patch, encoded; meaningless where not visible
+  Eigen::VectorXf values;             ///< 3 x samples of the patch, encoded (`resample`); meaningless where not visible
   std::vector<std::uint8_t> visible;  ///< per sample of the patch
 };
 
 bool shows(const SurfaceView& view, const PatchShape& patch);
 
 /// False when no sample of the patch is visible; `column` is then unchanged. Its buffers are reused.
-bool gather(const MapLayout& maps, const PatchShape& patch, const ShownImage& image, PatchColumn& column);
+bool gather(const PatchShape& patch, const SurfaceImage& image, PatchColumn& column);
 
 /// How far to rely on the image at each vertex of the mesh, in (0, 1]: the cosine of the most frontal visible triangle
 /// round it, times the fraction of the triangles round it that is visible. Where nothing is, a patch may have a guess:

@@ -48,10 +48,6 @@ PatchSet::PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLa
       models_(shapes_->patches.size()),
       interpolation_(shapes_, options.interpolation) {}
 
-bool PatchSet::gather(std::size_t patch, const ShownImage& image, PatchColumn& column) const {
-  return sheen::gather(*maps_, shapes_->patches[patch], image, column);
-}
-
 std::vector<std::uint32_t> PatchSet::shown_by(const SurfaceView& view) const {
   std::vector<std::uint32_t> shown;
   for (std::uint32_t p = 0; p < shapes_->patches.size(); ++p)
@@ -72,21 +68,21 @@ std::vector<std::uint32_t> PatchSet::newest(Indices shown, const SurfaceView& vi
   return newest;
 }
 
-std::size_t PatchSet::count_repeated(Indices tested, const ShownImage& image) const {
+std::size_t PatchSet::count_repeated(Indices tested, const SurfaceImage& image) const {
   PatchColumn column;
   const auto repeated = std::count_if(tested.begin(), tested.end(), [&](std::uint32_t p) {
-    return models_[p] && gather(p, image, column) &&
+    return models_[p] && gather(shapes_->patches[p], image, column) &&
            models_[p]->repeats(column.values, column.visible, image.view.eye.cast<float>());
   });
   return static_cast<std::size_t>(repeated);
 }
 
-PatchModel::Prediction PatchSet::predict(Indices asked, const ShownImage& image) const {
+PatchModel::Prediction PatchSet::predict(Indices asked, const SurfaceImage& image) const {
   std::vector<PatchModel::Prediction> predicted(asked.size());
   tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
     const std::uint32_t p = asked[i];
     PatchColumn column;
-    if (gather(p, image, column))
+    if (gather(shapes_->patches[p], image, column))
       predicted[i] = models_[p]->predict(column.values, column.visible, image.view.eye.cast<float>(),
                                          interpolation_.of(shapes_->patches[p].vertices.front()));
   });
@@ -98,7 +94,8 @@ PatchModel::Prediction PatchSet::predict(Indices asked, const ShownImage& image)
   return all;
 }
 
-PatchSet::Update PatchSet::absorb(Indices chosen, const ShownImage& image, std::size_t images) {
+PatchSet::Update PatchSet::absorb(Indices chosen, const SurfaceImage& image, std::size_t images,
+                                  ConstantColour& constant) {
   Update update;
   update.repeated.assign(chosen.size(), 0);
   std::vector<PatchModel::Absorbed> absorbed(chosen.size());
@@ -113,9 +110,10 @@ PatchSet::Update PatchSet::absorb(Indices chosen, const ShownImage& image, std::
       if (!patch)
         patch = std::make_unique<PatchModel>(static_cast<int>(shapes_->patches[p].samples),
                                              shapes_->patches[p].vertices.size(), centres_[p], options_, p);
-      gather(p, image, column);
+      gather(shapes_->patches[p], image, column);
       update.repeated[i] = patch->repeats(column.values, column.visible, eye);
       if (update.repeated[i]) continue;
+      constant.add(shapes_->patches[p], column);
       at_vertices.clear();
       for (const std::uint32_t v : shapes_->patches[p].vertices) at_vertices.push_back(reliability[v]);
       absorbed[i] = patch->absorb(column.values, column.visible, eye, at_vertices);
@@ -139,13 +137,16 @@ PatchSet::Update PatchSet::absorb(Indices chosen, const ShownImage& image, std::
   return update;
 }
 
-void PatchSet::withdraw(const ShownImage& image, const std::vector<bool>& taken, std::size_t images) {
+void PatchSet::withdraw(const SurfaceImage& image, const std::vector<bool>& taken, std::size_t images,
+                        ConstantColour& constant) {
   const Eigen::Vector3f eye = image.view.eye.cast<float>();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, models_.size(), 8), [&](const auto& range) {
     PatchColumn column;
     for (std::size_t p = range.begin(); p < range.end(); ++p)
-      if ((taken.empty() ? models_[p] != nullptr : taken[p]) && gather(p, image, column))
+      if ((taken.empty() ? models_[p] != nullptr : taken[p]) && gather(shapes_->patches[p], image, column)) {
         models_[p]->withdraw(column.values, column.visible, eye);
+        constant.remove(shapes_->patches[p], column);
+      }
   });
   interpolation_.rebuild(images, models_);
 }

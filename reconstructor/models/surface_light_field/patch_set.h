@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "reconstructor/models/surface_light_field/constant_colour.h"
 #include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
 #include "reconstructor/models/surface_light_field/patch_column.h"
 #include "reconstructor/models/surface_light_field/patch_model.h"
@@ -38,9 +39,9 @@ class PatchSet {
   /// Of these, so many: those for which the direction of the image is newest.
   std::vector<std::uint32_t> newest(Indices shown, const SurfaceView& view, std::size_t wanted) const;
   /// How many of these have seen what the image shows of them (PatchModel::repeats).
-  std::size_t count_repeated(Indices tested, const ShownImage& image) const;
+  std::size_t count_repeated(Indices tested, const SurfaceImage& image) const;
   /// How the patches, before they ingest the image, predict what it shows of them.
-  PatchModel::Prediction predict(Indices asked, const ShownImage& image) const;
+  PatchModel::Prediction predict(Indices asked, const SurfaceImage& image) const;
 
   struct Update {
     std::vector<std::uint8_t> repeated;  ///< for each patch: it was shown nothing new and took nothing
@@ -48,10 +49,11 @@ class PatchSet {
     double energy = 0, residual_energy = 0;  ///< PatchModel::Absorbed, of all
   };
   /// The patches `chosen` ingest the image, the `images`th. Where most have seen what it shows, the few that use it
-  /// fold it at once.
-  Update absorb(Indices chosen, const ShownImage& image, std::size_t images);
+  /// fold it at once. What they ingest goes to `constant`, too.
+  Update absorb(Indices chosen, const SurfaceImage& image, std::size_t images, ConstantColour& constant);
   /// The patches that ingested the image, all that it shows when `taken` is empty, remove it; `images` are left.
-  void withdraw(const ShownImage& image, const std::vector<bool>& taken, std::size_t images);
+  void withdraw(const SurfaceImage& image, const std::vector<bool>& taken, std::size_t images,
+                ConstantColour& constant);
 
   /// In all patches at once.
   void limit_terms(int max_rank, int internal_rank, int block);
@@ -70,7 +72,6 @@ class PatchSet {
   InterpolatedVertex at_vertex(std::uint32_t vertex) const {
     return {mesh_->vertices[vertex], frames_[vertex], interpolation_.of(vertex)};
   }
-  bool gather(std::size_t patch, const ShownImage& image, PatchColumn& column) const;
 
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const MapLayout> maps_;

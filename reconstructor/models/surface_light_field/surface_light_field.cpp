@@ -72,7 +72,6 @@ struct SurfaceLightField::Pipeline {
   double update_fraction = 1;  ///< of the patches that an image shows: those that it updates
 
   RadianceImage image;
-  Eigen::Matrix3Xf samples;  ///< encoded values of the current image
   FoldedImages folded;
   std::uint64_t version = 0;
 
@@ -89,15 +88,15 @@ struct SurfaceLightField::Pipeline {
   bool withdraw(const Capture& capture);
 
   const SurfaceView& look(const Capture& capture);
-  void resample_at(float gain, const SurfaceView& view) {
-    resample(image, view, *shape, gain, samples, options.sampling);
+  SurfaceImage divided_by(float gain, const SurfaceView& view) const {
+    return {image, view, *shape, gain, options.sampling};
   }
   float known_gain(const Capture& capture) const;
   float estimated_gain(const Capture& capture, const SurfaceView& view) const;
   bool repeats_earlier_image(const SurfaceView& view, IngestReport& report);
   std::vector<std::uint32_t> patches_to_update(const SurfaceView& view, IngestReport& report) const;
   std::vector<bool> factorize(const SurfaceView& view, IngestReport& report);
-  double predicted_psnr_db(const SurfaceView& view, const std::vector<std::uint32_t>& chosen) const;
+  double predicted_psnr_db(const SurfaceImage& shown, const std::vector<std::uint32_t>& chosen) const;
 
   ExposureField exposure_field() const { return folded.exposure_field(bounding_sphere(*mesh).centre.cast<float>()); }
 };
@@ -142,14 +141,12 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   image.load(capture, view);
   clock.done("decode");
   report.repeated = repeats_earlier_image(view, report);
-  if (!report.repeated) resample_at(report.exposure_gain, view);
-  clock.done("resample");
+  clock.done("repetition");
   if (report.repeated) return done(IngestStatus::kAccepted);
 
   const float gain = estimated_gain(capture, view);
-  if (gain != 1) resample_at(report.exposure_gain = gain, view);
+  if (gain != 1) report.exposure_gain = gain;
   clock.done("exposure");
-  constant_colour->add(view, samples);
   std::vector<bool> taken = factorize(view, report);
   clock.done("factorize");
   folded.add({name_of(capture),
@@ -167,9 +164,7 @@ bool SurfaceLightField::Pipeline::withdraw(const Capture& capture) {
   if (!found || beginning->image == name) return false;
   const SurfaceView& view = look(capture);
   image.load(capture, view);
-  resample_at(found->gain, view);
-  constant_colour->remove(view, samples);
-  patches->withdraw({view, samples}, found->taken, folded.count() - 1);
+  patches->withdraw(divided_by(found->gain, view), found->taken, folded.count() - 1, *constant_colour);
   folded.erase(name);
   return true;
 }
@@ -185,7 +180,7 @@ float SurfaceLightField::Pipeline::known_gain(const Capture& capture) const {
 float SurfaceLightField::Pipeline::estimated_gain(const Capture& capture, const SurfaceView& view) const {
   const bool known = capture.exposure.locked || exposure_product(capture) > 0;
   if (options.exposure != ExposureCompensation::kEstimate || known) return 1;
-  std::vector<float> ratios = constant_colour->log_ratios(view, samples);
+  std::vector<float> ratios = constant_colour->log_ratios(divided_by(1, view));
   return robust_gain(ratios);
 }
 
@@ -198,14 +193,9 @@ bool SurfaceLightField::Pipeline::repeats_earlier_image(const SurfaceView& view,
       !folded.any_nearer(view.eye, options.patch.repeat_angle * nearest_surface))
     return false;
   const std::vector<std::uint32_t> shown = patches->shown_by(view);
-  std::vector<std::uint32_t> tested, triangles;
-  for (std::size_t i = 0; i < shown.size(); i += kPatchesPerTested) {
-    tested.push_back(shown[i]);
-    const PatchShape& patch = patches->shapes()->patches[shown[i]];
-    triangles.insert(triangles.end(), patch.triangles.begin(), patch.triangles.end());
-  }
-  resample(image, view, *shape, triangles, report.exposure_gain, samples, options.sampling);
-  const std::size_t repeated = patches->count_repeated(tested, {view, samples});
+  std::vector<std::uint32_t> tested;
+  for (std::size_t i = 0; i < shown.size(); i += kPatchesPerTested) tested.push_back(shown[i]);
+  const std::size_t repeated = patches->count_repeated(tested, divided_by(report.exposure_gain, view));
   if (static_cast<double>(repeated) < kRepeatedFraction * static_cast<double>(tested.size())) return false;
   report.patches_skipped = shown.size();
   return true;
@@ -224,8 +214,9 @@ std::vector<std::uint32_t> SurfaceLightField::Pipeline::patches_to_update(const 
 /// Which patches took what they were shown; empty when all did.
 std::vector<bool> SurfaceLightField::Pipeline::factorize(const SurfaceView& view, IngestReport& report) {
   const std::vector<std::uint32_t> chosen = patches_to_update(view, report);
-  report.predicted_psnr_db = predicted_psnr_db(view, chosen);
-  const PatchSet::Update update = patches->absorb(chosen, {view, samples}, folded.count() + 1);
+  const SurfaceImage shown = divided_by(report.exposure_gain, view);
+  report.predicted_psnr_db = predicted_psnr_db(shown, chosen);
+  const PatchSet::Update update = patches->absorb(chosen, shown, folded.count() + 1, *constant_colour);
   report.patches_updated = update.updated;
   report.patches_skipped = static_cast<std::size_t>(std::count(update.repeated.begin(), update.repeated.end(), 1));
   report.relative_residual = update.energy > 0 ? std::sqrt(update.residual_energy / update.energy) : 0;
@@ -236,13 +227,13 @@ std::vector<bool> SurfaceLightField::Pipeline::factorize(const SurfaceView& view
 }
 
 /// PSNR of a few patches of the image, encoded, as predicted from the images before it; NaN where none came before.
-double SurfaceLightField::Pipeline::predicted_psnr_db(const SurfaceView& view,
+double SurfaceLightField::Pipeline::predicted_psnr_db(const SurfaceImage& shown,
                                                       const std::vector<std::uint32_t>& chosen) const {
   const std::size_t stride = std::max<std::size_t>(1, chosen.size() / kPredictedPatches);
   std::vector<std::uint32_t> asked;  // others with every image
   for (std::size_t i = folded.count() % stride; i < chosen.size(); i += stride)
     if (patches->reached(chosen[i])) asked.push_back(chosen[i]);
-  const PatchModel::Prediction predicted = patches->predict(asked, {view, samples});
+  const PatchModel::Prediction predicted = patches->predict(asked, shown);
   if (predicted.values == 0) return std::numeric_limits<double>::quiet_NaN();
   return -10 * std::log10(predicted.squared_error / static_cast<double>(predicted.values));
 }
@@ -340,7 +331,6 @@ void SurfaceLightField::finish() {
   p.finished = {figures(), snapshot_bytes(), nullptr};
   p.visibility.reset();
   p.image = {};
-  p.samples.resize(3, 0);
   p.finished->snapshot = std::make_shared<SurfaceLightFieldSnapshot>(
       p.mesh, p.shape, p.patches->shapes(), p.patches->finish(), p.version++, p.exposure_field(), p.folded.cameras());
   p.patches.reset();

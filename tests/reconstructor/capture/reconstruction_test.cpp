@@ -50,7 +50,7 @@ TEST(Reconstruction, AccountsForEveryCapture) {
   EXPECT_EQ(reconstruction.held_out()[1].name, "image 8");
   EXPECT_EQ(reconstruction.account().updates().count(), 5u);
   EXPECT_GT(reconstruction.account().images_per_s(), 0);
-  for (const char* stage : {"decode", "visibility", "resample", "exposure", "factorize"})
+  for (const char* stage : {"decode", "visibility", "repetition", "exposure", "factorize"})
     EXPECT_EQ(reconstruction.account().stages().at(stage).count(), 5u) << stage;
 }
 

@@ -273,19 +273,19 @@ TEST(Resampling, BesideAnotherSurfaceASampleHasItsOwnColourExactly) {
         const SurfaceView& view = visibility.look(scene.camera, scene.camera_from_object, mask);
         RadianceImage image;
         image.load(capture, view);
-        Eigen::Matrix3Xf encoded;
-        resample(image, view, maps, 1, encoded, sampling);
+        Eigen::Matrix3Xf encoded(3, lattice_samples(n));
         for (std::size_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+          resample({image, view, maps, 1, sampling}, t, encoded);
           const bool upper = scene.mesh.corner(t, 0).z() > 0;
           const Eigen::Vector3f colour =
               (upper ? scene.upper_colour : scene.floor_colour).unaryExpr([](float v) { return srgb_encode(v); });
           for (std::size_t s = maps.first_sample(t); s < maps.first_sample(t + 1); ++s) {
             if (!view.visible[s]) continue;
-            const std::size_t facing = view.first[t] + s - maps.first_sample(t);
-            const Eigen::Vector2f pixel = view.pixel[facing];
+            const std::size_t in_triangle = s - maps.first_sample(t);
+            const Eigen::Vector2f pixel = view.pixel[view.first[t] + in_triangle];
             beside[upper] +=
                 view.from_edge.at(static_cast<int>(pixel.x() + 0.5f), static_cast<int>(pixel.y() + 0.5f)) == 1;
-            ASSERT_LT((encoded.col(static_cast<Eigen::Index>(facing)) - colour).cwiseAbs().maxCoeff(), 5e-5f)
+            ASSERT_LT((encoded.col(static_cast<Eigen::Index>(in_triangle)) - colour).cwiseAbs().maxCoeff(), 5e-5f)
                 << n << ' ' << erosion << ' ' << pixel.transpose();
           }
         }
@@ -315,7 +315,9 @@ TEST(Resampling, SamplesAreDividedByTheGainAndEncodedAndHiddenOnesAreLeftAlone) 
   for (int s = 0; s < 9; ++s) view.pixel.emplace_back(2 + s, 3);
   const RadianceImage image(image_of(16, 8, [](int x, int, int c) { return 0.02f * x + 0.1f * c; }));
   Eigen::Matrix3Xf encoded = Eigen::Matrix3Xf::Constant(3, 9, -7);
-  resample(image, view, maps, 2, encoded);
+  const SurfaceImage from{image, view, maps, 2, Sampling::kCubic};
+  resample(from, 0, encoded.leftCols(6));
+  resample(from, 1, encoded.rightCols(3));
   for (int s = 0; s < 9; ++s)
     for (int c = 0; c < 3; ++c) {
       const bool read = s < 6 && view.visible[s];

@@ -3,18 +3,31 @@
 
 #include <gtest/gtest.h>
 
+#include "common/image/color.h"
+
 namespace sheen {
 namespace {
 
-/// Two triangles that share the edge of vertices 0 and 2; sample s of all triangles has the colour (s, s + 0.1, s +
-/// 0.2).
+/// Two triangles that share the edge of vertices 0 and 2; an image shows sample s of all triangles at pixel (s + 2, 3).
 class PatchColumnTest : public testing::Test {
  protected:
+  static float level(int x, int, int c) { return 0.02f * static_cast<float>(x) + 0.1f * static_cast<float>(c); }
+  static Eigen::Vector3f colour(int s) {
+    return Eigen::Vector3f(level(2 + s, 3, 0), level(2 + s, 3, 1), level(2 + s, 3, 2)).unaryExpr([](float v) {
+      return srgb_encode(v);
+    });
+  }
+  SurfaceImage shown() const { return {image_, view_, maps_, 1, Sampling::kCubic}; }
+
   PatchColumnTest() {
     const std::size_t samples = maps_.total_samples();
-    encoded_.resize(3, static_cast<Eigen::Index>(samples));
-    for (Eigen::Index s = 0; s < encoded_.cols(); ++s)
-      encoded_.col(s) = Eigen::Vector3f(0, 0.1f, 0.2f).array() + static_cast<float>(s);
+    ImageF image(16, 8, 3);
+    for (int y = 0; y < 8; ++y)
+      for (int x = 0; x < 16; ++x)
+        for (int c = 0; c < 3; ++c) image.at(x, y, c) = level(x, y, c);
+    image_ = RadianceImage(image);
+    for (std::size_t s = 0; s < samples; ++s) view_.pixel.emplace_back(2 + s, 3);
+    view_.step_px = {1, 1};
     view_.eye = {0, 0, 2};
     view_.visible.assign(samples, 0);
     view_.first = {0, 3};
@@ -25,7 +38,7 @@ class PatchColumnTest : public testing::Test {
   Mesh mesh_{.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}, {0, 2, 3}}};
   MapLayout maps_{{2, 3}};  // 3 and 6 samples
   PatchShapes whole_ = cut_into_patches(mesh_, maps_, 2), apart_ = cut_into_patches(mesh_, maps_, 1);
-  Eigen::Matrix3Xf encoded_;
+  RadianceImage image_;
   SurfaceView view_;
   PatchColumn column_;
 };
@@ -33,15 +46,15 @@ class PatchColumnTest : public testing::Test {
 TEST_F(PatchColumnTest, HoldsTheSamplesOfThePatchsTrianglesInTheirOrder) {
   view_.visible = {1, 0, 0, 0, 0, 1, 0, 0, 0};
   view_.visible_in_triangle = {1, 1};
-  ASSERT_TRUE(gather(maps_, whole_.patches[0], {view_, encoded_}, column_));
+  ASSERT_TRUE(gather(whole_.patches[0], shown(), column_));
   ASSERT_EQ(column_.values.size(), 27);
   EXPECT_EQ(column_.visible, view_.visible);
-  for (Eigen::Index s = 0; s < 9; ++s) EXPECT_EQ(column_.values.segment<3>(3 * s), encoded_.col(s)) << s;
+  for (const int s : {0, 5}) EXPECT_LT((column_.values.segment<3>(3 * s) - colour(s)).norm(), 1e-4f) << s;
 
-  ASSERT_TRUE(gather(maps_, apart_.patches[1], {view_, encoded_}, column_));
+  ASSERT_TRUE(gather(apart_.patches[1], shown(), column_));
   ASSERT_EQ(column_.values.size(), 18);
   EXPECT_EQ(column_.visible, (std::vector<std::uint8_t>{0, 0, 1, 0, 0, 0}));
-  EXPECT_EQ(column_.values.head<3>(), encoded_.col(3));
+  EXPECT_LT((column_.values.segment<3>(6) - colour(5)).norm(), 1e-4f);
 }
 
 TEST_F(PatchColumnTest, AViewIsReliedOnAtAVertexAsFarAsItShowsTheTrianglesRoundIt) {
@@ -61,7 +74,7 @@ TEST_F(PatchColumnTest, AViewIsReliedOnAtAVertexAsFarAsItShowsTheTrianglesRoundI
 TEST_F(PatchColumnTest, APatchThatTheImageDoesNotShowHasNoColumn) {
   view_.visible[0] = 1;
   view_.visible_in_triangle = {1, 0};
-  EXPECT_FALSE(gather(maps_, apart_.patches[1], {view_, encoded_}, column_));
+  EXPECT_FALSE(gather(apart_.patches[1], shown(), column_));
   EXPECT_EQ(column_.values.size(), 0);
 }
 
