@@ -66,12 +66,13 @@ void CaptureLoop::receive(std::stop_token stop) {
     std::optional<TrackerLinks::Arrival> arrival = links_->next(kPoll);
     if (arrival && !store(*arrival, journaled, stop)) return;
     report_links(arrival, journaled);
+    // After it is stored and acknowledged: tracker and model do not wait for those who watch.
+    if (arrival && observer_.on_capture) observer_.on_capture(arrival->received.capture);
   }
 }
 
 /// False where a capture could not be stored: it is not acknowledged, so the tracker keeps it for the next start.
 bool CaptureLoop::store(TrackerLinks::Arrival& arrival, std::uint64_t& journaled, const std::stop_token& stop) {
-  if (observer_.on_capture) observer_.on_capture(arrival.received.capture);
   if (arrival.received.live) return true;
   try {
     const std::uint64_t index = store_capture(session_, *links_, arrival, stop);
