@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <malloc.h>
-
 #include "common/base/command_line.h"
 #include "common/base/log.h"
 #include "reconstructor/commands/commands.h"
 
 int main(int argc, char** argv) {
-  // Larger blocks go back to the system when they are freed. Left alone, glibc raises this to the size of images, and
-  // what was freed lies about in the heap: a tenth of the memory of `build`.
-  mallopt(M_MMAP_THRESHOLD, 128 * 1024);
-
   sheen::CommandLine program("sheen-reconstructor",
                              "Makes a model of how an object looks from images with poses, live or from files.");
   program.require_subcommand();

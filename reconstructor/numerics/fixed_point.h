@@ -24,13 +24,22 @@ double step_to_reach(double largest) {
   return std::max(largest / std::numeric_limits<Code>::max(), std::numeric_limits<double>::min());
 }
 
-/// Numbers as whole multiples of a step, which must reach them. Rounding to even.
+/// Numbers as whole multiples of a step, which must reach them; rounded as `Real` computes.
+template <typename Real, typename Code, typename Scalar>
+void encode_fixed_in(const Scalar* values, std::size_t count, double step, Code* codes) {
+  constexpr Real kWhole = Real(1.5) / std::numeric_limits<Real>::epsilon();  // sums with it have no fraction
+  const auto inverse = static_cast<Real>(1 / step);
+  for (std::size_t i = 0; i < count; ++i)
+    codes[i] = static_cast<Code>(static_cast<std::int32_t>(static_cast<Real>(values[i]) * inverse + kWhole - kWhole));
+}
+
 template <typename Code, typename Scalar>
 void encode_fixed(const Scalar* values, std::size_t count, double step, Code* codes) {
-  constexpr double kWhole = 6755399441055744.0;  // 1.5 * 2^52: sums with it have no fraction
-  const double inverse = 1 / step;
-  for (std::size_t i = 0; i < count; ++i)
-    codes[i] = static_cast<Code>(static_cast<std::int32_t>(static_cast<double>(values[i]) * inverse + kWhole - kWhole));
+  const auto inverse = static_cast<Scalar>(1 / step);
+  if (std::isfinite(inverse) && inverse >= std::numeric_limits<Scalar>::min())
+    encode_fixed_in<Scalar>(values, count, step, codes);
+  else  // numbers near the smallest or the largest that there are
+    encode_fixed_in<double>(values, count, step, codes);
 }
 
 /// The number that a code stands for.

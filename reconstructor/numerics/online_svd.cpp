@@ -12,9 +12,6 @@
 namespace sheen {
 namespace {
 
-/// Of the sensor's variance: what keeping the basis in fixed point may add each time that it is folded.
-constexpr double kPackedNoise = 1.0 / 64;
-
 void require(bool holds, const char* rule) {
   if (!holds) throw std::invalid_argument(rule);
 }
@@ -209,7 +206,7 @@ void BasicOnlineSvd<Scalar>::turn_to_singular_order() {
 
 template <typename Scalar>
 void BasicOnlineSvd<Scalar>::close_basis() {
-  basis_.close(kPackedNoise * options_.sensor_variance, views_.total_weight());
+  if (options_.sensor_variance > 0) basis_.close();
 }
 
 template <typename Scalar>

@@ -8,8 +8,8 @@
 
 namespace sheen {
 
-/// The columns of a matrix, each in fixed point of 8 bits a value where that is exact enough, in 16 bits where it is
-/// not, or exactly as it was.
+/// The columns of a matrix as they are, or in fixed point: 16 bits a value, a column in whole multiples of a 32767th of
+/// its largest.
 template <typename Scalar>
 class PackedColumns {
  public:
@@ -18,16 +18,15 @@ class PackedColumns {
   using ThreeRows = Eigen::Matrix<Scalar, 3, 1>;
 
   PackedColumns() = default;
-  /// Exactly.
-  PackedColumns(const Matrix& columns);  // NOLINT(google-explicit-constructor): it is that matrix
-  /// `steps`: for each column, how far apart its values may lie in 8 bits; 0 keeps it exactly. Packing what was
-  /// unpacked changes nothing.
-  PackedColumns(const Matrix& columns, const Eigen::VectorXd& steps);
+  PackedColumns(Matrix exact);  // NOLINT(google-explicit-constructor): it is that matrix
+  /// Packing what was unpacked changes nothing.
+  static PackedColumns fixed_point(const Matrix& columns);
+  /// Others, kept as these are.
+  PackedColumns alike(Matrix columns) const;
 
   Eigen::Index rows() const { return rows_; }
-  Eigen::Index cols() const { return static_cast<Eigen::Index>(columns_.size()); }
-  bool empty() const { return columns_.empty(); }
-  Eigen::VectorXd steps() const;  ///< that the columns have: by them others are packed alike
+  Eigen::Index cols() const { return exact_.cols() + static_cast<Eigen::Index>(steps_.size()); }
+  bool empty() const { return cols() == 0; }
 
   Scalar at(Eigen::Index row, Eigen::Index column) const;
   /// Rows `first` to `first` + 2 times y.
@@ -41,21 +40,12 @@ class PackedColumns {
   std::size_t bytes() const;
 
  private:
-  struct Column {
-    double step;          ///< 0: its values are not codes
-    std::uint32_t first;  ///< byte
-    std::uint8_t width;   ///< bytes of a value
-  };
-
-  template <typename T>
-  const T* values(const Column& column) const {
-    return reinterpret_cast<const T*>(bytes_.data() + column.first);
-  }
-  void unpack(const Column& column, Eigen::Index rows, Scalar* to) const;
+  const std::int16_t* codes_of(Eigen::Index column) const { return codes_.data() + column * rows_; }
 
   Eigen::Index rows_ = 0;
-  std::vector<Column> columns_;
-  std::vector<std::byte> bytes_;
+  Matrix exact_;  ///< or, per column:
+  std::vector<double> steps_;
+  std::vector<std::int16_t> codes_;
 };
 
 }  // namespace sheen

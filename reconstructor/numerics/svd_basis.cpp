@@ -88,37 +88,34 @@ std::size_t SvdBasis<Scalar>::bytes() const {
 
 template <typename Scalar>
 typename SvdBasis<Scalar>::Matrix SvdBasis<Scalar>::leading(int terms) const {
-  if (packed_.empty()) return basis_.topLeftCorner(rows_, terms);
+  if (packed_.rows() == 0) return basis_.topLeftCorner(rows_, terms);
   return packed_.unpacked(rows_, terms);
 }
 
 template <typename Scalar>
 PackedColumns<Scalar> SvdBasis<Scalar>::packed(int terms) const {
-  if (packed_.empty()) return Matrix(basis_.topLeftCorner(rows_, terms));
+  if (packed_.rows() == 0) return Matrix(basis_.topLeftCorner(rows_, terms));
   return packed_.leading(rows_, terms);
 }
 
 template <typename Scalar>
 Scalar SvdBasis<Scalar>::dot(int row, const Eigen::Ref<const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>>& y) const {
-  if (packed_.empty()) return basis_.row(row).head(rank_).dot(y);
+  if (packed_.rows() == 0) return basis_.row(row).head(rank_).dot(y);
   Scalar sum = 0;
   for (int k = 0; k < rank_; ++k) sum += packed_.at(row, k) * y[k];
   return sum;
 }
 
-/// Each term may add an equal part. A value of B that is wrong by a step q, evenly distributed, is wrong by q^2 / 12 in
-/// its square, and as many times more in a row as the term's coefficients are large.
 template <typename Scalar>
-void SvdBasis<Scalar>::close(double variance, double weight) {
-  if (variance <= 0 || rank_ == 0) return;
-  const VectorXd mean_square = gram_.diagonal().cwiseMax(0) / std::max(weight, 1e-300);
-  packed_ = {basis_, (12 * variance / rank_ / mean_square.array().max(1e-300)).sqrt().matrix()};
+void SvdBasis<Scalar>::close() {
+  if (rank_ == 0) return;
+  packed_ = PackedColumns<Scalar>::fixed_point(basis_);
   basis_ = Matrix();
 }
 
 template <typename Scalar>
 void SvdBasis<Scalar>::open() {
-  if (packed_.empty()) return;
+  if (packed_.rows() == 0) return;
   basis_ = packed_.unpacked();
   packed_ = {};
 }

@@ -58,8 +58,8 @@ struct Fold {
 /// Energy is counted exactly: B is orthonormal, so what is dropped is orthogonal to what is kept, and the sum of
 /// w ||c||^2 over all columns is trace G + lost.
 ///
-/// Between folds B may be packed: in fixed point, as exactly as the sensor's noise asks for. Then only sizes, G, single
-/// values (`dot`) and copies can be asked for; all else asks for an open basis.
+/// Between folds B may be packed, in fixed point. Then only sizes, G, single values (`dot`) and copies can be asked
+/// for; all else asks for an open basis.
 template <typename Scalar>
 class SvdBasis {
  public:
@@ -83,10 +83,8 @@ class SvdBasis {
   double displayed_error() const;  ///< root of the fraction of the energy that the displayed terms do not hold
   std::size_t bytes() const;
 
-  /// Packs it. `variance`: squared error of a row that this may add, at most, where 8 bits a value do; 0: nothing is
-  /// packed. `weight`: of all columns, by which their coefficients' mean squares are known.
-  void close(double variance, double weight);
-  void open();  ///< unpacks it
+  void close();  ///< packs it
+  void open();   ///< unpacks it
   SvdBasis opened() const;
 
   /// B^T of columns that are as long as the padded rows: rank x columns.

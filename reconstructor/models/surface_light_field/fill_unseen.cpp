@@ -51,7 +51,7 @@ void fill_unseen_samples(SurfacePatch& patch, std::span<const int> resolution) {
       }
     first += lattice_samples(n);
   }
-  patch.basis = {basis, patch.basis.steps()};
+  patch.basis = patch.basis.alike(std::move(basis));
 }
 
 namespace {

@@ -14,8 +14,8 @@ namespace {
 // memory_account_test).
 constexpr double kRaySceneTriangle = 200;
 constexpr double kRayScenes = 2;
-// A surface sample of the current image: where it falls, whether it shows, its value, its step; and its mean colour.
-constexpr double kIngestSample = 8 + 1 + 12 + 12 + 4;
+// A surface sample: where it falls in the current image, at most, and whether it shows; its mean colour.
+constexpr double kIngestSample = 8 + 1 + 12 + 4;
 // A pixel of the current image: ray, depth, safe depth, three bytes of edges; radiance and its coarser levels.
 constexpr double kIngestPixel = 12 + 4 + 4 + 3 + 16 * 4 / 3.0;
 constexpr double kImageCopies = 2;  // of an image: as the file has it, and decoded

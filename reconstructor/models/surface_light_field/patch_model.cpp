@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
 // A repetition differs by its own noise and by that of the view it repeats, of which a basis has averaged a part.
 constexpr double kRepeatedNoise = 1.5, kRepeatedColumn = 2;
-constexpr float kSensorVariance = 2e-5f;  // about one grey level of 255, encoded
+constexpr float kSensorVariance = 2e-5f;                 // about one grey level of 255, encoded
+constexpr std::size_t kMapValue = sizeof(std::int16_t);  // as PackedColumns keeps it
 
 /// For each row of the column, whether it is known; empty when all are.
 std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std::size_t shown) {
@@ -223,7 +224,7 @@ std::size_t PatchModel::snapshot_bytes(std::size_t vertices) const {
   if (images_ == 0) return 0;
   const auto rank = static_cast<std::size_t>(factor_.displayed_rank()),
              views = static_cast<std::size_t>(factor_.views());
-  return sizeof(PatchSnapshot) + shown_.size() + sizeof(float) * 3 * shown_.size() * rank +
+  return sizeof(PatchSnapshot) + shown_.size() + kMapValue * 3 * shown_.size() * rank +
          vertices * (sizeof(VertexInterpolant) + sizeof(float) * (views * (4 + rank) + 2 * rank));
 }
 
@@ -238,7 +239,7 @@ double PatchModel::largest_bytes(double samples, double vertices, const PatchMod
 
 double PatchModel::largest_snapshot_bytes(double samples, double vertices, const PatchModelOptions& options) {
   const double rank = options.factor.max_rank, views = options.max_views + options.factor.block;
-  return sizeof(PatchSnapshot) + samples + sizeof(float) * 3.0 * samples * rank +
+  return sizeof(PatchSnapshot) + samples + kMapValue * 3.0 * samples * rank +
          vertices * (sizeof(VertexInterpolant) + sizeof(float) * (views * (4 + rank) + 2 * rank));
 }
 

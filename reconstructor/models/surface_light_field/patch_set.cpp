@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace sheen {
@@ -111,14 +112,15 @@ PatchSet::Update PatchSet::absorb(Indices chosen, const SurfaceImage& image, std
         patch = std::make_unique<PatchModel>(static_cast<int>(shapes_->patches[p].samples),
                                              shapes_->patches[p].vertices.size(), centres_[p], options_, p);
       gather(shapes_->patches[p], image, column);
+      constant.add(shapes_->patches[p], column);
       update.repeated[i] = patch->repeats(column.values, column.visible, eye);
       if (update.repeated[i]) continue;
-      constant.add(shapes_->patches[p], column);
       at_vertices.clear();
       for (const std::uint32_t v : shapes_->patches[p].vertices) at_vertices.push_back(reliability[v]);
       absorbed[i] = patch->absorb(column.values, column.visible, eye, at_vertices);
     }
   });
+  add_left_out(chosen, image, constant);
   const auto repeated = static_cast<std::size_t>(std::count(update.repeated.begin(), update.repeated.end(), 1));
   if (2 * repeated > chosen.size())
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chosen.size(), 4), [&](const auto& range) {
@@ -137,14 +139,28 @@ PatchSet::Update PatchSet::absorb(Indices chosen, const SurfaceImage& image, std
   return update;
 }
 
+/// The constant colour takes all that an image shows, whatever the patches take of it.
+void PatchSet::add_left_out(Indices chosen, const SurfaceImage& image, ConstantColour& constant) const {
+  std::vector<std::uint32_t> shown = shown_by(image.view), left_out;
+  if (shown.size() == chosen.size()) return;
+  std::set_difference(shown.begin(), shown.end(), chosen.begin(), chosen.end(), std::back_inserter(left_out));
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, left_out.size(), 8), [&](const auto& range) {
+    PatchColumn column;
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const PatchShape& patch = shapes_->patches[left_out[i]];
+      if (gather(patch, image, column)) constant.add(patch, column);
+    }
+  });
+}
+
 void PatchSet::withdraw(const SurfaceImage& image, const std::vector<bool>& taken, std::size_t images,
                         ConstantColour& constant) {
   const Eigen::Vector3f eye = image.view.eye.cast<float>();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, models_.size(), 8), [&](const auto& range) {
     PatchColumn column;
     for (std::size_t p = range.begin(); p < range.end(); ++p)
-      if ((taken.empty() ? models_[p] != nullptr : taken[p]) && gather(shapes_->patches[p], image, column)) {
-        models_[p]->withdraw(column.values, column.visible, eye);
+      if (gather(shapes_->patches[p], image, column)) {
+        if (taken.empty() ? models_[p] != nullptr : taken[p]) models_[p]->withdraw(column.values, column.visible, eye);
         constant.remove(shapes_->patches[p], column);
       }
   });

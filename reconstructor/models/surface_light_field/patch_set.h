@@ -49,9 +49,10 @@ class PatchSet {
     double energy = 0, residual_energy = 0;  ///< PatchModel::Absorbed, of all
   };
   /// The patches `chosen` ingest the image, the `images`th. Where most have seen what it shows, the few that use it
-  /// fold it at once. What they ingest goes to `constant`, too.
+  /// fold it at once. `constant` takes all that the image shows.
   Update absorb(Indices chosen, const SurfaceImage& image, std::size_t images, ConstantColour& constant);
-  /// The patches that ingested the image, all that it shows when `taken` is empty, remove it; `images` are left.
+  /// The patches that ingested the image, all that it shows when `taken` is empty, remove it, and so does `constant`;
+  /// `images` are left.
   void withdraw(const SurfaceImage& image, const std::vector<bool>& taken, std::size_t images,
                 ConstantColour& constant);
 
@@ -68,6 +69,7 @@ class PatchSet {
   std::vector<std::size_t> rank_histogram() const;
 
  private:
+  void add_left_out(Indices chosen, const SurfaceImage& image, ConstantColour& constant) const;
   bool is_latest(std::uint32_t patch) const;
   InterpolatedVertex at_vertex(std::uint32_t vertex) const {
     return {mesh_->vertices[vertex], frames_[vertex], interpolation_.of(vertex)};
