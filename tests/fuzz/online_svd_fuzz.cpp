@@ -107,12 +107,13 @@ void run(Input in) {
   options.tolerance = choice % 4 == 0 ? 0 : std::pow(10.0, -(choice % 4));
   if (choice & 32) rows *= 8;  // more than one panel of rows
   if (choice & 16) options.internal_rank = options.max_rank + choice / 64;
+  if (choice & 8) options.sensor_variance = 2e-5;  // and so in fixed point between folds
   BasicOnlineSvd<Scalar> factor(rows, options, in.byte());
 
   std::vector<View> views;
-  std::int64_t columns = 0;  ///< ever added
-  double largest = 0;        // sum of energies ever held: the size of what rounding can leave behind
-  bool exact = true;         // nothing missing, nothing merged, no digits lost: the energy is known
+  std::int64_t columns = 0;    ///< ever added
+  double largest = 0;          // sum of energies ever held: the size of what rounding can leave behind
+  bool exact = !(choice & 8);  // nothing missing, nothing merged, no digits lost: the energy is known
   Eigen::VectorXf column = Eigen::VectorXf::Ones(rows);
   while (!in.rest.empty()) {
     const std::uint8_t act = in.byte();

@@ -8,10 +8,11 @@
 
 namespace sheen {
 
-/// What a factor promises whatever was done to it: B^T B = I, everything finite, the spectrum sorted and the trace of
-/// G, rank and views within their limits, energies in order. Empty when all holds, else what does not.
-/// `columns`: a bound of the rank. A column that is taken out of a merged view leaves its part of how they scattered,
-/// and with it, as promised, its direction (`take_from`): the bound is then all columns that were ever added.
+/// What a factor promises whatever was done to it: B^T B = I (as far as it is kept), everything finite, the spectrum
+/// sorted and the trace of G, rank and views within their limits, energies in order. Empty when all holds, else what
+/// does not. `columns`: a bound of the rank. A column that is taken out of a merged view leaves its part of how they
+/// scattered, and with it, as promised, its direction (`take_from`): the bound is then all columns that were ever
+/// added.
 template <typename Scalar>
 std::string broken_invariants(const BasicOnlineSvd<Scalar>& factor, std::int64_t columns);
 /// The same for a factor that no merged view was taken apart of.
