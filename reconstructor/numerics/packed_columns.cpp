@@ -28,6 +28,12 @@ PackedColumns<Scalar> PackedColumns<Scalar>::fixed_point(const Matrix& columns) 
 }
 
 template <typename Scalar>
+typename PackedColumns<Scalar>::Matrix& PackedColumns<Scalar>::exact() {
+  if (!steps_.empty()) *this = unpacked();
+  return exact_;
+}
+
+template <typename Scalar>
 PackedColumns<Scalar> PackedColumns<Scalar>::alike(Matrix columns) const {
   return steps_.empty() ? PackedColumns(std::move(columns)) : fixed_point(columns);
 }

@@ -21,6 +21,7 @@ class PackedColumns {
   PackedColumns(Matrix exact);  // NOLINT(google-explicit-constructor): it is that matrix
   /// Packing what was unpacked changes nothing.
   static PackedColumns fixed_point(const Matrix& columns);
+  Matrix& exact();  ///< that it then is, also where it was in fixed point
   /// Others, kept as these are.
   PackedColumns alike(Matrix columns) const;
 

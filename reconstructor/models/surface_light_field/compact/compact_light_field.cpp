@@ -29,11 +29,11 @@ std::shared_ptr<const SurfacePatch> take_surface(Patch& patch) {
   if (patch.mean.size() == 0) return nullptr;
   auto surface = std::make_shared<SurfacePatch>();
   Eigen::MatrixXf basis(patch.mean.size(), 1 + patch.basis.cols());
-  basis << patch.mean / kGreyLevels, patch.basis / kGreyLevels;
-  surface->basis = basis;
+  basis << patch.mean / kGreyLevels, patch.basis.unpacked() / kGreyLevels;
+  surface->basis = PackedColumns<float>::fixed_point(basis);
   for (const SampleState state : patch.state) surface->shown.push_back(fraction_of(state));
   patch.mean.resize(0);
-  patch.basis.resize(0, 0);
+  patch.basis = {};
   return surface;
 }
 

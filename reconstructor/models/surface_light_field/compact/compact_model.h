@@ -11,6 +11,7 @@
 #include "reconstructor/models/model_snapshot.h"
 #include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
+#include "reconstructor/numerics/packed_columns.h"
 #include "reconstructor/numerics/view_kernel.h"
 #include "reconstructor/radiance/exposure_field.h"
 #include "reconstructor/surface/map_layout.h"
@@ -39,7 +40,7 @@ struct CompactVertex {
 /// Colours of a patch, sRGB-encoded in grey levels (0..255): row i in image j is mean_i + basis_i . coefficients_j.
 struct Patch {
   Eigen::VectorXf mean;            ///< 3 * samples; empty where nothing is known at its vertices
-  Eigen::MatrixXf basis;           ///< rows x terms, by falling energy
+  PackedColumns<float> basis;      ///< rows x terms, by falling energy
   Eigen::MatrixXf coefficients;    ///< terms x images (`patch_images`)
   Eigen::VectorXf displayed;       ///< per term: RMS of what it adds to the picture
   std::vector<SampleState> state;  ///< per sample

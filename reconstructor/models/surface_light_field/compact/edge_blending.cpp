@@ -67,8 +67,8 @@ void blend_edges(CompactModel& model) {
     const std::vector<Eigen::Index> samples_a = samples_along(model, a), samples_b = samples_along(model, b);
     blend(of_a.mean, samples_a, of_b.mean, samples_b);
     if (patch_a != patch_b) continue;
-    for (Eigen::Index k = 0; k < of_a.basis.cols(); ++k)
-      blend(of_a.basis.col(k), samples_a, of_a.basis.col(k), samples_b);
+    Eigen::MatrixXf& basis = of_a.basis.exact();
+    for (Eigen::Index k = 0; k < basis.cols(); ++k) blend(basis.col(k), samples_a, basis.col(k), samples_b);
   }
 }
 

@@ -278,7 +278,7 @@ class PatchFit {
         (eigen.values.head(terms) / (views * static_cast<double>(columns.rows()))).cwiseSqrt().cast<float>();
     Eigen::MatrixXd into = eigen.vectors.leftCols(terms);
     r.solveInPlace(into);
-    patch.basis = (exact * into).cast<float>();
+    patch.basis = PackedColumns<float>::fixed_point((exact * into).cast<float>());
     patch.coefficients = (eigen.vectors.leftCols(terms).transpose() * Eigen::MatrixXd(r)).cast<float>();
   }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
 
@@ -168,7 +169,8 @@ QuantisedPatch quantise(const Patch& patch, const std::vector<int>& resolutions,
     ViewHaar::forward(plan, frequencies);
     for (Eigen::Index j = 0; j < frequencies.size(); ++j)
       term.coefficients.push_back(quantised(frequencies[j] * unit / (kCoefficientStep * step), kCoefficientThreshold));
-    term.map = quantise_map(patch.basis.col(k) * (size_of(term.scale) / unit), resolutions, step, rounding.threshold);
+    term.map =
+        quantise_map(patch.basis.column(k) * (size_of(term.scale) / unit), resolutions, step, rounding.threshold);
     if (is_zero(term.map) ||
         std::all_of(term.coefficients.begin(), term.coefficients.end(), [](std::int32_t value) { return value == 0; }))
       break;
@@ -186,15 +188,16 @@ Patch dequantise(const QuantisedPatch& quantised_patch, const std::vector<int>& 
   for (const int resolution : resolutions) rows += 3 * lattice_samples(resolution);
   patch.mean.resize(rows);
   dequantise_map(quantised_patch.mean, resolutions, step, patch.mean);
-  patch.basis.resize(rows, terms);
+  Eigen::MatrixXf basis(rows, terms);
   patch.coefficients.resize(terms, plan.size);
   for (Eigen::Index k = 0; k < terms; ++k) {
     const QuantisedTerm& term = quantised_patch.terms[static_cast<std::size_t>(k)];
-    dequantise_map(term.map, resolutions, step, patch.basis.col(k));
+    dequantise_map(term.map, resolutions, step, basis.col(k));
     Eigen::VectorXf coefficients = dequantise_coefficients(term.coefficients, kCoefficientStep * step);
     ViewHaar::inverse(plan, coefficients);
     patch.coefficients.row(k) = coefficients.transpose() / size_of(term.scale);
   }
+  patch.basis = std::move(basis);
   return patch;
 }
 
