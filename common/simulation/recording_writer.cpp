@@ -17,7 +17,6 @@
 #include "common/image/exr.h"
 #include "common/image/image_io.h"
 #include "common/image/linear_reader.h"
-#include "common/simulation/procedural_noise.h"
 #include "common/simulation/simulated_rig.h"
 
 namespace sheen {

@@ -88,19 +88,19 @@ std::size_t SvdBasis<Scalar>::bytes() const {
 
 template <typename Scalar>
 typename SvdBasis<Scalar>::Matrix SvdBasis<Scalar>::leading(int terms) const {
-  if (packed_.rows() == 0) return basis_.topLeftCorner(rows_, terms);
+  if (packed_.empty()) return basis_.topLeftCorner(rows_, terms);
   return packed_.unpacked(rows_, terms);
 }
 
 template <typename Scalar>
 PackedColumns<Scalar> SvdBasis<Scalar>::packed(int terms) const {
-  if (packed_.rows() == 0) return Matrix(basis_.topLeftCorner(rows_, terms));
+  if (packed_.empty()) return Matrix(basis_.topLeftCorner(rows_, terms));
   return packed_.leading(rows_, terms);
 }
 
 template <typename Scalar>
 Scalar SvdBasis<Scalar>::dot(int row, const Eigen::Ref<const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>>& y) const {
-  if (packed_.rows() == 0) return basis_.row(row).head(rank_).dot(y);
+  if (packed_.empty()) return basis_.row(row).head(rank_).dot(y);
   Scalar sum = 0;
   for (int k = 0; k < rank_; ++k) sum += packed_.at(row, k) * y[k];
   return sum;
@@ -115,7 +115,7 @@ void SvdBasis<Scalar>::close() {
 
 template <typename Scalar>
 void SvdBasis<Scalar>::open() {
-  if (packed_.rows() == 0) return;
+  if (packed_.empty()) return;
   basis_ = packed_.unpacked();
   packed_ = {};
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "common/image/color.h"
@@ -95,6 +96,11 @@ ConstantColour::ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr
 void ConstantColour::add(std::size_t triangle, std::span<const std::uint8_t> visible,
                          const Eigen::Ref<const Eigen::Matrix3Xf>& encoded) {
   const auto first = static_cast<Eigen::Index>(maps_->first_sample(triangle));
+  if (!std::memchr(visible.data(), 0, static_cast<std::size_t>(encoded.cols()))) {  // most triangles show whole
+    sum_.middleCols(first, encoded.cols()) += encoded;
+    for (Eigen::Index s = 0; s < encoded.cols(); ++s) ++count_[first + s];
+    return;
+  }
   for (Eigen::Index s = 0; s < encoded.cols(); ++s)
     if (visible[s]) {
       sum_.col(first + s) += encoded.col(s);
