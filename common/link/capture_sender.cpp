@@ -21,6 +21,7 @@ using std::chrono::milliseconds;
 constexpr std::int64_t kMaxIncomingBytes = 1 << 20;  // receivers only say short things
 constexpr milliseconds kIdle{500};                   // how soon a revoked key is noticed
 constexpr milliseconds kRetry{10};                   // after a full send buffer
+constexpr milliseconds kLeaving{1000};               // within which the socket knows of a connection that broke
 constexpr std::uint32_t kMaxCredits = 1024;
 const char* const kReceiverRole = "reconstructor";
 
@@ -130,6 +131,7 @@ void CaptureSender::Impl::run(const std::stop_token& stop) {
   block_signals();
   const std::stop_callback on_stop(stop, [this] { wake.notify(); });
   bool later = false;
+  auto look_until = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
     std::array<zmq::pollitem_t, 4> items{{{router.handle(), 0, ZMQ_POLLIN, 0},
                                           {events->socket(), 0, ZMQ_POLLIN, 0},
@@ -145,8 +147,9 @@ void CaptureSender::Impl::run(const std::stop_token& stop) {
     // Events are taken before messages and looked at after them: what a peer said before it left still counts.
     const std::vector<SocketEvents::Kind> happened = events->drain();
     receive_all();
+    const auto now = std::chrono::steady_clock::now();
     for (const SocketEvents::Kind kind : happened) {
-      if (kind == SocketEvents::Kind::kDisconnected) check_peer_is_there();
+      if (kind == SocketEvents::Kind::kDisconnected) look_until = now + kLeaving;
       if (kind == SocketEvents::Kind::kHandshakeFailed) {
         ++refused_without_zap;
         stats.last_refusal = "a handshake failed: the other side has no keys, or those of another sender";
@@ -154,7 +157,10 @@ void CaptureSender::Impl::run(const std::stop_token& stop) {
       }
       if (kind == SocketEvents::Kind::kHandshakeBroken) ++stats.broken_handshakes;
     }
-    later = !send_what_may_go();
+    // The event comes a moment before the socket refuses to send: once is not enough.
+    const bool may_have_left = peer && now < look_until;
+    if (may_have_left) check_peer_is_there();
+    later = !send_what_may_go() || may_have_left;
     changed.notify_all();
   }
 }
