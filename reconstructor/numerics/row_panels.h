@@ -111,8 +111,9 @@ inline void add_lanes(const Vector<T> (&v)[Count], double* sums) {
   }
 }
 
-/// A lane sums this many products in the columns' own precision; those sums are added up in double.
-inline constexpr int kLaneProducts = 256;
+/// A lane sums few products at a time, in the columns' own precision, and then those sums: where all are rounded the
+/// same way, as those of a constant column, the error grows with the length of a sum. Long sums are added up in double.
+inline constexpr int kShortSum = 16, kLongSum = 256;  // products
 
 /// `Above`: of a square of A^T A, only what is above the diagonal; the rest of `out` is left as it is.
 template <typename T, int A, int B, bool Above = false>
@@ -120,18 +121,23 @@ void inner_tile(const Columns<const T>& a, const Columns<const T>& b, Eigen::Ind
                 Eigen::Index out_stride) {
   constexpr int lanes = VectorOf<T>::kLanes;
   double sums[A * B] = {};
-  for (Eigen::Index first = 0; first < rows; first += kLaneProducts * lanes) {
-    const Eigen::Index last = std::min<Eigen::Index>(rows, first + kLaneProducts * lanes);
-    Vector<T> acc[A * B] = {};
-    for (Eigen::Index r = first; r < last; r += lanes) {
-      Vector<T> vb[B];
-      for (int j = 0; j < B; ++j) vb[j] = load_once(b.column(j) + r);
-      for (int i = 0; i < A; ++i) {
-        const Vector<T> va = load_once(a.column(i) + r);
-        for (int j = Above ? i + 1 : 0; j < B; ++j) acc[i + j * A] += va * vb[j];
+  for (Eigen::Index r = 0; r < rows;) {
+    const Eigen::Index long_end = std::min<Eigen::Index>(rows, r + kLongSum * lanes);
+    Vector<T> long_sums[A * B] = {};
+    while (r < long_end) {
+      const Eigen::Index short_end = std::min<Eigen::Index>(long_end, r + kShortSum * lanes);
+      Vector<T> acc[A * B] = {};
+      for (; r < short_end; r += lanes) {
+        Vector<T> vb[B];
+        for (int j = 0; j < B; ++j) vb[j] = load_once(b.column(j) + r);
+        for (int i = 0; i < A; ++i) {
+          const Vector<T> va = load_once(a.column(i) + r);
+          for (int j = Above ? i + 1 : 0; j < B; ++j) acc[i + j * A] += va * vb[j];
+        }
       }
+      for (int k = 0; k < A * B; ++k) long_sums[k] += acc[k];
     }
-    add_lanes<T>(acc, sums);
+    add_lanes<T>(long_sums, sums);
   }
   for (int j = 0; j < B; ++j)
     for (int i = 0; i < (Above ? j : A); ++i) out[i + j * out_stride] = sums[i + j * A];
