@@ -83,7 +83,7 @@ class VideoFileSource : public FrameSource {
 
 VideoFileSource::VideoFileSource(const std::string& path, const SourceSettings& settings) : path_(path) {
   if (!std::filesystem::exists(path)) throw FileError(path, "does not exist");
-  if (!capture_.open(path)) throw FileError(path, "cannot be read as a video");
+  if (!capture_.open(path, cv::CAP_FFMPEG)) throw FileError(path, "cannot be read as a video");
   announced_ = capture_.get(cv::CAP_PROP_FRAME_COUNT);
   check(settings);
   exposure_.exposure_s = settings.exposure_us * 1e-6;
