@@ -62,11 +62,13 @@ typename PackedColumns<Scalar>::Vector PackedColumns<Scalar>::column(Eigen::Inde
 }
 
 template <typename Scalar>
-typename PackedColumns<Scalar>::Matrix PackedColumns<Scalar>::unpacked(Eigen::Index rows, Eigen::Index columns) const {
-  if (steps_.empty()) return exact_.topLeftCorner(rows, columns);
+typename PackedColumns<Scalar>::Matrix PackedColumns<Scalar>::unpacked(Eigen::Index first_row, Eigen::Index rows,
+                                                                       Eigen::Index columns) const {
+  if (steps_.empty()) return exact_.block(first_row, 0, rows, columns);
   Matrix out(rows, columns);
   for (Eigen::Index k = 0; k < columns; ++k)
-    decode_fixed(codes_of(k), static_cast<std::size_t>(rows), steps_[static_cast<std::size_t>(k)], out.col(k).data());
+    decode_fixed(codes_of(k) + first_row, static_cast<std::size_t>(rows), steps_[static_cast<std::size_t>(k)],
+                 out.col(k).data());
   return out;
 }
 

@@ -33,9 +33,9 @@ class PackedColumns {
   /// Rows `first` to `first` + 2 times y.
   ThreeRows three_rows_times(Eigen::Index first, const Eigen::Ref<const Vector>& y) const;
   Vector column(Eigen::Index column) const;
-  Matrix unpacked() const { return unpacked(rows_, cols()); }
-  /// The first of its rows and columns.
-  Matrix unpacked(Eigen::Index rows, Eigen::Index columns) const;
+  Matrix unpacked() const { return unpacked(0, rows_, cols()); }
+  /// So many of its rows, and the first of its columns.
+  Matrix unpacked(Eigen::Index first_row, Eigen::Index rows, Eigen::Index columns) const;
   /// The same, packed as they are.
   PackedColumns leading(Eigen::Index rows, Eigen::Index columns) const;
   std::size_t bytes() const;

@@ -89,7 +89,7 @@ std::size_t SvdBasis<Scalar>::bytes() const {
 template <typename Scalar>
 typename SvdBasis<Scalar>::Matrix SvdBasis<Scalar>::leading(int terms) const {
   if (packed_.empty()) return basis_.topLeftCorner(rows_, terms);
-  return packed_.unpacked(rows_, terms);
+  return packed_.unpacked(0, rows_, terms);
 }
 
 template <typename Scalar>

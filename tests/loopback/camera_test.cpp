@@ -66,7 +66,7 @@ class CameraOnTheWire : public ::testing::Test {
     return tracker({"simulate", "--serve", recording_->folder, "--log", temp_.path() / "sent.csv"});
   }
   Words track(const Words& more) const {
-    return tracker({"run", "--config", config(), "--json", temp_.path() / "tracker.json"}) + link_.tracker_options() +
+    return patient_run({"--config", config(), "--json", temp_.path() / "tracker.json"}) + link_.tracker_options() +
            more;
   }
   Words desk(const Words& more = {}) const {
@@ -290,8 +290,8 @@ TEST(ALampOnTheWire, EachFrameHasTheLightThatItWasTakenIn) {
   const std::string address = free_address();
   Process desk(reconstructor({"serve", "--session", session, "--model", "auto", "--headless", "--no-monitor", "--once",
                               "--endpoint", address, "--loss", "0dB", "--json", report}));
-  expect_outcome(run_to_end(tracker({"run", "--config", folder / "rig.toml", "--frames", "16", "--endpoint", address})),
-                 0, {"16 frames"});
+  expect_outcome(run_to_end(patient_run({"--config", folder / "rig.toml", "--frames", "16", "--endpoint", address})), 0,
+                 {"16 frames"});
   expect_outcome(wait_to_end(desk), 0, {"chosen: irradiance_field", "images added to the model"});
   camera.signal(SIGINT);
   wait_to_end(camera);

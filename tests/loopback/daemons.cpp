@@ -25,6 +25,10 @@ Words tracker(const Words& arguments) {
   return Words{SHEEN_TRACKER} + arguments;
 }
 
+Words patient_run(const Words& arguments) {
+  return tracker({"run", "--linger", std::to_string(kPatience.count())}) + arguments;
+}
+
 Words reconstructor(const Words& arguments) {
   return Words{SHEEN_RECONSTRUCTOR} + arguments;
 }

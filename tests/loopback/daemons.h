@@ -20,7 +20,9 @@ inline constexpr int kManyViews = kPatienceFactor == 1 ? 150 : 40;
 using Words = std::vector<std::string>;
 Words operator+(Words a, const Words& b);
 
-Words tracker(const Words& arguments);        ///< command line of build/bin/sheen-tracker
+Words tracker(const Words& arguments);  ///< command line of build/bin/sheen-tracker
+/// `sheen-tracker run` that waits at its end as long as a test does: a sanitized reconstructor is slow to acknowledge.
+Words patient_run(const Words& arguments);
 Words reconstructor(const Words& arguments);  ///< and of build/bin/sheen-reconstructor
 
 /// A link of 127.0.0.1 with CURVE: a free port, and a key pair per role in `folder`.

@@ -29,7 +29,7 @@ class DaemonsMeet : public ::testing::Test {
     data_.write();
   }
 
-  Words track(const Words& more) { return tracker({"run", "--source", "dataset:" + data_.folder.string()}) + more; }
+  Words track(const Words& more) { return patient_run({"--source", "dataset:" + data_.folder.string()}) + more; }
   Words desk(const Words& more) { return serve(data_.mesh(), session_, more); }
   void expect_all_captures() {
     std::vector<std::uint64_t> sequences, all;
@@ -102,7 +102,8 @@ TEST_F(DaemonsMeet, TheServiceManagerIsToldWhenBothAreReadyAndWhenTheyEnd) {
 
 TEST_F(DaemonsMeet, ATrackerWithoutAReconstructorSaysThatNothingIsSafe) {
   const std::string address = free_address();
-  expect_outcome(run_to_end(track({"--endpoint", address, "--linger", "0.2"})), 1,
+  const Words run = tracker({"run", "--source", "dataset:" + data_.folder.string(), "--linger", "0.2"});
+  expect_outcome(run_to_end(run + Words{"--endpoint", address}), 1,
                  {"6 keyframes were not acknowledged", "reconstructor", address});
   Process waiting(track({"--endpoint", address}));
   ASSERT_TRUE(waiting.prints(address, kPatience));

@@ -29,8 +29,8 @@ class Ends : public ::testing::Test {
     const std::string address = free_address();
     auto desk =
         std::make_unique<Process>(launcher + serve(data_.mesh(), session_, {"--endpoint", address, "--json", report_}));
-    expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data_.folder.string(), "--endpoint", address})),
-                   0, {std::to_string(data_.views) + " keyframes sent"});
+    expect_outcome(run_to_end(patient_run({"--source", "dataset:" + data_.folder.string(), "--endpoint", address})), 0,
+                   {std::to_string(data_.views) + " keyframes sent"});
     return desk;
   }
   void expect_finished(Process& desk) {
@@ -77,7 +77,7 @@ TEST_F(Ends, WhoReadsTheMessagesMayBeGone) {
   for (const std::string& word : serve(data_.mesh(), session_, {"--endpoint", address, "--once", "--json", report_}))
     command += "'" + word + "' ";
   Process desk({"bash", "-c", "set -o pipefail; " + command + "2>&1 | head -c 1"});
-  expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data_.folder.string(), "--endpoint", address})), 0,
+  expect_outcome(run_to_end(patient_run({"--source", "dataset:" + data_.folder.string(), "--endpoint", address})), 0,
                  {});
   expect_outcome(wait_to_end(desk), 0, {});
   EXPECT_TRUE(std::filesystem::exists(model_ / "model.json"));

@@ -50,8 +50,8 @@ TEST(Tradeoff, MeasuresPlotsAndChooses) {
   Process desk(serve(data.mesh(), temp.path() / "session",
                      link.reconstructor_options() + Words{"--once", "--config", out / "scene.toml", "--target", target,
                                                           "--json", temp.path() / "desk.json"}));
-  expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data.folder.string()}) + link.tracker_options()),
-                 0, {});
+  expect_outcome(run_to_end(patient_run({"--source", "dataset:" + data.folder.string()}) + link.tracker_options()), 0,
+                 {});
   expect_outcome(wait_to_end(desk), 0, {"14 images added to the model"});
   const auto served = nlohmann::json::parse(read_file(temp.path() / "desk.json"));
   EXPECT_EQ(served["settings"]["effort_level"], 5);

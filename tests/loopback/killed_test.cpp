@@ -36,7 +36,7 @@ constexpr unsigned kSeed = 20;
 class Capturing {
  public:
   Capturing(const BallDataset& data, const SecureLink& link, const std::filesystem::path& session)
-      : tracker_command_(tracker({"run", "--source", "dataset:" + data.folder.string()}) + link.tracker_options()),
+      : tracker_command_(patient_run({"--source", "dataset:" + data.folder.string()}) + link.tracker_options()),
         serve_command_(
             serve(data.mesh(), session, link.reconstructor_options() + Words{"--once", "--config", data.scene()})) {
     rig_ = std::make_unique<Process>(tracker_command_);

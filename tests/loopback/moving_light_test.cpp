@@ -51,7 +51,7 @@ class MovingLight : public ::testing::Test {
     return serve(session_, Words{"--model", "irradiance-field", "--endpoint", address_} + more);
   }
   Words track(const fs::path& data) const {
-    return tracker({"run", "--source", "dataset:" + data.string(), "--endpoint", address_});
+    return patient_run({"--source", "dataset:" + data.string(), "--endpoint", address_});
   }
   void expect_lights_of_the_list(const fs::path& session) const {
     const LightList list = load_light_list(ball_.list());
@@ -96,8 +96,8 @@ TEST_F(MovingLight, AStreamedListGivesTheFieldOfItsFiles) {
   const fs::path report = temp_.path() / "desk.json";
   Process desk(serve(session_, Words{"--model", "irradiance-field", "--headless", "--once", "--json", report} +
                                    link.reconstructor_options()));
-  expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + ball_.list().string()}) + link.tracker_options()),
-                 0, {"24 keyframes sent"});
+  expect_outcome(run_to_end(patient_run({"--source", "dataset:" + ball_.list().string()}) + link.tracker_options()), 0,
+                 {"24 keyframes sent"});
   expect_outcome(wait_to_end(desk), 0, {"24 images added to the model", "the model is saved"});
   expect_lights_of_the_list(session_);
   expect_same_lit_model(built(ball_.list()), session_ / "model");

@@ -23,7 +23,7 @@ TEST(SameModel, StreamedAsBuiltFromTheFiles) {
   const SecureLink link(temp.path());
   Process desk(
       serve(data.mesh(), session, link.reconstructor_options() + Words{"--once", "--json", temp.path() / "desk.json"}));
-  Process rig(tracker({"run", "--source", "dataset:" + data.folder.string(), "--json", temp.path() / "rig.json"}) +
+  Process rig(patient_run({"--source", "dataset:" + data.folder.string(), "--json", temp.path() / "rig.json"}) +
               link.tracker_options());
   expect_outcome(wait_to_end(rig), 0, {"16 keyframes sent"});
   expect_outcome(wait_to_end(desk), 0, {"14 images added to the model", "2 held out"});

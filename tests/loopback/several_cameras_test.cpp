@@ -184,8 +184,8 @@ TEST_F(SeveralCameras, EveryFrameOfEachIsAccountedForInOneSession) {
   Process desk(serve(recordings_[0].mesh_file(), session_,
                      link.reconstructor_options() + Words{"--once", "--json", temp_.path() / "desk.json"}));
   expect_outcome(
-      run_to_end(tracker({"run", "--config", rig_of("rig.toml", {0, 1, 2}), "--frames", std::to_string(kFrames),
-                          "--json", temp_.path() / "tracker.json"}) +
+      run_to_end(patient_run({"--config", rig_of("rig.toml", {0, 1, 2}), "--frames", std::to_string(kFrames), "--json",
+                              temp_.path() / "tracker.json"}) +
                  link.tracker_options()),
       0, {"left aravis:127.0.0.1, middle aravis:127.0.0.2", "60 frames", "left: 20 frames", "right: 20 frames"});
   expect_outcome(wait_to_end(desk), 0, {"images added to the model"});
@@ -283,7 +283,7 @@ TEST_F(SeveralCameras, OneThatIsUnpluggedStopsNoOther) {
 
 TEST_F(SeveralCameras, OneThatIsNotThereIsNamed) {
   const auto camera = start_camera(0);
-  expect_outcome(run_to_end(tracker({"run", "--config", rig_of("rig.toml", {0, 2}), "--endpoint", free_address()})), 1,
+  expect_outcome(run_to_end(patient_run({"--config", rig_of("rig.toml", {0, 2}), "--endpoint", free_address()})), 1,
                  {"camera right: camera 127.0.0.3 does not answer"});
   expect_outcome(run_to_end(tracker({"doctor", "--config", rig_of("rig.toml", {0, 2})})), 1,
                  {"camera settings of left", "camera settings of right", "127.0.0.3 does not answer"});
@@ -301,11 +301,11 @@ TEST_F(SeveralCameras, TwoTrackersFeedOneSession) {
       recordings_[0].mesh_file(), session_,
       a.reconstructor_options() + Words{"--endpoint", b.endpoint, "--tracker-key", temp_.path() / "b" / "tracker.pub",
                                         "--once", "--json", temp_.path() / "desk.json"}));
-  Process first(tracker({"run", "--config", rig_of("two.toml", {0, 1}), "--frames", std::to_string(kFrames), "--json",
-                         temp_.path() / "a.json"}) +
+  Process first(patient_run({"--config", rig_of("two.toml", {0, 1}), "--frames", std::to_string(kFrames), "--json",
+                             temp_.path() / "a.json"}) +
                 a.tracker_options());
-  Process second(tracker({"run", "--config", rig_of_one("one.toml", 2), "--frames", std::to_string(kFrames), "--json",
-                          temp_.path() / "b.json"}) +
+  Process second(patient_run({"--config", rig_of_one("one.toml", 2), "--frames", std::to_string(kFrames), "--json",
+                              temp_.path() / "b.json"}) +
                  b.tracker_options());
   expect_outcome(wait_to_end(first), 0, {"40 frames"});
   expect_outcome(wait_to_end(second), 0, {"20 frames"});

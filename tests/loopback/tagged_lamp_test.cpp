@@ -68,8 +68,8 @@ class TaggedLamp : public ::testing::Test {
     Process desk(reconstructor({"serve", "--session", session_, "--mesh", temp_.path() / "mesh.ply", "--model",
                                 "intrinsic-lumigraph", "--headless", "--no-monitor", "--endpoint", address}));
     const Outcome outcome =
-        run_to_end(tracker({"run", "--config", config, "--source", "video:" + (temp_.path() / "hand.avi").string(),
-                            "--endpoint", address, "--json", temp_.path() / "run.json"}));
+        run_to_end(patient_run({"--config", config, "--source", "video:" + (temp_.path() / "hand.avi").string(),
+                                "--endpoint", address, "--json", temp_.path() / "run.json"}));
     desk.kill();  // only what was recorded is looked at
     return outcome;
   }

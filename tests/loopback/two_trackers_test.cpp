@@ -20,7 +20,7 @@ class TwoTrackers : public ::testing::Test {
     many_.write();
   }
   static Words track(const BallDataset& data, const std::string& endpoint) {
-    return tracker({"run", "--source", "dataset:" + data.folder.string(), "--endpoint", endpoint});
+    return patient_run({"--source", "dataset:" + data.folder.string(), "--endpoint", endpoint});
   }
   Words desk(const Words& more) const {
     return serve(few_.mesh(), session_, Words{"--endpoint", a_, "--endpoint", b_} + more);

@@ -26,8 +26,8 @@ class Undo : public ::testing::Test {
   void record() {
     const std::string address = free_address();
     desk_ = std::make_unique<Process>(serve_command(address));
-    expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data_.folder.string(), "--endpoint", address})),
-                   0, {"16 keyframes sent"});
+    expect_outcome(run_to_end(patient_run({"--source", "dataset:" + data_.folder.string(), "--endpoint", address})), 0,
+                   {"16 keyframes sent"});
   }
   Words serve_command(const std::string& address) const {
     return serve(data_.mesh(), session_, {"--endpoint", address, "--config", data_.scene(), "--json", live_});
@@ -106,7 +106,7 @@ TEST_F(Undo, WhileASessionIsRecordedAndThroughAKill) {
   const std::string address = free_address();
   desk_ = std::make_unique<Process>(serve_command(address) + Words{"--once"});
   undo({"--capture", "12"}, {"capture 12 is withdrawn"});  // of a session that is being resumed
-  expect_outcome(run_to_end(tracker({"run", "--source", "dataset:" + data_.folder.string(), "--endpoint", address})), 0,
+  expect_outcome(run_to_end(patient_run({"--source", "dataset:" + data_.folder.string(), "--endpoint", address})), 0,
                  {"16 keyframes sent"});
   expect_outcome(wait_to_end(*desk_), 0, {"12 images added to the model", "1 held out, 3 withdrawn"});
   const Json report = Json::parse(read_file(live_));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -334,6 +336,8 @@ void SurfaceLightField::finish() {
   p.finished->snapshot = std::make_shared<SurfaceLightFieldSnapshot>(
       p.mesh, p.shape, p.patches->shapes(), p.patches->finish(), p.version++, p.exposure_field(), p.folded.cameras());
   p.patches.reset();
+  // What images took lies scattered between what is kept: without this a third of it is never used again.
+  malloc_trim(0);
 }
 
 std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {

@@ -187,6 +187,8 @@ class Compression {
         const double loss = loss_of(*opened);
         first_step = search.step();
         more = search.next(loss);
+        // Finer steps make it larger still.
+        if (best.snapshot && best.loss_db <= loss_db && loss > loss_db && candidate->size() >= best_bytes) break;
         if (best.snapshot && !better(loss, candidate->size(), best.loss_db, best_bytes, loss_db)) continue;
         best_bytes = candidate->size();
         best = {std::move(opened), loss};

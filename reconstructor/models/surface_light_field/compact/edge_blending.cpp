@@ -54,7 +54,7 @@ void blend(Eigen::Ref<Eigen::VectorXf> map_a, const std::vector<Eigen::Index>& a
 
 }  // namespace
 
-void blend_edges(CompactModel& model) {
+EdgeBlending::EdgeBlending(const CompactModel& model) : inside_(model.shapes.patches.size()) {
   const std::vector<TriangleEdge> edges = triangle_edges(*model.mesh);
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     const TriangleEdge &a = edges[i], &b = edges[i + 1];
@@ -62,14 +62,21 @@ void blend_edges(CompactModel& model) {
     const bool odd = (i > 0 && edges[i - 1].same_place(a)) || (i + 2 < edges.size() && edges[i + 2].same_place(b));
     if (odd) continue;  // more than two triangles: it is not known which belong together
     const std::uint32_t patch_a = model.shapes.patch_of[a.triangle], patch_b = model.shapes.patch_of[b.triangle];
-    Patch &of_a = model.patches[patch_a], &of_b = model.patches[patch_b];
-    if (of_a.mean.size() == 0 || of_b.mean.size() == 0) continue;
-    const std::vector<Eigen::Index> samples_a = samples_along(model, a), samples_b = samples_along(model, b);
-    blend(of_a.mean, samples_a, of_b.mean, samples_b);
-    if (patch_a != patch_b) continue;
-    Eigen::MatrixXf& basis = of_a.basis.exact();
-    for (Eigen::Index k = 0; k < basis.cols(); ++k) blend(basis.col(k), samples_a, basis.col(k), samples_b);
+    if (patch_a == patch_b) inside_[patch_a].push_back(pairs_.size());
+    pairs_.push_back({patch_a, patch_b, samples_along(model, a), samples_along(model, b)});
   }
+}
+
+void EdgeBlending::blend_means(CompactModel& model) const {
+  for (const Pair& pair : pairs_) {
+    Patch &of_a = model.patches[pair.patch_a], &of_b = model.patches[pair.patch_b];
+    if (of_a.mean.size() > 0 && of_b.mean.size() > 0) blend(of_a.mean, pair.a, of_b.mean, pair.b);
+  }
+}
+
+void EdgeBlending::blend_terms(std::size_t patch, Eigen::Ref<Eigen::MatrixXf> basis) const {
+  for (const std::size_t pair : inside_[patch])
+    for (Eigen::Index k = 0; k < basis.cols(); ++k) blend(basis.col(k), pairs_[pair].a, basis.col(k), pairs_[pair].b);
 }
 
 }  // namespace sheen

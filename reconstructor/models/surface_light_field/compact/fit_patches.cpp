@@ -115,23 +115,13 @@ class PatchFit {
     describe_grown();
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) describe_vertex(v);
     find_sources(model_);
-    const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
-    smoothers_.resize(mesh.vertices.size());
-    tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t v) {
-      if (model_.vertices[v].seen) smoothers_[v] = smoother(kriging_system(model_, model_.vertices[v], normals[v]));
-    });
+    normals_ = vertex_normals(mesh);
     model_.patches.resize(model_.shapes.patches.size());
     tbb::parallel_for(std::size_t{0}, model_.patches.size(), [&](std::size_t i) { fit_patch(i); });
     return std::move(model_);
   }
 
  private:
-  /// What the views of a patch of the snapshot are of.
-  struct Grown {
-    std::vector<std::uint16_t> images;
-    Eigen::MatrixXf coefficients;  ///< per view
-  };
-
   Eigen::Matrix3Xf camera_directions(const Eigen::Vector3f& place) const {
     Eigen::Matrix3Xf directions(3, static_cast<Eigen::Index>(model_.cameras.size()));
     for (std::size_t i = 0; i < model_.cameras.size(); ++i)
@@ -147,7 +137,7 @@ class PatchFit {
       if (!patch || !patch->seen() || model_.cameras.empty()) return;
       const VertexInterpolant& first = patch->vertices.front();
       const Eigen::Vector3f& place = snapshot_.mesh().vertices[snapshot_.shapes().patches[p].vertices.front()];
-      grown_[p] = {images_of(first.views->directions, camera_directions(place)), view_coefficients(first)};
+      grown_[p] = images_of(first.views->directions, camera_directions(place));
     });
   }
 
@@ -164,7 +154,7 @@ class PatchFit {
     vertex.views_folded = most->views_folded;
     std::map<std::uint16_t, CompactView> views;
     for (const PatchVertex& round : snapshot_.shapes().round(old_vertex)) {
-      const std::vector<std::uint16_t>& images = grown_[round.patch].images;
+      const std::vector<std::uint16_t>& images = grown_[round.patch];
       if (images.empty()) continue;
       const VertexViews& at = *snapshot_.patches()[round.patch]->vertices[round.vertex].views;
       if (at.reflection) {
@@ -212,7 +202,8 @@ class PatchFit {
       const std::uint32_t source = model_.source[vertex];
       if (source == kNoVertex) continue;
       const std::vector<Eigen::Index> at = places(model_.vertices[source], images);
-      const Eigen::MatrixXd square = (smoothers_[source] * smoothers_[source].transpose()).template cast<double>();
+      const Eigen::MatrixXf shown = smoother(kriging_system(model_, model_.vertices[source], normals_[source]));
+      const Eigen::MatrixXd square = (shown * shown.transpose()).template cast<double>();
       for (std::size_t i = 0; i < at.size(); ++i)
         for (std::size_t j = 0; j < at.size(); ++j)
           displayed(at[i], at[j]) += square(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
@@ -233,15 +224,16 @@ class PatchFit {
     const std::vector<int> old_sample = rotated_samples(n, canonical_.first_corner[triangle]);
     for (std::size_t s = 0; s < old_sample.size(); ++s) state[s] = patch.state(first + old_sample[s]);
 
-    const std::vector<std::uint16_t>& known = grown_[p].images;
+    const std::vector<std::uint16_t>& known = grown_[p];
+    const Eigen::MatrixXf of_known = known.empty() ? Eigen::MatrixXf() : view_coefficients(patch.vertices.front());
     Eigen::MatrixXf coefficients(patch.rank(), columns.cols());
     for (Eigen::Index i = 0; i < coefficients.cols(); ++i) {
       const std::uint16_t image = images[static_cast<std::size_t>(i)];
       const auto view = std::find(known.begin(), known.end(), image);
-      coefficients.col(i) = view != known.end() ? Eigen::VectorXf(grown_[p].coefficients.col(view - known.begin()))
-                                                : expected(old, patch, image);
+      coefficients.col(i) =
+          view != known.end() ? Eigen::VectorXf(of_known.col(view - known.begin())) : expected(old, patch, image);
     }
-    const Eigen::MatrixXf values = patch.basis.unpacked().middleRows(3 * first, 3 * samples) * coefficients;
+    const Eigen::MatrixXf values = patch.basis.unpacked(3 * first, 3 * samples, patch.rank()) * coefficients;
     for (int s = 0; s < samples; ++s)
       columns.middleRows<3>(3 * s) = values.middleRows<3>(3 * old_sample[static_cast<std::size_t>(s)]);
   }
@@ -288,8 +280,8 @@ class PatchFit {
   double least_square_;
   std::size_t patch_triangles_;
   CompactModel model_;
-  std::vector<Grown> grown_;  ///< per patch of the snapshot
-  std::vector<Eigen::MatrixXf> smoothers_;
+  std::vector<std::vector<std::uint16_t>> grown_;  ///< per patch of the snapshot: the images that its views are of
+  std::vector<Eigen::Vector3f> normals_;           ///< per vertex
 };
 
 }  // namespace

@@ -96,12 +96,14 @@ QuantisedMap quantise_map(const Eigen::Ref<const Eigen::VectorXf>& values, const
   }
   frequencies.join(true);
   QuantisedMap map;
+  map.bands.reserve(3 * frequencies.tiles.size());
   for (const Eigen::MatrixX3f& tile : frequencies.tiles)
     for (int c = 0; c < 3; ++c) {
-      QuantisedMap::Band band;
-      for (Eigen::Index f = 0; f < tile.rows(); ++f) band.values.push_back(quantised(tile(f, c), threshold));
-      while (!band.values.empty() && band.values.back() == 0) band.values.pop_back();
-      map.bands.push_back(std::move(band));
+      Eigen::Index used = tile.rows();
+      while (used > 0 && quantised(tile(used - 1, c), threshold) == 0) --used;
+      std::vector<std::int32_t>& band = map.bands.emplace_back().values;
+      band.reserve(static_cast<std::size_t>(used));
+      for (Eigen::Index f = 0; f < used; ++f) band.push_back(quantised(tile(f, c), threshold));
     }
   return map;
 }

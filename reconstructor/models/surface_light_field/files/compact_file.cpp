@@ -109,16 +109,20 @@ std::string layer_name(int layer) {
   return format("L%03d", layer);
 }
 
-/// The model's maps and coefficients; its states are there.
+/// The model's maps and coefficients; its states are there. All of its terms at once in floating point would be the
+/// largest part of opening it.
 void dequantise_all(CompactModel& model, const std::vector<QuantisedPatch>& patches, const Layout& layout, float step) {
+  const EdgeBlending blending(model);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       Patch patch = dequantise(patches[i], layout.resolutions[i], layout.plans[i], step);
       patch.state = std::move(model.patches[i].state);
+      blending.blend_terms(i, patch.basis.exact());
+      patch.basis = PackedColumns<float>::fixed_point(patch.basis.exact());
       model.patches[i] = std::move(patch);
     }
   });
-  blend_edges(model);
+  blending.blend_means(model);
 }
 
 }  // namespace
