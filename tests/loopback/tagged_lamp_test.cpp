@@ -65,8 +65,8 @@ class TaggedLamp : public ::testing::Test {
   /// What `run` says, and the session that `serve` makes of it.
   Outcome track(const fs::path& config) const {
     const std::string address = free_address();
-    Process desk(reconstructor({"serve", "--session", session_, "--mesh", temp_.path() / "mesh.ply", "--model",
-                                "intrinsic-lumigraph", "--headless", "--no-monitor", "--endpoint", address}));
+    Process desk(reconstructor({"serve", "--session", session_, "--mesh", temp_.path() / "mesh.ply", "--headless",
+                                "--no-monitor", "--endpoint", address}));
     const Outcome outcome =
         run_to_end(patient_run({"--config", config, "--source", "video:" + (temp_.path() / "hand.avi").string(),
                                 "--endpoint", address, "--json", temp_.path() / "run.json"}));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/intrinsic_lumigraph/decomposition.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -29,6 +31,10 @@ bool in_shadow(const CapturedView& view, std::size_t i, std::size_t pixel) {
 
 Vector3f rgb_at(const ImageF& image, std::size_t pixel) {
   return Eigen::Map<const Vector3f>(image.data() + 3 * pixel);
+}
+
+Eigen::Map<const Eigen::ArrayXf> values_of(const ImageF& image) {
+  return {image.data(), static_cast<Eigen::Index>(image.size())};
 }
 
 /// The factor by which a colour is that of the reflectance, by least squares over its channels.
@@ -92,20 +98,21 @@ ImageF known_reflectance(const CapturedView& view, const LightSet& lights, doubl
   ImageF reflectance(view.depth.width(), view.depth.height(), 3);
   for_each_surface(view, [&](std::size_t pixel, const Vector3f& point) {
     const Vector3f normal = rgb_at(view.normals, pixel);
-    std::array<std::vector<float>, 3> logs;
+    thread_local std::array<std::vector<float>, 3> ratios;  // the median of logarithms is that of what they are of
+    for (std::vector<float>& of_channel : ratios) of_channel.clear();
     for (const bool in_light : {true, false}) {
       for (std::size_t i = 0; i < view.lights.size(); ++i) {
-        const float cosine = normal.dot(lamps[i].incidence(point));
-        if (in_light ? !arrives(view, i, pixel) || cosine < kLeastCosine : !in_shadow(view, i, pixel)) continue;
-        const float light = static_cast<float>(ambient) + (in_light ? cosine : 0);
-        for (int c = 0; c < 3; ++c)
-          logs[c].push_back(std::log(view.radiance[i].data()[3 * pixel + c] + kDark) - std::log(light + kDark));
+        if (in_light ? !arrives(view, i, pixel) : !in_shadow(view, i, pixel)) continue;
+        const float cosine = in_light ? normal.dot(lamps[i].incidence(point)) : 0;
+        if (in_light && cosine < kLeastCosine) continue;
+        const float light = static_cast<float>(ambient) + cosine + kDark;
+        for (int c = 0; c < 3; ++c) ratios[c].push_back((view.radiance[i].data()[3 * pixel + c] + kDark) / light);
       }
-      if (!logs[0].empty()) break;
+      if (!ratios[0].empty()) break;
     }
     for (int c = 0; c < 3; ++c)
       reflectance.data()[3 * pixel + c] =
-          logs[c].empty() ? kLeastReflectance : std::max(kLeastReflectance, std::exp(median(logs[c])));
+          ratios[c].empty() ? kLeastReflectance : std::max(kLeastReflectance, median(ratios[c]));
   });
   return reflectance;
 }
@@ -154,17 +161,17 @@ IntrinsicView decompose(const CapturedView& view, const LightSet& lights, const 
   });
 
   float largest = 0;
-  for (const ImageF& image : unexplained)
-    for (std::size_t k = 0; k < image.size(); ++k) largest = std::max(largest, std::abs(image.data()[k]));
+  for (const ImageF& image : unexplained) largest = std::max(largest, values_of(image).abs().maxCoeff());
   out.residual_unit = largest / (127.0f * 127.0f);
-  for (const ImageF& image : unexplained) {
-    ImageS8& coded = out.residual.emplace_back(w, h, 3);
-    for (std::size_t k = 0; largest > 0 && k < image.size(); ++k) {
-      const float value = image.data()[k];
-      coded.data()[k] =
-          static_cast<std::int8_t>(std::copysign(std::lround(std::sqrt(std::abs(value) / out.residual_unit)), value));
-    }
-  }
+  out.residual.resize(unexplained.size());
+  tbb::parallel_for(std::size_t{0}, unexplained.size(), [&](std::size_t i) {
+    out.residual[i] = ImageS8(w, h, 3);
+    if (!(largest > 0)) return;
+    const auto values = values_of(unexplained[i]);
+    const Eigen::ArrayXf roots = (values.abs() / out.residual_unit).sqrt().round();
+    Eigen::Map<Eigen::Array<std::int8_t, Eigen::Dynamic, 1>>(out.residual[i].data(), roots.size()) =
+        (values < 0).select(-roots, roots).cast<std::int8_t>();
+  });
   return out;
 }
 
