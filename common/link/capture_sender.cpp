@@ -46,16 +46,11 @@ zmq::message_t shared_part(const Message& owner, const std::vector<std::uint8_t>
   return part;
 }
 
-/// As much of a text as a message may carry, without what it may not.
-std::string sayable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text.substr(0, kMaxTextBytes);
-}
-
-std::string public_key_of(const zmq::message_t& message) {
-  const char* const key = zmq_msg_gets(const_cast<zmq_msg_t*>(message.handle()), "User-Id");
-  return key ? key : "";
+/// Of a capture.
+std::vector<zmq::message_t> shared_parts(const Message& m) {
+  std::vector<zmq::message_t> parts;
+  for (const auto* bytes : {&m->envelope, &m->header, &m->blob}) parts.push_back(shared_part(m, *bytes));
+  return parts;
 }
 
 }  // namespace
@@ -256,10 +251,7 @@ bool CaptureSender::Impl::send_what_may_go() {
 }
 
 bool CaptureSender::Impl::send_kept(RetainedCaptures::Kept& kept) {
-  const Message& m = kept.message;
-  std::vector<zmq::message_t> parts;
-  for (const auto* bytes : {&m->envelope, &m->header, &m->blob}) parts.push_back(shared_part(m, *bytes));
-  if (send(peer->routing_id, std::move(parts)) != Sent::kYes) return false;
+  if (send(peer->routing_id, shared_parts(kept.message)) != Sent::kYes) return false;
   ++(kept.sent_before ? stats.resent : stats.delivered);
   retained.note_sent(kept);
   ++peer->next;
@@ -268,10 +260,7 @@ bool CaptureSender::Impl::send_kept(RetainedCaptures::Kept& kept) {
 }
 
 bool CaptureSender::Impl::send_live() {
-  const Message m = newest_live;
-  std::vector<zmq::message_t> parts;
-  for (const auto* bytes : {&m->envelope, &m->header, &m->blob}) parts.push_back(shared_part(m, *bytes));
-  if (send(peer->routing_id, std::move(parts)) != Sent::kYes) return false;
+  if (send(peer->routing_id, shared_parts(newest_live)) != Sent::kYes) return false;
   newest_live.reset();
   ++stats.live_sent;
   --peer->credits;

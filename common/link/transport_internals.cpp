@@ -262,6 +262,11 @@ void connect_endpoint(zmq::socket_t& socket, const std::string& endpoint) {
   }
 }
 
+std::string public_key_of(const zmq::message_t& message) {
+  const char* const key = zmq_msg_gets(const_cast<zmq_msg_t*>(message.handle()), "User-Id");
+  return key ? key : "";
+}
+
 bool receive_parts(zmq::socket_t& socket, std::size_t max_parts, std::vector<zmq::message_t>& parts) {
   parts.clear();
   zmq::message_t part;

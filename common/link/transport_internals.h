@@ -122,6 +122,9 @@ void set_curve_client(zmq::socket_t& socket, const CurveKeys& keys, const std::s
 std::string bind_endpoint(zmq::socket_t& socket, const std::string& endpoint);
 void connect_endpoint(zmq::socket_t& socket, const std::string& endpoint);  ///< throws ConfigError
 
+/// Of who sent it; empty without CURVE.
+std::string public_key_of(const zmq::message_t& message);
+
 /// Takes one whole message; false when none waits. Of a message of more than `max_parts` one more part is kept to tell.
 bool receive_parts(zmq::socket_t& socket, std::size_t max_parts, std::vector<zmq::message_t>& parts);
 

@@ -68,6 +68,12 @@ RigMotion checked_motion(const v1::RigMotion& in) {
 
 }  // namespace
 
+std::string sayable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text.substr(0, kMaxTextBytes);
+}
+
 std::array<std::uint8_t, kEnvelopeBytes> encode_envelope(MessageType type) {
   const auto t = static_cast<std::uint16_t>(type);
   return {kMagic[0],

@@ -63,6 +63,8 @@ struct Ack {
   bool end_seen = false;
 };
 inline constexpr std::size_t kMaxTextBytes = 1024;  ///< of a reason, a failure or a status line
+/// As much of a text as a message may carry, without what it may not.
+std::string sayable(std::string text);
 struct Refuse {
   std::string reason;
 };
