@@ -336,7 +336,7 @@ void SurfaceLightField::finish() {
   p.finished->snapshot = std::make_shared<SurfaceLightFieldSnapshot>(
       p.mesh, p.shape, p.patches->shapes(), p.patches->finish(), p.version++, p.exposure_field(), p.folded.cameras());
   p.patches.reset();
-  // What images took lies scattered between what is kept: without this a third of it is never used again.
+  // What images took lies scattered between what is kept, where little of what follows has room.
   malloc_trim(0);
 }
 
