@@ -15,9 +15,11 @@
 #include <set>
 
 #include "common/base/files.h"
+#include "common/geometry/mesh.h"
 #include "common/link/monitor_socket.h"
 #include "common/session/session.h"
 #include "common/simulation/simulated_rig.h"
+#include "common/simulation/test_object.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/temp_folder.h"
 
@@ -28,7 +30,7 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 
 constexpr std::size_t kCameras = 3;
-constexpr int kFrames = 20;
+constexpr int kFrames = kPatienceFactor == 1 ? 20 : 8;  // of each camera; a sanitized program takes seconds for each
 constexpr std::array<const char*, kCameras> kNames{"left", "middle", "right"};
 constexpr std::array<const char*, kCameras> kAddresses{"127.0.0.1", "127.0.0.2", "127.0.0.3"};
 constexpr std::array<int, kCameras> kWidths{480, 440, 400};
@@ -80,6 +82,10 @@ std::string numbers_of(const Camera& camera, const std::string& prefix) {
   return text;
 }
 
+std::string frames(int count) {
+  return std::to_string(count) + " frames";
+}
+
 std::uint64_t sum_of(const json& counts) {
   std::uint64_t sum = 0;
   for (const json& count : counts) sum += count.get<std::uint64_t>();
@@ -93,6 +99,10 @@ class SeveralCameras : public ::testing::Test {
     folder_ = std::make_unique<TempFolder>();
     for (std::size_t i = 0; i < kCameras; ++i)
       recordings_.push_back(cached_recording(way_of(i), folder_->path() / kNames[i]).recording);
+    mesh_ = folder_->path() / "coarse.ply";
+    const Mesh fine = load_mesh(recordings_[0].mesh_file()).mesh;
+    const Eigen::Vector3d centre = bounding_sphere(fine).centre;
+    save_ply(make_sphere({}, (fine.vertices[0].cast<double>() - centre).norm(), centre, 2).mesh, mesh_);
   }
   static void TearDownTestSuite() {
     recordings_.clear();
@@ -174,6 +184,7 @@ class SeveralCameras : public ::testing::Test {
   static inline bool allowed_ = false;
   static inline std::unique_ptr<TempFolder> folder_;
   static inline std::vector<RigRecording> recordings_;
+  static inline std::filesystem::path mesh_;  ///< the object of fewer triangles: what it looks like is not tested here
   const TempFolder temp_;
   const std::filesystem::path session_ = temp_.path() / "session";
 };
@@ -181,13 +192,14 @@ class SeveralCameras : public ::testing::Test {
 TEST_F(SeveralCameras, EveryFrameOfEachIsAccountedForInOneSession) {
   auto cameras = start_cameras();
   const SecureLink link(temp_.path());
-  Process desk(serve(recordings_[0].mesh_file(), session_,
-                     link.reconstructor_options() + Words{"--once", "--json", temp_.path() / "desk.json"}));
-  expect_outcome(
-      run_to_end(patient_run({"--config", rig_of("rig.toml", {0, 1, 2}), "--frames", std::to_string(kFrames), "--json",
-                              temp_.path() / "tracker.json"}) +
-                 link.tracker_options()),
-      0, {"left aravis:127.0.0.1, middle aravis:127.0.0.2", "60 frames", "left: 20 frames", "right: 20 frames"});
+  Process desk(
+      serve(mesh_, session_, link.reconstructor_options() + Words{"--once", "--json", temp_.path() / "desk.json"}));
+  expect_outcome(run_to_end(patient_run({"--config", rig_of("rig.toml", {0, 1, 2}), "--frames", std::to_string(kFrames),
+                                         "--json", temp_.path() / "tracker.json"}) +
+                            link.tracker_options()),
+                 0,
+                 {"left aravis:127.0.0.1, middle aravis:127.0.0.2", frames(3 * kFrames), "left: " + frames(kFrames),
+                  "right: " + frames(kFrames)});
   expect_outcome(wait_to_end(desk), 0, {"images added to the model"});
   stop(cameras);
 
@@ -197,7 +209,7 @@ TEST_F(SeveralCameras, EveryFrameOfEachIsAccountedForInOneSession) {
   EXPECT_EQ(report["source"]["incomplete"], 0);
   const auto kept = report["frames"]["sent"].get<std::uint64_t>();
   EXPECT_EQ(report["link"]["acknowledged"], kept);
-  EXPECT_GE(kept, 36u) << "most frames are sharp and show the tags";
+  EXPECT_GE(kept, 3u * kFrames * 6 / 10) << "most frames are sharp and show the tags";
   std::map<std::string, std::uint64_t> kept_by;
   for (const char* name : kNames) {
     const json& own = report["cameras"][name];
@@ -298,7 +310,7 @@ TEST_F(SeveralCameras, TwoTrackersFeedOneSession) {
   const CurveKeys desk_keys = load_keys(temp_.path() / "a" / "desk.key");  // one reconstructor, one key
   std::ofstream(temp_.path() / "b" / "allowed", std::ios::trunc) << desk_keys.public_key << " reconstructor desk\n";
   Process desk(serve(
-      recordings_[0].mesh_file(), session_,
+      mesh_, session_,
       a.reconstructor_options() + Words{"--endpoint", b.endpoint, "--tracker-key", temp_.path() / "b" / "tracker.pub",
                                         "--once", "--json", temp_.path() / "desk.json"}));
   Process first(patient_run({"--config", rig_of("two.toml", {0, 1}), "--frames", std::to_string(kFrames), "--json",
@@ -307,8 +319,8 @@ TEST_F(SeveralCameras, TwoTrackersFeedOneSession) {
   Process second(patient_run({"--config", rig_of_one("one.toml", 2), "--frames", std::to_string(kFrames), "--json",
                               temp_.path() / "b.json"}) +
                  b.tracker_options());
-  expect_outcome(wait_to_end(first), 0, {"40 frames"});
-  expect_outcome(wait_to_end(second), 0, {"20 frames"});
+  expect_outcome(wait_to_end(first), 0, {frames(2 * kFrames)});
+  expect_outcome(wait_to_end(second), 0, {frames(kFrames)});
   expect_outcome(wait_to_end(desk), 0, {"images added to the model"});
   stop(cameras);
 
