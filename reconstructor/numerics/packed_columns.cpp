@@ -54,6 +54,26 @@ typename PackedColumns<Scalar>::ThreeRows PackedColumns<Scalar>::three_rows_time
 }
 
 template <typename Scalar>
+void PackedColumns<Scalar>::inner_products(const Eigen::Ref<const Vector>& y, Eigen::Ref<Vector> products) const {
+  if (steps_.empty()) {
+    products.noalias() = exact_.transpose() * y;
+    return;
+  }
+  constexpr Eigen::Index kAtOnce = 128;  // rows, decoded into what stays in the nearest cache
+  Eigen::Matrix<Scalar, kAtOnce, 1> some;
+  for (Eigen::Index k = 0; k < cols(); ++k) {
+    Scalar sum = 0;
+    for (Eigen::Index row = 0; row < rows_; row += kAtOnce) {
+      const Eigen::Index count = std::min(kAtOnce, rows_ - row);
+      decode_fixed(codes_of(k) + row, static_cast<std::size_t>(count), steps_[static_cast<std::size_t>(k)],
+                   some.data());
+      sum += some.head(count).dot(y.segment(row, count));
+    }
+    products[k] = sum;
+  }
+}
+
+template <typename Scalar>
 typename PackedColumns<Scalar>::Vector PackedColumns<Scalar>::column(Eigen::Index k) const {
   if (steps_.empty()) return exact_.col(k);
   Vector out(rows_);

@@ -32,6 +32,8 @@ class PackedColumns {
   Scalar at(Eigen::Index row, Eigen::Index column) const;
   /// Rows `first` to `first` + 2 times y.
   ThreeRows three_rows_times(Eigen::Index first, const Eigen::Ref<const Vector>& y) const;
+  /// Of each column with y, which has as many rows, into room for `cols`.
+  void inner_products(const Eigen::Ref<const Vector>& y, Eigen::Ref<Vector> products) const;
   Vector column(Eigen::Index column) const;
   Matrix unpacked() const { return unpacked(0, rows_, cols()); }
   /// So many of its rows, and the first of its columns.

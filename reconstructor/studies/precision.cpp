@@ -83,7 +83,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> terms_in_half(const SurfaceLigh
     Eigen::MatrixXf basis = rounded->basis.unpacked();
     in_half(basis);
     rounded->basis = basis;
-    for (VertexInterpolant& vertex : rounded->vertices) in_half(vertex.weights);
+    for (VertexInterpolant& vertex : rounded->vertices) in_half(vertex.weights.exact());
     patches.push_back(std::move(rounded));
   }
   return std::make_shared<SurfaceLightFieldSnapshot>(whole.shared_mesh(), whole.shared_maps(), whole.shared_shapes(),

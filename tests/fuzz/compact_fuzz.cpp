@@ -43,9 +43,9 @@ SurfaceLightFieldSnapshot small_model() {
     for (const std::uint32_t v : shapes->patches[p].vertices) {
       VertexInterpolant& at = patch->vertices.emplace_back();
       auto from = std::make_shared<VertexViews>();
-      at.weights = Eigen::MatrixXf::NullaryExpr(2, kViews, [](Eigen::Index i, Eigen::Index j) {
+      at.weights = Eigen::MatrixXf(Eigen::MatrixXf::NullaryExpr(kViews, 2, [](Eigen::Index j, Eigen::Index i) {
         return 0.3f * static_cast<float>(i + 1) * (j == 1 ? -2.0f : 1.0f);
-      });
+      }));
       at.mean = Eigen::VectorXf::Constant(2, 0.5f);
       from->frame = hemisphere_frame(mesh->vertices[v].normalized());
       from->directions.resize(3, kViews);

@@ -41,7 +41,7 @@ SurfaceLightFieldSnapshot small_model() {
     for (const std::uint32_t v : shape.vertices) {
       VertexInterpolant& at = patch->vertices.emplace_back();
       auto from = std::make_shared<VertexViews>();
-      at.weights = Eigen::MatrixXf::Constant(rank, views, 0.3f);
+      at.weights = Eigen::MatrixXf(Eigen::MatrixXf::Constant(views, rank, 0.3f));
       at.mean = Eigen::VectorXf::Constant(rank, 0.5f);
       from->frame = hemisphere_frame(mesh->vertices[v].normalized());
       from->directions.resize(3, views);

@@ -83,7 +83,7 @@ std::shared_ptr<const PatchSnapshot> guess(const SurfaceLightFieldSnapshot& snap
     const Source source = source_at(snapshot, nearest[v]);
     const Eigen::MatrixXf mean = mean_seen_rows(*source.patch);
     VertexInterpolant& at = guess->vertices.emplace_back(*source.at);
-    at.weights = mean * at.weights;
+    at.weights = at.weights.alike(at.weights.unpacked() * mean.transpose());
     at.mean = mean * at.mean;
     if (at.drift.size() > 0) at.drift = mean * at.drift;
   }

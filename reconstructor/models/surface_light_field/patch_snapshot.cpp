@@ -8,7 +8,7 @@ namespace sheen {
 
 void VertexInterpolant::set_interpolation(ViewInterpolant interpolant, std::size_t samples) {
   mean = std::move(interpolant.mean);
-  weights = std::move(interpolant.weights);
+  weights = PackedColumns<float>::fixed_point(interpolant.weights.transpose());
   drift = std::move(interpolant.drift);
   const double values = 3.0 * static_cast<double>(std::max<std::size_t>(samples, 1));
   constexpr double kMostSill = 1e6;  // of images without bounds: what files hold, and as bad as can be
@@ -17,7 +17,7 @@ void VertexInterpolant::set_interpolation(ViewInterpolant interpolant, std::size
 
 void VertexInterpolant::set_triangulation(const Eigen::MatrixXf& coefficients) {
   triangulation = std::make_shared<ViewTriangulation>(triangulate_views(views->frame, views->directions));
-  weights = coefficients;
+  weights = PackedColumns<float>::fixed_point(coefficients.transpose());
   mean.setZero();
   drift.resize(0);
 }
@@ -31,7 +31,8 @@ Eigen::VectorXf VertexInterpolant::coefficients(const Eigen::Vector3f& direction
 void CoefficientsAtVertex::of(const VertexInterpolant& vertex, Eigen::Ref<Eigen::VectorXf> h) {
   const VertexViews& views = *vertex.views;
   if (vertex.triangulation) {
-    h = vertex.weights * delaunay_weights(*vertex.triangulation, hemisphere_point(views.frame, direction_));
+    vertex.weights.inner_products(delaunay_weights(*vertex.triangulation, hemisphere_point(views.frame, direction_)),
+                                  h);
     return;
   }
   if (views_ != &views) {
@@ -39,14 +40,13 @@ void CoefficientsAtVertex::of(const VertexInterpolant& vertex, Eigen::Ref<Eigen:
     covariances_ = covariances(views.kernel, views.directions, direction_);
     reflected_ = views.reflection ? views.reflection->at(direction_, views.frame.row(2)) : 0;
   }
-  h = vertex.mean;
-  h.noalias() += vertex.weights * covariances_;
+  vertex.weights.inner_products(covariances_, h);
+  h += vertex.mean;
   if (vertex.drift.size() > 0) h += reflected_ * vertex.drift;
 }
 
 std::size_t VertexInterpolant::bytes() const {
-  const Eigen::Index values = weights.size() + mean.size() + drift.size();
-  return sizeof(*this) + static_cast<std::size_t>(values) * sizeof(float);
+  return sizeof(*this) + weights.bytes() + sizeof(float) * static_cast<std::size_t>(mean.size() + drift.size());
 }
 
 bool PatchSnapshot::seen() const {

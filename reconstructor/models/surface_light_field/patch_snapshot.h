@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/light_field_snapshot.h"
+#include "reconstructor/numerics/packed_columns.h"
 #include "reconstructor/numerics/view_kriging.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
@@ -14,12 +15,12 @@ namespace sheen {
 
 /// View functions h_r of a patch at one of its vertices, interpolated by kriging between the patch's views as they are
 /// seen from the vertex:
-/// h(d) = mean + drift * reflection(d mirrored about the normal) + sum_j weights.col(j) * k(angle(d,
+/// h(d) = mean + drift * reflection(d mirrored about the normal) + sum_j weights.row(j) * k(angle(d,
 /// directions.col(j))).
 struct VertexInterpolant : SeenVertex {
-  Eigen::MatrixXf weights;  ///< rank x views: kriging in its dual form
-  Eigen::VectorXf mean;     ///< rank
-  Eigen::VectorXf drift;    ///< rank: of the reflection that all share; empty where the vertex does without
+  PackedColumns<float> weights;  ///< views x rank: kriging in its dual form, in fixed point
+  Eigen::VectorXf mean;          ///< rank
+  Eigen::VectorXf drift;         ///< rank: of the reflection that all share; empty where the vertex does without
   /// Where views are interpolated as the paper does it, for comparison: `weights` are the views' own coefficients then,
   /// and mean and drift are none. Null for kriging.
   std::shared_ptr<const ViewTriangulation> triangulation;

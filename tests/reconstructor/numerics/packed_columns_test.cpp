@@ -11,7 +11,7 @@ namespace sheen {
 namespace {
 
 TEST(PackedColumns, FixedPointIsWrongByHalfAStepAtMost) {
-  for (const int rows : {1, 7, 64, 101}) {
+  for (const int rows : {1, 7, 64, 101, 300}) {
     const Eigen::MatrixXf columns = gaussian_matrix(rows, 3, 1) * Eigen::Vector3f(1, 1e-30f, 1e30f).asDiagonal();
     const auto packed = PackedColumns<float>::fixed_point(columns);
     const Eigen::MatrixXf out = packed.unpacked();
@@ -21,6 +21,12 @@ TEST(PackedColumns, FixedPointIsWrongByHalfAStepAtMost) {
       EXPECT_EQ(packed.column(k), out.col(k));
       for (int row = 0; row < rows; ++row) EXPECT_EQ(packed.at(row, k), out(row, k));
     }
+    const Eigen::VectorXf y = gaussian_matrix(rows, 1, 2).col(0);
+    Eigen::VectorXf products(3);
+    packed.inner_products(y, products);
+    const Eigen::VectorXd expected = out.cast<double>().transpose() * y.cast<double>();
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(products[k], expected[k], 1e-6 * out.col(k).cast<double>().norm() * y.norm()) << rows << " " << k;
     EXPECT_EQ(packed.leading((rows + 1) / 2, 2).unpacked(), out.topLeftCorner((rows + 1) / 2, 2));
     EXPECT_EQ(packed.alike(out).unpacked(), out) << "packing what was unpacked changes nothing";
   }
@@ -34,6 +40,9 @@ TEST(PackedColumns, AreTheMatrixItselfWhereTheyAreNotInFixedPoint) {
   EXPECT_EQ(exact.leading(9, 2).unpacked(), columns.topLeftCorner(9, 2));
   EXPECT_LT(fixed.bytes(), 0.6 * static_cast<double>(exact.bytes()));
   const Eigen::Vector4f y(1, -2, 0.5f, 3);
+  Eigen::VectorXf products(4);
+  exact.inner_products(columns.col(1), products);
+  EXPECT_LT((products - columns.transpose() * columns.col(1)).norm(), 1e-5f);
   for (const PackedColumns<float>* packed : {&exact, &fixed})
     EXPECT_LT((packed->three_rows_times(9, y) - packed->unpacked().middleRows<3>(9) * y).norm(), 1e-5f);
 }

@@ -128,7 +128,7 @@ void CompactLightField::interpolate_at(const CompactModel& model, std::size_t v,
   }
   ViewInterpolant interpolant = krige(system.directions, coefficients, system.reliability, system.kernel, system.drift);
   here.views = vertex_views(model, vertex, std::move(system), normal);
-  here.weights = std::move(interpolant.weights);
+  here.weights = PackedColumns<float>::fixed_point(interpolant.weights.transpose());
   here.mean = std::move(interpolant.mean);
   here.drift = std::move(interpolant.drift);
 }
@@ -150,9 +150,10 @@ Eigen::MatrixXf CompactLightField::coefficients_for(const Eigen::Vector3d& eye) 
       const Interpolant& interpolant = interpolants_[v];
       if (!interpolant.views) continue;
       const Eigen::Vector3f direction = (eye.cast<float>() - mesh().vertices[v]).normalized();
-      Eigen::VectorXf h = interpolant.mean;
-      h.noalias() +=
-          interpolant.weights * covariances(interpolant.views->kernel, interpolant.views->directions, direction);
+      Eigen::VectorXf h(interpolant.mean.size());
+      interpolant.weights.inner_products(
+          covariances(interpolant.views->kernel, interpolant.views->directions, direction), h);
+      h += interpolant.mean;
       if (interpolant.drift.size() > 0)
         h += interpolant.views->reflection->at(direction, interpolant.views->frame.row(2)) * interpolant.drift;
       Eigen::Index first = 0;
@@ -185,8 +186,8 @@ std::size_t CompactLightField::memory_bytes() const {
   for (const auto& patch : patches_)
     if (patch) bytes += patch->basis.bytes() + patch->shown.size();
   for (const Interpolant& interpolant : interpolants_)
-    bytes += static_cast<std::size_t>(interpolant.weights.size() + interpolant.mean.size() + interpolant.drift.size()) *
-             sizeof(float);
+    bytes += interpolant.weights.bytes() +
+             sizeof(float) * static_cast<std::size_t>(interpolant.mean.size() + interpolant.drift.size());
   return bytes;
 }
 

@@ -6,6 +6,7 @@
 
 #include "reconstructor/models/surface_light_field/compact/compact_model.h"
 #include "reconstructor/models/surface_light_field/light_field_snapshot.h"
+#include "reconstructor/numerics/packed_columns.h"
 
 namespace sheen {
 
@@ -39,7 +40,7 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
   /// * k.
   struct Interpolant {
     std::shared_ptr<const VertexViews> views;
-    Eigen::MatrixXf weights;
+    PackedColumns<float> weights;
     Eigen::VectorXf mean, drift;
     std::vector<std::uint32_t> patches, columns;  ///< round the vertex, and where their coefficients go
   };

@@ -61,10 +61,11 @@ std::uint8_t kernel_index(std::vector<ViewKernel>& kernels, const ViewKernel& ke
 /// kept from being displayed.
 Eigen::MatrixXf view_coefficients(const VertexInterpolant& at) {
   const VertexViews& views = *at.views;
-  Eigen::MatrixXf coefficients(at.weights.rows(), views.directions.cols());
+  const Eigen::MatrixXf weights = at.weights.unpacked();
+  Eigen::MatrixXf coefficients(weights.cols(), views.directions.cols());
   for (Eigen::Index j = 0; j < coefficients.cols(); ++j)
-    coefficients.col(j) =
-        at.coefficients(views.directions.col(j)) + at.weights.col(j) * (views.kernel.nugget / views.reliability[j]);
+    coefficients.col(j) = at.coefficients(views.directions.col(j)) +
+                          weights.row(j).transpose() * (views.kernel.nugget / views.reliability[j]);
   return kGreyLevels * coefficients;
 }
 

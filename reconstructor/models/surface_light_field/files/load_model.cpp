@@ -309,7 +309,8 @@ class MapsReader {
       views.directions = pixels.topRows<3>();
       views.reliability = pixels.row(3).transpose();
       if (!(views.reliability.array() > 0).all()) fail("views", name_of(entry) + ": a reliability is not above 0");
-      patches_.vertex(i).weights = pixels.middleRows(kViewChannels, entry.rank);
+      patches_.vertex(i).weights =
+          PackedColumns<float>::fixed_point(pixels.middleRows(kViewChannels, entry.rank).transpose());
       for (int k = 0; k < entry.views; ++k)
         if (std::abs(views.directions.col(k).norm() - 1) > 1e-3f)
           fail("views", name_of(entry) + ": a direction is not a unit vector");

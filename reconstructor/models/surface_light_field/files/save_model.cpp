@@ -127,7 +127,7 @@ std::string id_of(const Json& description, const Snapshot& model) {
     for (const VertexInterpolant& vertex : patch->vertices) {
       add(vertex.views->directions);
       add(vertex.views->reliability);
-      add(vertex.weights);
+      add(vertex.weights.unpacked());
       add(vertex.mean);
       add(vertex.drift);
       add(vertex.views->frame);
@@ -168,7 +168,7 @@ ImageF views_image(const Snapshot& model, const ModelLayout& layout) {
     Eigen::Map<Eigen::MatrixXf> pixels(image.data() + channels * entry.first_view, channels, entry.views);
     pixels.topRows<3>() = vertex.views->directions;
     pixels.row(3) = vertex.views->reliability.transpose();
-    pixels.middleRows(kViewChannels, entry.rank) = vertex.weights;
+    pixels.middleRows(kViewChannels, entry.rank) = vertex.weights.unpacked().transpose();
   }
   return image;
 }

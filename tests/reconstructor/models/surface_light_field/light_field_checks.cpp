@@ -86,7 +86,7 @@ void expect_same_patches(const ModelSnapshot& first, const ModelSnapshot& second
     for (std::size_t k = 0; k < p->vertices.size(); ++k) {
       const VertexInterpolant &v = p->vertices[k], &w = q->vertices[k];
       EXPECT_TRUE(same_bits(v.views->directions, w.views->directions)) << "patch " << i;
-      EXPECT_TRUE(same_bits(v.weights, w.weights)) << "patch " << i;
+      EXPECT_TRUE(same_bits(v.weights.unpacked(), w.weights.unpacked())) << "patch " << i;
       EXPECT_TRUE(same_bits(v.mean, w.mean)) << "patch " << i;
       EXPECT_EQ(v.views->kernel, w.views->kernel) << "patch " << i;
       EXPECT_EQ(v.sill, w.sill) << "patch " << i;

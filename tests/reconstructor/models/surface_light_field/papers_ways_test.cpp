@@ -62,19 +62,20 @@ TEST(PapersWays, DelaunayPassesThroughTheViewsAndIsLinearBetweenThem) {
   const std::size_t middle = 9 * 4 + 4;
   const VertexInterpolant& vertex = *snapshot->seen_at(middle);
   ASSERT_TRUE(vertex.triangulation);
+  const Eigen::MatrixXf coefficients = vertex.weights.unpacked().transpose();
   for (int j = 0; j < 25; ++j)
-    EXPECT_LT((vertex.coefficients(vertex.views->directions.col(j)) - vertex.weights.col(j)).norm(),
-              0.02 * vertex.weights.norm() / 5)
+    EXPECT_LT((vertex.coefficients(vertex.views->directions.col(j)) - coefficients.col(j)).norm(),
+              0.02 * coefficients.norm() / 5)
         << j;
   int inside = 0;
   for (const auto& corners : vertex.triangulation->triangles) {
     if (std::any_of(corners.begin(), corners.end(), [](int p) { return p < ViewTriangulation::kCorners; })) continue;
     ++inside;
     Eigen::Vector2f place = Eigen::Vector2f::Zero();
-    Eigen::VectorXf mean = Eigen::VectorXf::Zero(vertex.weights.rows());
+    Eigen::VectorXf mean = Eigen::VectorXf::Zero(coefficients.rows());
     for (const int p : corners) {
       place += vertex.triangulation->points.col(p) / 3;
-      mean += vertex.weights.col(p - ViewTriangulation::kCorners) / 3;
+      mean += coefficients.col(p - ViewTriangulation::kCorners) / 3;
     }
     const Eigen::Vector3f local(place.x(), place.y(), std::sqrt(1 - place.squaredNorm()));
     EXPECT_LT((vertex.coefficients(vertex.views->frame.transpose() * local) - mean).norm(), 1e-3 * mean.norm());

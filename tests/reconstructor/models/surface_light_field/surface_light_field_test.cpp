@@ -329,7 +329,7 @@ TEST(SurfaceLightField, ViewsBeyondTheBoundAreMergedAndMemoryStaysWhereItIs) {
     ASSERT_TRUE(patch);
     for (const VertexInterpolant& vertex : patch->vertices) {
       EXPECT_EQ(vertex.views->directions.cols(), 8);
-      EXPECT_EQ(vertex.weights.cols(), 8);
+      EXPECT_EQ(vertex.weights.rows(), 8);
       EXPECT_GT(vertex.views_folded, 100);
       for (Eigen::Index j = 0; j < 8; ++j) EXPECT_NEAR(vertex.views->directions.col(j).norm(), 1, 1e-5);
     }

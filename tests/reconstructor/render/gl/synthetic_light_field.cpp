@@ -44,9 +44,13 @@ Eigen::Vector3f surface(const Eigen::Vector3f& p) {
   return pattern(p, 0) + pattern(p, 1) + pattern(p, 2);
 }
 
+float sign_of(int r) {
+  return r % 2 ? -1.0f : 1.0f;
+}
+
 /// Coefficient of term r of every patch, as a multiple of how bright the surface is from a direction.
 float fraction(int r) {
-  return (r % 2 ? -1.0f : 1.0f) * (1 + 0.5f * static_cast<float>(r));
+  return sign_of(r) * (1 + 0.5f * static_cast<float>(r));
 }
 
 }  // namespace
@@ -113,11 +117,12 @@ VertexInterpolant SyntheticLightField::make_vertex(std::uint32_t vertex, int ran
   VertexInterpolant at;
   at.views = std::move(views);
   at.mean.resize(rank);
-  at.weights.resize(rank, kViews);
+  Eigen::MatrixXf weights(kViews, rank);
   for (int r = 0; r < rank; ++r) {
     at.mean[r] = fraction(r);
-    for (int j = 0; j < kViews; ++j) at.weights(r, j) = 0.2f * fraction(r) * std::cos(1.1f * static_cast<float>(j + 1));
+    for (int j = 0; j < kViews; ++j) weights(j, r) = 0.2f * fraction(r) * std::cos(1.1f * static_cast<float>(j + 1));
   }
+  at.weights = weights;
   at.sill = 0.006f + 0.006f * std::sin(40 * mesh_->vertices[vertex].x());
   at.views_folded = kViews;
   return at;
@@ -139,14 +144,17 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_other
     auto other = std::make_shared<PatchSnapshot>(*patch);
     const Eigen::MatrixXf before = patch->basis.unpacked();
     Eigen::MatrixXf basis = before;
+    for (VertexInterpolant& at : other->vertices) {
+      const Eigen::MatrixXf weights = at.weights.unpacked(), mean = at.mean;
+      for (int r = 0; r < patch->rank(); ++r) {
+        const int from = patch->rank() - 1 - r;
+        at.mean[r] = sign_of(r) * mean(from);
+        at.weights.exact().col(r) = sign_of(r) * weights.col(from);
+      }
+    }
     for (int r = 0; r < patch->rank(); ++r) {
       const int from = patch->rank() - 1 - r;
-      const float sign = r % 2 ? -1.0f : 1.0f;
-      basis.col(r) = sign * before.col(from);
-      for (std::size_t k = 0; k < patch->vertices.size(); ++k) {
-        other->vertices[k].mean[r] = sign * patch->vertices[k].mean[from];
-        other->vertices[k].weights.row(r) = sign * patch->vertices[k].weights.row(from);
-      }
+      basis.col(r) = sign_of(r) * before.col(from);
     }
     other->basis = basis;
     patch = other;

@@ -50,7 +50,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
       VertexInterpolant& at = patch->vertices.emplace_back();
       auto seen_from = std::make_shared<VertexViews>();
       const int views = 1 + 3 * static_cast<int>(i);
-      at.weights = Eigen::MatrixXf::NullaryExpr(rank, views, draw);
+      at.weights = PackedColumns<float>::fixed_point(Eigen::MatrixXf::NullaryExpr(views, rank, draw));
       at.mean = Eigen::VectorXf::NullaryExpr(rank, draw);
       seen_from->reliability = Eigen::VectorXf::NullaryExpr(views, [&] { return 0.1f + std::abs(draw()); });
       seen_from->frame = hemisphere_frame(mesh->vertices[shape.vertices[i]].normalized());
@@ -112,7 +112,7 @@ TEST(ModelFiles, AReopenedModelIsTheSameBitForBit) {
       const VertexInterpolant &v = a.vertices[i], &w = b.vertices[i];
       EXPECT_EQ(v.views->directions, w.views->directions);
       EXPECT_EQ(v.views->reliability, w.views->reliability);
-      EXPECT_EQ(v.weights, w.weights);
+      EXPECT_EQ(v.weights.unpacked(), w.weights.unpacked());
       EXPECT_EQ(v.mean, w.mean);
       EXPECT_EQ(v.drift, w.drift);
       EXPECT_EQ(v.views->frame, w.views->frame);
