@@ -36,8 +36,6 @@ std::shared_ptr<const Logger> current_logger() {
 
 spdlog::level::level_enum spdlog_level(LogLevel level) {
   switch (level) {
-    case LogLevel::kDebug:
-      return spdlog::level::debug;
     case LogLevel::kInfo:
       return spdlog::level::info;
     case LogLevel::kWarning:
@@ -50,8 +48,6 @@ spdlog::level::level_enum spdlog_level(LogLevel level) {
 
 const char* name(LogLevel level) {
   switch (level) {
-    case LogLevel::kDebug:
-      return "debug";
     case LogLevel::kInfo:
       return "info";
     case LogLevel::kWarning:
@@ -131,7 +127,6 @@ void start_logging(const LogOptions& options) {
     if (options.file.empty()) {
       auto terminal = std::make_shared<TerminalSink>();
       terminal->set_color(spdlog::level::info, "");
-      terminal->set_color(spdlog::level::debug, "");
       sink = terminal;
     } else {
       sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(options.file.string());
@@ -144,7 +139,6 @@ void start_logging(const LogOptions& options) {
   logger->writer = std::make_shared<spdlog::details::thread_pool>(options.queue, 1);
   logger->front = std::make_shared<spdlog::async_logger>("sheen", sink, logger->writer,
                                                          spdlog::async_overflow_policy::overrun_oldest);
-  logger->front->set_level(spdlog_level(options.level));
   logger->front->flush_on(spdlog::level::warn);
   // What the writer meets (a full disk, a closed terminal) must not come back as an exception or as more output.
   logger->front->set_error_handler([](const std::string&) {});
@@ -161,7 +155,7 @@ void stop_logging() {
 void log(LogLevel level, std::string_view component, std::string_view message, const LogFields& fields) noexcept {
   try {
     const std::shared_ptr<const Logger> logger = current_logger();
-    if (!logger || !logger->front->should_log(spdlog_level(level))) return;
+    if (!logger) return;
     const auto format = logger->json ? format_log_json : format_log_text;
     logger->front->log(spdlog_level(level), format(utc_now(), level, component, message, fields));
   } catch (...) {  // out of memory: a lost record must not stop a capture

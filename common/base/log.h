@@ -11,7 +11,7 @@
 
 namespace sheen {
 
-enum class LogLevel : std::uint8_t { kDebug, kInfo, kWarning, kError };
+enum class LogLevel : std::uint8_t { kInfo, kWarning, kError };
 
 /// A name and a value beside a message, for programs: {"sequence", 12}.
 struct LogField {
@@ -31,7 +31,6 @@ using LogFields = std::vector<LogField>;
 struct LogOptions {
   bool json = false;           ///< one JSON object per line instead of text
   std::filesystem::path file;  ///< appended to; empty: standard error
-  LogLevel level = LogLevel::kInfo;
   std::size_t queue =
       8192;  ///< records that wait for a slow terminal or disk; then the oldest are dropped, and counted
 };
@@ -44,9 +43,6 @@ void stop_logging();
 /// Never waits and never throws, so that it may be called while frames are coming in. `component` is the part of the
 /// program that speaks ("link", "journal", ...).
 void log(LogLevel level, std::string_view component, std::string_view message, const LogFields& fields = {}) noexcept;
-inline void log_debug(std::string_view component, std::string_view message, const LogFields& fields = {}) noexcept {
-  log(LogLevel::kDebug, component, message, fields);
-}
 inline void log_info(std::string_view component, std::string_view message, const LogFields& fields = {}) noexcept {
   log(LogLevel::kInfo, component, message, fields);
 }

@@ -67,15 +67,4 @@ ImageU8 to_srgb8(const ImageF& linear) {
   return out;
 }
 
-ImageF from_srgb8(const ImageU8& encoded) {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> t;
-    for (int i = 0; i < 256; ++i) t[i] = srgb_decode(i / 255.0f);
-    return t;
-  }();
-  ImageF out(encoded.width(), encoded.height(), encoded.channels());
-  for (std::size_t i = 0; i < encoded.size(); ++i) out.data()[i] = table[encoded.data()[i]];
-  return out;
-}
-
 }  // namespace sheen

@@ -21,9 +21,6 @@ void srgb_encode_fast(std::span<float> values);
 /// Linear RGB (1 or 3 channels) -> 8-bit sRGB: clamped and rounded. NaN becomes 0.
 ImageU8 to_srgb8(const ImageF& linear);
 
-/// 8-bit sRGB -> linear.
-ImageF from_srgb8(const ImageU8& encoded);
-
 /// Rec. 709 luminance of a linear RGB triple.
 inline float luminance(const float* rgb) {
   return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];

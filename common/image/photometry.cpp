@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-
-#include "common/image/color.h"
 
 namespace sheen {
 namespace {
@@ -14,27 +11,12 @@ constexpr double kLeastVignette = 0.02, kGreatestVignette = 50;
 constexpr double kLargestCoefficient = 1e3, kLargestBalance = 1e4;
 constexpr int kVignetteChecks = 64;  ///< places along each side of the image
 
-std::array<float, 256> response_above(double black, const std::function<double(double)>& decode) {
-  std::array<float, 256> response;
-  for (int value = 0; value < 256; ++value)
-    response[value] = static_cast<float>(std::clamp((decode(value / 255.0) - black) / (1 - black), 0.0, 1.0));
-  return response;
-}
-
 }  // namespace
 
 double Vignette::at(double x, double y, ImageSize size) const {
   const double half_square = 0.25 * (double(size.width) * size.width + double(size.height) * size.height);
   const double r2 = ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / half_square;
   return 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[2]));
-}
-
-std::array<float, 256> linear_response(double black_level) {
-  return response_above(black_level, [](double value) { return value; });
-}
-
-std::array<float, 256> srgb_response(double black_level) {
-  return response_above(black_level, [](double value) { return double(srgb_decode(static_cast<float>(value))); });
 }
 
 std::string validation_error(const Photometry& p, ImageSize size) {

@@ -33,10 +33,6 @@ struct Photometry {
   bool operator==(const Photometry&) const = default;
 };
 
-/// That of a camera whose values are proportional to light, or sRGB-encoded light, above a black level (of full scale).
-std::array<float, 256> linear_response(double black_level);
-std::array<float, 256> srgb_response(double black_level);
-
 /// Empty when it is usable for images of this size, else which field is wrong and why.
 std::string validation_error(const Photometry& photometry, ImageSize size);
 

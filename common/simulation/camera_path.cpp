@@ -4,13 +4,12 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "common/base/angle.h"
 #include "common/base/errors.h"
 #include "common/simulation/procedural_noise.h"
 
 namespace sheen {
 namespace {
-
-constexpr double kRadians = M_PI / 180;
 
 void require(bool holds, const char* what) {
   if (!holds) throw ConfigError(std::string("camera path: ") + what);
@@ -45,20 +44,20 @@ std::vector<CameraStation> camera_path(const CameraPathOptions& o, const Camera&
   require(o.nearest_m > 0.1 && o.nearest_m <= o.farthest_m, "distances must rise and exceed 0.1 m");
   require(o.jerk_every >= 0 && o.jerk_px >= 0, "jerks must not be negative");
 
-  const double low = std::sin(o.lowest_deg * kRadians), high = std::sin(o.highest_deg * kRadians);
+  const double low = std::sin(o.lowest_deg * kDegree), high = std::sin(o.highest_deg * kDegree);
   const double spacing = std::sqrt(2 * M_PI * (high - low) / o.frames);  // rad between neighbours and between turns
   std::vector<CameraStation> path;
   for (int i = 0; i < o.frames; ++i) {
     const double elevation = std::asin(low + (high - low) * (i + 0.5) / o.frames);
     const double azimuth =
-        -M_PI / 2 + 2 * M_PI * (elevation - o.lowest_deg * kRadians) / spacing + 0.3 * spacing * sway(o.seed, 0, i);
+        -M_PI / 2 + 2 * M_PI * (elevation - o.lowest_deg * kDegree) / spacing + 0.3 * spacing * sway(o.seed, 0, i);
     const double steady = (o.nearest_m + o.farthest_m) / 2, reach = (o.farthest_m - o.nearest_m) / 2;
     const double distance = steady + reach * sway(o.seed, 1, i);
     const Eigen::Vector3d out(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation),
                               std::sin(elevation));
     const Eigen::Vector3d aim(sway(o.seed, 2, i), sway(o.seed, 3, i), sway(o.seed, 4, i));
     CameraStation station;
-    const Rigid3 roll{Eigen::Quaterniond(Eigen::AngleAxisd(o.roll_jitter_deg * kRadians * sway(o.seed, 5, i),
+    const Rigid3 roll{Eigen::Quaterniond(Eigen::AngleAxisd(o.roll_jitter_deg * kDegree * sway(o.seed, 5, i),
                                                            Eigen::Vector3d::UnitZ())),
                       Eigen::Vector3d::Zero()};
     station.camera_from_object =

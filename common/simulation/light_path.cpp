@@ -4,22 +4,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/angle.h"
 #include "common/base/errors.h"
 #include "common/datasets/light_list.h"
 
 namespace sheen {
 namespace {
 
-constexpr double kRadians = M_PI / 180;
 constexpr double kDistance_m = 0.9, kPlaneSide_m = 1;
 constexpr double kLowest_deg = 15, kHighest_deg = 80;
 
 /// Turns and rises so that neighbours along the spiral are about as far apart as its turns.
 Eigen::Vector3d on_dome(int frame, int frames) {
-  const double low = std::sin(kLowest_deg * kRadians), high = std::sin(kHighest_deg * kRadians);
+  const double low = std::sin(kLowest_deg * kDegree), high = std::sin(kHighest_deg * kDegree);
   const double spacing = std::sqrt(2 * M_PI * (high - low) / frames);
   const double elevation = std::asin(low + (high - low) * (frame + 0.5) / frames);
-  const double azimuth = 2 * M_PI * (elevation - kLowest_deg * kRadians) / spacing;
+  const double azimuth = 2 * M_PI * (elevation - kLowest_deg * kDegree) / spacing;
   return kDistance_m * Eigen::Vector3d(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation),
                                        std::sin(elevation));
 }

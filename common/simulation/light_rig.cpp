@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "common/base/angle.h"
 #include "common/base/errors.h"
 
 namespace sheen {
@@ -22,13 +23,9 @@ constexpr float kOffset = 2e-5f;  // metres, clears the triangle that a shadow r
 constexpr int kEdgeSide = 4;      // samples along a side of a pixel that an edge crosses
 constexpr float kLobeExponent = 40;
 
-double radians(double degrees) {
-  return degrees * M_PI / 180;
-}
-
 /// `azimuth`: 0 at the right of the scene, pi at its left, the far side between.
 LightState lamp_at(double azimuth) {
-  const double up = radians(kLampElevation);
+  const double up = kLampElevation * kDegree;
   return {.kind = LightKind::kPoint,
           .position = kLampDistance *
                       Vector3d(std::cos(up) * std::cos(azimuth), std::cos(up) * std::sin(azimuth), std::sin(up))};
@@ -55,14 +52,14 @@ LightRig::LightRig(const LightRigOptions& options)
 }
 
 PosedCamera LightRig::camera_at(double column, double row) const {
-  const double focal = options_.width / 2.0 / std::tan(radians(kFieldOfView / 2));
+  const double focal = options_.width / 2.0 / std::tan(kFieldOfView / 2 * kDegree);
   const Camera camera{.width = options_.width,
                       .height = options_.height,
                       .fx = focal,
                       .fy = focal,
                       .cx = (options_.width - 1) / 2.0,
                       .cy = (options_.height - 1) / 2.0};
-  const double up = radians(kEyeElevation);
+  const double up = kEyeElevation * kDegree;
   const Vector3d target(0, 0, 0.02), eye = target + kEyeDistance * Vector3d(0, -std::cos(up), std::sin(up));
   const Rigid3 centre = look_at(eye, target, Vector3d::UnitZ());
   const Vector3d moved((column - (options_.columns - 1) / 2.0) * kStep, (row - (options_.rows - 1) / 2.0) * kStep, 0);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 
+#include "common/base/angle.h"
 #include "common/base/errors.h"
 
 namespace sheen {
@@ -43,7 +44,7 @@ void add_pose_error(const Capture& capture, const RigRecording& recording, const
     return;
   }
   errors.centre_mm.push_back(1e3 * centre);
-  errors.rotation_deg.push_back(rotation * 180 / M_PI);
+  errors.rotation_deg.push_back(rotation / kDegree);
 }
 
 }  // namespace sheen

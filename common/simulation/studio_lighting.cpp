@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "common/base/angle.h"
+
 namespace sheen {
 namespace {
 
@@ -23,14 +25,13 @@ struct FarSoftbox {
   FarSoftbox(float azimuth_deg, float elevation_deg, float half_width_deg, float half_height_deg, float edge_deg,
              Eigen::Array3f radiance_)
       : radiance(radiance_) {
-    constexpr float kRadians = float(M_PI) / 180;
-    const float a = azimuth_deg * kRadians, e = elevation_deg * kRadians;
+    const float a = azimuth_deg * float(kDegree), e = elevation_deg * float(kDegree);
     forward = {std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)};
     right = forward.cross(Eigen::Vector3f::UnitZ()).normalized();
     up = right.cross(forward);
-    half_width = std::tan(half_width_deg * kRadians);
-    half_height = std::tan(half_height_deg * kRadians);
-    edge = std::tan(edge_deg * kRadians);
+    half_width = std::tan(half_width_deg * float(kDegree));
+    half_height = std::tan(half_height_deg * float(kDegree));
+    edge = std::tan(edge_deg * float(kDegree));
   }
   Eigen::Array3f operator()(const Eigen::Vector3f& d) const {
     const float depth = d.dot(forward);

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <numbers>
 #include <stdexcept>
 #include <string_view>
 
+#include "common/base/angle.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/json_fields.h"
@@ -19,7 +19,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr const char* kHowToGetOne =
     "--brdf names a file that the user guide describes, or a table of the MERL database";
 

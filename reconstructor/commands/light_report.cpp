@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "common/base/angle.h"
 #include "common/base/format.h"
 
 namespace sheen {
@@ -29,7 +29,7 @@ nlohmann::json light_report(const ModelSnapshot& snapshot, double tolerance) {
     return nullptr;
   }
   const bool far = snapshot.light_kind() == LightKind::kDirectional;
-  const double unit = far ? 180 / std::numbers::pi : 1;
+  const double unit = far ? 1 / kDegree : 1;
   const char* const unit_name = far ? "degrees" : "m";
   const auto wide = static_cast<std::size_t>(
       std::count_if(advice->intervals.begin(), advice->intervals.end(), [](const auto& i) { return i.too_wide(); }));

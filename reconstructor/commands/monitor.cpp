@@ -14,13 +14,13 @@ namespace sheen {
 namespace {
 
 struct MonitorArguments {
-  std::string url = "http://127.0.0.1:7480", token, token_file;
+  std::string url = "http://127.0.0.1:7480", token_file;
   bool once = false, json = false;
 };
 
 /// A line per second until Ctrl-C; a reconstructor that is away for a while is waited for.
 void watch(const MonitorArguments& arguments) {
-  const std::string token = monitor_token(arguments.token, arguments.token_file);
+  const std::string token = monitor_token(arguments.token_file);
   const auto look = [&arguments, &token] {
     const std::string status = fetch_status(arguments.url, token);
     return arguments.json ? status : status_line(status);
@@ -44,10 +44,8 @@ void add_monitor_command(Command& program) {
   auto arguments = std::make_shared<MonitorArguments>();
   Command command = program.subcommand("monitor", "Watches a running reconstructor from a terminal.");
   command.option("--url", arguments->url, "address of its monitor page").show_default();
-  command.option("--token", arguments->token,
-                 "token of the page, if it asks for one; every user of this machine sees it");
   command.option("--token-file", arguments->token_file,
-                 "file that holds the token (mode 600); or set SHEEN_MONITOR_TOKEN");
+                 "file (mode 600) with the token of the page, if it asks for one; or set SHEEN_MONITOR_TOKEN");
   command.flag("--once", arguments->once, "print one line and end; exit status 1 when nobody answers");
   command.flag("--json", arguments->json, "the whole status as JSON, one per line");
   command.callback([arguments] { watch(*arguments); });

@@ -5,9 +5,9 @@
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <vector>
 
+#include "common/base/angle.h"
 #include "common/base/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/report_file.h"
@@ -17,8 +17,6 @@
 
 namespace sheen {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct PlanArguments {
   std::string brdf = "lambertian", json;
@@ -72,7 +70,7 @@ void plan_lights(const PlanArguments& arguments) {
   std::printf("lights on a grid:  at most %.4g m apart\n", plan.lamp.on_grid);
   std::printf("where surfaces turn away from the light: %.4g m\n", plan.lamp.on_grid_with_horizon);
   std::printf("far lights, in latitude and longitude: at most %.4g degrees apart; where surfaces turn away: %.4g\n",
-              plan.far.on_grid * kDegrees, plan.far.on_grid_with_horizon * kDegrees);
+              plan.far.on_grid / kDegree, plan.far.on_grid_with_horizon / kDegree);
   std::printf("for errors of at most %g of 255 grey levels of exposure.\n", arguments.tolerance);
   std::printf(
       "second derivative of the exposure, of the brightest: at most %.5g / z^4 (%s%.5g / z^4 by search, %.0f ms)\n",
@@ -86,9 +84,9 @@ void plan_lights(const PlanArguments& arguments) {
                         {"spacing_on_line_m", plan.lamp.along_line},
                         {"spacing_on_grid_m", plan.lamp.on_grid},
                         {"spacing_with_horizon_m", plan.lamp.on_grid_with_horizon},
-                        {"far_spacing_on_arc_deg", plan.far.along_line * kDegrees},
-                        {"far_spacing_on_grid_deg", plan.far.on_grid * kDegrees},
-                        {"far_spacing_with_horizon_deg", plan.far.on_grid_with_horizon * kDegrees},
+                        {"far_spacing_on_arc_deg", plan.far.along_line / kDegree},
+                        {"far_spacing_on_grid_deg", plan.far.on_grid / kDegree},
+                        {"far_spacing_with_horizon_deg", plan.far.on_grid_with_horizon / kDegree},
                         {"curvature", plan.curvature},
                         {"searched_curvature", found},
                         {"search_ms", search_ms},

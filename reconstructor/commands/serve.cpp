@@ -49,7 +49,7 @@ constexpr const char* kNoMesh = "none";
 struct ServeArguments {
   std::string mesh, session, config, model, keys, json;
   std::vector<std::string> endpoints{ReceiverOptions{}.endpoint}, tracker_keys;
-  std::string monitor_host = MonitorOptions{}.host, monitor_token, monitor_token_file;
+  std::string monitor_host = MonitorOptions{}.host, monitor_token_file;
   int monitor_port = MonitorOptions{}.port;
   LimitArguments limits;
   SizeArguments size;
@@ -206,7 +206,7 @@ std::optional<FirstCapture::Found> wait_for_first(const ServeArguments& argument
 
 void open_monitor(std::optional<MonitorServer>& monitor, const ServeArguments& arguments) {
   if (arguments.no_monitor) return;
-  const std::string token = monitor_token(arguments.monitor_token, arguments.monitor_token_file);
+  const std::string token = monitor_token(arguments.monitor_token_file);
   monitor.emplace(MonitorOptions{arguments.monitor_host, arguments.monitor_port, token});
   log_info("monitor", "watch at " + monitor->url());
 }
@@ -380,7 +380,6 @@ void add_serve_command(Command& program) {
       "--monitor-token-file", a->monitor_token_file,
       "file (mode 600) with the token that the page asks for; needed when other machines can reach the page; or "
       "set SHEEN_MONITOR_TOKEN");
-  command.option("--monitor-token", a->monitor_token, "the token itself; every user of this machine sees it");
   command.option("--json", a->json, "report to write at the end; - for standard output");
   command.callback([a] { serve(*a); });
 }

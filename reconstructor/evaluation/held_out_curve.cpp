@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/angle.h"
+
 namespace sheen {
 namespace {
 
 constexpr std::size_t kMostViews = 4;
 constexpr double kMostPixels = 4e6;
-constexpr double kApart_rad = 25 * M_PI / 180;
+constexpr double kApart_rad = 25 * kDegree;
 
 }  // namespace
 

@@ -28,12 +28,8 @@ std::string token_in(const fs::path& file) {
 
 }  // namespace
 
-std::string monitor_token(const std::string& given, const fs::path& file) {
-  if (!given.empty() && !file.empty())
-    throw ConfigError("the monitor page's token is given on the command line and in " + file.string() +
-                      "; give it once, best in the file");
+std::string monitor_token(const fs::path& file) {
   if (!file.empty()) return token_in(file);
-  if (!given.empty()) return given;
   const char* const set = std::getenv(kMonitorTokenVariable);
   return set ? set : "";
 }

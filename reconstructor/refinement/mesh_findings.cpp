@@ -7,6 +7,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "common/base/angle.h"
 #include "common/base/format.h"
 #include "common/base/order_statistics.h"
 #include "common/geometry/ray_scene.h"
@@ -121,7 +122,7 @@ std::vector<MeshFinding> findings_of(const Mesh& given, const RefinedMesh& refin
     if (common.rotation.norm() * radius > least) {
       const Eigen::Vector3d axis = common.rotation.normalized();
       found.push_back(
-          {"rotation", format("the mesh is rotated: rotate it by %.3g degrees", common.rotation.norm() * 180 / M_PI) +
+          {"rotation", format("the mesh is rotated: rotate it by %.3g degrees", common.rotation.norm() / kDegree) +
                            format(" about (%.2f, %.2f, %.2f), or register it again", axis.x(), axis.y(), axis.z())});
     }
   }

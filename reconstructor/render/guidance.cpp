@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "common/base/angle.h"
+
 namespace sheen {
 namespace {
 
@@ -22,7 +24,7 @@ Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, 
   const Eigen::Vector3d up = out.cross(right);
   const Eigen::Vector3d next = (next_eye - centre).normalized();
   const Eigen::Vector2d across(next.dot(right), next.dot(up));
-  const double degrees = std::atan2(across.norm(), next.dot(out)) * 180 / M_PI;
+  const double degrees = std::atan2(across.norm(), next.dot(out)) / kDegree;
   const Eigen::Vector2d way = across.norm() > 1e-9 ? Eigen::Vector2d(across.normalized()) : Eigen::Vector2d(1, 0);
   return {degrees * way.x(), degrees * way.y()};
 }

@@ -2,6 +2,7 @@
 #include "tests/support/sample_capture.h"
 
 #include <random>
+#include "tests/support/camera_responses.h"
 
 namespace sheen::testing {
 Capture sample_capture(PixelFormat format, int width, int height, std::size_t padding, bool with_mask, unsigned seed) {

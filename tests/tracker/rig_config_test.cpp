@@ -8,6 +8,7 @@
 
 #include "common/base/errors.h"
 #include "common/camera/camera_file.h"
+#include "tests/support/camera_responses.h"
 
 namespace sheen {
 namespace {

@@ -100,7 +100,7 @@ int BundleFreedom::intrinsics_count() const {
   return static_cast<int>(std::count(intrinsics.begin(), intrinsics.end(), true));
 }
 
-BundleSummary solve(Bundle& bundle, double huber_px) {
+void solve(Bundle& bundle, double huber_px) {
   Intrinsics intrinsics = intrinsics_of(bundle.camera);
   std::vector<Pose> poses = pose_parameters(bundle);
   ceres::Problem problem;
@@ -130,7 +130,6 @@ BundleSummary solve(Bundle& bundle, double huber_px) {
   if (!summary.IsSolutionUsable()) throw Error("bundle adjustment failed: " + summary.message);
   bundle.camera = with_intrinsics(bundle.camera, intrinsics);
   for (std::size_t view = 0; view < poses.size(); ++view) bundle.camera_from_object[view] = rigid(poses[view]);
-  return {summary.termination_type == ceres::CONVERGENCE, 2 * summary.final_cost};
 }
 
 std::vector<Eigen::Vector2d> residuals(const Bundle& bundle) {

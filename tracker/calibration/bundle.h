@@ -39,14 +39,9 @@ struct Bundle {
   BundleFreedom free;
 };
 
-struct BundleSummary {
-  bool converged = false;
-  double cost = 0;  ///< sum of squared residuals (of their Huber losses) px^2
-};
-
 /// Minimises the reprojection error of all sightings, by Levenberg-Marquardt with the Schur complement (Ceres).
 /// `huber_px` 0: least squares. Throws Error when a point lies behind its camera at the start.
-BundleSummary solve(Bundle& bundle, double huber_px = 0);
+void solve(Bundle& bundle, double huber_px = 0);
 
 /// pixel seen - pixel predicted, of each sighting.
 std::vector<Eigen::Vector2d> residuals(const Bundle& bundle);

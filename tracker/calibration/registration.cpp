@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "common/base/angle.h"
 #include "common/base/format.h"
 
 namespace sheen {
@@ -43,7 +44,7 @@ void compare(const PointRegistration& points, const ImageRegistration& images, i
     warnings.push_back(
         format("the images move the mesh by %.2g mm and %.2g degrees from where the points have it, more "
                "than the two allow; look at the overlay",
-               1e3 * step.segment<3>(3).norm(), step.head<3>().norm() * 180 / M_PI));
+               1e3 * step.segment<3>(3).norm(), step.head<3>().norm() / kDegree));
 }
 
 }  // namespace

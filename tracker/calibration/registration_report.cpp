@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/base/angle.h"
 #include "common/base/format.h"
 
 namespace sheen {
 namespace {
 
 using nlohmann::json;
-constexpr double kDegree = M_PI / 180;
 
 json vector_json(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};

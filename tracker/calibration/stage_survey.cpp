@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "common/base/angle.h"
 #include "common/base/errors.h"
 #include "common/base/order_statistics.h"
 #include "common/base/quantity.h"
@@ -23,10 +24,6 @@ constexpr double kMedianToSigma = 1.17741;  ///< median length of a 2-D Gaussian
 constexpr int kMostRounds = 6;
 /// The printed layout may be off by centimetres and the focal length by percents: the first poses need only be a start.
 constexpr PoseOptions kStartPose{.min_tags = 3, .huber_px = 2, .drop_floor_px = 5, .max_rms_px = 40};
-
-double degrees(double radians) {
-  return radians * 180 / M_PI;
-}
 
 /// A tag in an image.
 struct TagSighting {
@@ -218,8 +215,8 @@ void describe(SurveyedTag& tag, const Eigen::Vector3d* corners, const Eigen::Vec
   const Eigen::Vector3d sheet_right = sheet[1] + sheet[2] - sheet[0] - sheet[3];
   const Eigen::Vector3d sheet_up = sheet[0] + sheet[1] - sheet[2] - sheet[3];
   const Eigen::Vector3d normal = right.cross(up).normalized(), sheet_normal = sheet_right.cross(sheet_up).normalized();
-  tag.tilt_deg = degrees(std::acos(std::clamp(normal.dot(sheet_normal), -1.0, 1.0)));
-  tag.turn_deg = degrees(std::atan2(sheet_normal.dot(sheet_right.cross(right)), sheet_right.dot(right)));
+  tag.tilt_deg = std::acos(std::clamp(normal.dot(sheet_normal), -1.0, 1.0)) / kDegree;
+  tag.turn_deg = std::atan2(sheet_normal.dot(sheet_right.cross(right)), sheet_right.dot(right)) / kDegree;
   Eigen::Matrix<double, 3, 12> mean;
   Eigen::Matrix<double, 1, 12> lean_right = Eigen::Matrix<double, 1, 12>::Zero(), lean_up = lean_right;
   for (int c = 0; c < 4; ++c) {
@@ -228,8 +225,9 @@ void describe(SurveyedTag& tag, const Eigen::Vector3d* corners, const Eigen::Vec
     lean_up.segment<3>(3 * c) = (c < 2 ? 1 : -1) * sheet_normal.transpose() / up.norm();
   }
   tag.shift_uncertainty_m = std::sqrt((mean * covariance * mean.transpose()).eval().diagonal().maxCoeff());
-  tag.tilt_uncertainty_deg = degrees(std::sqrt(std::max((lean_right * covariance * lean_right.transpose())(0, 0),
-                                                        (lean_up * covariance * lean_up.transpose())(0, 0))));
+  tag.tilt_uncertainty_deg = std::sqrt(std::max((lean_right * covariance * lean_right.transpose())(0, 0),
+                                                (lean_up * covariance * lean_up.transpose())(0, 0))) /
+                             kDegree;
 }
 
 double squared_sum(const Bundle& bundle) {

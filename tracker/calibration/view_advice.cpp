@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/base/angle.h"
 #include "common/base/format.h"
 
 namespace sheen {
@@ -26,10 +27,6 @@ std::string joined(const std::vector<std::string>& parts) {
   std::string text;
   for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
   return text;
-}
-
-double degrees(double radians) {
-  return radians * 180 / M_PI;
 }
 
 void note_coverage(const Calibration& calibration, ViewAdvice& advice) {
@@ -66,7 +63,8 @@ void note_tilts(const Calibration& calibration, ViewAdvice& advice) {
     Eigen::Vector3d normal = view.camera_from_target.rotation * Eigen::Vector3d::UnitZ();
     if (normal.z() < 0) normal = -normal;  // away from the camera
     // The plane is nearer where its outward normal leans to.
-    const double turn = degrees(std::atan2(normal.x(), normal.z())), nod = degrees(std::atan2(normal.y(), normal.z()));
+    const double turn = std::atan2(normal.x(), normal.z()) / kDegree,
+                 nod = std::atan2(normal.y(), normal.z()) / kDegree;
     advice.least_turn_deg = first ? turn : std::min(advice.least_turn_deg, turn);
     advice.greatest_turn_deg = first ? turn : std::max(advice.greatest_turn_deg, turn);
     advice.least_nod_deg = first ? nod : std::min(advice.least_nod_deg, nod);

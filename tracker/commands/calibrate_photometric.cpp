@@ -8,6 +8,7 @@
 #include <memory>
 #include <sstream>
 
+#include "common/base/angle.h"
 #include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
@@ -88,7 +89,7 @@ std::vector<FlatImage> flats_of(std::vector<CellImage> images, const fs::path& l
       const auto found = table.find(image.name);
       if (found == table.end()) throw FileError(list.string(), "does not say how the target stands in " + image.name);
       const std::vector<double>& numbers = found->second;
-      move = {numbers[0] * M_PI / 180, {numbers[1], numbers[2]}};
+      move = {numbers[0] * kDegree, {numbers[1], numbers[2]}};
     }
     flats.push_back({std::move(image), move});
   }

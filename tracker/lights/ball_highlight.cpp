@@ -8,13 +8,13 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "common/base/angle.h"
 #include "common/base/order_statistics.h"
 #include "tracker/lights/image_matrix.h"
 
 namespace sheen {
 namespace {
 
-constexpr double kDegrees = 180 / M_PI;
 constexpr double kDisc = 0.985;          // radii: beyond, pixels are mixed with what is behind the ball
 constexpr double kRim = 0.96;            // radii: farther out a direction is a matter of a hundredth of the radius
 constexpr float kLeastLight = 0.02f;     // of white, above what stands still
@@ -131,7 +131,7 @@ HighlightFinder::Answer HighlightFinder::find(const ImageF& picture) const {
   const double radius = std::sqrt(static_cast<double>(pixels.size()) / M_PI);
   if (peak + static_cast<double>(background_.at(top.x, top.y)) > kSaturated)
     noise += std::pow(crop_.scale(), 2) / (12 * M_PI * radius);
-  if (std::sqrt(angles) * kDegrees > kLargest_deg) return {{}, "highlight_too_large"};
+  if (std::sqrt(angles) / kDegree > kLargest_deg) return {{}, "highlight_too_large"};
   Highlight found{.direction = direction, .place = place};
   found.uncertainty_deg =
       uncertainty_deg(place, noise + std::pow(kPlaceFloor_px * crop_.scale(), 2) + kUneven * kUneven * spread / 2);
@@ -161,7 +161,7 @@ double HighlightFinder::uncertainty_deg(const Eigen::Vector2d& place, double pla
     }
     by.col(k) = (sides[1] - sides[0]) / (2 * step);
   }
-  return kDegrees * std::sqrt((by * covariance * by.transpose()).trace());
+  return std::sqrt((by * covariance * by.transpose()).trace()) / kDegree;
 }
 
 std::string refusal_text(const std::string& refusal) {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <optional>
 
+#include "common/base/angle.h"
 #include "common/base/errors.h"
 #include "common/base/format.h"
 
@@ -20,7 +21,6 @@ constexpr double kNearest = 1e-6;     // extent of the pairs over the distance: 
 constexpr double kOutlier = 5;        // standard deviations
 constexpr int kEnoughFreedom = 3;     // of the others, to call a pair an outlier
 constexpr double kShortest = 1e-9;    // metres between shadow and object
-constexpr double kDegrees = 180 / M_PI;
 
 using Basis = Eigen::Matrix<double, 3, 2>;
 
@@ -204,7 +204,7 @@ ShadowLight light_of_all(std::span<const ShadowPair> pairs, bool noise_known, bo
   const Eigen::Matrix3d covariance = factor * factor * fit.covariance;
   found.centre = fit.place.centre;
   found.direction = fit.place.direction;
-  found.direction_uncertainty_deg = kDegrees * std::sqrt(covariance.topLeftCorner<2, 2>().trace());
+  found.direction_uncertainty_deg = std::sqrt(covariance.topLeftCorner<2, 2>().trace()) / kDegree;
   found.light = {.kind = LightKind::kDirectional, .position = found.direction};
   if (found.why_directional.empty()) {
     const double distance = 1 / fit.place.inverse_distance;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "common/base/angle.h"
 #include "tracker/pose/pose_solver.h"
 
 namespace sheen {
@@ -133,14 +134,13 @@ FrameVerdict KeyframeGate::judge_exposure(const Camera& camera, const RawImage& 
 
 bool KeyframeGate::same_light(const LightState& a, const LightState& b) const {
   if (a.kind != b.kind) return false;
-  if (a.kind == LightKind::kDirectional)
-    return a.position.dot(b.position) > std::cos(options_.min_angle_deg * M_PI / 180);
+  if (a.kind == LightKind::kDirectional) return a.position.dot(b.position) > std::cos(options_.min_angle_deg * kDegree);
   return (a.position - b.position).norm() < options_.min_distance_m || a.position == b.position;
 }
 
 bool KeyframeGate::too_near(const Rigid3& pose, const LightState& light) const {
   const Eigen::Vector3d eye = camera_centre(pose);
-  const double min_cosine = std::cos(options_.min_angle_deg * M_PI / 180);
+  const double min_cosine = std::cos(options_.min_angle_deg * kDegree);
   return std::ranges::any_of(keyframes_, [&](const Keyframe& keyframe) {
     if (!same_light(keyframe.light, light)) return false;
     const Eigen::Vector3d other = camera_centre(keyframe.pose);

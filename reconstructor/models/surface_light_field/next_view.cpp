@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/base/angle.h"
 #include "reconstructor/models/surface_light_field/image_worth.h"
 #include "reconstructor/models/surface_light_field/quality.h"
 
@@ -96,7 +97,7 @@ ViewAdvice advise_next_view(const LightFieldSnapshot& snapshot, const Eigen::Vec
                     .reason = describe(prospects[best].reason),
                     .worst_psnr_db = prospects[worst].psnr_db};
   const Eigen::Vector3d from = (eye - bounds.centre).normalized(), to = (advice.eye - bounds.centre).normalized();
-  advice.angle_deg = std::acos(std::clamp(from.dot(to), -1.0, 1.0)) * 180 / M_PI;
+  advice.angle_deg = std::acos(std::clamp(from.dot(to), -1.0, 1.0)) / kDegree;
   return advice;
 }
 

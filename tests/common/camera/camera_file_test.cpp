@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/camera_responses.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <random>
+#include "tests/support/camera_responses.h"
 
 namespace sheen {
 namespace {

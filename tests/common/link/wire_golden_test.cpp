@@ -8,6 +8,7 @@
 
 #include "common/link/wire.h"
 #include "common/link/wire_messages.h"
+#include "tests/support/camera_responses.h"
 #include "tests/support/expect_same_bits.h"
 #include "tests/support/sample_capture.h"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/evaluation/held_out_curve.h"
+#include "common/base/angle.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,7 @@ using testing::PlainModel;
 
 /// A grey view of the square from an angle, degrees, of so many pixels per side.
 HeldOutView view_from(double angle_deg, std::uint64_t sequence, int side = 40) {
-  const double a = angle_deg * M_PI / 180;
+  const double a = angle_deg * kDegree;
   HeldOutView view{.source_session = "run", .sequence = sequence};
   view.camera = {.width = side, .height = side, .fx = 1.5 * side, .fy = 1.5 * side, .cx = side / 2.0, .cy = side / 2.0};
   view.camera_from_object = look_at({0.5 * std::sin(a), 0, 0.5 * std::cos(a)}, {0, 0, 0}, {0, 1, 0});

@@ -25,26 +25,24 @@ class MonitorToken : public testing::Test {
   const TempFolder folder_;
 };
 
-TEST_F(MonitorToken, ComesFromTheOptionTheFileOrTheEnvironment) {
-  EXPECT_EQ(monitor_token("", {}), "");
+TEST_F(MonitorToken, ComesFromTheFileOrTheEnvironment) {
+  EXPECT_EQ(monitor_token({}), "");
   ::setenv(kMonitorTokenVariable, "from the environment", 1);
-  EXPECT_EQ(monitor_token("", {}), "from the environment");
-  EXPECT_EQ(monitor_token("given", {}), "given");
-  EXPECT_EQ(monitor_token("", file(" 0123456789abcdef \r\n\n")), "0123456789abcdef");
+  EXPECT_EQ(monitor_token({}), "from the environment");
+  EXPECT_EQ(monitor_token(file(" 0123456789abcdef \r\n\n")), "0123456789abcdef");
 }
 
 TEST_F(MonitorToken, AFileThatOthersMayReadOrChangeIsRefused) {
   using fs::perms;
   for (const perms more : {perms::others_read, perms::others_write, perms::group_write})
-    expect_error<Error>([&] { monitor_token("", file("0123456789abcdef", perms::owner_read | more)); },
+    expect_error<Error>([&] { monitor_token(file("0123456789abcdef", perms::owner_read | more)); },
                         {(folder_.path() / "token").string(), "chmod 600"});
-  EXPECT_EQ(monitor_token("", file("0123456789abcdef", perms::owner_read | perms::group_read)), "0123456789abcdef");
+  EXPECT_EQ(monitor_token(file("0123456789abcdef", perms::owner_read | perms::group_read)), "0123456789abcdef");
 }
 
 TEST_F(MonitorToken, WhatIsWrongIsNamed) {
-  expect_error<Error>([&] { monitor_token("", file(" \n")); }, {"token", "holds no token"});
-  expect_error<Error>([&] { monitor_token("", folder_.path() / "none"); }, {"none", "no such file"});
-  expect_error<Error>([&] { monitor_token("given", file("0123456789abcdef")); }, {"token", "give it once"});
+  expect_error<Error>([&] { monitor_token(file(" \n")); }, {"token", "holds no token"});
+  expect_error<Error>([&] { monitor_token(folder_.path() / "none"); }, {"none", "no such file"});
 }
 
 }  // namespace

@@ -7,20 +7,20 @@
 #include <cmath>
 #include <random>
 
+#include "common/base/angle.h"
 #include "common/image/color.h"
 
 namespace sheen {
 namespace {
 
 constexpr int kSamples = 4;
-constexpr double kRadians = M_PI / 180;
 
 /// What a ray that left the ball meets: a room with stripes that stand still, and the lamps. Axes of a list of lights.
 float surroundings(const Eigen::Vector3d& way, const std::vector<FarLamp>& lamps) {
   float light = way.y() > 0 ? 0.06f : 0.03f;
-  if (std::fmod(std::atan2(way.x(), way.z()) / kRadians + 360, 40) < 12) light += 0.05f;
+  if (std::fmod(std::atan2(way.x(), way.z()) / kDegree + 360, 40) < 12) light += 0.05f;
   for (const FarLamp& lamp : lamps)
-    if (way.dot(lamp.towards) > std::cos(lamp.radius_deg * kRadians)) light += lamp.radiance;
+    if (way.dot(lamp.towards) > std::cos(lamp.radius_deg * kDegree)) light += lamp.radiance;
   return light;
 }
 
@@ -56,7 +56,7 @@ std::optional<Eigen::Vector3d> mirrored(const ChromeBallScene& scene, double x, 
 /// Whether some ray of a pixel may meet the ball: saves time.
 bool near_the_ball(const ChromeBallScene& scene, double x, double y) {
   if (!scene.camera) return std::hypot(x - scene.centre.x(), y - scene.centre.y()) < scene.radius + 2;
-  const double reach = std::asin(1 / scene.place.norm()) / kRadians + 2;
+  const double reach = std::asin(1 / scene.place.norm()) / kDegree + 2;
   return angle_deg(scene.camera->ray({x, y}).value(), scene.place) < reach;
 }
 
@@ -99,7 +99,7 @@ ImageF ChromeBallScene::image(const std::vector<FarLamp>& lamps, unsigned seed) 
 
 std::vector<FarLamp> lamps_on_dome(int count, double lowest_deg) {
   std::vector<FarLamp> lamps;
-  const double lowest = std::sin(lowest_deg * kRadians);
+  const double lowest = std::sin(lowest_deg * kDegree);
   for (int i = 0; i < count; ++i) {
     const double z = lowest + (1 - lowest) * (i + 0.5) / count, azimuth = 2.4 * i + 0.3, flat = std::sqrt(1 - z * z);
     lamps.push_back({.towards = {flat * std::cos(azimuth), flat * std::sin(azimuth), z}});
@@ -108,7 +108,7 @@ std::vector<FarLamp> lamps_on_dome(int count, double lowest_deg) {
 }
 
 double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) / kRadians;
+  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
 }  // namespace sheen

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
-#include <numbers>
 #include <vector>
 
+#include "common/base/angle.h"
 #include "common/capture/capture.h"
 #include "reconstructor/models/irradiance_field/irradiance_field.h"
 
@@ -67,7 +67,6 @@ struct LambertianRelief {
 
 /// Rings of lights from 20 degrees above the horizon up to the zenith.
 inline std::vector<Eigen::Vector3d> dome_of_lights(double shift_deg = 0) {
-  constexpr double kDegree = std::numbers::pi / 180;
   std::vector<Eigen::Vector3d> lights;
   for (const auto& [elevation, count] : {std::pair{20, 16}, {40, 12}, {60, 8}, {77, 5}, {90, 1}})
     for (int i = 0; i < count; ++i) {
