@@ -2,7 +2,6 @@
 #include "common/image/color.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>

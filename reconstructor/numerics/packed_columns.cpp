@@ -13,6 +13,7 @@ PackedColumns<Scalar>::PackedColumns(Matrix exact) : rows_(exact.rows()), exact_
 
 template <typename Scalar>
 PackedColumns<Scalar> PackedColumns<Scalar>::fixed_point(const Matrix& columns) {
+  if (columns.cols() == 0) return columns;  // which has its rows
   const auto rows = static_cast<std::size_t>(columns.rows());
   PackedColumns packed;
   packed.rows_ = columns.rows();

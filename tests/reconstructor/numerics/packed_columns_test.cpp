@@ -50,6 +50,11 @@ TEST(PackedColumns, AreTheMatrixItselfWhereTheyAreNotInFixedPoint) {
 TEST(PackedColumns, ZerosStayZeros) {
   EXPECT_EQ(PackedColumns<double>::fixed_point(Eigen::MatrixXd::Zero(5, 2)).unpacked(), Eigen::MatrixXd::Zero(5, 2));
   EXPECT_TRUE(PackedColumns<double>().empty());
+  const auto none = PackedColumns<float>::fixed_point(Eigen::MatrixXf(5, 0));
+  EXPECT_TRUE(none.empty());
+  EXPECT_EQ(none.rows(), 5);
+  EXPECT_EQ(none.unpacked().rows(), 5);
+  EXPECT_EQ(none.leading(3, 0).rows(), 3);
 }
 
 /// Columns as of a camera with noise of this variance, whose factor knows of it or not.
