@@ -31,14 +31,7 @@ class BoundedQueue {
     return push_locked(std::move(value));
   }
 
-  /// Waits for an item; nothing once the queue is closed and drained.
-  std::optional<T> pop() {
-    std::unique_lock lock(mutex_);
-    filled_.wait(lock, [&] { return closed_ || !items_.empty(); });
-    return pop_locked();
-  }
-
-  /// As `pop`, but gives up after `timeout`.
+  /// Waits for an item: nothing once the queue is closed and drained, or after `timeout`.
   std::optional<T> pop_for(std::chrono::milliseconds timeout) {
     std::unique_lock lock(mutex_);
     filled_.wait_for(lock, timeout, [&] { return closed_ || !items_.empty(); });

@@ -186,6 +186,78 @@ MeasuredLevels measured_levels(const std::vector<TradeoffPoint>& points, std::si
   return measured;
 }
 
+Experiment read_experiment(const CaptureSet& captures, std::shared_ptr<const Mesh> mesh, int hold_out_every) {
+  Progress progress("reading", captures.size);
+  const auto read = [&](std::size_t i) {
+    if (stop_requested()) throw Error("stopped before anything was measured");
+    return captures.read(i);
+  };
+  return load_experiment(std::move(mesh), captures.size, read, {.hold_out_every = hold_out_every},
+                         [&](std::size_t done) { progress.update(done); });
+}
+
+/// Of the settings in their order, those that were measured until the user stopped it.
+std::vector<TradeoffPoint> measure_settings(const Experiment& experiment, const std::vector<Setting>& settings,
+                                            PartsUntilStop& parts) {
+  std::vector<TradeoffPoint> points;
+  Progress progress("measuring", settings.size());
+  for (const Setting& setting : settings) {
+    std::optional<TradeoffPoint> point = parts.result([&] { return measure_setting(experiment, setting); });
+    if (!point) break;
+    points.push_back(*std::move(point));
+    progress.update(points.size());
+  }
+  return points;
+}
+
+/// What the number format and the size of patches cost and gain; into the report.
+void study_formats(const Experiment& experiment, const SurfaceLightFieldOptions& base, PartsUntilStop& parts,
+                   nlohmann::json& report) {
+  const auto studies = parts.result([&] {
+    const OnlineRun light_field = build_online(experiment.mesh, experiment.in_order(), base);
+    return std::pair(study_precision(experiment, base, *light_field.model),
+                     study_patches(experiment, base, std::array{1, 2, 4, 8, 16}));
+  });
+  if (!studies) return;
+  print_precision(studies->first);
+  report["precision"] = precision_to_json(studies->first);
+  print_patches(studies->second);
+  report["patches"] = patches_to_json(studies->second);
+}
+
+void write_scene(const std::filesystem::path& file, const SurfaceLightFieldOptions& base,
+                 const MeasuredLevels& levels) {
+  write_file(file,
+             to_toml(base) + "\n# What --budget and --target can choose from, as measured.\n" + levels_to_toml(levels));
+  std::printf("\n%s: give it to build or serve with --config; --budget and --target then use these figures\n",
+              file.c_str());
+}
+
+nlohmann::json points_to_json(const std::vector<TradeoffPoint>& points, const Frontiers& frontiers, bool with_scenes) {
+  nlohmann::json list = nlohmann::json::array();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    nlohmann::json point = point_to_json(points[i]);
+    if (!with_scenes) point.erase("scene");
+    point["frontier_time"] = contains(frontiers.by_time, i);
+    point["frontier_cpu"] = contains(frontiers.by_cpu, i);
+    point["frontier_bytes"] = contains(frontiers.by_bytes, i);
+    list.push_back(std::move(point));
+  }
+  return list;
+}
+
+nlohmann::json choose_and_print(const std::vector<TradeoffPoint>& points, const Limits& limits) {
+  const TradeoffChoice choice = choose_setting(points, limits);
+  const TradeoffPoint& chosen = points[choice.index];
+  std::printf("\n%s: %s\n%.1f ms per image, %.1f MB, %.2f dB%s\n\n%s", describe(limits).c_str(),
+              chosen.setting.name.c_str(), chosen.image_ms, chosen.bytes / 1e6, chosen.psnr_db,
+              choice.holds ? "" : ": no measured setting keeps all limits; this one comes nearest",
+              to_toml(chosen.setting.options).c_str());
+  nlohmann::json json = point_to_json(chosen);
+  json["holds"] = choice.holds;
+  return json;
+}
+
 void tradeoff(const TradeoffArguments& arguments) {
   const Limits limits = parse_limits(arguments.budget, arguments.target, arguments.memory);
   install_stop_signals();
@@ -197,79 +269,32 @@ void tradeoff(const TradeoffArguments& arguments) {
     check_writable_folder(arguments.out);
     make_folder(arguments.out);
   }
-  const auto mesh = std::make_shared<Mesh>(load_mesh_and_warn(arguments.mesh, base, captures.cameras));
-  Experiment experiment;
-  {
-    Progress progress("reading", captures.size);
-    const auto read = [&](std::size_t i) {
-      if (stop_requested()) throw Error("stopped before anything was measured");
-      return captures.read(i);
-    };
-    experiment = load_experiment(mesh, captures.size, read, {.hold_out_every = base.hold_out_every},
-                                 [&](std::size_t done) { progress.update(done); });
-  }
+  const Experiment experiment =
+      read_experiment(captures, std::make_shared<Mesh>(load_mesh_and_warn(arguments.mesh, base, captures.cameras)),
+                      base.hold_out_every);
   std::vector<Setting> settings = arguments.parts ? part_settings(base) : tradeoff_settings(base, arguments.quick);
   const std::size_t first_level = settings.size();
   if (!arguments.parts)
     for (Setting& setting : effort_level_settings(base)) settings.push_back(std::move(setting));
-  std::vector<TradeoffPoint> points;
+
   PartsUntilStop parts;
-  {
-    Progress progress("measuring", settings.size());
-    for (const Setting& setting : settings) {
-      std::optional<TradeoffPoint> point = parts.result([&] { return measure_setting(experiment, setting); });
-      if (!point) break;
-      points.push_back(*std::move(point));
-      progress.update(points.size());
-    }
-  }
+  const std::vector<TradeoffPoint> points = measure_settings(experiment, settings, parts);
   if (parts.stopped()) std::fprintf(stderr, "stopped after %zu of %zu settings\n", points.size(), settings.size());
   if (points.empty()) return;
 
   const Frontiers frontiers(points);
   print_table(points, frontiers);
+  // There are no keys in a scene file for what is built in.
   nlohmann::json report{{"training_images", experiment.training.size()},
                         {"held_out_views", experiment.held_out.size()},
-                        {"points", nlohmann::json::array()}};
-  if (!parts.stopped() && !arguments.parts) {
-    const auto studies = parts.result([&] {
-      const OnlineRun light_field = build_online(experiment.mesh, experiment.in_order(), base);
-      return std::pair(study_precision(experiment, base, *light_field.model),
-                       study_patches(experiment, base, std::array{1, 2, 4, 8, 16}));
-    });
-    if (studies) {
-      print_precision(studies->first);
-      report["precision"] = precision_to_json(studies->first);
-      print_patches(studies->second);
-      report["patches"] = patches_to_json(studies->second);
-    }
+                        {"points", points_to_json(points, frontiers, !arguments.parts)}};
+  if (!parts.stopped() && !arguments.parts) study_formats(experiment, base, parts, report);
+  if (!arguments.out.empty()) {
+    write_plots(points, frontiers, arguments.dataset, arguments.out);
+    if (!arguments.parts && points.size() == settings.size())
+      write_scene(std::filesystem::path(arguments.out) / "scene.toml", base, measured_levels(points, first_level));
   }
-  if (!arguments.out.empty()) write_plots(points, frontiers, arguments.dataset, arguments.out);
-  if (!arguments.out.empty() && !arguments.parts && points.size() == settings.size()) {
-    const std::filesystem::path file = std::filesystem::path(arguments.out) / "scene.toml";
-    write_file(file, to_toml(base) + "\n# What --budget and --target can choose from, as measured.\n" +
-                         levels_to_toml(measured_levels(points, first_level)));
-    std::printf("\n%s: give it to build or serve with --config; --budget and --target then use these figures\n",
-                file.c_str());
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    nlohmann::json point = point_to_json(points[i]);
-    if (arguments.parts) point.erase("scene");  // there are no keys for what is built in
-    point["frontier_time"] = contains(frontiers.by_time, i);
-    point["frontier_cpu"] = contains(frontiers.by_cpu, i);
-    point["frontier_bytes"] = contains(frontiers.by_bytes, i);
-    report["points"].push_back(std::move(point));
-  }
-  if (!limits.empty()) {
-    const TradeoffChoice choice = choose_setting(points, limits);
-    const TradeoffPoint& chosen = points[choice.index];
-    std::printf("\n%s: %s\n%.1f ms per image, %.1f MB, %.2f dB%s\n\n%s", describe(limits).c_str(),
-                chosen.setting.name.c_str(), chosen.image_ms, chosen.bytes / 1e6, chosen.psnr_db,
-                choice.holds ? "" : ": no measured setting keeps all limits; this one comes nearest",
-                to_toml(chosen.setting.options).c_str());
-    report["choice"] = point_to_json(chosen);
-    report["choice"]["holds"] = choice.holds;
-  }
+  if (!limits.empty()) report["choice"] = choose_and_print(points, limits);
   json.write(to_text(report));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -15,9 +16,15 @@ namespace {
 // A light field for each order is what takes the time: of the random ones, so many are built.
 constexpr std::size_t kRandomForPsnr = 4;
 
+constexpr const char* kRandom = "random";
+constexpr const char* kRising = "sorted, rising";
+constexpr const char* kFalling = "sorted, falling";
+
 struct Order {
   std::string name;
   std::vector<std::uint32_t> images;
+
+  std::string label() const { return name == kRandom ? "" : name; }
 };
 
 /// The images by what they show of the object: sum of squares of all columns.
@@ -41,110 +48,136 @@ std::vector<Order> image_orders(const BatchLightField& light_field, int random, 
   for (int k = 0; k < random; ++k) {
     std::vector<std::uint32_t> shuffled = sorted;
     std::shuffle(shuffled.begin(), shuffled.end(), generator);
-    orders.push_back({"random", std::move(shuffled)});
+    orders.push_back({kRandom, std::move(shuffled)});
   }
   std::vector<std::uint32_t> taken = sorted;
   std::sort(taken.begin(), taken.end());
   orders.push_back({"as taken", std::move(taken)});
-  orders.push_back({"sorted, rising", sorted});
+  orders.push_back({kRising, sorted});
   std::reverse(sorted.begin(), sorted.end());
-  orders.push_back({"sorted, falling", std::move(sorted)});
+  orders.push_back({kFalling, std::move(sorted)});
   return orders;
+}
+
+std::vector<std::vector<int>> columns_in(const Order& order, const std::vector<PatchMatrix>& patches) {
+  if (order.name == kRising) return orders_by_norm(patches, true);
+  if (order.name == kFalling) return orders_by_norm(patches, false);
+  return orders_by_image(patches, order.images);
+}
+
+/// A plot over the orders: a series of markers for each way of factorizing, and the level that batch reaches.
+struct OrderPlot {
+  Plot plot;
+  double batch = 0;
+
+  OrderPlot(std::string title, std::string y, PlotLevel level, const std::vector<std::string>& series)
+      : plot{.title = std::move(title), .x = {.label = "order of the images"}, .y = {.label = std::move(y)}},
+        batch(level.y) {
+    plot.levels.push_back(std::move(level));
+    for (const std::string& name : series) plot.series.push_back({.name = name, .style = PlotStyle::kMarkers});
+  }
+
+  /// The first series is labelled: where two have much the same value, labels would lie on each other.
+  void add(std::size_t order, const std::string& label, const std::vector<double>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      plot.series[i].add(static_cast<double>(order + 1), values[i]);
+      plot.series[i].labels.push_back(i == 0 ? label : "");
+    }
+  }
+
+  bool empty() const { return plot.series[0].y.empty(); }
+  double most(std::size_t series) const { return *std::ranges::max_element(plot.series[series].y); }
+  double least() const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const PlotSeries& series : plot.series)
+      for (const double y : series.y) least = std::min(least, y);
+    return least;
+  }
+};
+
+/// Online factorizations of a rank, which keep as many terms inside, or twice as many.
+struct Ranks {
+  OnlineSvdOptions same, twice;
+  explicit Ranks(int rank)
+      : same{.max_rank = rank, .internal_rank = rank, .tolerance = 0},
+        twice{.max_rank = rank, .internal_rank = 2 * rank, .tolerance = 0} {}
+  static std::vector<std::string> names() { return {"online, same rank inside", "online, twice the rank inside"}; }
+};
+
+OrderPlot errors_of(const std::vector<Order>& orders, const std::vector<PatchMatrix>& patches, int rank) {
+  OrderPlot plot(format("Total error of %zu orders (figure 11)", orders.size()),
+                 format("relative error of all patches, rank %d", rank), {"PCA", batch_error(patches, rank)},
+                 Ranks::names());
+  const Ranks ranks(rank);
+  for (std::size_t k = 0; k < orders.size() && !patches.empty(); ++k) {
+    const auto columns = columns_in(orders[k], patches);
+    plot.add(k, orders[k].label(),
+             {online_error(patches, columns, ranks.same), online_error(patches, columns, ranks.twice)});
+  }
+  return plot;
+}
+
+OrderPlot surprises_of(const std::vector<Order>& orders, const std::vector<PatchMatrix>& holed, int rank) {
+  OrderPlot plot(format("Patches with missing values in %zu orders (figure 11)", orders.size()),
+                 "-log likelihood of known values (nats per value)",
+                 {"batch, missing values by expectation maximisation", batch_surprise(holed, rank)}, Ranks::names());
+  const Ranks ranks(rank);
+  for (std::size_t k = 0; k < orders.size() && !holed.empty(); ++k) {
+    const auto columns = orders_by_image(holed, orders[k].images);
+    plot.add(k, orders[k].label(),
+             {online_surprise(holed, columns, ranks.same), online_surprise(holed, columns, ranks.twice)});
+  }
+  return plot;
+}
+
+OrderPlot psnrs_of(const std::vector<Order>& orders, const Experiment& experiment, double batch_db,
+                   const SurfaceLightFieldOptions& model) {
+  OrderPlot plot("Held-out PSNR and the order of the images (figure 11)", "held-out PSNR (dB)", {"batch", batch_db},
+                 {"online light field"});
+  for (std::size_t k = 0; k < orders.size(); ++k) {
+    if (orders[k].label().empty() && k >= kRandomForPsnr) continue;
+    std::vector<const Capture*> captures;
+    for (const std::uint32_t i : orders[k].images) captures.push_back(&experiment.training[i]);
+    const OnlineRun run = build_online(experiment.mesh, captures, model);
+    plot.add(k, orders[k].label(), {mean_psnr_db(experiment.held_out, *fill_unseen(*run.model), *experiment.painter)});
+  }
+  return plot;
 }
 
 }  // namespace
 
 Figure figure_orders(const Experiment& experiment, const BatchRun& batch, const FigureOptions& options) {
   const std::vector<Order> orders = image_orders(*batch.columns, options.quick ? 4 : 20, options.seed);
-  const std::vector<PatchMatrix> patches = whole_patches(*batch.columns, 16, options.quick ? 100 : 400);
-  const OnlineSvdOptions paper{.max_rank = options.rank, .internal_rank = options.rank, .tolerance = 0};
-  const OnlineSvdOptions ours{.max_rank = options.rank, .internal_rank = 2 * options.rank, .tolerance = 0};
-  const double best = batch_error(patches, options.rank);
-  const std::vector<PatchMatrix> holed = patches_with_holes(*batch.columns, 16, options.quick ? 30 : 100);
-  const double best_surprise = batch_surprise(holed, options.rank);
+  OrderPlot error = errors_of(orders, whole_patches(*batch.columns, 16, options.quick ? 100 : 400), options.rank);
+  OrderPlot unlikely =
+      surprises_of(orders, patches_with_holes(*batch.columns, 16, options.quick ? 30 : 100), options.rank);
+  OrderPlot psnr = psnrs_of(orders, experiment, batch.psnr_db, options.model);
 
-  Plot error{.title = format("Total error of %zu orders (figure 11)", orders.size()),
-             .x = {.label = "order of the images"},
-             .y = {.label = format("relative error of all patches, rank %d", options.rank)}};
-  error.levels.push_back({"PCA", best});
-  error.series.push_back({.name = "online, same rank inside", .style = PlotStyle::kMarkers});
-  error.series.push_back({.name = "online, twice the rank inside", .style = PlotStyle::kMarkers});
-  Plot unlikely{.title = format("Patches with missing values in %zu orders (figure 11)", orders.size()),
-                .x = {.label = "order of the images"},
-                .y = {.label = "-log likelihood of known values (nats per value)"}};
-  unlikely.levels.push_back({"batch, missing values by expectation maximisation", best_surprise});
-  unlikely.series.push_back({.name = "online, same rank inside", .style = PlotStyle::kMarkers});
-  unlikely.series.push_back({.name = "online, twice the rank inside", .style = PlotStyle::kMarkers});
-  Plot worth{.title = "Held-out PSNR and the order of the images (figure 11)",
-             .x = {.label = "order of the images"},
-             .y = {.label = "held-out PSNR (dB)"}};
-  worth.levels.push_back({"batch", batch.psnr_db});
-  worth.series.push_back({.name = "online light field", .style = PlotStyle::kMarkers});
-  double worst_error = 0, least_error = 1e9, worst_capped = 0, worst_psnr = 1e9, best_psnr = 0;
-  double worst_surprise = -1e9, least_surprise = 1e9;
-  for (std::size_t k = 0; k < orders.size(); ++k) {
-    const std::string& name = orders[k].name;
-    const std::string label = name == "random" ? "" : name;
-    const auto columns = name == "sorted, rising"    ? orders_by_norm(patches, true)
-                         : name == "sorted, falling" ? orders_by_norm(patches, false)
-                                                     : orders_by_image(patches, orders[k].images);
-    const double at = static_cast<double>(k + 1);
-    const double capped = online_error(patches, columns, paper), doubled = online_error(patches, columns, ours);
-    error.series[0].add(at, capped);
-    error.series[1].add(at, doubled);
-    error.series[0].labels.push_back(label);
-    error.series[1].labels.push_back("");
-    worst_capped = std::max(worst_capped, capped);
-    worst_error = std::max(worst_error, doubled);
-    least_error = std::min({least_error, capped, doubled});
-    if (!holed.empty()) {
-      const auto visits = orders_by_image(holed, orders[k].images);
-      const double of_capped = online_surprise(holed, visits, paper), of_doubled = online_surprise(holed, visits, ours);
-      unlikely.series[0].add(at, of_capped);
-      unlikely.series[1].add(at, of_doubled);
-      unlikely.series[0].labels.push_back(label);
-      unlikely.series[1].labels.push_back("");
-      worst_surprise = std::max(worst_surprise, of_doubled);
-      least_surprise = std::min({least_surprise, of_capped, of_doubled});
-    }
-
-    if (!label.empty() || k < kRandomForPsnr) {
-      std::vector<const Capture*> captures;
-      for (const std::uint32_t i : orders[k].images) captures.push_back(&experiment.training[i]);
-      const OnlineRun run = build_online(experiment.mesh, captures, options.model);
-      const double psnr = mean_psnr_db(experiment.held_out, *fill_unseen(*run.model), *experiment.painter);
-      worth.series[0].add(at, psnr);
-      worth.series[0].labels.push_back(label);
-      worst_psnr = std::min(worst_psnr, psnr);
-      best_psnr = std::max(best_psnr, psnr);
-    }
-  }
   Figure figure{.number = 11, .title = "Order of the images"};
   figure.paper = "Random orders have more error than PCA and differ; the one sorted by norm is the worst.";
   const std::string errors =
-      patches.empty() ? "No patch is seen whole by 16 images."
-                      : format("Error over PCA's in the worst: %.3f with the same rank inside, %.4f with twice.",
-                               worst_capped / best, worst_error / best);
+      error.empty() ? "No patch is seen whole by 16 images."
+                    : format("Error over PCA's in the worst: %.3f with the same rank inside, %.4f with twice.",
+                             error.most(0) / error.batch, error.most(1) / error.batch);
   const std::string likelihoods =
-      holed.empty() ? ""
-                    : format(
-                          " Patches with missing values, -log likelihood of what is known beyond batch's: %.4f to %.4f "
-                          "nats per value.",
-                          least_surprise - best_surprise, worst_surprise - best_surprise);
-  const double behind = batch.psnr_db - worst_psnr;
+      unlikely.empty() ? ""
+                       : format(
+                             " Patches with missing values, -log likelihood of what is known beyond batch's: %.4f "
+                             "to %.4f nats per value.",
+                             unlikely.least() - unlikely.batch, unlikely.most(1) - unlikely.batch);
+  const double behind = batch.psnr_db - psnr.least();
   figure.ours = format(
       "Rank %d, %zu orders. %s%s Held-out PSNR in %zu of them %.2f to %.2f dB, batch %.2f dB: the worst order is %.2f "
-      "dB %s (goal: at "
-      "most 0.1 dB behind).",
-      options.rank, orders.size(), errors.c_str(), likelihoods.c_str(), worth.series[0].x.size(), worst_psnr, best_psnr,
-      batch.psnr_db, std::abs(behind), behind > 0 ? "behind" : "ahead");
+      "dB %s (goal: at most 0.1 dB behind).",
+      options.rank, orders.size(), errors.c_str(), likelihoods.c_str(), psnr.plot.series[0].x.size(), psnr.least(),
+      psnr.most(0), batch.psnr_db, std::abs(behind), behind > 0 ? "behind" : "ahead");
   constexpr double kRounding = 1e-6;
-  const bool never_ahead = (patches.empty() || least_error >= best * (1 - kRounding)) &&
-                           (holed.empty() || least_surprise >= best_surprise - kRounding);
+  const bool never_ahead = (error.empty() || error.least() >= error.batch * (1 - kRounding)) &&
+                           (unlikely.empty() || unlikely.least() >= unlikely.batch - kRounding);
   figure.holds = never_ahead && behind <= 0.1;
-  if (!patches.empty()) figure.plots.push_back({"figure_11_orders_error", std::move(error)});
-  if (!holed.empty()) figure.plots.push_back({"figure_11_orders_likelihood", std::move(unlikely)});
-  figure.plots.push_back({"figure_11_orders_psnr", std::move(worth)});
+  if (!error.empty()) figure.plots.push_back({"figure_11_orders_error", std::move(error.plot)});
+  if (!unlikely.empty()) figure.plots.push_back({"figure_11_orders_likelihood", std::move(unlikely.plot)});
+  figure.plots.push_back({"figure_11_orders_psnr", std::move(psnr.plot)});
   return figure;
 }
 

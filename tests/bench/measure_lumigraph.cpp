@@ -18,8 +18,8 @@
 #include "reconstructor/models/intrinsic_lumigraph/image_geometry.h"
 #include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph.h"
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_painter.h"
-#include "reconstructor/models/intrinsic_lumigraph/plane_sweep.h"
 #include "reconstructor/radiance/radiance_image.h"
+#include "reconstructor/studies/depth_merging.h"
 #include "tests/bench/goal_rows.h"
 #include "tests/support/light_rig_captures.h"
 

@@ -18,7 +18,6 @@ constexpr float kMostDifference = 0.15f;  // of encoded values: beyond it anothe
 constexpr double kStep = 0.015;           // of the depth: more of it within a window is the edge of a surface
 constexpr double kPlaneStep = 0.5;        // pixels
 constexpr std::size_t kFewestPlanes = 24, kMostPlanes = 160;
-constexpr double kNoConfidence = 1e-12;
 constexpr std::size_t kNeighbours = 8, kNear = 24;
 
 cv::Mat as_mat(const ImageF& image) {
@@ -157,26 +156,6 @@ ImageF smoothed_depth(const ImageF& depth) {
   cv::dilate(twice, high, square, {-1, -1}, 1, cv::BORDER_REPLICATE);
   twice.copyTo(smooth);
   mean.copyTo(smooth, (high - low) < kStep * twice);
-  return out;
-}
-
-ImageF merge_depths(std::span<const ImageF> depths, std::span<const ImageF> confidences) {
-  ImageF merged(depths[0].width(), depths[0].height(), 1);
-  for (std::size_t i = 0; i < merged.size(); ++i) {
-    double weights = kNoConfidence, sum = kNoConfidence * depths[0].data()[i];
-    for (std::size_t n = 0; n < depths.size(); ++n) {
-      sum += static_cast<double>(confidences[n].data()[i]) * depths[n].data()[i];
-      weights += confidences[n].data()[i];
-    }
-    merged.data()[i] = static_cast<float>(sum / weights);
-  }
-  return merged;
-}
-
-ImageF texture_confidence(const ImageF& grey) {
-  ImageF out(grey.width(), grey.height(), 1);
-  cv::Mat eigenvalue = as_mat(out);
-  cv::cornerMinEigenVal(as_mat(grey), eigenvalue, 5);
   return out;
 }
 

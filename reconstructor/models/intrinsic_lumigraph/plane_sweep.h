@@ -42,12 +42,6 @@ class SweepCosts {
 /// Medians over 5 x 5 pixels, twice, and their mean over 5 x 5 where the surface is smooth.
 ImageF smoothed_depth(const ImageF& depth);
 
-/// 001 eq. 1: the mean of depth maps, weighted by their confidences.
-ImageF merge_depths(std::span<const ImageF> depths, std::span<const ImageF> confidences);
-
-/// 001 eq. 2 to 4: the smaller eigenvalue of the structure tensor over 5 x 5 pixels, another confidence.
-ImageF texture_confidence(const ImageF& grey);
-
 /// Of `count` views, eight (or all, where they are fewer) of those near a view that stand far from each other.
 std::vector<std::size_t> spread_neighbours(std::span<const PosedCamera> cameras, std::size_t view);
 
