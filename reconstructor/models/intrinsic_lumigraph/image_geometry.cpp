@@ -42,27 +42,43 @@ const ImageF* radiance_in(const CapturedView& view, int light) {
   return found == view.lights.end() ? nullptr : &view.radiance[static_cast<std::size_t>(found - view.lights.begin())];
 }
 
-/// Costs of the planes before a view in one light; none where no neighbour has it. The planes are those of all its
-/// neighbours, whichever have the light.
-std::optional<SweepCosts> costs_in_light(std::span<const CapturedView> views, std::size_t view, int light) {
-  const std::vector<PosedCamera> cameras = cameras_of(views);
-  const ImageF* radiance = radiance_in(views[view], light);
-  if (!radiance) return std::nullopt;
-  std::vector<SweepImage> beside, others;
-  std::vector<ImageF> greys;
-  greys.reserve(cameras.size());
-  for (const std::size_t n : spread_neighbours(cameras, view)) {
-    beside.push_back({cameras[n], nullptr});
-    const ImageF* image = radiance_in(views[n], light);
-    if (!image) continue;
-    greys.push_back(encoded_brightness(*image));
-    others.push_back({cameras[n], &greys.back()});
-  }
-  if (others.empty()) return std::nullopt;
-  const ImageF grey = encoded_brightness(*radiance);
-  const double z = distance_of_object(cameras[view]);
-  return SweepCosts({cameras[view], &grey}, others, sweep_planes(cameras[view], beside, kNearest * z, kFarthest * z));
+/// A view and its neighbours in one light, as eyes see them.
+struct ImagesInLight {
+  std::vector<ImageF> greys;  ///< what the others point to
+  SweepImage view;
+  std::vector<SweepImage> others;
+};
+/// None where no neighbour has the light.
+std::optional<ImagesInLight> images_in_light(std::span<const CapturedView> views, std::size_t view,
+                                             std::span<const std::size_t> neighbours, int light) {
+  ImagesInLight images;
+  images.greys.reserve(neighbours.size() + 1);
+  const auto image_of = [&](std::size_t v) {
+    const ImageF* radiance = radiance_in(views[v], light);
+    if (radiance) images.greys.push_back(encoded_brightness(*radiance));
+    return SweepImage{views[v].from, radiance ? &images.greys.back() : nullptr};
+  };
+  images.view = image_of(view);
+  for (const std::size_t n : neighbours)
+    if (const SweepImage image = image_of(n); image.grey) images.others.push_back(image);
+  if (!images.view.grey || images.others.empty()) return std::nullopt;
+  return images;
 }
+
+/// A view's sweep: its neighbours, whichever lights they have, and the planes.
+struct Sweep {
+  std::vector<std::size_t> neighbours;
+  std::vector<double> planes;
+
+  Sweep(std::span<const CapturedView> views, std::size_t view) {
+    const std::vector<PosedCamera> cameras = cameras_of(views);
+    neighbours = spread_neighbours(cameras, view);
+    std::vector<SweepImage> beside;
+    for (const std::size_t n : neighbours) beside.push_back({cameras[n], nullptr});
+    const double z = distance_of_object(cameras[view]);
+    planes = sweep_planes(cameras[view], beside, kNearest * z, kFarthest * z);
+  }
+};
 
 ImageF flat_depth(const CapturedView& view) {
   return ImageF(view.from.camera.width, view.from.camera.height, 1, static_cast<float>(distance_of_object(view.from)));
@@ -102,23 +118,33 @@ bool is_view_plane(const Mesh& mesh) {
 }
 
 ImageF swept_depth(std::span<const CapturedView> views, std::size_t view) {
+  const Sweep sweep(views, view);
   std::optional<SweepCosts> sum;
   for (const int light : views[view].lights) {
-    std::optional<SweepCosts> costs = costs_in_light(views, view, light);
-    if (!costs) continue;
+    const auto images = images_in_light(views, view, sweep.neighbours, light);
+    if (!images) continue;
+    SweepCosts costs(images->view, images->others, sweep.planes);
     if (sum)
-      *sum += *costs;
+      *sum += costs;
     else
       sum = std::move(costs);
   }
-  return sum ? smoothed_depth(sum->depth()) : flat_depth(views[view]);
+  if (!sum) return flat_depth(views[view]);
+  RefinedDepth refined(sweep.planes, sum->best_planes());
+  sum.reset();
+  for (const int light : views[view].lights)
+    if (const auto images = images_in_light(views, view, sweep.neighbours, light))
+      refined.add(images->view, images->others);
+  return smoothed_depth(refined.depth());
 }
 
 DepthInLight swept_depth_in_light(std::span<const CapturedView> views, std::size_t view, int light) {
-  const std::optional<SweepCosts> costs = costs_in_light(views, view, light);
+  const Sweep sweep(views, view);
+  const auto images = images_in_light(views, view, sweep.neighbours, light);
   const Camera& camera = views[view].from.camera;
-  if (!costs) return {flat_depth(views[view]), ImageF(camera.width, camera.height, 1)};
-  return {costs->depth(), costs->confidence()};
+  if (!images) return {flat_depth(views[view]), ImageF(camera.width, camera.height, 1)};
+  const SweepCosts costs(images->view, images->others, sweep.planes);
+  return {costs.depth(), costs.confidence()};
 }
 
 LumigraphData lumigraph_of_images(std::vector<CapturedView> views, const LightSet& lights) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -20,7 +21,7 @@ struct SweepImage {
 std::vector<double> sweep_planes(const PosedCamera& from, std::span<const SweepImage> others, double near, double far);
 
 /// How well a view's image agrees with its neighbours', per plane and pixel (after Kang, Szeliski and Chai 2001, as 001
-/// sec. 4.2 uses it): mean absolute difference over a window, of those half of the neighbours that agree best, by the
+/// sec. 4.2 uses it): mean absolute difference over a window, of the two of eight neighbours that agree best, by the
 /// best of the windows that the pixel lies in.
 class SweepCosts {
  public:
@@ -29,6 +30,7 @@ class SweepCosts {
   /// Adds those of another light, seen from the same places.
   SweepCosts& operator+=(const SweepCosts& other);
 
+  Image<std::uint16_t> best_planes() const;  ///< per pixel
   /// z in camera coordinates of the best plane, refined between planes by a parabola.
   ImageF depth() const;
   /// Variance of the cost over the planes, pooled over 5 x 5 pixels (001 eq. 1): how clearly one plane is best.
@@ -37,6 +39,22 @@ class SweepCosts {
  private:
   std::vector<double> planes_;
   std::vector<ImageF> costs_;  ///< per plane
+};
+
+/// Depth between the planes that were chosen per pixel. What a plane is chosen by is not accurate: its windows are
+/// large and shift. Small ones that stay where they are tell a third to a sixth of its error, once the plane is known.
+class RefinedDepth {
+ public:
+  RefinedDepth(std::vector<double> planes, Image<std::uint16_t> best);
+  /// Images in one light.
+  void add(const SweepImage& view, std::span<const SweepImage> others);
+  ImageF depth() const;  ///< z in camera coordinates
+
+ private:
+  std::vector<double> planes_;
+  Image<std::uint16_t> best_;
+  std::vector<PixelBox> parts_;  ///< per plane: what has it for one of the three
+  ImageF costs_;                 ///< per pixel: of the plane before the best one, of that, of the one behind
 };
 
 /// Medians over 5 x 5 pixels, twice, and their mean over 5 x 5 where the surface is smooth.

@@ -59,9 +59,14 @@ ViewBlend::ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eig
 }
 
 std::optional<Eigen::Vector3f> ViewBlend::along(const Eigen::Vector3f& eye, const Eigen::Vector3f& guess) const {
+  for (const Prepared& prepared : views_)
+    if (const auto point = along(*prepared.view, eye, guess)) return point;
+  return std::nullopt;
+}
+
+std::optional<Eigen::Vector3f> ViewBlend::along(const IntrinsicView& view, const Eigen::Vector3f& eye,
+                                                const Eigen::Vector3f& guess) {
   constexpr int kSteps = 8;
-  if (views_.empty()) return std::nullopt;
-  const IntrinsicView& view = *views_.front().view;
   const DepthPoints surface(view.from);
   const Eigen::Vector3f direction = (guess - eye).normalized();
   Eigen::Vector3f point = guess;

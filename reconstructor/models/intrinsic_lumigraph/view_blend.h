@@ -25,13 +25,17 @@ class ViewBlend {
   /// A view counts where its depth agrees with the point's.
   Colours at(const Eigen::Vector3f& point) const;
 
-  /// Where a ray first meets what the heaviest view shows, by its depth map; `guess`: a point of the ray.
+  /// Where a ray meets what a view shows, by its depth map: the heaviest view in whose image that is. None where it is
+  /// beside all of them. `guess`: a point of the ray.
   std::optional<Eigen::Vector3f> along(const Eigen::Vector3f& eye, const Eigen::Vector3f& guess) const;
 
   bool empty() const { return views_.empty(); }
   const IntrinsicView& nearest() const { return *views_.front().view; }
 
  private:
+  static std::optional<Eigen::Vector3f> along(const IntrinsicView& view, const Eigen::Vector3f& eye,
+                                              const Eigen::Vector3f& guess);
+
   struct Prepared {
     std::shared_ptr<const IntrinsicView> view;
     float weight = 1;

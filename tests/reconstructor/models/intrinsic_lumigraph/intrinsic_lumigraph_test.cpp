@@ -7,6 +7,7 @@
 
 #include "common/base/errors.h"
 #include "common/image/image_metrics.h"
+#include "reconstructor/models/intrinsic_lumigraph/image_geometry.h"
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_painter.h"
 #include "reconstructor/render/ray_painter.h"
 #include "tests/reconstructor/models/intrinsic_lumigraph/small_rig.h"
@@ -81,6 +82,17 @@ TEST_F(IntrinsicLumigraphTest, BetweenViewsItIsSharperThanInterpolation) {
   const LightState& light = rig().midway_lights()[3];
   const ImageF truth = rig().picture(between, light).radiance;
   EXPECT_GT(psnr(painter.paint(between, light), truth), psnr(painter.paint_interpolated(between, light), truth) + 6);
+}
+
+/// At either border of a picture from between two views, one of them shows nothing.
+TEST_F(IntrinsicLumigraphTest, WithoutAMeshNoBorderOfAViewIsSeen) {
+  SmallRig images;
+  images.mesh = std::make_shared<const Mesh>(view_plane(images.rig.central_camera()));
+  const auto model = images.model();
+  LumigraphPainter painter(SmallRig::snapshot_of(*model));
+  const PosedCamera between = rig().camera_at(0.5, 0);
+  const ImageF picture = painter.paint(between, rig().lights()[3]);
+  for (int x = 0; x < picture.width(); ++x) EXPECT_GT(picture.at(x, 60, 1), 0.01f) << "column " << x;
 }
 
 TEST_F(IntrinsicLumigraphTest, TheRayPainterAndTheQuickOneAgree) {
