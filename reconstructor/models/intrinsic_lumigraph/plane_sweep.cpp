@@ -53,8 +53,8 @@ cv::Mat sum_of_two_lowest(const std::array<cv::Mat, kNeighbours>& costs) {
   return lowest + second;
 }
 
-/// The lower half of them: two sorted quartets, of which the lowest four are
-/// the lower ones of each pair that is matched from opposite ends.
+/// The lower half of them: two sorted quartets, of which the lowest four are the lower ones of each pair that is
+/// matched from opposite ends.
 cv::Mat sum_of_lower_half(std::array<cv::Mat, kNeighbours>& costs) {
   cv::Mat low;
   const auto order = [&](std::size_t a, std::size_t b) {
