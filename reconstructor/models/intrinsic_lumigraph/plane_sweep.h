@@ -42,7 +42,7 @@ class SweepCosts {
 };
 
 /// Depth between the planes that were chosen per pixel. What a plane is chosen by is not accurate: its windows are
-/// large and shift. Small ones that stay where they are tell a third to a sixth of its error, once the plane is known.
+/// large and shift. Small ones that stay where they are have less error once the plane is known.
 class RefinedDepth {
  public:
   RefinedDepth(std::vector<double> planes, Image<std::uint16_t> best);
