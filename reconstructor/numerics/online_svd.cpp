@@ -221,8 +221,9 @@ double BasicOnlineSvd<Scalar>::bytes_for(double rows, double terms, double colum
   const double padded = rows + row_panels::kPadding;  // to whole vectors
   const double view = kViewEntry + padded / 8 + sizeof(std::int16_t) * sketched;
   const double value = packed ? sizeof(std::int16_t) : sizeof(Scalar);
-  return value * padded * (terms + columns) + sizeof(Scalar) * terms * views + 2 * sizeof(double) * terms * terms +
-         padded / 8 + views * view;
+  const double grams = packed ? 1.5 : 2;  // G, of which one triangle will do, and how merged views scattered
+  return value * padded * (terms + columns) + sizeof(Scalar) * terms * views +
+         sizeof(double) * (grams * terms * terms + terms) + padded / 8 + views * view;
 }
 
 template class BasicOnlineSvd<float>;

@@ -92,7 +92,7 @@ class BasicOnlineSvd {
   Matrix displayed_coefficients() const {
     return missing_.displayed_coefficients(basis_.opened(), views_, row_noise());
   }
-  const Eigen::MatrixXd& gram() const { return basis_.gram(); }
+  Eigen::MatrixXd gram() const { return basis_.gram(); }
   /// Squared singular values of the folded columns (each times the root of its weight), descending.
   const Eigen::VectorXd& spectrum() const { return basis_.spectrum(); }
   double energy() const { return basis_.energy(); }     ///< sum of w ||c||^2 over the folded columns

@@ -76,14 +76,14 @@ struct SvdBasis<Scalar>::Rotation {
 template <typename Scalar>
 double SvdBasis<Scalar>::displayed_error() const {
   const double all = energy();
-  double unshown = lost_;
-  for (int i = displayed_; i < rank_; ++i) unshown += gram_(i, i);
+  const double unshown = lost_ + gram_diagonal().tail(rank_ - displayed_).sum();
   return all > 0 ? std::sqrt(unshown / all) : 0;
 }
 
 template <typename Scalar>
 std::size_t SvdBasis<Scalar>::bytes() const {
-  return sizeof(Scalar) * basis_.size() + packed_.bytes() + sizeof(double) * (gram_.size() + spectrum_.size());
+  return sizeof(Scalar) * basis_.size() + packed_.bytes() + packed_gram_.bytes() +
+         sizeof(double) * (gram_.size() + spectrum_.size());
 }
 
 template <typename Scalar>
@@ -111,6 +111,8 @@ void SvdBasis<Scalar>::close() {
   if (rank_ == 0) return;
   packed_ = PackedColumns<Scalar>::fixed_point(basis_);
   basis_ = Matrix();
+  packed_gram_ = PackedGram(gram(), displayed_);
+  gram_ = Eigen::MatrixXd();
 }
 
 template <typename Scalar>
@@ -118,6 +120,7 @@ void SvdBasis<Scalar>::open() {
   if (packed_.empty()) return;
   basis_ = packed_.unpacked();
   packed_ = {};
+  set_gram(gram());
 }
 
 template <typename Scalar>

@@ -10,6 +10,7 @@
 
 #include "reconstructor/numerics/online_svd_options.h"
 #include "reconstructor/numerics/packed_columns.h"
+#include "reconstructor/numerics/packed_gram.h"
 #include "reconstructor/numerics/row_bits.h"
 #include "reconstructor/numerics/row_panels.h"
 
@@ -58,8 +59,8 @@ struct Fold {
 /// Energy is counted exactly: B is orthonormal, so what is dropped is orthogonal to what is kept, and the sum of
 /// w ||c||^2 over all columns is trace G + lost.
 ///
-/// Between folds B may be packed, in fixed point. Then only sizes, G, single values (`dot`) and copies can be asked
-/// for; all else asks for an open basis.
+/// Between folds the basis may be closed: B is packed, in fixed point, and G as the numbers that it is made of. Then
+/// only sizes, G, single values (`dot`) and copies can be asked for; all else asks for an open basis.
 template <typename Scalar>
 class SvdBasis {
  public:
@@ -76,10 +77,10 @@ class SvdBasis {
   auto row(int row) const { return basis_.row(row).head(rank_); }
   Scalar dot(int row, const Eigen::Ref<const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>>& y) const;  ///< of a row and y
   row_panels::Columns<const Scalar> columns() const { return row_panels::columns(basis_, rank_); }
-  const Eigen::MatrixXd& gram() const { return gram_; }
+  Eigen::MatrixXd gram() const { return packed_gram_.empty() ? gram_ : packed_gram_.unpacked(); }
   const Eigen::VectorXd& spectrum() const { return spectrum_; }  ///< squared singular values, descending
   double lost() const { return lost_; }
-  double energy() const { return gram_.trace() + lost_; }
+  double energy() const { return gram_diagonal().sum() + lost_; }
   double displayed_error() const;  ///< root of the fraction of the energy that the displayed terms do not hold
   std::size_t bytes() const;
 
@@ -106,7 +107,10 @@ class SvdBasis {
   }
   std::vector<Eigen::MatrixXd> restore_orthonormality();
 
-  void set_gram(Eigen::MatrixXd gram) { gram_ = std::move(gram); }
+  void set_gram(Eigen::MatrixXd gram) {
+    gram_ = std::move(gram);
+    packed_gram_ = {};
+  }
   /// Of a column of this weight, so much less (or more) was lost than was counted.
   void count_lost(double weight, double energy) { lost_ = std::max(0.0, lost_ + weight * energy); }
 
@@ -114,6 +118,9 @@ class SvdBasis {
   struct Block;
   struct Rotation;
 
+  Eigen::VectorXd gram_diagonal() const {
+    return packed_gram_.empty() ? Eigen::VectorXd(gram_.diagonal()) : packed_gram_.diagonal();
+  }
   void split_residuals(const Columns& columns, Block& block, const OnlineSvdOptions& options) const;
   Eigen::VectorXd orthonormalise_again(const Columns& columns, Block& block) const;
   void choose_rank(const Eigen::VectorXd& descending, double lost, const OnlineSvdOptions& options,
@@ -131,6 +138,7 @@ class SvdBasis {
   Matrix basis_;       ///< padded rows x rank; empty while it is packed
   PackedColumns<Scalar> packed_;
   Eigen::MatrixXd gram_;
+  PackedGram packed_gram_;  ///< in its place while the basis is closed
   Eigen::VectorXd spectrum_;
 };
 
