@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/simulation/implicit_surface.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -30,16 +32,17 @@ Grid sample(const ImplicitFunction& distance, const Eigen::Vector3d& box_min, co
             double cell) {
   Grid grid{.origin = box_min, .cell = cell, .points = {}, .value = {}};
   grid.points = ((box_max - box_min).array() / cell).ceil().cast<int>() + 1;
-  grid.value.reserve(grid.points.cast<std::size_t>().prod());
-  for (int z = 0; z < grid.points.z(); ++z)
+  grid.value.resize(grid.points.cast<std::size_t>().prod());
+  tbb::parallel_for(0, grid.points.z(), [&](int z) {
     for (int y = 0; y < grid.points.y(); ++y)
       for (int x = 0; x < grid.points.x(); ++x) {
         const double d = distance(grid.position(x, y, z));
         const bool border = x == 0 || y == 0 || z == 0 || x == grid.points.x() - 1 || y == grid.points.y() - 1 ||
                             z == grid.points.z() - 1;
         if (border && d <= 0) throw ConfigError("the implicit surface reaches the sides of its box; enlarge the box");
-        grid.value.push_back(d);
+        grid.value[grid.index(x, y, z)] = d;
       }
+  });
   return grid;
 }
 
@@ -135,14 +138,14 @@ void relax(const ImplicitFunction& distance, const std::vector<Triangle>& triang
       sum[t[c]] += vertices[t[(c + 1) % 3]];
       ++count[t[c]];
     }
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
+  tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t i) {
     Eigen::Vector3d& p = vertices[i];
     const Eigen::Vector3d g = gradient(distance, p), n = g.normalized();
     const Eigen::Vector3d pull = sum[i] / count[i] - p;
     p += 0.7 * (pull - n * n.dot(pull));
     const double off = distance(p);
     p -= n * std::clamp(off / std::max(g.norm(), 0.3), -cell / 2, cell / 2);
-  }
+  });
 }
 
 /// Flips edges whose opposite angles sum to more than pi (Delaunay), which keeps triangles from growing thin.

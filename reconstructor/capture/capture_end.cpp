@@ -49,7 +49,8 @@ std::optional<CaptureEnd::Result> CaptureEnd::run() {
   std::optional<SmallFile> small;
   if (reconstruction_.account().counts().accepted > 0) {
     result.model = folder_ / kSessionModel;
-    small = save_reconstruction(reconstruction_, *result.model, folder_.string(), size_, steps_of(EndStage::kSaving));
+    small = save_reconstruction(reconstruction_, reconstruction_.snapshot(), *result.model, folder_.string(), size_,
+                                steps_of(EndStage::kSaving));
   }
   const Reconstruction::Judgement judged = reconstruction_.judge(steps_of(EndStage::kJudging));
   if (result.model && !small) note_judgement(judged.model, *result.model);

@@ -53,6 +53,8 @@ class Reconstruction {
   std::shared_ptr<const ModelSnapshot> snapshot() { return model_->snapshot(); }
   /// No capture follows: AppearanceModel::finish.
   void finish();
+  /// AppearanceModel::give_snapshot.
+  std::shared_ptr<const ModelSnapshot> give_snapshot() { return model_->give_snapshot(); }
   const AppearanceModel& model() const { return *model_; }
   const RayPainter& painter() const { return painter_; }
   const std::vector<HeldOutView>& held_out() const { return held_out_; }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/capture/saved_model.h"
 
+#include <malloc.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -109,10 +111,11 @@ void check_model_path(const fs::path& path, bool one_file) {
                       "is a folder with other things than a model (" + name + "); name a file to write the model to");
 }
 
-std::optional<SmallFile> save_reconstruction(Reconstruction& reconstruction, const fs::path& path,
+std::optional<SmallFile> save_reconstruction(const Reconstruction& reconstruction,
+                                             std::shared_ptr<const ModelSnapshot> model, const fs::path& path,
                                              const std::string& source, std::optional<CompressionTarget> size,
                                              const StepsDone& progress) {
-  const std::shared_ptr<const ModelSnapshot> model = reconstruction.snapshot()->filled();
+  model = model->filled();
   const ModelMetadata metadata = metadata_of(reconstruction, source);
   if (!size) {
     save_at(path, false, *model, metadata, progress);
@@ -127,7 +130,10 @@ std::optional<SmallFile> save_reconstruction(Reconstruction& reconstruction, con
       for (const HeldOutView& view : views) sum += score_object(view, small, painter).psnr_db;
       return sum / static_cast<double>(views.size());
     };
-  const CompressedModel small = model->compressed(*size);
+  const std::unique_ptr<Compression> compression = model->compression(*size);
+  model.reset();
+  malloc_trim(0);  // what it took lies scattered between what was made of it
+  const CompressedModel small = compression->run();
   save_at(path, true, *small.snapshot, metadata, {});
   note_judgement(score(views, *small.snapshot, RayPainter(small.snapshot->mesh())), path);
   return SmallFile{fs::file_size(path), small.loss_db, size->bytes || small.loss_db <= size->loss_db};

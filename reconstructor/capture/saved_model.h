@@ -30,12 +30,14 @@ struct SmallFile {
   double loss_db = 0;    ///< of the PSNR of its pictures
   bool as_asked = true;  ///< it loses no more than it may
 };
-/// Saves the model as it stands, unseen parts filled with a guess, and notes its settings and what became of every
-/// capture: as one small file, judged on the held-out views, or without `size` as it is, in a folder. `source` says
-/// where the images came from. Until the new model is whole, an older one stays.
-std::optional<SmallFile> save_reconstruction(Reconstruction& reconstruction, const std::filesystem::path& path,
-                                             const std::string& source, std::optional<CompressionTarget> size,
-                                             const StepsDone& progress = {});
+/// Saves a model of the reconstruction, unseen parts filled with a guess, and notes its settings and what became of
+/// every capture: as one small file, judged on the held-out views, or without `size` as it is, in a folder. `source`
+/// says where the images came from. Until the new model is whole, an older one stays. The model is let go of as soon as
+/// it is not needed.
+std::optional<SmallFile> save_reconstruction(const Reconstruction& reconstruction,
+                                             std::shared_ptr<const ModelSnapshot> model,
+                                             const std::filesystem::path& path, const std::string& source,
+                                             std::optional<CompressionTarget> size, const StepsDone& progress = {});
 
 /// How the model was judged on its held-out views, and what its predicted errors were off by there, goes into the saved
 /// model.

@@ -144,17 +144,20 @@ void build(BuildArguments arguments) {
       limits.psnr_db ? build_to_target(arguments, mesh, captures, settings, limits)
                      : build_once(arguments, mesh, captures, settings, limits, scene.measured, 0, true);
   Reconstruction& reconstruction = *built;
+  const Reconstruction::Judgement judged = reconstruction.judge();
+  nlohmann::json lights;
+  if (tolerance) lights = light_report(*reconstruction.snapshot(), *tolerance);
   std::optional<SmallFile> small;
   if (!arguments.out.empty())
-    small = save_reconstruction(reconstruction, arguments.out, arguments.dataset, size, progress_bar("saving"));
-  const Reconstruction::Judgement judged = reconstruction.judge();
+    small = save_reconstruction(reconstruction, reconstruction.give_snapshot(), arguments.out, arguments.dataset, size,
+                                progress_bar("saving"));
   if (!arguments.out.empty() && !small) note_judgement(judged.model, arguments.out);
   nlohmann::json report = reconstruction_report(reconstruction, judged);
   if (request.automatic()) report["model_choice"] = {{"model", scene.kind->name()}, {"why", why}};
   if (small) report["file"] = file_report(arguments.out, *small);
   if (arguments.refine) report["refinement"] = std::move(refinement);
   print_summary(report);
-  if (tolerance) report["lights"] = light_report(*reconstruction.snapshot(), *tolerance);
+  if (tolerance) report["lights"] = std::move(lights);
   json.write(to_text(report));
 }
 

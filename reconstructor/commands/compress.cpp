@@ -25,15 +25,17 @@ struct CompressArguments {
 void compress(const CompressArguments& arguments) {
   ReportFile json(arguments.json);
   check_writable(arguments.out);
-  const SavedModel saved = open_model(arguments.model);
+  SavedModel saved = open_model(arguments.model);
   std::optional<CompressionTarget> target = arguments.size.target(*saved.kind);
   if (!target)
     throw ConfigError(arguments.model +
                       ": nothing to compress: --loss is 0dB, or models of this kind have no smaller form");
   target->psnr_db = held_out_psnr_db(saved);
   target->progress = progress_bar("compressing");
-  const CompressedModel small = saved.snapshot->compressed(*target);
-  target.reset();  // takes the bar away
+  std::unique_ptr<Compression> compression = saved.snapshot->compression(*std::move(target));
+  saved.snapshot.reset();
+  const CompressedModel small = compression->run();
+  compression.reset();  // takes the bar away
   small.snapshot->save(arguments.out, saved.metadata, {});
   const auto bytes = std::filesystem::file_size(arguments.out);
   std::printf("%s: %.3f MB, about %.2f dB lost\n", arguments.out.c_str(), static_cast<double>(bytes) / 1e6,

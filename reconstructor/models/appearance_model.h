@@ -82,6 +82,8 @@ class AppearanceModel {
   virtual std::shared_ptr<const ModelSnapshot> snapshot() = 0;
   /// No image follows: lets go of what only more images would need. Snapshot and figures stay what they are.
   virtual void finish() {}
+  /// After `finish`: the snapshot, which a large model no longer keeps; it is not asked for one again.
+  virtual std::shared_ptr<const ModelSnapshot> give_snapshot() { return snapshot(); }
   /// The mean colour of each surface sample over all images: what a model without view dependence would be. Every
   /// figure stands beside it.
   virtual std::shared_ptr<const Appearance> constant_colour() const = 0;

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/progress.h"
@@ -87,6 +88,14 @@ struct CompressedModel {
   double loss_db = 0;                             ///< as judged, or else as measured against the model
 };
 
+/// A model on its way into fewer bytes. It keeps what it needs of the model that it was made from, which need not stay.
+class Compression {
+ public:
+  virtual ~Compression() = default;
+  /// Throws ConfigError where it cannot be made so small.
+  virtual CompressedModel run() = 0;
+};
+
 /// A model at one moment. Parts that did not change since the last snapshot are shared with it.
 class ModelSnapshot : public Appearance {
  public:
@@ -113,9 +122,10 @@ class ModelSnapshot : public Appearance {
     static_cast<void>(tolerance);
     return std::nullopt;
   }
-  /// The model in fewer bytes. Throws ConfigError where it cannot be made so small. Not asked where
-  /// `ModelKind::compresses` says no.
-  virtual CompressedModel compressed(const CompressionTarget& target) const = 0;
+  /// The model in fewer bytes. Not asked where `ModelKind::compresses` says no.
+  virtual std::unique_ptr<Compression> compression(CompressionTarget target) const = 0;
+  /// The same at once.
+  CompressedModel compressed(CompressionTarget target) const { return compression(std::move(target))->run(); }
   /// Writes the model into a folder, which is created where needed, whole or not at all: an older model stays until
   /// then. What is written is for `ModelKind::load`. Throws FileError.
   virtual void save(const std::filesystem::path& folder, const ModelMetadata& metadata,

@@ -94,8 +94,7 @@ void BatchLightField::add(const Capture& capture) {
         map_resolution(*mesh_, capture.camera, capture.pose.camera_from_object,
                        {options_.surface_map, options_.min_surface_map, options_.max_surface_map, options_.map_scale}));
     visibility_ = std::make_unique<SampleVisibility>(*mesh_, *maps_, options_.visibility);
-    shapes_ = std::make_shared<const PatchShapes>(
-        cut_into_patches(*mesh_, *maps_, static_cast<std::size_t>(options_.patch.triangles)));
+    shapes_ = std::make_shared<const PatchShapes>(cut_into_patches(*mesh_, *maps_, options_.patch.size));
     kept_.resize(shapes_->patches.size());
   }
   const SurfaceView& view = visibility_->look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));

@@ -88,7 +88,7 @@ std::vector<PatchRow> study_patches(const Experiment& experiment, const SurfaceL
   std::vector<PatchRow> rows;
   for (const int triangles : sizes) {
     SurfaceLightFieldOptions sized = options;
-    sized.patch.triangles = triangles;
+    sized.patch.size = {.triangles = static_cast<std::size_t>(triangles)};
     rows.push_back(measure(triangles, experiment, build_online(experiment.mesh, experiment.in_order(), sized)));
   }
   return rows;

@@ -94,7 +94,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> terms_in_half(const SurfaceLigh
 
 PrecisionStudy study_precision(const Experiment& experiment, const SurfaceLightFieldOptions& options,
                                const SurfaceLightFieldSnapshot& whole, std::size_t patches) {
-  const std::size_t all = experiment.mesh->triangles.size() / static_cast<std::size_t>(options.patch.triangles);
+  const std::size_t all = whole.shared_shapes()->patches.size();
   BatchLightField columns(experiment.mesh, options, std::max<std::size_t>(1, all / std::max<std::size_t>(patches, 1)));
   for (const Capture& capture : experiment.training) columns.add(capture);
   OnlineSvdOptions factor = options.patch.factor;

@@ -12,14 +12,13 @@
 
 #include "common/base/order_statistics.h"
 #include "common/simulation/camera_path.h"
-#include "common/simulation/sensor.h"
 #include "common/simulation/test_object.h"
 #include "reconstructor/capture/reconstruction.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/models/surface_light_field/effort_levels.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
-#include "reconstructor/render/ray_painter.h"
 #include "tests/bench/goal_rows.h"
+#include "tests/bench/lit_object.h"
 
 namespace sheen {
 namespace {
@@ -27,43 +26,6 @@ namespace {
 constexpr int kImages = 320;
 constexpr int kHoldOutEvery = 20;
 constexpr double kBudgetMs = 33;
-
-/// The object under one directional light: quick to draw, as textured and as glossy as the path-traced one.
-ImageF draw(const TestObject& object, const RayPainter& painter, const Camera& camera, const Rigid3& pose) {
-  const Eigen::Vector3f light = Eigen::Vector3f(0.4f, -0.3f, 0.87f).normalized();
-  const Eigen::Vector3f eye = camera_centre(pose).cast<float>();
-  const std::vector<Hit> hits = painter.cast(camera, pose);
-  ImageF image(camera.width, camera.height, 3, 0.1f);
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (!hits[i] || !hits[i].front) continue;
-    const auto& [a, b, c] = object.mesh.triangles[hits[i].triangle];
-    const float u = hits[i].u, v = hits[i].v;
-    const Eigen::Vector3f place =
-        (1 - u - v) * object.mesh.vertices[a] + u * object.mesh.vertices[b] + v * object.mesh.vertices[c];
-    const Eigen::Vector3f normal =
-        ((1 - u - v) * object.normals[a] + u * object.normals[b] + v * object.normals[c]).normalized();
-    const Eigen::Vector3f half = (light + (eye - place).normalized()).normalized();
-    const Eigen::Vector3f diffuse = object.material(place).albedo;
-    const float lit = 0.25f + 0.6f * std::max(0.0f, normal.dot(light));
-    const float gloss = 0.4f * std::pow(std::max(0.0f, normal.dot(half)), 60.0f);
-    Eigen::Map<Eigen::Vector3f>(image.data() + 3 * i) = lit * diffuse + Eigen::Vector3f::Constant(gloss);
-  }
-  return through_lens(image, kLensSpotPx);
-}
-
-Capture photograph(const TestObject& object, const RayPainter& painter, const Camera& camera, const Rigid3& pose,
-                   std::uint64_t number) {
-  ImageF mosaic = mosaic_rggb(draw(object, painter, camera, pose));
-  add_sensor_noise(mosaic, {}, number);
-  Capture capture;
-  capture.sequence = number;
-  capture.camera = camera;
-  capture.image = quantize_rggb(mosaic);
-  capture.exposure.locked = true;
-  capture.pose.status = PoseStatus::kGiven;
-  capture.pose.camera_from_object = pose;
-  return capture;
-}
 
 struct Run {
   std::vector<double> ms;  ///< an accepted image
@@ -121,12 +83,11 @@ Run ingest(const Mesh& mesh, const SurfaceLightFieldOptions& options, const std:
 void measure(GoalReport& report) {
   const TestObject object = make_test_object("demo");
   const Camera camera = simulated_camera(1024, 768);
-  const RayPainter painter(object.mesh);
+  const LitObject lit(object);
   const std::vector<CameraStation> path = camera_path({.frames = kImages, .jerk_every = 0}, camera);
   std::vector<Capture> captures;
   for (int i = 0; i < kImages; ++i) {
-    captures.push_back(
-        photograph(object, painter, camera, path[i].camera_from_object, static_cast<std::uint64_t>(i + 1)));
+    captures.push_back(lit.photograph(camera, path[i].camera_from_object, static_cast<std::uint64_t>(i + 1)));
     captures.back().purpose = i % kHoldOutEvery == kHoldOutEvery / 2 ? Purpose::kHeldOut : Purpose::kTraining;
   }
   SurfaceLightFieldOptions options;

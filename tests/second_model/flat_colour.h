@@ -42,7 +42,9 @@ class FlatColourSnapshot : public ModelSnapshot {
   std::size_t memory_bytes() const override { return colours_.size() * sizeof(colours_[0]); }
   std::shared_ptr<const ModelSnapshot> filled() const override;
   ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
-  CompressedModel compressed(const CompressionTarget&) const override { throw ConfigError("a flat colour is small"); }
+  std::unique_ptr<Compression> compression(CompressionTarget) const override {
+    throw ConfigError("a flat colour is small");
+  }
   void save(const std::filesystem::path& folder, const ModelMetadata& metadata,
             const StepsDone& progress) const override;
 

@@ -161,7 +161,7 @@ ViewAdvice IntrinsicLumigraphSnapshot::advise_next_view(const Eigen::Vector3d& e
           .worst_psnr_db = empty() ? 0 : -20 * std::log10(std::max(data_->error, 1e-6))};
 }
 
-CompressedModel IntrinsicLumigraphSnapshot::compressed(const CompressionTarget&) const {
+std::unique_ptr<Compression> IntrinsicLumigraphSnapshot::compression(CompressionTarget) const {
   throw ConfigError("an intrinsic lumigraph has no smaller form");
 }
 

@@ -37,7 +37,7 @@ class IntrinsicLumigraphSnapshot : public ModelSnapshot {
   LightKind light_kind() const override { return data_->lights.kind; }
   std::shared_ptr<const ModelSnapshot> filled() const override;
   ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
-  CompressedModel compressed(const CompressionTarget& target) const override;
+  std::unique_ptr<Compression> compression(CompressionTarget target) const override;
   void save(const std::filesystem::path& folder, const ModelMetadata& metadata,
             const StepsDone& progress) const override;
 

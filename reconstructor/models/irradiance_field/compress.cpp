@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "common/base/errors.h"
 #include "reconstructor/coding/step_search.h"
@@ -13,23 +15,28 @@ namespace {
 
 constexpr double kFirstStep = 24, kCoarsestStep = 5000;
 
-class Compression {
+class FieldCompression : public Compression {
  public:
-  Compression(const IrradianceFieldSnapshot& exact, const CompressionTarget& target)
-      : exact_(exact), target_(target), terms_(dequantise(exact.field())) {}
+  FieldCompression(const IrradianceFieldSnapshot& exact, CompressionTarget target)
+      : target_(std::move(target)),
+        mesh_(exact.shared_mesh()),
+        scene_(exact.scene()),
+        lights_(exact.field().lights),
+        version_(exact.version()),
+        psnr_db_(target_.judge ? target_.judge(exact) : std::numeric_limits<double>::quiet_NaN()),
+        terms_(dequantise(exact.field())) {}
 
-  CompressedModel run() {
+  CompressedModel run() override {
     const QuantisedField field = target_.bytes ? within_bytes(*target_.bytes) : within_loss(target_.loss_db);
     auto small = open(field);
-    const double loss = target_.judge ? psnr_db_or_judged() - target_.judge(*small) : predicted_loss(field);
+    const double loss = target_.judge ? psnr_db_ - target_.judge(*small) : predicted_loss(field);
     return {std::move(small), loss};
   }
 
  private:
-  QuantisedField at(double step) const { return quantise(terms_, exact_.field().lights, static_cast<float>(step)); }
+  QuantisedField at(double step) const { return quantise(terms_, lights_, static_cast<float>(step)); }
   std::shared_ptr<const IrradianceFieldSnapshot> open(const QuantisedField& field) const {
-    return std::make_shared<IrradianceFieldSnapshot>(exact_.shared_mesh(), exact_.scene(), field, exact_.version(),
-                                                     true);
+    return std::make_shared<IrradianceFieldSnapshot>(mesh_, scene_, field, version_, true);
   }
 
   QuantisedField within_bytes(double bytes) const {
@@ -39,7 +46,7 @@ class Compression {
     for (bool more = true; more;) {
       const double step = search.step();
       QuantisedField field = at(step);
-      const std::size_t size = encode_field(exact_.scene(), field).size() + kNotesReserve;
+      const std::size_t size = encode_field(scene_, field).size() + kNotesReserve;
       more = search.next(static_cast<double>(size));
       least = std::min(least, size);
       const bool fits = static_cast<double>(size) <= bytes;
@@ -61,7 +68,7 @@ class Compression {
     for (bool more = true; more;) {
       const double step = search.step();
       QuantisedField field = at(step);
-      const double loss = target_.judge ? psnr_db_or_judged() - target_.judge(*open(field)) : predicted_loss(field);
+      const double loss = target_.judge ? psnr_db_ - target_.judge(*open(field)) : predicted_loss(field);
       more = search.next(loss);
       const bool better = loss <= loss_db ? !(best_loss <= loss_db) || step > best_step : loss < best_loss;
       if (!better) continue;
@@ -70,11 +77,6 @@ class Compression {
       best = std::move(field);
     }
     return std::move(*best);
-  }
-
-  double psnr_db_or_judged() {
-    if (!psnr_db_) psnr_db_ = target_.judge(exact_);
-    return *psnr_db_;
   }
 
   /// In dB: what coding adds to the images, beside the error that interpolating between them has anyway.
@@ -87,26 +89,29 @@ class Compression {
       for (Eigen::Index t = 0; t < from.cols(); ++t)
         added += t < to.cols() ? (from.col(t) - to.col(t)).squaredNorm() : from.col(t).squaredNorm();
     }
-    added /= 3 * rows * exact_.field().lights * 255.0 * 255.0;
-    const double error = std::isfinite(target_.psnr_db) ? std::pow(10, -target_.psnr_db / 10)
-                                                        : exact_.scene().error * exact_.scene().error;
+    added /= 3 * rows * lights_ * 255.0 * 255.0;
+    const double error =
+        std::isfinite(target_.psnr_db) ? std::pow(10, -target_.psnr_db / 10) : scene_.error * scene_.error;
     return 10 * std::log10(1 + added / std::max(error, 1e-9));
   }
 
   // What the notes take (source, settings, images) is not known yet.
   static constexpr std::size_t kNotesReserve = 2000;
 
-  const IrradianceFieldSnapshot& exact_;
-  const CompressionTarget& target_;
+  CompressionTarget target_;
+  std::shared_ptr<const Mesh> mesh_;
+  LitScene scene_;
+  int lights_;
+  std::uint64_t version_;
+  double psnr_db_;  ///< as judged; NaN where nobody does
   FieldTerms terms_;
-  std::optional<double> psnr_db_;
 };
 
 }  // namespace
 
-CompressedModel compress_field(const IrradianceFieldSnapshot& exact, const CompressionTarget& target) {
+std::unique_ptr<Compression> compress_field(const IrradianceFieldSnapshot& exact, CompressionTarget target) {
   if (exact.empty()) throw ConfigError("the model holds no image: there is nothing to make small");
-  return Compression(exact, target).run();
+  return std::make_unique<FieldCompression>(exact, std::move(target));
 }
 
 }  // namespace sheen

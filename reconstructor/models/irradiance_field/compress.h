@@ -11,8 +11,8 @@ inline constexpr double kFinestStep = 1;
 /// The step of a field that is not to be small: as good as exact.
 inline constexpr float kExactStep = 0.25f;
 
-/// `ModelSnapshot::compressed` of an irradiance field: the step is searched that takes the bytes or loses what may be
-/// lost. Bytes are left over only at `kFinestStep`. Throws ConfigError where it cannot be made so small.
-CompressedModel compress_field(const IrradianceFieldSnapshot& exact, const CompressionTarget& target);
+/// `ModelSnapshot::compression` of an irradiance field: the step is searched that takes the bytes or loses what may be
+/// lost. Bytes are left over only at `kFinestStep`.
+std::unique_ptr<Compression> compress_field(const IrradianceFieldSnapshot& exact, CompressionTarget target);
 
 }  // namespace sheen

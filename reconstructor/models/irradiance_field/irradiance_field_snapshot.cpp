@@ -151,8 +151,8 @@ std::optional<LightAdvice> IrradianceFieldSnapshot::advise_next_light(double tol
   return judge_lights(scene_, *kriging_, *relighting_, tolerance);
 }
 
-CompressedModel IrradianceFieldSnapshot::compressed(const CompressionTarget& target) const {
-  return compress_field(*this, target);
+std::unique_ptr<Compression> IrradianceFieldSnapshot::compression(CompressionTarget target) const {
+  return compress_field(*this, std::move(target));
 }
 
 void IrradianceFieldSnapshot::save(const std::filesystem::path& path, const ModelMetadata& metadata,

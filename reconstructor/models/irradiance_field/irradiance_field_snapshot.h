@@ -45,7 +45,7 @@ class IrradianceFieldSnapshot : public ModelSnapshot {
   std::shared_ptr<const ModelSnapshot> filled() const override;
   ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
   std::optional<LightAdvice> advise_next_light(double tolerance) const override;
-  CompressedModel compressed(const CompressionTarget& target) const override;
+  std::unique_ptr<Compression> compression(CompressionTarget target) const override;
   void save(const std::filesystem::path& path, const ModelMetadata& metadata, const StepsDone& progress) const override;
 
  private:

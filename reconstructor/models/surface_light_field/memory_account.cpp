@@ -14,8 +14,9 @@ namespace {
 // memory_account_test).
 constexpr double kRaySceneTriangle = 200;
 constexpr double kRayScenes = 2;
-// A surface sample: where it falls in the current image, at most, and whether it shows; its mean colour.
-constexpr double kIngestSample = 8 + 1 + 12 + 4;
+// A surface sample: where it falls in the current image, which about half of them face, and whether it shows; its mean
+// colour.
+constexpr double kIngestSample = 8 * 0.5 + 1 + 12 + 4;
 // A pixel of the current image: ray, depth, safe depth, three bytes of edges; radiance and its coarser levels.
 constexpr double kIngestPixel = 12 + 4 + 4 + 3 + 16 * 4 / 3.0;
 constexpr double kImageCopies = 2;  // of an image: as the file has it, and decoded
@@ -29,8 +30,10 @@ MemoryNeed memory_need(std::size_t triangles, const SurfaceLightFieldOptions& op
   const double asked = options.map_scale * (options.surface_map > 0 ? options.surface_map : options.min_surface_map);
   const int side = std::max(2, static_cast<int>(std::lround(asked)));
   const auto t = static_cast<double>(triangles);
-  const double samples = options.patch.triangles * lattice_samples(side), patches = t / options.patch.triangles,
-               vertices = options.patch.triangles + 2.0;
+  const PatchSize& size = options.patch.size;
+  const auto of_triangle = static_cast<std::size_t>(lattice_samples(side));
+  const auto of_patch = static_cast<double>(std::max(size.triangles, (size.samples + of_triangle - 1) / of_triangle));
+  const double samples = of_patch * static_cast<double>(of_triangle), patches = t / of_patch, vertices = of_patch + 2;
   PatchModelOptions few = options.patch;
   few.factor = few.factor.limited_to(kFewTerms, kFewTerms, kFewColumns);
   few.max_views = kFewColumns - few.factor.block;
@@ -56,7 +59,7 @@ MemoryAccount largest_account(const Mesh& mesh, const Capture& first, const Surf
       map_resolution(mesh, first.camera, first.pose.camera_from_object,
                      {options.surface_map, options.min_surface_map, options.max_surface_map, options.map_scale}));
   MemoryAccount account = fixed_account(mesh, maps, size_of(first));
-  const PatchShapes shapes = cut_into_patches(mesh, maps, static_cast<std::size_t>(options.patch.triangles));
+  const PatchShapes shapes = cut_into_patches(mesh, maps, options.patch.size);
   for (const PatchShape& shape : shapes.patches) {
     account.model +=
         PatchModel::largest_bytes(shape.samples, static_cast<double>(shape.vertices.size()), options.patch);

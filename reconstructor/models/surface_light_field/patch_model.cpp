@@ -13,8 +13,21 @@ namespace {
 constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
 // A repetition differs by its own noise and by that of the view it repeats, of which a basis has averaged a part.
 constexpr double kRepeatedNoise = 1.5, kRepeatedColumn = 2;
-constexpr float kSensorVariance = 2e-5f;                 // about one grey level of 255, encoded
-constexpr std::size_t kMapValue = sizeof(std::int16_t);  // as PackedColumns keeps it
+constexpr float kSensorVariance = 2e-5f;  // about one grey level of 255, encoded
+constexpr std::size_t kPackedValue = sizeof(std::int16_t), kPackedScale = sizeof(double);  // as PackedColumns has them
+
+/// Of a patch's snapshot, beside its vertices.
+template <typename Count>
+Count map_bytes(Count samples, Count rank) {
+  return samples + rank * (kPackedScale + kPackedValue * 3 * samples);
+}
+
+/// Of a vertex in it: directions and reliabilities of its views; weights, mean and drift.
+template <typename Count>
+Count vertex_bytes(Count views, Count rank) {
+  return sizeof(VertexInterpolant) + sizeof(VertexViews) + 4 * sizeof(float) * views +
+         rank * (kPackedScale + kPackedValue * views + 2 * sizeof(float));
+}
 
 /// For each row of the column, whether it is known; empty when all are.
 std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std::size_t shown) {
@@ -224,8 +237,7 @@ std::size_t PatchModel::snapshot_bytes(std::size_t vertices) const {
   if (images_ == 0) return 0;
   const auto rank = static_cast<std::size_t>(factor_.displayed_rank()),
              views = static_cast<std::size_t>(factor_.views());
-  return sizeof(PatchSnapshot) + shown_.size() + kMapValue * 3 * shown_.size() * rank +
-         vertices * (sizeof(VertexInterpolant) + sizeof(float) * (views * (4 + rank) + 2 * rank));
+  return sizeof(PatchSnapshot) + map_bytes(shown_.size(), rank) + vertices * vertex_bytes(views, rank);
 }
 
 double PatchModel::largest_bytes(double samples, double vertices, const PatchModelOptions& options) {
@@ -239,8 +251,7 @@ double PatchModel::largest_bytes(double samples, double vertices, const PatchMod
 
 double PatchModel::largest_snapshot_bytes(double samples, double vertices, const PatchModelOptions& options) {
   const double rank = options.factor.max_rank, views = options.max_views + options.factor.block;
-  return sizeof(PatchSnapshot) + samples + kMapValue * 3.0 * samples * rank +
-         vertices * (sizeof(VertexInterpolant) + sizeof(float) * (views * (4 + rank) + 2 * rank));
+  return sizeof(PatchSnapshot) + map_bytes(samples, rank) + vertices * vertex_bytes(views, rank);
 }
 
 std::optional<FactorizedPatch> PatchModel::factorized() const {

@@ -11,6 +11,7 @@
 
 #include "reconstructor/models/surface_light_field/choice_schedule.h"
 #include "reconstructor/models/surface_light_field/patch_interpolation.h"
+#include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/view_set.h"
 #include "reconstructor/numerics/online_svd.h"
 
@@ -18,7 +19,7 @@ namespace sheen {
 
 struct PatchModelOptions {
   OnlineSvdOptions factor;
-  int triangles = 2;             ///< of a patch, at most
+  PatchSize size{.triangles = 2, .samples = 64};
   int max_views = 96;            ///< kept per patch; beyond it the two nearest ones become one
   double min_visible = 0.1;      ///< fraction of a patch's samples that an image must show
   double repeat_angle = 0.0175;  ///< rad from a kept view within which an image may be a repetition of it; 0 = none is

@@ -41,8 +41,7 @@ PatchSet::PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLa
                    std::span<const Eigen::Matrix3f> frames, const PatchModelOptions& options)
     : mesh_(std::move(mesh)),
       maps_(std::move(maps)),
-      shapes_(std::make_shared<const PatchShapes>(
-          cut_into_patches(*mesh_, *maps_, static_cast<std::size_t>(options.triangles)))),
+      shapes_(std::make_shared<const PatchShapes>(cut_into_patches(*mesh_, *maps_, options.size))),
       frames_(frames),
       options_(options),
       centres_(centres_of(*mesh_, *shapes_)),

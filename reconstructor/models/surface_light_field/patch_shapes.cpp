@@ -73,18 +73,23 @@ PatchShapes patch_shapes(const Mesh& mesh, const MapLayout& maps, std::vector<st
 }
 
 /// From triangle to triangle: a patch takes the free neighbour that has most corners in it already, the earliest of
-/// equals. What is left over goes to the smallest patch beside it.
-PatchShapes cut_into_patches(const Mesh& mesh, const MapLayout& maps, std::size_t most_triangles) {
+/// equals. What is left over, less than a quarter of a patch, goes to the smallest patch beside it.
+PatchShapes cut_into_patches(const Mesh& mesh, const MapLayout& maps, const PatchSize& size) {
   const auto neighbours = neighbours_of(mesh);
   const std::size_t count = mesh.triangles.size();
   std::vector<std::uint32_t> patch_of(count, kNone);
   std::vector<std::vector<std::uint32_t>> members;
+  const auto samples_of = [&](const std::vector<std::uint32_t>& triangles) {
+    std::size_t samples = 0;
+    for (const std::uint32_t t : triangles) samples += static_cast<std::size_t>(lattice_samples(maps.resolution(t)));
+    return samples;
+  };
   for (std::uint32_t seed = 0; seed < count; ++seed) {
     if (patch_of[seed] != kNone) continue;
     const auto patch = static_cast<std::uint32_t>(members.size());
     std::vector<std::uint32_t> grown{seed};
     patch_of[seed] = patch;
-    while (grown.size() < most_triangles) {
+    while (grown.size() < size.triangles || samples_of(grown) < size.samples) {
       std::uint32_t best = kNone;
       std::size_t best_corners = 0;
       for (const std::uint32_t from : grown)
@@ -106,7 +111,7 @@ PatchShapes cut_into_patches(const Mesh& mesh, const MapLayout& maps, std::size_
     members.push_back(std::move(grown));
   }
   for (std::uint32_t patch = 0; patch < members.size(); ++patch) {
-    if (4 * members[patch].size() > most_triangles) continue;
+    if (4 * members[patch].size() > size.triangles && 4 * samples_of(members[patch]) >= size.samples) continue;
     std::uint32_t into = kNone;
     for (const std::uint32_t t : members[patch])
       for (const std::uint32_t other : neighbours[t]) {

@@ -58,8 +58,15 @@ struct PatchShapes {
 /// `patch_of`: for each triangle its patch; of 0 .. n - 1, each must have a triangle.
 PatchShapes patch_shapes(const Mesh& mesh, const MapLayout& maps, std::vector<std::uint32_t> patch_of);
 
-/// Patches of so many neighbouring triangles. They depend on connections alone, in whole numbers, so that a reader cuts
-/// a mesh the same way.
-PatchShapes cut_into_patches(const Mesh& mesh, const MapLayout& maps, std::size_t most_triangles);
+/// How many triangles a patch has, where its surroundings have them; of fine triangles it has more, until it has so
+/// many samples.
+struct PatchSize {
+  std::size_t triangles = 1;
+  std::size_t samples = 0;
+};
+
+/// Patches of neighbouring triangles. They depend on connections and numbers of samples alone, in whole numbers, so
+/// that a reader cuts a mesh the same way.
+PatchShapes cut_into_patches(const Mesh& mesh, const MapLayout& maps, const PatchSize& size);
 
 }  // namespace sheen

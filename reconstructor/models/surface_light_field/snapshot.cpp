@@ -156,8 +156,8 @@ std::size_t SurfaceLightFieldSnapshot::memory_bytes() const {
   return bytes;
 }
 
-CompressedModel SurfaceLightFieldSnapshot::compressed(const CompressionTarget& target) const {
-  return compress(*this, target);
+std::unique_ptr<Compression> SurfaceLightFieldSnapshot::compression(CompressionTarget target) const {
+  return compress(*this, std::move(target));
 }
 
 void SurfaceLightFieldSnapshot::save(const std::filesystem::path& folder, const ModelMetadata& metadata,
@@ -168,7 +168,7 @@ void SurfaceLightFieldSnapshot::save(const std::filesystem::path& folder, const 
 std::shared_ptr<const ModelSnapshot> bare_mesh(std::shared_ptr<const Mesh> mesh, std::vector<PosedCamera> cameras) {
   constexpr std::uint8_t kLeastResolution = 2;
   auto maps = std::make_shared<const MapLayout>(std::vector(mesh->triangles.size(), kLeastResolution));
-  auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, 1));
+  auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, {.triangles = 1}));
   SurfaceLightFieldSnapshot::Patches unknown(shapes->patches.size());
   return std::make_shared<SurfaceLightFieldSnapshot>(std::move(mesh), std::move(maps), std::move(shapes),
                                                      std::move(unknown), 0, ExposureField{}, std::move(cameras));

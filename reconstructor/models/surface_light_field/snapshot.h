@@ -28,7 +28,7 @@ class SurfaceLightFieldSnapshot : public LightFieldSnapshot {
   SnapshotFigures figures() const override;
   std::size_t memory_bytes() const override;
   std::shared_ptr<const ModelSnapshot> filled() const override;
-  CompressedModel compressed(const CompressionTarget& target) const override;
+  std::unique_ptr<Compression> compression(CompressionTarget target) const override;
   void save(const std::filesystem::path& folder, const ModelMetadata& metadata,
             const StepsDone& progress) const override;
 

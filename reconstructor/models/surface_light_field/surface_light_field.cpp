@@ -313,12 +313,14 @@ void SurfaceLightField::limit_terms(int max_rank, int internal_rank, int block) 
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_snapshot() {
   Pipeline& p = *pipeline_;
-  if (p.finished) return p.finished->snapshot;
+  if (p.finished) {
+    if (!p.finished->snapshot) throw std::logic_error("surface light field: its snapshot was given away");
+    return p.finished->snapshot;
+  }
   if (!p.patches) {  // nothing seen yet: an empty light field on the coarsest maps
     const std::vector<std::uint8_t> coarse(p.mesh->triangles.size(), 2);
     auto maps = std::make_shared<MapLayout>(coarse);
-    auto shapes = std::make_shared<const PatchShapes>(
-        cut_into_patches(*p.mesh, *maps, static_cast<std::size_t>(p.options.patch.triangles)));
+    auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*p.mesh, *maps, p.options.patch.size));
     SurfaceLightFieldSnapshot::Patches none(shapes->patches.size());
     return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, std::move(maps), std::move(shapes), std::move(none),
                                                        p.version++);
@@ -338,6 +340,12 @@ void SurfaceLightField::finish() {
   p.patches.reset();
   // What images took lies scattered between what is kept, where little of what follows has room.
   malloc_trim(0);
+}
+
+std::shared_ptr<const ModelSnapshot> SurfaceLightField::give_snapshot() {
+  std::shared_ptr<const ModelSnapshot> given = light_field_snapshot();
+  if (pipeline_->finished) pipeline_->finished->snapshot.reset();
+  return given;
 }
 
 std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {

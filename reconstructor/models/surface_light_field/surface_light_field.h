@@ -36,9 +36,11 @@ class SurfaceLightField : public AppearanceModel {
   void limit_terms(int max_rank, int internal_rank, int block);
 
   std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
+  /// Throws std::logic_error when it was given away.
   std::shared_ptr<const SurfaceLightFieldSnapshot> light_field_snapshot();
   /// `ingest` throws std::logic_error from now on.
   void finish() override;
+  std::shared_ptr<const ModelSnapshot> give_snapshot() override;
   std::shared_ptr<const Appearance> constant_colour() const override;
 
   const SurfaceLightFieldOptions& settings() const override;

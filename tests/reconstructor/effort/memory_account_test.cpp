@@ -55,6 +55,9 @@ TEST_F(ResidentMemoryTest, ThePartsAddUpToWhatTheProcessHasGrownBy) {
   }
   std::printf("counted %.1f MB, the process has grown by %.1f MB\n", sum / 1e6, grown / 1e6);
   EXPECT_EQ(sum, account.total());
+  const auto snapshot = static_cast<double>(shown_->memory_bytes());
+  std::printf("a snapshot: counted %.1f MB, it keeps %.1f MB\n", account.snapshots / 2e6, snapshot / 1e6);
+  EXPECT_NEAR(account.snapshots / 2, snapshot, 0.15 * snapshot);
   ASSERT_GT(grown, 150e6);
   EXPECT_GT(sum, 0.8 * grown);
   EXPECT_LT(sum, 1.1 * grown);

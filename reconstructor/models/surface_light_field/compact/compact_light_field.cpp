@@ -191,7 +191,7 @@ std::size_t CompactLightField::memory_bytes() const {
   return bytes;
 }
 
-CompressedModel CompactLightField::compressed(const CompressionTarget&) const {
+std::unique_ptr<Compression> CompactLightField::compression(CompressionTarget) const {
   throw ConfigError("the model is compressed already; compress the one that it was made from");
 }
 

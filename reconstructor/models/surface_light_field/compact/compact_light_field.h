@@ -20,7 +20,7 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
   SnapshotFigures figures() const override { return figures_; }
   std::size_t memory_bytes() const override;
   std::shared_ptr<const ModelSnapshot> filled() const override;
-  CompressedModel compressed(const CompressionTarget& target) const override;
+  std::unique_ptr<Compression> compression(CompressionTarget target) const override;
   void save(const std::filesystem::path& path, const ModelMetadata& metadata, const StepsDone& progress) const override;
 
   std::size_t patch_count() const override { return patches_.size(); }

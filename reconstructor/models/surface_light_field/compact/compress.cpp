@@ -7,6 +7,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "common/base/errors.h"
 #include "common/geometry/ray_scene.h"
@@ -30,12 +31,12 @@ struct SurfacePoint {
 /// What is lost is looked for at points in sight of eyes that lie between two cameras each.
 class LossMeter {
  public:
-  LossMeter(const SurfaceLightFieldSnapshot& exact, const CanonicalMesh& mesh) : exact_(exact), mesh_(mesh) {
+  LossMeter(const SurfaceLightFieldSnapshot& exact, const CanonicalMesh& mesh) {
     const std::vector<PosedCamera>& cameras = exact.cameras();
     std::mt19937 random(1);
     const RayScene scene(*mesh.mesh);
     const std::size_t stride = std::max<std::size_t>(1, cameras.size() / kEyes);
-    for (std::size_t i = 0; i < cameras.size(); i += stride) add_eye(between(cameras, i), scene, random);
+    for (std::size_t i = 0; i < cameras.size(); i += stride) add_eye(between(cameras, i), exact, mesh, scene, random);
     predicted_ /= static_cast<double>(std::max<std::size_t>(points_, 1));
   }
 
@@ -62,7 +63,7 @@ class LossMeter {
     return radiance.unaryExpr([](float value) { return std::clamp(srgb_encode(value), 0.0f, 1.0f); });
   }
 
-  Eigen::Vector3d between(const std::vector<PosedCamera>& cameras, std::size_t i) const {
+  static Eigen::Vector3d between(const std::vector<PosedCamera>& cameras, std::size_t i) {
     const Eigen::Vector3d eye = camera_centre(cameras[i].camera_from_object);
     Eigen::Vector3d nearest = eye;
     double distance = INFINITY;
@@ -76,11 +77,11 @@ class LossMeter {
   }
 
   /// Where random rays from the eye meet the front of what some image showed.
-  void add_eye(const Eigen::Vector3d& eye, const RayScene& scene, std::mt19937& random) {
-    const Mesh& mesh = *mesh_.mesh;
-    const BoundingSphere bounds = bounding_sphere(mesh);
+  void add_eye(const Eigen::Vector3d& eye, const SurfaceLightFieldSnapshot& exact, const CanonicalMesh& mesh,
+               const RayScene& scene, std::mt19937& random) {
+    const BoundingSphere bounds = bounding_sphere(*mesh.mesh);
     std::uniform_real_distribution<double> uniform(-1, 1);
-    const auto shader = exact_.shader_for({eye});
+    const auto shader = exact.shader_for({eye});
     Sight sight{.eye = eye};
     for (std::size_t i = 0; i < kRaysPerEye; ++i) {
       const Eigen::Vector3d target =
@@ -88,10 +89,10 @@ class LossMeter {
       const Hit hit = scene.intersect({eye.cast<float>(), (target - eye).cast<float>()});
       if (!hit || !hit.front) continue;
       SurfacePoint point{.triangle = hit.triangle, .u = hit.u, .v = hit.v};
-      point.old_triangle = mesh_.old_triangle[point.triangle];
+      point.old_triangle = mesh.old_triangle[point.triangle];
       const float weight[3] = {1 - point.u - point.v, point.u, point.v};
       float old[3];
-      for (int c = 0; c < 3; ++c) old[(c + mesh_.first_corner[point.triangle]) % 3] = weight[c];
+      for (int c = 0; c < 3; ++c) old[(c + mesh.first_corner[point.triangle]) % 3] = weight[c];
       point.old_u = old[1];
       point.old_v = old[2];
       const SurfaceSample sample = shader->shade(point.old_triangle, point.old_u, point.old_v);
@@ -105,25 +106,23 @@ class LossMeter {
     sights_.push_back(std::move(sight));
   }
 
-  const SurfaceLightFieldSnapshot& exact_;
-  const CanonicalMesh& mesh_;
   std::vector<Sight> sights_;
   std::size_t points_ = 0;
   double predicted_ = 0;
 };
 
-class Compression {
+class LightFieldCompression : public Compression {
  public:
-  Compression(const SurfaceLightFieldSnapshot& exact, const CompressionTarget& target)
-      : target_(target),
+  LightFieldCompression(const SurfaceLightFieldSnapshot& exact, CompressionTarget target)
+      : target_(std::move(target)),
         mesh_(canonical_mesh(exact.mesh())),
-        psnr_db_(target.judge ? target.judge(exact) : std::numeric_limits<double>::quiet_NaN()),
-        model_(fit_patches(exact, mesh_, least_rms(std::isfinite(psnr_db_) ? psnr_db_ : target.psnr_db),
+        psnr_db_(target_.judge ? target_.judge(exact) : std::numeric_limits<double>::quiet_NaN()),
+        model_(fit_patches(exact, mesh_, least_rms(std::isfinite(psnr_db_) ? psnr_db_ : target_.psnr_db),
                            kPatchTriangles)) {
     if (!std::isfinite(psnr_db_)) meter_.emplace(exact, mesh_);
   }
 
-  CompressedModel run() { return target_.bytes ? within_bytes(*target_.bytes) : within_loss(target_.loss_db); }
+  CompressedModel run() override { return target_.bytes ? within_bytes(*target_.bytes) : within_loss(target_.loss_db); }
 
  private:
   // In larger patches the coefficients cost less and the maps more.
@@ -147,8 +146,16 @@ class Compression {
     return std::make_shared<const std::string>(encode_compact(model_, mesh_, static_cast<float>(step), rounding));
   }
 
+  /// The best file so far. Only one is open at a time, which takes many times its bytes.
+  struct Best {
+    std::shared_ptr<const std::string> file;
+    double loss_db = 0;
+
+    CompressedModel opened() const { return {open(file), loss_db}; }
+  };
+
   CompressedModel within_bytes(double bytes) {
-    CompressedModel best;
+    Best best;
     std::size_t least = 0;
     double first_step = kFirstStep;
     for (const Rounding& rounding : kRoundings) {
@@ -164,37 +171,33 @@ class Compression {
         if (static_cast<double>(size) <= bytes && (!largest || size > largest->size())) largest = std::move(candidate);
       }
       if (!largest) continue;
-      auto opened = open(largest);
-      const double loss = loss_of(*opened);
-      if (!best.snapshot || loss < best.loss_db) best = {std::move(opened), loss};
+      const double loss = loss_of(*open(largest));
+      if (!best.file || loss < best.loss_db) best = {std::move(largest), loss};
     }
-    if (!best.snapshot)
+    if (!best.file)
       throw ConfigError("the model does not fit into " + std::to_string(static_cast<std::size_t>(bytes)) +
                         " bytes: the least that was reached is " + std::to_string(least));
-    return best;
+    return best.opened();
   }
 
   CompressedModel within_loss(double loss_db) {
-    CompressedModel best;
-    std::size_t best_bytes = 0;
+    Best best;
     double first_step = kFirstStep;
     for (const Rounding& rounding : kRoundings) {
       StepSearch search(loss_db, 1.2, first_step, kFinestStep, kCoarsestStep);
       bool more = true;
       while (more) {
         auto candidate = encoded(search.step(), rounding);
-        auto opened = open(candidate);
-        const double loss = loss_of(*opened);
+        const double loss = loss_of(*open(candidate));
         first_step = search.step();
         more = search.next(loss);
         // Finer steps make it larger still.
-        if (best.snapshot && best.loss_db <= loss_db && loss > loss_db && candidate->size() >= best_bytes) break;
-        if (best.snapshot && !better(loss, candidate->size(), best.loss_db, best_bytes, loss_db)) continue;
-        best_bytes = candidate->size();
-        best = {std::move(opened), loss};
+        if (best.file && best.loss_db <= loss_db && loss > loss_db && candidate->size() >= best.file->size()) break;
+        if (best.file && !better(loss, candidate->size(), best.loss_db, best.file->size(), loss_db)) continue;
+        best = {std::move(candidate), loss};
       }
     }
-    return best;
+    return best.opened();
   }
 
   /// Smaller, of those that lose no more than they may; else the one that loses less.
@@ -216,7 +219,7 @@ class Compression {
     return 10 * std::log10(1 + meter_->loss(compact) / std::max(error, 1e-12));
   }
 
-  const CompressionTarget& target_;
+  CompressionTarget target_;
   CanonicalMesh mesh_;
   double psnr_db_;  ///< as judged; NaN where nobody does
   CompactModel model_;
@@ -226,8 +229,8 @@ class Compression {
 
 }  // namespace
 
-CompressedModel compress(const SurfaceLightFieldSnapshot& snapshot, const CompressionTarget& target) {
-  return Compression(snapshot, target).run();
+std::unique_ptr<Compression> compress(const SurfaceLightFieldSnapshot& snapshot, CompressionTarget target) {
+  return std::make_unique<LightFieldCompression>(snapshot, std::move(target));
 }
 
 }  // namespace sheen

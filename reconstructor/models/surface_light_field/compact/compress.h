@@ -9,8 +9,8 @@
 namespace sheen {
 
 /// The light field in as few bytes as lose so much, or with as little loss as so many bytes allow. Where nobody judges
-/// its pictures, what it loses is measured from places between its cameras, against the light field itself. Throws
-/// ConfigError where it cannot be so small.
-CompressedModel compress(const SurfaceLightFieldSnapshot& snapshot, const CompressionTarget& target);
+/// its pictures, what it loses is measured from places between its cameras, against the light field itself. Of the
+/// snapshot nothing is kept.
+std::unique_ptr<Compression> compress(const SurfaceLightFieldSnapshot& snapshot, CompressionTarget target);
 
 }  // namespace sheen

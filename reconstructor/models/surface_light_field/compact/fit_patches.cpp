@@ -109,7 +109,7 @@ class PatchFit {
     model_.mesh = canonical_.mesh;
     model_.maps = std::make_shared<MapLayout>(resolutions(snapshot_, canonical_));
     model_.patch_triangles = patch_triangles_;
-    model_.shapes = cut_into_patches(mesh, *model_.maps, patch_triangles_);
+    model_.shapes = cut_into_patches(mesh, *model_.maps, {.triangles = patch_triangles_});
     model_.cameras = snapshot_.cameras();
     model_.exposure = snapshot_.exposure();
     model_.vertices.resize(mesh.vertices.size());

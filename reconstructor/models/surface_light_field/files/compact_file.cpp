@@ -109,13 +109,14 @@ std::string layer_name(int layer) {
   return format("L%03d", layer);
 }
 
-/// The model's maps and coefficients; its states are there. All of its terms at once in floating point would be the
-/// largest part of opening it.
-void dequantise_all(CompactModel& model, const std::vector<QuantisedPatch>& patches, const Layout& layout, float step) {
+/// The model's maps and coefficients, of `patches`, which are let go of; its states are there. All of its terms at once
+/// in floating point would be the largest part of opening it.
+void dequantise_all(CompactModel& model, std::vector<QuantisedPatch> patches, const Layout& layout, float step) {
   const EdgeBlending blending(model);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       Patch patch = dequantise(patches[i], layout.resolutions[i], layout.plans[i], step);
+      patches[i] = {};
       patch.state = std::move(model.patches[i].state);
       blending.blend_terms(i, patch.basis.exact());
       patch.basis = PackedColumns<float>::fixed_point(patch.basis.exact());
@@ -177,7 +178,7 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
     reading = "RING";
     decode_vertices(chunks.required(reading), model);
     find_sources(model);
-    model.shapes = cut_into_patches(*model.mesh, *model.maps, description.patch_triangles);
+    model.shapes = cut_into_patches(*model.mesh, *model.maps, {.triangles = description.patch_triangles});
     const Layout layout = layout_of(model);
     std::future<void> shown;  // the smooth part: made ready beside the decoding, which is serial
     model.patches.resize(model.shapes.patches.size());
@@ -191,7 +192,7 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
       decode_states(*states, model);
       if (show)
         shown = std::async(std::launch::async, [&, coarse = model, smooth = patches]() mutable {
-          dequantise_all(coarse, smooth, layout, description.step);
+          dequantise_all(coarse, std::move(smooth), layout, description.step);
           show(std::make_shared<CompactLightField>(std::move(coarse), nullptr));
         });
       for (int layer = 1; layer < description.layers; ++layer) {
@@ -205,7 +206,7 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
         }
       }
     }
-    dequantise_all(model, patches, layout, description.step);
+    dequantise_all(model, std::move(patches), layout, description.step);
     if (shown.valid()) shown.get();
   } catch (const FileError&) {
     throw;

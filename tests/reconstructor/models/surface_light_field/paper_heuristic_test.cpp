@@ -33,7 +33,7 @@ VertexInterpolant three_views(float residual) {
 std::vector<float> heuristic(const std::array<float, 4>& residuals, const Eigen::Vector3d& eye) {
   const auto mesh = std::make_shared<Mesh>(square_mesh(1e-3f, 0, 1));
   const auto maps = std::make_shared<MapLayout>(std::vector<std::uint8_t>(2, 2));
-  const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, 1));
+  const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, {.triangles = 1}));
   SurfaceLightFieldSnapshot::Patches data(2);
   for (std::size_t p = 0; p < 2; ++p) {
     auto patch = std::make_shared<PatchSnapshot>();

@@ -37,7 +37,8 @@ class PatchColumnTest : public testing::Test {
 
   Mesh mesh_{.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}, {0, 2, 3}}};
   MapLayout maps_{{2, 3}};  // 3 and 6 samples
-  PatchShapes whole_ = cut_into_patches(mesh_, maps_, 2), apart_ = cut_into_patches(mesh_, maps_, 1);
+  PatchShapes whole_ = cut_into_patches(mesh_, maps_, {.triangles = 2}),
+              apart_ = cut_into_patches(mesh_, maps_, {.triangles = 1});
   RadianceImage image_;
   SurfaceView view_;
   PatchColumn column_;

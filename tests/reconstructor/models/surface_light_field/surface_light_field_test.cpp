@@ -413,7 +413,7 @@ TEST(SurfaceLightFieldSnapshot, FiguresCountWhatImagesShowed) {
   mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}};
   mesh->triangles = {{0, 1, 2}, {2, 1, 3}, {1, 4, 3}};
   const auto maps = std::make_shared<MapLayout>(std::vector<std::uint8_t>{2, 3, 3});
-  const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, 1));
+  const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, {.triangles = 1}));
   SurfaceLightFieldSnapshot::Patches data(3);
   const auto patch = [&](std::size_t p, int rank, std::size_t measured) {
     auto made = std::make_shared<PatchSnapshot>();

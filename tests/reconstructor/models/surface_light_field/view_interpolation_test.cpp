@@ -41,7 +41,7 @@ InterpolationErrors errors_of_row(const Eigen::MatrixXf& coefficients) {
 std::shared_ptr<const PatchShapes> small_square() {
   const Mesh mesh = square_mesh(0.1f, 0, 2);
   const MapLayout maps(std::vector<std::uint8_t>(mesh.triangles.size(), 2));
-  return std::make_shared<const PatchShapes>(cut_into_patches(mesh, maps, 1));
+  return std::make_shared<const PatchShapes>(cut_into_patches(mesh, maps, {.triangles = 1}));
 }
 
 TEST(InterpolationChoice, PatchesRoundAVertexOutvoteOneThatHardlyKnows) {

@@ -63,7 +63,7 @@ SyntheticLightField::SyntheticLightField(const SyntheticOptions& options) : opti
   mesh_ = mesh;
   maps_ = std::make_shared<MapLayout>(std::move(resolution));
   constexpr std::size_t kTriangles = 2;
-  shapes_ = std::make_shared<const PatchShapes>(cut_into_patches(*mesh_, *maps_, kTriangles));
+  shapes_ = std::make_shared<const PatchShapes>(cut_into_patches(*mesh_, *maps_, {.triangles = kTriangles}));
   SurfaceLightFieldSnapshot::Patches data(shapes_->patches.size());
   for (std::size_t p = 0; p < data.size(); ++p) {
     const bool unseen = static_cast<double>(p) < options.unseen * static_cast<double>(data.size()) || p % 97 == 96;

@@ -69,7 +69,7 @@ TEST(PatchShapes, EachTriangleIsInOnePatch) {
   const Mesh mesh = sphere_mesh(1, 3);
   const MapLayout maps(std::vector<std::uint8_t>(mesh.triangles.size(), 5));
   for (const std::size_t most : {1, 4, 8, 30}) {
-    const PatchShapes shapes = cut_into_patches(mesh, maps, most);
+    const PatchShapes shapes = cut_into_patches(mesh, maps, {.triangles = most});
     std::size_t triangles = 0;
     for (std::size_t p = 0; p < shapes.patches.size(); ++p) {
       const PatchShape& patch = shapes.patches[p];
@@ -84,6 +84,29 @@ TEST(PatchShapes, EachTriangleIsInOnePatch) {
     EXPECT_EQ(triangles, mesh.triangles.size());
     EXPECT_LT(shapes.patches.size(), 2 * mesh.triangles.size() / most + 1);
   }
+}
+
+TEST(PatchShapes, PatchesOfFineTrianglesHaveMoreOfThem) {
+  const Mesh mesh = sphere_mesh(1, 4);
+  const auto is_fine = [&](std::uint32_t t) { return mesh.corner(t, 0).z() > 0; };
+  std::vector<std::uint8_t> resolution;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) resolution.push_back(is_fine(t) ? 4 : 12);
+  const MapLayout maps(resolution);  // 10 samples and 78
+  const PatchShapes shapes = cut_into_patches(mesh, maps, {.triangles = 2, .samples = 64});
+  std::size_t fine = 0, fine_triangles = 0, coarse = 0, coarse_triangles = 0;
+  for (const PatchShape& patch : shapes.patches) {
+    EXPECT_GE(patch.samples, 16u) << "less than a quarter goes to a neighbour";
+    if (std::all_of(patch.triangles.begin(), patch.triangles.end(), is_fine)) {
+      ++fine;
+      fine_triangles += patch.triangles.size();
+      EXPECT_LE(patch.triangles.size(), 9u) << "seven have 70 samples; at most one more is left over beside them";
+    } else {
+      ++coarse;
+      coarse_triangles += patch.triangles.size();
+    }
+  }
+  EXPECT_GT(static_cast<double>(fine_triangles), 5.5 * static_cast<double>(fine));
+  EXPECT_LT(static_cast<double>(coarse_triangles), 2.5 * static_cast<double>(coarse));
 }
 
 /// Each triangle of the stored mesh is the old one, turned by its first corner.
