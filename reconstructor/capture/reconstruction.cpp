@@ -70,7 +70,7 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
 /// True when the model has started again, with coarser maps.
 bool Reconstruction::fit_memory(const Capture& first) {
   const int before = effort_.level();
-  const int level = model_->effort_level_within(first, before, *effort_.limits().bytes);
+  const int level = model_->effort_level_within(first, before, *effort_.limits().bytes, most_captures_);
   effort_.set_memory_level(level);
   if (level == before) return false;
   log_info("memory", "a model with these maps would not fit: coarser ones are used", {{"effort_level", level}});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -31,6 +32,8 @@ class Reconstruction {
   /// that is taken for its time is judged on the first images. Throws ConfigError.
   void keep_within(const Limits& limits, const std::string& record = {}, std::uint64_t captures = 0,
                    MeasuredLevels measured = {});
+  /// Before the first capture: no more than so many will come, which bounds what the model can come to hold.
+  void expect_at_most(std::size_t captures) { most_captures_ = captures; }
   /// Before the first capture: the model is no finer than at this effort level.
   void begin_at(int level);
   const Limits& limits() const { return effort_.limits(); }
@@ -100,6 +103,7 @@ class Reconstruction {
 
   EffortPlan effort_;
   std::optional<CaptureSize> image_size_;  ///< of the first image
+  std::size_t most_captures_ = std::numeric_limits<std::size_t>::max();
   double held_out_bytes_ = 0;
   bool memory_exceeded_ = false;      ///< although all that can be left out is: told once
   std::set<std::string> light_said_;  ///< of the cameras so far

@@ -42,6 +42,7 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
                                            bool first) {
   auto reconstruction = std::make_unique<Reconstruction>(mesh, settings);
   reconstruction->keep_within(limits, {}, 0, measured);
+  reconstruction->expect_at_most(captures.size);
   if (effort_level > 0) reconstruction->begin_at(effort_level);
   {
     Progress progress("building", captures.size);

@@ -41,13 +41,13 @@ std::span<const TermLimit> memory_steps() {
 
 int finest_level(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
                  double bytes) {
-  constexpr TermLimit kWorthwhile{8, 12, 6};  // fewer terms on finer maps are worth less than more on coarser ones
+  const TermLimit& fewest = memory_steps().back();
   const int last = static_cast<int>(all_effort_levels().size()) - 1;
   int level = first;
   for (; level < last; ++level) {
     SurfaceLightFieldOptions limited = at_effort_level(options, level);
     OnlineSvdOptions& factor = limited.patch.factor;
-    factor = factor.limited_to(kWorthwhile.max_rank, kWorthwhile.internal_rank, kWorthwhile.block);
+    factor = factor.limited_to(fewest.max_rank, fewest.internal_rank, fewest.block);
     if (largest_account(mesh, first_capture, limited).total() <= bytes) break;
   }
   return level;

@@ -26,9 +26,8 @@ struct TermLimit {
   int max_rank, internal_rank, block;  ///< as in OnlineSvdOptions
 };
 std::span<const TermLimit> memory_steps();
-/// The effort level, `first` or a coarser one, with the finest maps of which the memory can hold eight terms (as many
-/// as there are where the options allow fewer) whatever images come, held-out views apart; the last one when it can of
-/// none.
+/// The effort level, `first` or a coarser one, with the finest maps of which the memory can hold the fewest terms that
+/// patches are ever cut down to, whatever images come, held-out views apart; the last one when it can of none.
 int finest_level(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
                  double bytes);
 

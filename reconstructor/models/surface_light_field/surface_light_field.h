@@ -29,7 +29,7 @@ class SurfaceLightField : public AppearanceModel {
 
   void restart(int effort_level) override;
   void rebuild(int effort_level) override;
-  int effort_level_within(const Capture& first, int from, double bytes) const override;
+  int effort_level_within(const Capture& first, int from, double bytes, std::size_t images) const override;
   bool reduce_memory() override;
   void set_update_fraction(double fraction) override;
   /// Lets go of terms beyond lower limits, in all patches at once. They hold from now on.

@@ -8,6 +8,7 @@
 
 #include "reconstructor/capture/reconstruction.h"
 #include "reconstructor/effort/effort_control.h"
+#include "reconstructor/models/surface_light_field/effort_levels.h"
 #include "reconstructor/models/surface_light_field/memory_account.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
@@ -136,7 +137,8 @@ TEST_F(UndoToTheBit, TheFirstImageTakesItsEffortLevelWithIt) {
   const Camera near{.width = 320, .height = 240, .fx = 500, .fy = 500, .cx = 159.5, .cy = 119.5};
   images_[0] = analytic::capture(scene_, near, images_[0].pose.camera_from_object);
   images_[0].sequence = 1;
-  options_.patch.factor.max_rank = 8;
+  const TermLimit& fewest = memory_steps().back();  // that the memory must hold
+  options_.patch.factor = options_.patch.factor.limited_to(fewest.max_rank, fewest.internal_rank, fewest.block);
   Limits limits{.bytes = 1.1 * largest_account(*object_.mesh, images_[2], options_).total()};
   ASSERT_GT(largest_account(*object_.mesh, images_[0], options_).total(), 1.1 * *limits.bytes);
   for (const bool with_budget : {false, true}) {
