@@ -87,7 +87,7 @@ void measure(GoalReport& report) {
   const Cost whole = session.ingest({late, path.end()}, camera);
   Reconstruction& reconstruction = session.reconstruction();
   const MemoryAccount memory = reconstruction.memory();
-  report.add(at_most(8, {}, "resident memory, 100 images", session.resident() / 1e9, "GB",
+  report.add(at_most(8, {}, "growth of resident memory, 100 images", session.resident() / 1e9, "GB",
                      {{"triangles", object.mesh().triangles.size()},
                       {"model_gb", memory.model / 1e9},
                       {"snapshot_gb", memory.snapshots / 2e9},
