@@ -196,6 +196,12 @@ TEST(SurfaceLightField, FinishedItIsWhatItWasAndTakesNoImage) {
   EXPECT_EQ(model.memory({}).total(), counted);
   EXPECT_THROW(model.ingest(images[0]), std::logic_error);
   EXPECT_FALSE(model.withdraw(images[3]));
+
+  std::weak_ptr<const ModelSnapshot> kept = model.snapshot();
+  model.give_snapshot();
+  EXPECT_TRUE(kept.expired()) << "who is given it has it alone";
+  EXPECT_THROW(model.snapshot(), std::logic_error);
+  EXPECT_EQ(model.figures().bytes, figures.bytes);
 }
 
 TEST(SurfaceLightField, AnImageThatComesAgainAndAgainAddsNothing) {

@@ -67,6 +67,19 @@ TEST_F(CompactLightFieldTest, LosesAsMuchAsItIsAskedTo) {
   }
 }
 
+TEST_F(CompactLightFieldTest, IsMadeWithoutTheModelThatItIsMadeOf) {
+  const auto saved = [this](const CompressedModel& small) {
+    small.snapshot->save(temp_.path() / "small", {}, {});
+    return read_file(temp_.path() / "small");
+  };
+  const std::string expected = saved(compressed({.loss_db = 0.5}));
+  const std::unique_ptr<Compression> compression = exact_->compression({.loss_db = 0.5});
+  const std::weak_ptr<const ModelSnapshot> exact = exact_;
+  exact_.reset();
+  EXPECT_TRUE(exact.expired());
+  EXPECT_EQ(saved(compression->run()), expected);
+}
+
 TEST_F(CompactLightFieldTest, KeepsToItsBytes) {
   for (const double bytes : {60e3, 30e3}) {
     const CompressedModel small = compressed({.bytes = bytes});
