@@ -172,13 +172,15 @@ FieldTerms dequantise(const QuantisedField& field) {
 
 std::string encode_component(const QuantisedField& field, std::size_t component) {
   QuantisedField::Component copy = field.components[component];
-  ContextEncoder encoder(kContexts);
+  BitModel bits(kContexts);
+  ContextEncoder encoder(bits);
   code_component(encoder, field, copy);
   return encoder.finish();
 }
 
 void decode_component(std::string_view bytes, QuantisedField& field, std::size_t component) {
-  ContextDecoder decoder(kContexts, bytes);
+  BitModel bits(kContexts);
+  ContextDecoder decoder(bits, bytes);
   code_component(decoder, field, field.components[component]);
 }
 

@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr ChunkFormat kFormat{.magic = "sheenRIF", .version = 1, .title = "irradiance field"};
+constexpr ChunkFormat kFormat{.magic = "sheenRIF", .version = 2, .title = "irradiance field"};
 constexpr std::array<std::string_view, 3> kMapChunks{"MAP0", "MAP1", "MAP2"};
 constexpr const char* kFieldFileName = "field.rif";
 // No more memory than the size of a file makes likely.

@@ -6,27 +6,31 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <stdexcept>
+
+#include "reconstructor/models/surface_light_field/compact/mesh_coding.h"
 
 namespace sheen {
 namespace {
 
-constexpr float kGrid = 65535;
-using GridPoint = std::array<std::uint16_t, 4>;  // the codec asks for a multiple of four bytes
+constexpr float kMostSteps = 65535;
+constexpr double kPixels = 1.0 / 8;
 
-struct Header {
-  std::uint32_t vertices = 0, triangles = 0, index_bytes = 0;
-  float origin[3] = {}, step = 1;
-};
-
-Eigen::Vector3f on_grid(const GridPoint& point, const Header& header) {
-  return Eigen::Map<const Eigen::Vector3f>(header.origin) + header.step * Eigen::Vector3f(point[0], point[1], point[2]);
+/// Pixels that a unit of length at any vertex covers at most in any of the images that show it.
+double most_pixels(const Mesh& mesh, const std::vector<PosedCamera>& cameras) {
+  double most = 0;
+  for (const PosedCamera& posed : cameras)
+    for (const Eigen::Vector3f& vertex : mesh.vertices) {
+      const Eigen::Vector3d place = posed.camera_from_object * vertex.cast<double>();
+      const double pixels = std::max(posed.camera.fx, posed.camera.fy) / place.z();
+      if (place.z() <= 0 || pixels <= most) continue;
+      if (const auto pixel = posed.camera.project(place); pixel && posed.camera.contains(*pixel)) most = pixels;
+    }
+  return most;
 }
 
 }  // namespace
 
-CanonicalMesh canonical_mesh(const Mesh& mesh) {
+CanonicalMesh canonical_mesh(const Mesh& mesh, const std::vector<PosedCamera>& cameras) {
   const std::size_t triangles = mesh.triangles.size(), indices = 3 * triangles;
   // The order that the codec likes best. Which triangle is which is found by their corners, which it leaves alone.
   std::vector<unsigned> flat(indices), ordered(indices);
@@ -56,34 +60,28 @@ CanonicalMesh canonical_mesh(const Mesh& mesh) {
   for (std::size_t v = 0; v < remap.size(); ++v)
     if (remap[v] != ~0u) canonical.old_vertex[remap[v]] = static_cast<std::uint32_t>(v);
 
-  Header header{.vertices = static_cast<std::uint32_t>(vertices), .triangles = static_cast<std::uint32_t>(triangles)};
+  GridMesh grid;
   Eigen::Array3f low = Eigen::Array3f::Constant(INFINITY), high = -low;
   for (const std::uint32_t v : canonical.old_vertex) {
     low = low.min(mesh.vertices[v].array());
     high = high.max(mesh.vertices[v].array());
   }
-  Eigen::Map<Eigen::Array3f>{header.origin} = low;
-  header.step = std::max((high - low).maxCoeff() / kGrid, 1e-30f);
-  std::vector<GridPoint> points(vertices);
-  for (std::size_t v = 0; v < vertices; ++v)
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto i = static_cast<Eigen::Index>(axis);
-      const float at = (mesh.vertices[canonical.old_vertex[v]][i] - low[i]) / header.step;
-      points[v][axis] = static_cast<std::uint16_t>(std::lround(std::clamp(at, 0.0f, kGrid)));
-    }
-
-  std::vector<unsigned char> index_bytes(meshopt_encodeIndexBufferBound(indices, vertices));
-  index_bytes.resize(meshopt_encodeIndexBuffer(index_bytes.data(), index_bytes.size(), ordered.data(), indices));
-  std::vector<unsigned char> vertex_bytes(meshopt_encodeVertexBufferBound(vertices, sizeof(GridPoint)));
-  vertex_bytes.resize(
-      meshopt_encodeVertexBuffer(vertex_bytes.data(), vertex_bytes.size(), points.data(), vertices, sizeof(GridPoint)));
-  header.index_bytes = static_cast<std::uint32_t>(index_bytes.size());
-  canonical.bytes.assign(reinterpret_cast<const char*>(&header), sizeof header);
-  canonical.bytes.append(index_bytes.begin(), index_bytes.end());
-  canonical.bytes.append(vertex_bytes.begin(), vertex_bytes.end());
+  grid.origin = low;
+  grid.step = std::max((high - low).maxCoeff() / kMostSteps, 1e-30f);
+  if (const double pixels = most_pixels(mesh, cameras); pixels > 0)
+    grid.step = std::max(grid.step, static_cast<float>(kPixels / pixels));
+  for (const std::uint32_t v : canonical.old_vertex) {
+    const Eigen::Vector3f at = (mesh.vertices[v] - grid.origin) / grid.step;
+    grid.points.push_back({static_cast<std::int32_t>(std::lround(at.x())),
+                           static_cast<std::int32_t>(std::lround(at.y())),
+                           static_cast<std::int32_t>(std::lround(at.z()))});
+  }
+  for (std::size_t t = 0; t < triangles; ++t)
+    grid.triangles.push_back({ordered[3 * t], ordered[3 * t + 1], ordered[3 * t + 2]});
+  canonical.bytes = encode_mesh(grid);
 
   // The codec may begin a triangle at another corner.
-  auto decoded = std::make_shared<Mesh>(decode_mesh(canonical.bytes));
+  auto decoded = std::make_shared<Mesh>(decode_mesh(canonical.bytes).mesh());
   canonical.first_corner.resize(triangles);
   for (std::size_t t = 0; t < triangles; ++t) {
     const Triangle& old = mesh.triangles[canonical.old_triangle[t]];
@@ -95,36 +93,6 @@ CanonicalMesh canonical_mesh(const Mesh& mesh) {
   }
   canonical.mesh = std::move(decoded);
   return canonical;
-}
-
-Mesh decode_mesh(std::string_view bytes) {
-  Header header;
-  if (bytes.size() < sizeof header) throw std::runtime_error("the mesh is cut short");
-  std::memcpy(&header, bytes.data(), sizeof header);
-  bytes.remove_prefix(sizeof header);
-  // A triangle takes a byte at least; vertices that no triangle has are not stored.
-  if (header.index_bytes > bytes.size() || header.triangles > header.index_bytes ||
-      header.vertices > 3 * std::uint64_t{header.triangles})
-    throw std::runtime_error("the mesh's sizes contradict each other");
-  if (!Eigen::Map<const Eigen::Array3f>(header.origin).allFinite() || !(header.step > 0 && header.step < 1e30f))
-    throw std::runtime_error("the mesh's grid is not valid");
-  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  Mesh mesh;
-  mesh.triangles.resize(header.triangles);
-  static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
-  std::vector<GridPoint> points(header.vertices);
-  if (header.triangles == 0 ||
-      meshopt_decodeIndexBuffer(mesh.triangles.data(), 3 * std::size_t{header.triangles}, sizeof(std::uint32_t), data,
-                                header.index_bytes) != 0 ||
-      meshopt_decodeVertexBuffer(points.data(), points.size(), sizeof(GridPoint), data + header.index_bytes,
-                                 bytes.size() - header.index_bytes) != 0)
-    throw std::runtime_error("the mesh is damaged");
-  for (const Triangle& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle)
-      if (v >= header.vertices) throw std::runtime_error("a triangle has a corner that is not a vertex");
-  mesh.vertices.reserve(points.size());
-  for (const GridPoint& point : points) mesh.vertices.push_back(on_grid(point, header));
-  return mesh;
 }
 
 }  // namespace sheen

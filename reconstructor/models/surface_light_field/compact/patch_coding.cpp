@@ -2,12 +2,14 @@
 #include "reconstructor/models/surface_light_field/compact/patch_coding.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <map>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "reconstructor/coding/context_coder.h"
 
@@ -19,21 +21,55 @@ using Values = std::vector<std::int32_t>;
 constexpr std::size_t kSmooth = 10;  ///< frequencies of a tile in the first layer of the means
 
 // What a value is likely to be depends on how large those are that it is like: its neighbours in frequency, the same
-// frequency in the triangles before, in the other colours and in the term before. That expectation, in half octaves, is
-// the context.
+// frequency in the triangles before, in the other colours and in the term before. A context is their mean, in half
+// octaves; others are the single ones.
 constexpr int kExpectations = 18;
-constexpr int kColours = 3, kFrequencies = 3, kLengths = 13;
+constexpr int kSmall = 3;  ///< sizes 0, 1, more
+constexpr int kColours = 3, kFrequencies = 3, kOctaves = 10, kLengths = 13;
+constexpr int kLowStarts = 8;  ///< what is known of a length's second to fourth bit
 
-constexpr int kLengthHigh = 0;  ///< bits of a band's length, after those of the same band of the triangle before
-constexpr int kLengthLow = kLengthHigh + kColours * kLengths * kLengths;
-constexpr int kZero = kLengthLow + kColours * kLengths * 3;
-constexpr int kSize = kZero + kColours * kFrequencies * kExpectations;
-constexpr int kLevel = kSize + kColours * kExpectations * kNumberContexts;  ///< of means, beyond the triangle before
-constexpr int kHasTerm = kLevel + kColours * kSignedContexts;
-constexpr int kScale = kHasTerm + 2;
-constexpr int kCoefficient = kScale + kSignedContexts;
-constexpr int kSign = kCoefficient + kExpectations * kNumberContexts;
-constexpr int kContexts = kSign + 1;
+/// Ranges of contexts, or of mixers, one behind the other.
+class Ranges {
+ public:
+  constexpr int next(int size) { return std::exchange(end_, end_ + size); }
+  constexpr int end() const { return end_; }
+
+ private:
+  int end_ = 0;
+};
+
+struct Contexts {
+  Ranges all;
+  // A band's length: its number of bits, then the bits.
+  int bits_by_past = all.next(kColours * kLengths * kLengths * kLengths);   ///< after the two triangles before
+  int bits_by_likes = all.next(kColours * kLengths * kLengths * kLengths);  ///< after the term before and other colours
+  int bits_by_last = all.next(kColours * kLengths * kLengths);
+  int low_by_whole = all.next(kColours * kLengths * kLowStarts * kLengths);
+  int low_by_past = all.next(kColours * kLengths * kLowStarts * kLengths);
+  int low_rest = all.next(1);
+  // Values.
+  int zero = all.next(kColours * kFrequencies * kExpectations);
+  int zero_by_near = all.next(kColours * kSmall * kSmall * kSmall * kSmall * kSmall);
+  int zero_by_mean = all.next(kColours * kOctaves * kExpectations);
+  int size = all.next(kColours * kExpectations * kNumberContexts);
+  int size_by_past = all.next(kColours * kExpectations * kSmall * kNumberContexts);
+  int level = all.next(kColours * kSignedContexts);  ///< of means, beyond the triangle before
+  // Terms.
+  int has_term = all.next(2);
+  int scale = all.next(kSignedContexts);
+  int coefficient = all.next(kExpectations * kNumberContexts);
+  int sign = all.next(1);
+};
+constexpr Contexts kContexts;
+
+struct Mixers {
+  Ranges all;
+  int bits = all.next(kColours * kLengths);
+  int low = all.next(kLengths);
+  int zero = all.next(kColours * kOctaves);
+  int size = all.next(kColours * kNumberContexts);
+};
+constexpr Mixers kMixers;
 
 constexpr std::int32_t kUnit = 64;  ///< expectations are counted in 64ths
 
@@ -55,6 +91,12 @@ int frequency_bucket(std::size_t frequency) {
   return frequency < 6 ? 0 : (frequency < 36 ? 1 : 2);
 }
 
+/// Octaves of a number: 0, 1, 2 to 3, 4 to 7 and so on.
+template <int kEnd>
+int octave(std::size_t number) {
+  return std::min(static_cast<int>(std::bit_width(number)), kEnd - 1);
+}
+
 std::int32_t magnitude(const Values& values, std::size_t i) {
   return i < values.size() ? std::min(std::abs(values[i]), 4000) : 0;
 }
@@ -66,7 +108,7 @@ class Expectation {
     sum_ += weight * magnitude_in_units;
     weight_ += weight;
   }
-  int context() const { return bucket(weight_ > 0 ? sum_ / weight_ : 0); }
+  int in_half_octaves() const { return bucket(weight_ > 0 ? sum_ / weight_ : 0); }
 
  private:
   std::int32_t sum_ = 0, weight_ = 0;
@@ -82,7 +124,7 @@ class LayerCoder {
     for (std::size_t t = 0; t < patches.size(); ++t) {
       if (layout_.images[t] == 0) continue;
       patches[t].known = true;
-      code_map(t, patches[t].mean, nullptr, true, from, to);
+      code_map(t, patches[t].mean, nullptr, nullptr, from, to);
     }
   }
 
@@ -92,21 +134,22 @@ class LayerCoder {
     for (std::size_t t = 0; t < patches.size(); ++t) {
       QuantisedPatch& patch = patches[t];
       if (layout_.images[t] == 0 || patch.terms.size() < k) continue;
-      last = coder_.bit(kHasTerm + last, patch.terms.size() > k);
+      last = coder_.bit(kContexts.has_term + last, patch.terms.size() > k);
       if (!last) continue;
       if (Coder::kReads) patch.terms.emplace_back();
-      scale_ = within_range(scale_ + code_signed(coder_, kScale, patch.terms[k].scale - scale_));
+      scale_ = within_range(scale_ + code_signed(coder_, kContexts.scale, patch.terms[k].scale - scale_));
       patch.terms[k].scale = scale_;
       code_coefficients(t, patch.terms[k].coefficients);
-      code_map(t, patch.terms[k].map, k == 0 ? &patch.mean : &patch.terms[k - 1].map, false, 0, kAll);
+      code_map(t, patch.terms[k].map, &patch.mean, k == 0 ? &patch.mean : &patch.terms[k - 1].map, 0, kAll);
     }
   }
 
  private:
   static constexpr std::size_t kAll = 1u << 20;
 
-  void code_map(std::size_t patch, QuantisedMap& map, const QuantisedMap* before, bool mean, std::size_t from,
-                std::size_t to) {
+  /// mean, before: of the patch, where a term is coded.
+  void code_map(std::size_t patch, QuantisedMap& map, const QuantisedMap* mean, const QuantisedMap* before,
+                std::size_t from, std::size_t to) {
     const std::vector<int>& tiles = layout_.tile_sizes[patch];
     if (map.bands.empty()) map.bands.resize(3 * tiles.size());
     for (std::size_t band = 0; band < map.bands.size(); ++band) {
@@ -114,11 +157,14 @@ class LayerCoder {
       Likes likes;
       for (std::size_t c = 0; c < colour; ++c) likes.colours[c] = &map.bands[band - colour + c].values;
       if (before) likes.before = &before->bands[band].values;
-      std::vector<std::int32_t>& history = history_[colour][size];
-      history.resize(size);
-      if (mean && from == 0 && band < 3) code_level(patch, map.bands[band].values, colour);
-      code_band(map.bands[band].values, likes, history, colour,
-                mean && band < 3 ? std::max<std::size_t>(from, 1) : from, std::min(to, size));
+      if (mean) likes.mean = &mean->bands[band].values;
+      History& history = history_[colour];
+      std::vector<std::int32_t>& magnitudes = history.magnitudes[size];
+      magnitudes.resize(size);
+      const bool level = !mean && band < 3;
+      if (level && from == 0) code_level(patch, map.bands[band].values, colour);
+      code_band(map.bands[band].values, likes, history, magnitudes, static_cast<int>(colour),
+                level ? std::max<std::size_t>(from, 1) : from, std::min(to, size));
     }
   }
 
@@ -127,8 +173,9 @@ class LayerCoder {
     const std::vector<int>& tiles = layout_.tile_sizes[patch];
     const double root = std::sqrt(static_cast<double>(std::accumulate(tiles.begin(), tiles.end(), 0)));
     const std::int32_t expected = within_range(std::lround(root * level_[colour]));
-    const std::int32_t level = expected + code_signed(coder_, kLevel + static_cast<int>(colour) * kSignedContexts,
-                                                      (values.empty() ? 0 : values[0]) - expected);
+    const std::int32_t level =
+        expected + code_signed(coder_, kContexts.level + static_cast<int>(colour) * kSignedContexts,
+                               (values.empty() ? 0 : values[0]) - expected);
     if (Coder::kReads) values.assign(1, level);
     level_[colour] = level / root;
   }
@@ -137,11 +184,18 @@ class LayerCoder {
   struct Likes {
     const Values* colours[2] = {};   ///< luma, and the first colour difference, of the same triangle
     const Values* before = nullptr;  ///< the same band of the term before
+    const Values* mean = nullptr;    ///< the same band of the mean
+  };
+
+  /// What the bands of a colour were like of late.
+  struct History {
+    int bits[2] = {};                                             ///< of lengths, the last one first
+    std::map<std::size_t, std::vector<std::int32_t>> magnitudes;  ///< by size of the tile: of each frequency
   };
 
   /// `to`: of what follows there, a reader knows nothing yet.
-  int context_at(const Values& values, const Likes& likes, const std::vector<std::int32_t>& history, std::size_t f,
-                 std::size_t first, std::size_t to) const {
+  int expected_at(const Values& values, const Likes& likes, std::int32_t past, std::size_t f, std::size_t first,
+                  std::size_t to) const {
     const auto around = [f, to](const Values& like) {
       return kUnit *
              (2 * magnitude(like, f) + (f > 0 ? magnitude(like, f - 1) : 0) +
@@ -151,55 +205,97 @@ class LayerCoder {
     Expectation expected;
     constexpr std::int32_t kNear[] = {6, 4, 3, 2};
     for (std::size_t d = 1; d <= 4 && f >= first + d; ++d) expected.add(kNear[d - 1], kUnit * magnitude(values, f - d));
-    expected.add(8, history[f]);
+    expected.add(8, past);
     for (const Values* colour : likes.colours)
       if (colour) expected.add(2, around(*colour));
     if (likes.before) expected.add(1, around(*likes.before));
-    return expected.context();
+    return expected.in_half_octaves();
   }
 
-  void code_band(Values& values, const Likes& likes, std::vector<std::int32_t>& history, std::size_t colour,
+  void code_band(Values& values, const Likes& likes, History& history, std::vector<std::int32_t>& past, int colour,
                  std::size_t first, std::size_t to) {
     if (first >= to) return;
-    const int c = static_cast<int>(colour);
-    std::size_t length = std::min(values.size(), to);
-    if (!Coder::kReads)
-      while (length > first && values[length - 1] == 0) --length;
-    length = code_length(length > first ? length - first : 0, c, length_before_[colour]);
+    const std::size_t length = code_length(length_of(&values, first, to), likes, history, colour, first, to);
     if (length > to - first) throw std::runtime_error("a band is longer than its tile");
     const std::size_t end = first + length;
     if (Coder::kReads && length > 0) values.resize(end);
     for (std::size_t f = first; f < end; ++f) {
-      const int context = context_at(values, likes, history, f, first, to);
-      const std::int32_t value = values[f];
-      const bool must = f + 1 == end;
-      if (!must &&
-          !coder_.bit(kZero + (c * kFrequencies + frequency_bucket(f)) * kExpectations + context, value != 0)) {
-        values[f] = 0;
-        continue;
-      }
-      const auto size =
-          static_cast<std::int32_t>(1 + code_number(coder_, kSize + (c * kExpectations + context) * kNumberContexts,
-                                                    static_cast<std::uint32_t>(std::max(std::abs(value) - 1, 0))));
-      values[f] = coder_.bit(kSign, value < 0) ? -size : size;
+      const int expected = expected_at(values, likes, past[f], f, first, to);
+      const bool zero = f + 1 < end && !code_nonzero(values, likes, expected, colour, f, first);
+      values[f] = zero ? 0 : code_value(values[f], likes, expected, past[f], colour, f);
     }
-    for (std::size_t f = first; f < to; ++f) history[f] += (kUnit * magnitude(values, f) - history[f]) / 4;
+    for (std::size_t f = first; f < to; ++f) past[f] += (kUnit * magnitude(values, f) - past[f]) / 4;
+  }
+
+  static int small(const Values* values, std::size_t i) {
+    return values ? std::min(magnitude(*values, i), kSmall - 1) : 0;
+  }
+
+  bool code_nonzero(const Values& values, const Likes& likes, int expected, int colour, std::size_t f,
+                    std::size_t first) {
+    int near = 0;
+    for (std::size_t d = 1; d <= 2; ++d) near = kSmall * near + (f >= first + d ? small(&values, f - d) : 0);
+    for (const Values* like : {likes.colours[0], likes.colours[1], likes.before}) near = kSmall * near + small(like, f);
+    const int octaves = octave<kOctaves>(f), mean = likes.mean ? bucket(kUnit * magnitude(*likes.mean, f)) : 0;
+    const int contexts[] = {
+        kContexts.zero + (colour * kFrequencies + frequency_bucket(f)) * kExpectations + expected,
+        kContexts.zero_by_near + colour * kSmall * kSmall * kSmall * kSmall * kSmall + near,
+        kContexts.zero_by_mean + (colour * kOctaves + octaves) * kExpectations + mean,
+    };
+    return coder_.bit(contexts, kMixers.zero + colour * kOctaves + octaves, values[f] != 0);
+  }
+
+  /// That is not zero.
+  std::int32_t code_value(std::int32_t value, const Likes& likes, int expected, std::int32_t past, int colour,
+                          std::size_t f) {
+    const std::array contexts = {
+        kContexts.size + (colour * kExpectations + expected) * kNumberContexts,
+        kContexts.size_by_past +
+            ((colour * kExpectations + bucket(past)) * kSmall + small(likes.before, f)) * kNumberContexts,
+    };
+    const auto size =
+        1 + static_cast<std::int32_t>(code_number(coder_, contexts, kMixers.size + colour * kNumberContexts,
+                                                  static_cast<std::uint32_t>(std::max(std::abs(value) - 1, 0))));
+    return coder_.bit(kContexts.sign, value < 0) ? -size : size;
+  }
+
+  /// Frequencies from `first` on, as far as one before `to` is not zero.
+  static std::size_t length_of(const Values* band, std::size_t first, std::size_t to) {
+    std::size_t end = band ? std::min(band->size(), to) : 0;
+    while (end > first && (*band)[end - 1] == 0) --end;
+    return end > first ? end - first : 0;
   }
 
   /// Its number of bits, then the bits.
-  std::size_t code_length(std::size_t length, int colour, int& before) {
-    const int wanted = static_cast<int>(std::bit_width(length));
+  std::size_t code_length(std::size_t length, const Likes& likes, History& history, int colour, std::size_t first,
+                          std::size_t to) {
+    const auto bits_of = [first, to](const Values* band) { return octave<kLengths>(length_of(band, first, to)); };
+    const int term_before = bits_of(likes.before),
+              colours = std::max(bits_of(likes.colours[0]), bits_of(likes.colours[1])),
+              whole = octave<kLengths>(to - first), wanted = octave<kLengths>(length);
+    const int last = std::exchange(history.bits[0], 0), older = std::exchange(history.bits[1], last);
     int bits = 0;
-    while (bits < kLengths - 1 &&
-           coder_.bit(kLengthHigh + (colour * kLengths + before) * kLengths + bits, wanted > bits))
-      ++bits;
-    before = bits;
+    for (; bits < kLengths - 1; ++bits) {
+      const int contexts[] = {
+          kContexts.bits_by_past + ((colour * kLengths + last) * kLengths + older) * kLengths + bits,
+          kContexts.bits_by_likes + ((colour * kLengths + term_before) * kLengths + colours) * kLengths + bits,
+          kContexts.bits_by_last + (colour * kLengths + last) * kLengths + bits,
+      };
+      if (!coder_.bit(contexts, kMixers.bits + colour * kLengths + bits, wanted > bits)) break;
+    }
+    history.bits[0] = bits;
     if (bits < 2) return static_cast<std::size_t>(bits);
-    std::size_t read = 1;
+    std::size_t read = 1;  // the first bit is a one
     for (int i = bits - 2; i >= 0; --i) {
-      const int depth = bits - 2 - i, low = kLengthLow + (colour * kLengths + bits) * 3;
-      const int context = depth == 0 ? low : (depth == 1 ? low + 1 + static_cast<int>(read & 1) : kSign);
-      read = 2 * read + coder_.bit(context, (length >> i) & 1);
+      const bool one = (length >> i) & 1;
+      if (read < kLowStarts) {
+        const int start = (colour * kLengths + bits) * kLowStarts + static_cast<int>(read);
+        const int contexts[] = {kContexts.low_by_whole + start * kLengths + whole,
+                                kContexts.low_by_past + start * kLengths + last};
+        read = 2 * read + coder_.bit(contexts, kMixers.low + bits, one);
+      } else {
+        read = 2 * read + coder_.bit(kContexts.low_rest, one);
+      }
     }
     return read;
   }
@@ -212,10 +308,10 @@ class LayerCoder {
       Expectation expected;
       if (j > 1) expected.add(2, kUnit * magnitude(values, static_cast<std::size_t>(parent[j])));
       for (std::size_t d = 1; d <= 3 && j > d; ++d) expected.add(1, kUnit * magnitude(values, j - d));
-      const int context = kCoefficient + expected.context() * kNumberContexts;
+      const int context = kContexts.coefficient + expected.in_half_octaves() * kNumberContexts;
       const auto size =
           static_cast<std::int32_t>(code_number(coder_, context, static_cast<std::uint32_t>(std::abs(values[j]))));
-      values[j] = size != 0 && coder_.bit(kSign, values[j] < 0) ? -size : size;
+      values[j] = size != 0 && coder_.bit(kContexts.sign, values[j] < 0) ? -size : size;
     }
   }
 
@@ -223,9 +319,7 @@ class LayerCoder {
   const PatchLayout& layout_;
   double level_[3] = {};  ///< of the patch before, per root of a sample
   std::int32_t scale_ = 0;
-  int length_before_[3] = {};
-  std::map<std::size_t, std::vector<std::int32_t>>
-      history_[3];  ///< by colour and size of the tile: mean magnitudes of late
+  History history_[kColours];
 };
 
 template <typename Coder>
@@ -241,14 +335,19 @@ void code_layer(Coder& coder, const PatchLayout& layout, std::vector<QuantisedPa
 
 }  // namespace
 
-std::string encode_layer(const PatchLayout& layout, std::vector<QuantisedPatch>& patches, int layer) {
-  ContextEncoder coder(kContexts);
+LayerModels::LayerModels()
+    : means(kContexts.all.end(), kMixers.all.end()), terms(kContexts.all.end(), kMixers.all.end()) {}
+
+std::string encode_layer(const PatchLayout& layout, std::vector<QuantisedPatch>& patches, int layer,
+                         LayerModels& models) {
+  ContextEncoder coder(models.of(layer));
   code_layer(coder, layout, patches, layer);
   return coder.finish();
 }
 
-void decode_layer(const PatchLayout& layout, std::string_view bytes, std::vector<QuantisedPatch>& patches, int layer) {
-  ContextDecoder coder(kContexts, bytes);
+void decode_layer(const PatchLayout& layout, std::string_view bytes, std::vector<QuantisedPatch>& patches, int layer,
+                  LayerModels& models) {
+  ContextDecoder coder(models.of(layer), bytes);
   code_layer(coder, layout, patches, layer);
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "reconstructor/coding/bit_model.h"
 #include "reconstructor/models/surface_light_field/compact/patch_spectrum.h"
 
 namespace sheen {
@@ -20,10 +21,20 @@ struct PatchLayout {
   std::vector<std::vector<std::uint16_t>> haar_parent;  ///< per patch: of each coefficient; unused for the mean
 };
 
+/// What was learned of the bits in the layers before: layers are coded one after the other with the same.
+struct LayerModels {
+  LayerModels();
+  BitModel& of(int layer) { return layer < kMeanLayers ? means : terms; }
+
+  BitModel means, terms;
+};
+
 /// Leaves `patches` as they are.
-std::string encode_layer(const PatchLayout& layout, std::vector<QuantisedPatch>& patches, int layer);
+std::string encode_layer(const PatchLayout& layout, std::vector<QuantisedPatch>& patches, int layer,
+                         LayerModels& models);
 /// Adds a layer to `patches`. Throws std::runtime_error.
-void decode_layer(const PatchLayout& layout, std::string_view bytes, std::vector<QuantisedPatch>& patches, int layer);
+void decode_layer(const PatchLayout& layout, std::string_view bytes, std::vector<QuantisedPatch>& patches, int layer,
+                  LayerModels& models);
 
 /// Layers that these patches fill.
 int layer_count(const std::vector<QuantisedPatch>& patches);

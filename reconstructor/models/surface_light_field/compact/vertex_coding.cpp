@@ -2,6 +2,7 @@
 #include "reconstructor/models/surface_light_field/compact/vertex_coding.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -35,16 +36,16 @@ float sill_of(std::int32_t steps) {
   return kLeastSill * std::exp2(static_cast<float>(std::clamp(steps, 0, 800)) / kSillSteps);
 }
 
-/// What the vertices before say of the next.
-struct VertexHistory {
-  bool seen = true, drift = false;
-  int kernel = 0;
-  std::int32_t sill = 0, residual = 0, folded_surplus = 0;
-  std::vector<std::uint8_t> has;          ///< per camera, in the vertex before
-  std::vector<std::int32_t> reliability;  ///< per camera, beyond what its angle says
-};
+std::int32_t residual_steps(float residual) {
+  return static_cast<std::int32_t>(std::lround(kResidualSteps * std::clamp(residual, 0.0f, 1.0f)));
+}
+float residual_of(std::int32_t steps) {
+  return static_cast<float>(std::clamp(steps, 0, 255)) / kResidualSteps;
+}
 
 // Contexts of the vertices, one range after the other.
+constexpr int kNeighbours = 3;         ///< of a vertex, among those before it
+constexpr int kOff = 9, kNone = kOff;  ///< surplus of reliability: -4 or less to 4 or more; none is known
 enum VertexContext : int {
   kSeen = 0,
   kSameKernel = kSeen + 2,
@@ -54,11 +55,39 @@ enum VertexContext : int {
   kResidual = kSill + kSignedContexts,
   kFolded = kResidual + kSignedContexts,
   kHas = kFolded + kSignedContexts,
-  kReliability = kHas + 2 * kFacingBuckets * 2,
-  kMoved = kReliability + 3 * kSignedContexts,
+  kHasNear = kHas + 2 * kFacingBuckets * 2,
+  kReliability = kHasNear + kFacingBuckets * (kNeighbours + 1) * (kNeighbours + 1),
+  kReliabilityNear = kReliability + kFacingBuckets * (kOff + 1) * kSignedContexts,
+  kReliabilityBeside = kReliabilityNear + (kOff + 1) * (kOff + 1) * kSignedContexts,
+  kMoved = kReliabilityBeside + (kOff + 1) * (kOff + 1) * kSignedContexts,
   kOffset = kMoved + 1,
   kVertexContexts = kOffset + kSignedContexts,
 };
+enum VertexMixer : int {
+  kHasMixer = 0,
+  kReliabilityMixer = kHasMixer + kFacingBuckets,
+  kVertexMixers = kReliabilityMixer + kSignedContexts,
+};
+
+int off_bucket(std::int32_t surplus) {
+  return std::clamp(surplus, -kOff / 2, kOff / 2) + kOff / 2;
+}
+
+/// For each vertex some that it has an edge with, of those before it.
+std::vector<std::array<std::uint32_t, kNeighbours>> neighbours_before(const Mesh& mesh) {
+  std::vector<std::array<std::uint32_t, kNeighbours>> before(mesh.vertices.size(), {kNoVertex, kNoVertex, kNoVertex});
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle)
+      for (const std::uint32_t other : triangle)
+        if (other < v)
+          for (std::uint32_t& neighbour : before[v]) {
+            if (neighbour == other) break;
+            if (neighbour != kNoVertex) continue;
+            neighbour = other;
+            break;
+          }
+  return before;
+}
 
 /// By how much a value differs from the last one, which it takes the place of. A damaged file adds up to anything.
 template <typename Coder>
@@ -67,76 +96,146 @@ void code_after(Coder& coder, int context, std::int32_t value, std::int32_t& las
   last = std::clamp(last + code_signed(coder, context, value - last), -kMost, kMost);
 }
 
-/// A vertex is coded after the one before it, which is mostly a neighbour. It is filled where `coder` reads.
+/// Writes what is known of the vertices, and leaves in the model what a reader will find; where `coder` reads, it is
+/// filled. A vertex is coded after the one before it, which is mostly near, and after its neighbours.
 template <typename Coder>
-void code_vertex(Coder& coder, const CompactModel& model, std::size_t v, const Eigen::Vector3f& normal,
-                 VertexHistory& before, CompactVertex& vertex) {
-  vertex.seen = coder.bit(kSeen + before.seen, vertex.seen);
-  before.seen = vertex.seen;
-  if (!vertex.seen) return;
-  if (!coder.bit(kSameKernel, vertex.kernel == before.kernel))
-    before.kernel = static_cast<int>(code_number(coder, kKernel, vertex.kernel));
-  if (before.kernel >= static_cast<int>(model.kernels.size())) throw std::runtime_error("a vertex has no kernel");
-  vertex.kernel = static_cast<std::uint8_t>(before.kernel);
-  before.drift = vertex.drift = coder.bit(kDrift + before.drift, vertex.drift);
-  code_after(coder, kSill, sill_steps(vertex.sill), before.sill);
-  code_after(coder, kResidual,
-             static_cast<std::int32_t>(std::lround(kResidualSteps * std::clamp(vertex.residual, 0.0f, 1.0f))),
-             before.residual);
+class VertexCoder {
+ public:
+  VertexCoder(Coder& coder, CompactModel& model)
+      : coder_(coder),
+        model_(model),
+        normals_(vertex_normals(*model.mesh)),
+        neighbours_(neighbours_before(*model.mesh)),
+        surplus_(model.vertices.size()),
+        has_(model.cameras.size(), false),
+        near_(model.cameras.size()) {}
 
-  std::vector<CompactView> views;
-  auto next = vertex.views.begin();
-  for (std::size_t camera = 0; camera < model.cameras.size(); ++camera) {
-    const Eigen::Vector3f exact = camera_direction(model, v, camera);
-    const float facing = normal.dot(exact);
-    const bool wanted = !Coder::kReads && next != vertex.views.end() && next->image == camera;
-    const int last = camera > 0 ? before.has[camera - 1] : 0;
-    const bool has = coder.bit(kHas + (facing_bucket(facing) * 2 + before.has[camera]) * 2 + last, wanted);
-    before.has[camera] = has;
-    if (!has) continue;
-    CompactView view;
-    if (wanted) view = *next++;
-    view.image = static_cast<std::uint16_t>(camera);
-    const std::int32_t expected = reliability_steps(std::max(facing, 0.05f));
-    std::int32_t& surplus = before.reliability[camera];
-    const int context = kReliability + std::min(std::abs(surplus), 2) * kSignedContexts;
-    surplus = code_signed(coder, context, wanted ? reliability_steps(view.reliability) - expected : 0);
-    view.reliability = reliability_of(expected + surplus);
-    view.moved = coder.bit(kMoved, view.moved);
-    if (view.moved) {  // beside the camera, in the plane across its direction
-      const Eigen::Matrix3f frame = hemisphere_frame(exact);
-      Eigen::Vector2f offset = Eigen::Vector2f::Zero();
-      if (wanted) offset = (frame * view.direction).head<2>();
-      for (int axis = 0; axis < 2; ++axis)
-        offset[axis] = static_cast<float>(code_signed(
-                           coder, kOffset, static_cast<std::int32_t>(std::lround(kDirectionSteps * offset[axis])))) /
-                       kDirectionSteps;
-      offset = offset.cwiseMax(-0.7f).cwiseMin(0.7f);
-      view.direction = frame.transpose() *
-                       Eigen::Vector3f(offset.x(), offset.y(), std::sqrt(std::max(0.0f, 1 - offset.squaredNorm())));
-    } else {
-      view.direction = exact;
-    }
-    views.push_back(view);
+  void code() {
+    for (std::size_t v = 0; v < model_.vertices.size(); ++v) code_vertex(v);
   }
-  code_after(coder, kFolded, vertex.views_folded - static_cast<int>(views.size()), before.folded_surplus);
-  vertex.views_folded = static_cast<int>(views.size()) + before.folded_surplus;
-  vertex.views = std::move(views);
-  vertex.sill = sill_of(before.sill);
-  vertex.residual = static_cast<float>(std::clamp(before.residual, 0, 255)) / kResidualSteps;
-  if (vertex.views.empty()) throw std::runtime_error("a vertex that was seen has no view");
-}
 
-/// Writes what is known of the vertices, and leaves in `model` what a reader will find.
-template <typename Coder>
-void code_vertices(Coder& coder, CompactModel& model) {
-  VertexHistory before;
-  before.has.assign(model.cameras.size(), 0);
-  before.reliability.assign(model.cameras.size(), 0);
-  const std::vector<Eigen::Vector3f> normals = vertex_normals(*model.mesh);
-  for (std::size_t v = 0; v < model.vertices.size(); ++v)
-    code_vertex(coder, model, v, normals[v], before, model.vertices[v]);
-}
+ private:
+  /// What the neighbours of a vertex say of a camera.
+  struct Near {
+    std::int32_t views = 0, surplus = 0;  ///< and its sum
+
+    std::int32_t mean() const { return views > 0 ? (2 * surplus + views * 129) / (2 * views) - 64 : 0; }
+  };
+
+  void code_vertex(std::size_t v) {
+    CompactVertex& vertex = model_.vertices[v];
+    vertex.seen = coder_.bit(kSeen + seen_, vertex.seen);
+    seen_ = vertex.seen;
+    if (!vertex.seen) return;
+    if (!coder_.bit(kSameKernel, vertex.kernel == kernel_))
+      kernel_ = static_cast<int>(code_number(coder_, kKernel, vertex.kernel));
+    if (kernel_ >= static_cast<int>(model_.kernels.size())) throw std::runtime_error("a vertex has no kernel");
+    vertex.kernel = static_cast<std::uint8_t>(kernel_);
+    drift_ = vertex.drift = coder_.bit(kDrift + drift_, vertex.drift);
+    vertex.sill = sill_of(code_near(v, kSill, &CompactVertex::sill, sill_steps));
+    vertex.residual = residual_of(code_near(v, kResidual, &CompactVertex::residual, residual_steps));
+    code_views(v, vertex);
+    code_after(coder_, kFolded, vertex.views_folded - static_cast<int>(vertex.views.size()), folded_surplus_);
+    vertex.views_folded = static_cast<int>(vertex.views.size()) + folded_surplus_;
+    if (vertex.views.empty()) throw std::runtime_error("a vertex that was seen has no view");
+  }
+
+  /// A value in steps, beyond the mean of those of the neighbours.
+  std::int32_t code_near(std::size_t v, int context, float CompactVertex::*value, std::int32_t (*steps)(float)) {
+    std::int32_t sum = 0, count = 0;
+    for (const std::uint32_t neighbour : neighbours_[v])
+      if (neighbour != kNoVertex && model_.vertices[neighbour].seen) {
+        sum += steps(model_.vertices[neighbour].*value);
+        ++count;
+      }
+    const std::int32_t expected = count > 0 ? (2 * sum + count) / (2 * count) : 0;
+    return expected + code_signed(coder_, context, steps(model_.vertices[v].*value) - expected);
+  }
+
+  void code_views(std::size_t v, CompactVertex& vertex) {
+    std::fill(near_.begin(), near_.end(), Near{});
+    int known = 0;  // neighbours
+    for (const std::uint32_t neighbour : neighbours_[v]) {
+      if (neighbour == kNoVertex || !model_.vertices[neighbour].seen) continue;
+      ++known;
+      const std::vector<CompactView>& views = model_.vertices[neighbour].views;
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        Near& near = near_[views[i].image];
+        ++near.views;
+        near.surplus += surplus_[neighbour][i];
+      }
+    }
+    std::vector<CompactView> views;
+    std::int32_t beside = 0;  // surplus of the view before
+    auto next = vertex.views.begin();
+    for (std::size_t camera = 0; camera < model_.cameras.size(); ++camera) {
+      const Eigen::Vector3f exact = camera_direction(model_, v, camera);
+      const float facing = normals_[v].dot(exact);
+      const int facing_at = facing_bucket(facing);
+      const bool wanted = !Coder::kReads && next != vertex.views.end() && next->image == camera;
+      const int last = camera > 0 ? has_[camera - 1] : 0;
+      const Near& near = near_[camera];
+      const std::array has_contexts = {
+          kHas + (facing_at * 2 + has_[camera]) * 2 + last,
+          kHasNear + (facing_at * (kNeighbours + 1) + known) * (kNeighbours + 1) + near.views,
+      };
+      has_[camera] = coder_.bit(has_contexts, kHasMixer + facing_at, wanted);
+      if (!has_[camera]) continue;
+      CompactView view;
+      if (wanted) view = *next++;
+      view.image = static_cast<std::uint16_t>(camera);
+      const std::int32_t by_facing = reliability_steps(std::max(facing, 0.05f)), by_near = near.mean();
+      const int near_at = near.views > 0 ? off_bucket(by_near) : kNone,
+                beside_at = views.empty() ? kNone : off_bucket(beside);
+      const std::array contexts = {
+          kReliability + (facing_at * (kOff + 1) + near_at) * kSignedContexts,
+          kReliabilityNear +
+              (near_at * (kOff + 1) + (near.views > 0 ? off_bucket(near.surplus - by_near * near.views) : kNone)) *
+                  kSignedContexts,
+          kReliabilityBeside + (near_at * (kOff + 1) + beside_at) * kSignedContexts,
+      };
+      const std::int32_t off = code_signed(coder_, contexts, kReliabilityMixer,
+                                           wanted ? reliability_steps(view.reliability) - by_facing - by_near : 0);
+      beside = off;
+      view.reliability = reliability_of(by_facing + by_near + off);
+      surplus_[v].push_back(static_cast<std::int8_t>(std::clamp(by_near + off, -60, 60)));
+      code_direction(exact, wanted, view);
+      views.push_back(view);
+    }
+    vertex.views = std::move(views);
+  }
+
+  /// That of the camera, or one beside it, in the plane across its direction.
+  void code_direction(const Eigen::Vector3f& exact, bool wanted, CompactView& view) {
+    view.moved = coder_.bit(kMoved, view.moved);
+    if (!view.moved) {
+      view.direction = exact;
+      return;
+    }
+    const Eigen::Matrix3f frame = hemisphere_frame(exact);
+    Eigen::Vector2f offset = Eigen::Vector2f::Zero();
+    if (wanted) offset = (frame * view.direction).head<2>();
+    for (int axis = 0; axis < 2; ++axis)
+      offset[axis] = static_cast<float>(code_signed(
+                         coder_, kOffset, static_cast<std::int32_t>(std::lround(kDirectionSteps * offset[axis])))) /
+                     kDirectionSteps;
+    offset = offset.cwiseMax(-0.7f).cwiseMin(0.7f);
+    view.direction = frame.transpose() *
+                     Eigen::Vector3f(offset.x(), offset.y(), std::sqrt(std::max(0.0f, 1 - offset.squaredNorm())));
+  }
+
+  Coder& coder_;
+  CompactModel& model_;
+  const std::vector<Eigen::Vector3f> normals_;
+  const std::vector<std::array<std::uint32_t, kNeighbours>> neighbours_;
+  std::vector<std::vector<std::int8_t>> surplus_;  ///< per vertex and view: of reliability, beyond what its angle says
+  // Of the vertex before:
+  bool seen_ = true, drift_ = false;
+  int kernel_ = 0;
+  std::int32_t folded_surplus_ = 0;
+  std::vector<bool> has_;   ///< per camera
+  std::vector<Near> near_;  ///< per camera: of the vertex at hand
+};
 
 constexpr int kStateContexts = 3 + 3 * 2 + 9 * 2;
 
@@ -187,33 +286,38 @@ void code_resolutions(Coder& coder, std::vector<std::uint8_t>& resolutions) {
 }  // namespace
 
 std::string encode_resolutions(const std::vector<std::uint8_t>& resolutions) {
-  ContextEncoder coder(kSignedContexts);
+  BitModel bits(kSignedContexts);
+  ContextEncoder coder(bits);
   std::vector<std::uint8_t> copy = resolutions;
   code_resolutions(coder, copy);
   return coder.finish();
 }
 
 std::vector<std::uint8_t> decode_resolutions(std::string_view bytes, std::size_t triangles) {
-  ContextDecoder coder(kSignedContexts, bytes);
+  BitModel bits(kSignedContexts);
+  ContextDecoder coder(bits, bytes);
   std::vector<std::uint8_t> resolutions(triangles);
   code_resolutions(coder, resolutions);
   return resolutions;
 }
 
 std::string encode_vertices(CompactModel& model) {
-  ContextEncoder coder(kVertexContexts);
-  code_vertices(coder, model);
+  BitModel bits(kVertexContexts, kVertexMixers);
+  ContextEncoder coder(bits);
+  VertexCoder(coder, model).code();
   return coder.finish();
 }
 
 void decode_vertices(std::string_view bytes, CompactModel& model) {
-  ContextDecoder coder(kVertexContexts, bytes);
+  BitModel bits(kVertexContexts, kVertexMixers);
+  ContextDecoder coder(bits, bytes);
   model.vertices.assign(model.mesh->vertices.size(), {});
-  code_vertices(coder, model);
+  VertexCoder(coder, model).code();
 }
 
 std::string encode_states(const CompactModel& model) {
-  ContextEncoder coder(kStateContexts);
+  BitModel bits(kStateContexts);
+  ContextEncoder coder(bits);
   std::vector<std::vector<SampleState>> states;
   for (std::size_t t = 0; t < model.mesh->triangles.size(); ++t) {
     const auto first = model.patches[model.shapes.patch_of[t]].state.begin() + model.shapes.first_sample[t];
@@ -224,7 +328,8 @@ std::string encode_states(const CompactModel& model) {
 }
 
 void decode_states(std::string_view bytes, CompactModel& model) {
-  ContextDecoder coder(kStateContexts, bytes);
+  BitModel bits(kStateContexts);
+  ContextDecoder coder(bits, bytes);
   std::vector<std::vector<SampleState>> states(model.mesh->triangles.size());
   code_states(coder, model, states);
   for (std::size_t t = 0; t < states.size(); ++t)

@@ -15,7 +15,9 @@
 #include "reconstructor/coding/chunk_file.h"
 #include "reconstructor/models/surface_light_field/compact/edge_blending.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
+#include "reconstructor/models/surface_light_field/compact/mesh_coding.h"
 #include "reconstructor/models/surface_light_field/compact/patch_coding.h"
+#include "reconstructor/models/surface_light_field/compact/patch_steps.h"
 #include "reconstructor/models/surface_light_field/compact/vertex_coding.h"
 #include "reconstructor/models/surface_light_field/files/json_parts.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
@@ -26,7 +28,7 @@ namespace {
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr ChunkFormat kFormat{.magic = "sheenSLF", .version = 1, .title = "surface light field"};
+constexpr ChunkFormat kFormat{.magic = "sheenSLF", .version = 2, .title = "surface light field"};
 // No more memory than the size of a file makes likely.
 constexpr std::size_t kMostSamples = std::size_t{1} << 28, kSamplesPerByte = 4000;
 constexpr int kMostLayers = 128;
@@ -75,9 +77,10 @@ struct Layout {
   PatchLayout patches;
   std::vector<ViewHaar::Plan> plans;          ///< per patch
   std::vector<std::vector<int>> resolutions;  ///< per patch: of its triangles
+  std::vector<float> steps;                   ///< per patch
 };
 
-Layout layout_of(const CompactModel& model) {
+Layout layout_of(const CompactModel& model, float step, const std::vector<std::int8_t>& patch_steps) {
   const ViewHaar haar = haar_of(model);
   const std::size_t patches = model.shapes.patches.size();
   Layout layout;
@@ -86,15 +89,16 @@ Layout layout_of(const CompactModel& model) {
   layout.patches.haar_parent.resize(patches);
   layout.plans.resize(patches);
   layout.resolutions.resize(patches);
+  for (const std::int8_t patch_step : patch_steps) layout.steps.push_back(step_of_patch(step, patch_step));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches, 64), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       const std::vector<std::uint16_t> images = patch_images(model, model.shapes.patches[t]);
       layout.plans[t] = haar.plan(images);
       layout.patches.images[t] = images.size();
       layout.patches.haar_parent[t].resize(images.size());
-      for (const ViewHaar::Plan::Step& step : layout.plans[t].steps)
-        layout.patches.haar_parent[t][static_cast<std::size_t>(step.coefficient)] =
-            static_cast<std::uint16_t>(step.parent);
+      for (const ViewHaar::Plan::Step& merge : layout.plans[t].steps)
+        layout.patches.haar_parent[t][static_cast<std::size_t>(merge.coefficient)] =
+            static_cast<std::uint16_t>(merge.parent);
       for (const std::uint32_t triangle : model.shapes.patches[t].triangles) {
         layout.resolutions[t].push_back(model.maps->resolution(triangle));
         for (const LatticeSpectrum::Tile& tile : lattice_spectrum(layout.resolutions[t].back()).tiles)
@@ -111,11 +115,11 @@ std::string layer_name(int layer) {
 
 /// The model's maps and coefficients, of `patches`, which are let go of; its states are there. All of its terms at once
 /// in floating point would be the largest part of opening it.
-void dequantise_all(CompactModel& model, std::vector<QuantisedPatch> patches, const Layout& layout, float step) {
+void dequantise_all(CompactModel& model, std::vector<QuantisedPatch> patches, const Layout& layout) {
   const EdgeBlending blending(model);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      Patch patch = dequantise(patches[i], layout.resolutions[i], layout.plans[i], step);
+      Patch patch = dequantise(patches[i], layout.resolutions[i], layout.plans[i], layout.steps[i]);
       patches[i] = {};
       patch.state = std::move(model.patches[i].state);
       blending.blend_terms(i, patch.basis.exact());
@@ -134,11 +138,12 @@ bool is_compact(std::string_view start) {
 
 std::string encode_compact(CompactModel& model, const CanonicalMesh& mesh, float step, const Rounding& rounding) {
   const std::string vertices = encode_vertices(model);  // first: reliabilities are those of the file from here on
-  const Layout layout = layout_of(model);
+  const std::vector<std::int8_t> patch_steps = choose_patch_steps(model);
+  const Layout layout = layout_of(model, step, patch_steps);
   std::vector<QuantisedPatch> patches(model.patches.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 16), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i)
-      patches[i] = quantise(model.patches[i], layout.resolutions[i], layout.plans[i], step, rounding);
+      patches[i] = quantise(model.patches[i], layout.resolutions[i], layout.plans[i], layout.steps[i], rounding);
   });
   std::vector<std::uint8_t> resolutions;
   for (std::size_t t = 0; t < model.mesh->triangles.size(); ++t)
@@ -150,10 +155,12 @@ std::string encode_compact(CompactModel& model, const CanonicalMesh& mesh, float
   append_chunk(out, "MESH", packed(mesh.bytes));
   append_chunk(out, "RESO", encode_resolutions(resolutions));
   append_chunk(out, "RING", vertices);
-  append_chunk(out, layer_name(0), encode_layer(layout.patches, patches, 0));
+  append_chunk(out, "STEP", encode_patch_steps(patch_steps));
+  LayerModels models;
+  append_chunk(out, layer_name(0), encode_layer(layout.patches, patches, 0, models));
   append_chunk(out, "STAT", encode_states(model));
   for (int layer = 1; layer < layers; ++layer)
-    append_chunk(out, layer_name(layer), encode_layer(layout.patches, patches, layer));
+    append_chunk(out, layer_name(layer), encode_layer(layout.patches, patches, layer, models));
   return out;
 }
 
@@ -166,7 +173,7 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
     reading = "DESC";
     const Description description = read_description(chunks.required(reading), model);
     reading = "MESH";
-    model.mesh = std::make_shared<Mesh>(decode_mesh(unpacked(chunks.required(reading))));
+    model.mesh = std::make_shared<Mesh>(decode_mesh(unpacked(chunks.required(reading))).mesh());
     if (show) show(bare_mesh(model.mesh, model.cameras));
     reading = "RESO";
     std::vector<std::uint8_t> resolutions = decode_resolutions(chunks.required(reading), model.mesh->triangles.size());
@@ -179,20 +186,23 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
     decode_vertices(chunks.required(reading), model);
     find_sources(model);
     model.shapes = cut_into_patches(*model.mesh, *model.maps, {.triangles = description.patch_triangles});
-    const Layout layout = layout_of(model);
+    reading = "STEP";
+    const Layout layout =
+        layout_of(model, description.step, decode_patch_steps(chunks.required(reading), model.shapes.patches.size()));
     std::future<void> shown;  // the smooth part: made ready beside the decoding, which is serial
     model.patches.resize(model.shapes.patches.size());
     for (std::size_t i = 0; i < model.patches.size(); ++i)
       model.patches[i].state.assign(model.shapes.patches[i].samples, SampleState::kMeasured);
     std::vector<QuantisedPatch> patches(model.patches.size());
     reading = "L000";
-    decode_layer(layout.patches, chunks.required(reading), patches, 0);
+    LayerModels models;
+    decode_layer(layout.patches, chunks.required(reading), patches, 0, models);
     reading = "STAT";
     if (const auto states = chunks.next(reading)) {
       decode_states(*states, model);
       if (show)
         shown = std::async(std::launch::async, [&, coarse = model, smooth = patches]() mutable {
-          dequantise_all(coarse, std::move(smooth), layout, description.step);
+          dequantise_all(coarse, std::move(smooth), layout);
           show(std::make_shared<CompactLightField>(std::move(coarse), nullptr));
         });
       for (int layer = 1; layer < description.layers; ++layer) {
@@ -200,13 +210,13 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
         const auto layer_bytes = chunks.next(name);
         if (!layer_bytes) break;
         try {
-          decode_layer(layout.patches, *layer_bytes, patches, layer);
+          decode_layer(layout.patches, *layer_bytes, patches, layer, models);
         } catch (const std::runtime_error& error) {
           chunks.fail(name, error.what());
         }
       }
     }
-    dequantise_all(model, std::move(patches), layout, description.step);
+    dequantise_all(model, std::move(patches), layout);
     if (shown.valid()) shown.get();
   } catch (const FileError&) {
     throw;

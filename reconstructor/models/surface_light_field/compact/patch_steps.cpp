@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/models/surface_light_field/compact/patch_steps.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "reconstructor/coding/context_coder.h"
+
+namespace sheen {
+namespace {
+
+// Weights as they follow from the squares of errors (a half) spread the steps further than the pictures bear out.
+constexpr double kStrength = 0.3;  // octaves of a step for one of pixels
+constexpr long kMost = 6;          // quarter octaves
+
+/// Pixels that a triangle covers in an image, wherever it faces the camera.
+double pixels(const Mesh& mesh, std::size_t triangle, const PosedCamera& posed, const Eigen::Vector3d& centre) {
+  const Eigen::Vector3d a = mesh.corner(triangle, 0).cast<double>(), b = mesh.corner(triangle, 1).cast<double>(),
+                        c = mesh.corner(triangle, 2).cast<double>();
+  const Eigen::Vector3d to_camera = centre - (a + b + c) / 3;
+  const double facing = (b - a).cross(c - a).dot(to_camera) / 2, distance = to_camera.norm();
+  return facing > 0 ? facing * posed.camera.fx * posed.camera.fy / (distance * distance * distance) : 0;
+}
+
+template <typename Coder>
+void code_steps(Coder& coder, std::vector<std::int8_t>& steps) {
+  std::int32_t last = 0;
+  for (std::int8_t& step : steps) {
+    last += code_signed(coder, 0, step - last);
+    if (last < INT8_MIN || last > INT8_MAX) throw std::runtime_error("a patch's step cannot be");
+    step = static_cast<std::int8_t>(last);
+  }
+}
+
+}  // namespace
+
+std::vector<std::int8_t> choose_patch_steps(const CompactModel& model) {
+  std::vector<Eigen::Vector3d> centres;
+  for (const PosedCamera& camera : model.cameras) centres.push_back(camera_centre(camera.camera_from_object));
+  const std::vector<PatchShape>& shapes = model.shapes.patches;
+  std::vector<double> octaves(shapes.size());  // of pixels per sample; not a number where no image shows any
+  tbb::parallel_for(std::size_t{0}, shapes.size(), [&](std::size_t p) {
+    double sum = 0;
+    for (const std::uint16_t image : patch_images(model, shapes[p]))
+      for (const std::uint32_t triangle : shapes[p].triangles)
+        sum += pixels(*model.mesh, triangle, model.cameras[image], centres[image]);
+    octaves[p] = sum > 0 ? std::log2(sum / shapes[p].samples) : NAN;
+  });
+  double mean = 0, samples = 0;
+  for (std::size_t p = 0; p < shapes.size(); ++p)
+    if (std::isfinite(octaves[p])) {
+      mean += octaves[p] * shapes[p].samples;
+      samples += shapes[p].samples;
+    }
+  std::vector<std::int8_t> steps(shapes.size());
+  std::int8_t last = 0;
+  for (std::size_t p = 0; p < shapes.size(); ++p) {
+    if (std::isfinite(octaves[p]))
+      last = static_cast<std::int8_t>(
+          std::clamp<long>(std::lround(4 * kStrength * (mean / samples - octaves[p])), -kMost, kMost));
+    steps[p] = last;
+  }
+  return steps;
+}
+
+float step_of_patch(float step, std::int8_t quarter_octaves) {
+  return step * std::exp2(static_cast<float>(quarter_octaves) / 4);
+}
+
+std::string encode_patch_steps(const std::vector<std::int8_t>& steps) {
+  BitModel bits(kSignedContexts);
+  ContextEncoder coder(bits);
+  std::vector<std::int8_t> copy = steps;
+  code_steps(coder, copy);
+  return coder.finish();
+}
+
+std::vector<std::int8_t> decode_patch_steps(std::string_view bytes, std::size_t patches) {
+  BitModel bits(kSignedContexts);
+  ContextDecoder coder(bits, bytes);
+  std::vector<std::int8_t> steps(patches);
+  code_steps(coder, steps);
+  return steps;
+}
+
+}  // namespace sheen
