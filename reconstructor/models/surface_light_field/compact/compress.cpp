@@ -137,8 +137,8 @@ class LightFieldCompression : public Compression {
 
   /// Which is the better one differs: faint terms are worth their bytes where detail moves with the view, fine detail
   /// is where it does not. Both are tried.
-  static constexpr Rounding kRoundings[] = {{.threshold = 0.7f, .least_term = 0.12f},
-                                            {.threshold = 0.58f, .least_term = 0.25f}};
+  static constexpr Rounding kRoundings[] = {{.bit_price = 0.12f, .least_term = 0.12f},
+                                            {.bit_price = 0.08f, .least_term = 0.25f}};
   static constexpr double kFirstStep = 8, kFinestStep = 0.1, kCoarsestStep = 100;
 
   std::shared_ptr<const std::string> encoded(double step, const Rounding& rounding) {

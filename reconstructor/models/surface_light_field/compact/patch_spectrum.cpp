@@ -1,20 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/compact/patch_spectrum.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "reconstructor/models/surface_light_field/compact/band_rounding.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
 
 namespace sheen {
 namespace {
 
-constexpr float kCoefficientThreshold = 0.52f;
-// Values are rarer, the larger they are: what an interval stands for is below its middle.
-constexpr float kSurfaceShift = 0.06f, kCoefficientShift = 0.02f;
-// Coefficients are few: finer steps cost little, and an error of one is seen all over its patch.
-constexpr float kCoefficientStep = 0.2f;  // of the step of the maps
+constexpr float kCoefficientThreshold = 0.52f, kCoefficientShift = 0.02f;
+
+/// Step of a patch's coefficients. An error of a coefficient is in all rows of one image, one of a map in one row of
+/// all images: they cost the same where the squares of the steps are as these numbers (reverse water-filling). Kriging
+/// takes the mean of some images, and with it a part of the errors of their coefficients.
+float coefficient_step(float step, Eigen::Index images, Eigen::Index rows) {
+  constexpr float kAveraged = 1.4f;
+  return kAveraged * step * std::sqrt(static_cast<float>(images) / static_cast<float>(rows));
+}
+// Terms of which next to nothing is left keep their coefficients.
+constexpr double kRidge = 0.02;
 
 /// Luma and two differences of a colour, orthonormal.
 Eigen::Matrix3f opponent() {
@@ -23,17 +31,6 @@ Eigen::Matrix3f opponent() {
       1 / std::sqrt(2.0f), 0, -1 / std::sqrt(2.0f),                    //
       1 / std::sqrt(6.0f), -2 / std::sqrt(6.0f), 1 / std::sqrt(6.0f);
   return m;
-}
-
-std::int32_t quantised(float value, float threshold) {
-  constexpr float kMost = 1 << 22;
-  const float size = std::min(std::floor(std::abs(value) + 1 - threshold), kMost);
-  return static_cast<std::int32_t>(std::copysign(size, value));
-}
-
-float dequantised(std::int32_t value, float shift) {
-  const auto v = static_cast<float>(value);
-  return value == 0 ? 0.0f : v + std::copysign(shift, v);
 }
 
 /// The levels of a map's tiles, their first frequencies, differ little: joined two and two again and again, by the
@@ -79,7 +76,7 @@ struct MapFrequencies {
 
 /// values: rows 3 * sample + channel.
 QuantisedMap quantise_map(const Eigen::Ref<const Eigen::VectorXf>& values, const std::vector<int>& resolutions,
-                          float step, float threshold) {
+                          float step, float bit_price) {
   static const Eigen::Matrix3f colours = opponent();
   MapFrequencies frequencies;
   const float* first = values.data();
@@ -97,14 +94,9 @@ QuantisedMap quantise_map(const Eigen::Ref<const Eigen::VectorXf>& values, const
   frequencies.join(true);
   QuantisedMap map;
   map.bands.reserve(3 * frequencies.tiles.size());
+  BandRounding rounding(bit_price);
   for (const Eigen::MatrixX3f& tile : frequencies.tiles)
-    for (int c = 0; c < 3; ++c) {
-      Eigen::Index used = tile.rows();
-      while (used > 0 && quantised(tile(used - 1, c), threshold) == 0) --used;
-      std::vector<std::int32_t>& band = map.bands.emplace_back().values;
-      band.reserve(static_cast<std::size_t>(used));
-      for (Eigen::Index f = 0; f < used; ++f) band.push_back(quantised(tile(f, c), threshold));
-    }
+    for (int c = 0; c < 3; ++c) map.bands.emplace_back().values = rounding.rounded(tile.col(c), c);
   return map;
 }
 
@@ -125,7 +117,7 @@ void dequantise_map(const QuantisedMap& map, const std::vector<int>& resolutions
           frequencies.tiles.emplace_back(Eigen::MatrixX3f::Zero(static_cast<Eigen::Index>(used), 3));
       for (int c = 0; c < 3; ++c)
         for (std::size_t f = 0; f < bands[c].values.size(); ++f)
-          here(static_cast<Eigen::Index>(f), c) = step * dequantised(bands[c].values[f], kSurfaceShift);
+          here(static_cast<Eigen::Index>(f), c) = step * rounded_value(bands[c].values[f]);
       frequencies.sizes.push_back(tile.samples.size());
       bands += 3;
     }
@@ -144,10 +136,27 @@ void dequantise_map(const QuantisedMap& map, const std::vector<int>& resolutions
   }
 }
 
-Eigen::VectorXf dequantise_coefficients(const std::vector<std::int32_t>& coefficients, float step) {
+/// Haar coefficients over a patch's images, as they are stored.
+std::vector<std::int32_t> quantise_coefficients(Eigen::VectorXf values, const ViewHaar::Plan& plan, float step) {
+  ViewHaar::forward(plan, values);
+  std::vector<std::int32_t> quantised;
+  for (const float value : values) {
+    constexpr float kMost = 1 << 22;
+    const float size = std::min(std::floor(std::abs(value) / step + 1 - kCoefficientThreshold), kMost);
+    quantised.push_back(static_cast<std::int32_t>(std::copysign(size, value)));
+  }
+  return quantised;
+}
+
+Eigen::VectorXf dequantise_coefficients(const std::vector<std::int32_t>& coefficients, const ViewHaar::Plan& plan,
+                                        float step) {
   Eigen::VectorXf values(static_cast<Eigen::Index>(coefficients.size()));
-  for (std::size_t j = 0; j < coefficients.size(); ++j)
-    values[static_cast<Eigen::Index>(j)] = step * dequantised(coefficients[j], kCoefficientShift);
+  for (std::size_t j = 0; j < coefficients.size(); ++j) {
+    const auto value = static_cast<float>(coefficients[j]);
+    values[static_cast<Eigen::Index>(j)] =
+        coefficients[j] == 0 ? 0.0f : step * (value + std::copysign(kCoefficientShift, value));
+  }
+  ViewHaar::inverse(plan, values);
   return values;
 }
 
@@ -156,27 +165,47 @@ float size_of(std::int32_t scale) {
   return std::exp2(static_cast<float>(std::clamp(scale, -40, 40)) / 2);
 }
 
+/// The coefficients with which rounded columns come as near as they can (least squares) to what the exact columns, as
+/// many, show with theirs.
+Eigen::MatrixXf refitted(const Eigen::MatrixXf& rounded, const Eigen::MatrixXf& exact,
+                         const Eigen::Ref<const Eigen::MatrixXf>& coefficients) {
+  Eigen::MatrixXd gram = (rounded.transpose() * rounded).cast<double>(),
+                  cross = (rounded.transpose() * exact).cast<double>();
+  const Eigen::VectorXd ridge = kRidge * gram.diagonal();
+  gram.diagonal() += ridge;
+  cross.diagonal() += ridge;
+  return (gram.ldlt().solve(cross) * coefficients.cast<double>()).cast<float>();
+}
+
 }  // namespace
 
 QuantisedPatch quantise(const Patch& patch, const std::vector<int>& resolutions, const ViewHaar::Plan& plan, float step,
                         const Rounding& rounding) {
   QuantisedPatch quantised_patch{.known = patch.mean.size() > 0};
   if (!quantised_patch.known) return quantised_patch;
-  quantised_patch.mean = quantise_map(patch.mean, resolutions, step, rounding.threshold);
+  quantised_patch.mean = quantise_map(patch.mean, resolutions, step, rounding.bit_price);
   // A basis of unit RMS makes the coefficients grey levels.
   const float unit = 1 / std::sqrt(static_cast<float>(patch.basis.rows()));
+  std::vector<QuantisedTerm>& terms = quantised_patch.terms;
+  Eigen::MatrixXf rounded(patch.basis.rows(), patch.basis.cols());
   for (Eigen::Index k = 0; k < patch.basis.cols() && patch.displayed[k] >= rounding.least_term * step; ++k) {
     QuantisedTerm term{.scale = static_cast<std::int32_t>(std::lround(2 * std::log2(patch.displayed[k])))};
-    Eigen::VectorXf frequencies = patch.coefficients.row(k).transpose();
-    ViewHaar::forward(plan, frequencies);
-    for (Eigen::Index j = 0; j < frequencies.size(); ++j)
-      term.coefficients.push_back(quantised(frequencies[j] * unit / (kCoefficientStep * step), kCoefficientThreshold));
-    term.map =
-        quantise_map(patch.basis.column(k) * (size_of(term.scale) / unit), resolutions, step, rounding.threshold);
-    if (is_zero(term.map) ||
-        std::all_of(term.coefficients.begin(), term.coefficients.end(), [](std::int32_t value) { return value == 0; }))
-      break;
-    quantised_patch.terms.push_back(std::move(term));
+    const float size = size_of(term.scale) / unit;
+    term.map = quantise_map(patch.basis.column(k) * size, resolutions, step, rounding.bit_price);
+    if (is_zero(term.map)) break;
+    dequantise_map(term.map, resolutions, step, rounded.col(k));
+    rounded.col(k) /= size;
+    terms.push_back(std::move(term));
+  }
+  if (terms.empty()) return quantised_patch;
+  const auto count = static_cast<Eigen::Index>(terms.size());
+  const Eigen::MatrixXf coefficients = refitted(
+      rounded.leftCols(count), patch.basis.unpacked(0, patch.basis.rows(), count), patch.coefficients.topRows(count));
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    terms[k].coefficients = quantise_coefficients(unit * coefficients.row(static_cast<Eigen::Index>(k)).transpose(),
+                                                  plan, coefficient_step(step, plan.size, patch.basis.rows()));
+    if (std::all_of(terms[k].coefficients.begin(), terms[k].coefficients.end(), [](std::int32_t v) { return v == 0; }))
+      terms.resize(k);
   }
   return quantised_patch;
 }
@@ -195,9 +224,9 @@ Patch dequantise(const QuantisedPatch& quantised_patch, const std::vector<int>& 
   for (Eigen::Index k = 0; k < terms; ++k) {
     const QuantisedTerm& term = quantised_patch.terms[static_cast<std::size_t>(k)];
     dequantise_map(term.map, resolutions, step, basis.col(k));
-    Eigen::VectorXf coefficients = dequantise_coefficients(term.coefficients, kCoefficientStep * step);
-    ViewHaar::inverse(plan, coefficients);
-    patch.coefficients.row(k) = coefficients.transpose() / size_of(term.scale);
+    patch.coefficients.row(k) =
+        dequantise_coefficients(term.coefficients, plan, coefficient_step(step, plan.size, rows)).transpose() /
+        size_of(term.scale);
   }
   patch.basis = std::move(basis);
   return patch;

@@ -33,7 +33,7 @@ struct QuantisedPatch {
 
 /// What is left out, which a reader need not know.
 struct Rounding {
-  float threshold = 0.7f;    ///< part of a step that counts as one: a wide dead zone
+  float bit_price = 0.12f;   ///< squared steps that a bit is worth
   float least_term = 0.12f;  ///< part of a step that a term must add to the picture
 };
 
