@@ -70,7 +70,7 @@ SurfaceLightFieldSnapshot small_model() {
 
 std::string valid_file() {
   const SurfaceLightFieldSnapshot model = small_model();
-  const CanonicalMesh mesh = canonical_mesh(model.mesh(), model.cameras());
+  const CanonicalMesh mesh = canonical_mesh(model.mesh());
   CompactModel patches = fit_patches(model, mesh, 0.1, 2);
   return encode_compact(patches, mesh, 2, {});
 }

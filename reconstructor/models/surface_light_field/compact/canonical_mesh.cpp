@@ -13,24 +13,10 @@ namespace sheen {
 namespace {
 
 constexpr float kMostSteps = 65535;
-constexpr double kPixels = 1.0 / 8;
-
-/// Pixels that a unit of length at any vertex covers at most in any of the images that show it.
-double most_pixels(const Mesh& mesh, const std::vector<PosedCamera>& cameras) {
-  double most = 0;
-  for (const PosedCamera& posed : cameras)
-    for (const Eigen::Vector3f& vertex : mesh.vertices) {
-      const Eigen::Vector3d place = posed.camera_from_object * vertex.cast<double>();
-      const double pixels = std::max(posed.camera.fx, posed.camera.fy) / place.z();
-      if (place.z() <= 0 || pixels <= most) continue;
-      if (const auto pixel = posed.camera.project(place); pixel && posed.camera.contains(*pixel)) most = pixels;
-    }
-  return most;
-}
 
 }  // namespace
 
-CanonicalMesh canonical_mesh(const Mesh& mesh, const std::vector<PosedCamera>& cameras) {
+CanonicalMesh canonical_mesh(const Mesh& mesh) {
   const std::size_t triangles = mesh.triangles.size(), indices = 3 * triangles;
   // The order that the codec likes best. Which triangle is which is found by their corners, which it leaves alone.
   std::vector<unsigned> flat(indices), ordered(indices);
@@ -68,8 +54,6 @@ CanonicalMesh canonical_mesh(const Mesh& mesh, const std::vector<PosedCamera>& c
   }
   grid.origin = low;
   grid.step = std::max((high - low).maxCoeff() / kMostSteps, 1e-30f);
-  if (const double pixels = most_pixels(mesh, cameras); pixels > 0)
-    grid.step = std::max(grid.step, static_cast<float>(kPixels / pixels));
   for (const std::uint32_t v : canonical.old_vertex) {
     const Eigen::Vector3f at = (mesh.vertices[v] - grid.origin) / grid.step;
     grid.points.push_back({static_cast<std::int32_t>(std::lround(at.x())),

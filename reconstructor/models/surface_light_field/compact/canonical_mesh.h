@@ -6,12 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "common/camera/posed_camera.h"
 #include "common/geometry/mesh.h"
 
 namespace sheen {
 
-/// A mesh in the order in which it is stored, vertices on a grid.
+/// A mesh in the order in which it is stored, vertices on a grid of 2^-16 of its largest side.
 struct CanonicalMesh {
   std::shared_ptr<const Mesh> mesh;
   std::vector<std::uint32_t> old_vertex;    ///< for each vertex, its index before
@@ -20,8 +19,6 @@ struct CanonicalMesh {
   std::string bytes;                        ///< as stored: `encode_mesh`
 };
 
-/// A step of the grid is an eighth of a pixel where the cameras see the mesh largest, and no less than 2^-16 of the
-/// mesh's largest side; without cameras it is this.
-CanonicalMesh canonical_mesh(const Mesh& mesh, const std::vector<PosedCamera>& cameras);
+CanonicalMesh canonical_mesh(const Mesh& mesh);
 
 }  // namespace sheen

@@ -115,7 +115,7 @@ class LightFieldCompression : public Compression {
  public:
   LightFieldCompression(const SurfaceLightFieldSnapshot& exact, CompressionTarget target)
       : target_(std::move(target)),
-        mesh_(canonical_mesh(exact.mesh(), exact.cameras())),
+        mesh_(canonical_mesh(exact.mesh())),
         psnr_db_(target_.judge ? target_.judge(exact) : std::numeric_limits<double>::quiet_NaN()),
         model_(fit_patches(exact, mesh_, least_rms(std::isfinite(psnr_db_) ? psnr_db_ : target_.psnr_db),
                            kPatchTriangles)) {
