@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 
 #include "reconstructor/coding/context_coder.h"
@@ -15,6 +16,8 @@ namespace {
 // Weights as they follow from the squares of errors (a half) spread the steps further than the pictures bear out.
 constexpr double kStrength = 0.3;  // octaves of a step for one of pixels
 constexpr long kMost = 6;          // quarter octaves
+
+constexpr std::int32_t kMostRead = 32;  ///< a damaged file asks for anything, and floats end somewhere
 
 /// Pixels that a triangle covers in an image, wherever it faces the camera.
 double pixels(const Mesh& mesh, std::size_t triangle, const PosedCamera& posed, const Eigen::Vector3d& centre) {
@@ -30,7 +33,7 @@ void code_steps(Coder& coder, std::vector<std::int8_t>& steps) {
   std::int32_t last = 0;
   for (std::int8_t& step : steps) {
     last += code_signed(coder, 0, step - last);
-    if (last < INT8_MIN || last > INT8_MAX) throw std::runtime_error("a patch's step cannot be");
+    if (std::abs(last) > kMostRead) throw std::runtime_error("a patch's step cannot be");
     step = static_cast<std::int8_t>(last);
   }
 }

@@ -52,10 +52,11 @@ TEST(PatchSteps, WithoutImagesAllAreTheModels) {
 }
 
 TEST(PatchSteps, ComeBack) {
-  const std::vector<std::int8_t> steps = {0, 0, 3, -6, 6, 6, 5, 0, -128, 127};
+  const std::vector<std::int8_t> steps = {0, 0, 3, -6, 6, 6, 5, 0, -32, 32};
   const std::string bytes = encode_patch_steps(steps);
   EXPECT_EQ(decode_patch_steps(bytes, steps.size()), steps);
   EXPECT_THROW(decode_patch_steps({}, steps.size()), std::runtime_error);
+  EXPECT_THROW(decode_patch_steps(encode_patch_steps({0, 32, 33}), 3), std::runtime_error) << "out of range";
 }
 
 }  // namespace
