@@ -21,6 +21,7 @@ float coefficient_step(float step, Eigen::Index images, Eigen::Index rows) {
   constexpr float kAveraged = 1.4f;
   return kAveraged * step * std::sqrt(static_cast<float>(images) / static_cast<float>(rows));
 }
+
 // Terms of which next to nothing is left keep their coefficients.
 constexpr double kRidge = 0.02;
 
