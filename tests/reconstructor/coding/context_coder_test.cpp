@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "reconstructor/coding/difference_coding.h"
+
 namespace sheen {
 namespace {
 
@@ -135,6 +137,15 @@ TEST(ContextCoder, NumbersComeBackUpToTheirLimit) {
     ASSERT_EQ(code_signed(decoder, 0, 0), n);
     ASSERT_EQ(code_signed(decoder, 0, 0), -n);
   }
+}
+
+TEST(DifferenceCoding, NumbersComeBackAndNoneIsOutOfRange) {
+  const std::vector<std::int8_t> numbers = {0, 0, 3, -6, 6, 6, 5, 0, -32, 32};
+  const std::string bytes = encode_differences(numbers);
+  EXPECT_EQ(decode_differences<std::int8_t>(bytes, numbers.size(), -32, 32), numbers);
+  EXPECT_THROW(decode_differences<std::int8_t>(bytes, numbers.size(), -32, 31), std::runtime_error);
+  EXPECT_THROW(decode_differences<std::int8_t>(bytes, numbers.size(), -31, 32), std::runtime_error);
+  EXPECT_THROW(decode_differences<std::int8_t>({}, numbers.size(), -32, 32), std::runtime_error);
 }
 
 TEST(ContextCoder, AStreamCutShortIsRefusedOrReadsAsAnything) {

@@ -5,10 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <stdexcept>
-
-#include "reconstructor/coding/context_coder.h"
 
 namespace sheen {
 namespace {
@@ -17,8 +13,6 @@ namespace {
 constexpr double kStrength = 0.3;  // octaves of a step for one of pixels
 constexpr long kMost = 6;          // quarter octaves
 
-constexpr std::int32_t kMostRead = 32;  ///< a damaged file asks for anything, and floats end somewhere
-
 /// Pixels that a triangle covers in an image, wherever it faces the camera.
 double pixels(const Mesh& mesh, std::size_t triangle, const PosedCamera& posed, const Eigen::Vector3d& centre) {
   const Eigen::Vector3d a = mesh.corner(triangle, 0).cast<double>(), b = mesh.corner(triangle, 1).cast<double>(),
@@ -26,16 +20,6 @@ double pixels(const Mesh& mesh, std::size_t triangle, const PosedCamera& posed, 
   const Eigen::Vector3d to_camera = centre - (a + b + c) / 3;
   const double facing = (b - a).cross(c - a).dot(to_camera) / 2, distance = to_camera.norm();
   return facing > 0 ? facing * posed.camera.fx * posed.camera.fy / (distance * distance * distance) : 0;
-}
-
-template <typename Coder>
-void code_steps(Coder& coder, std::vector<std::int8_t>& steps) {
-  std::int32_t last = 0;
-  for (std::int8_t& step : steps) {
-    last += code_signed(coder, 0, step - last);
-    if (std::abs(last) > kMostRead) throw std::runtime_error("a patch's step cannot be");
-    step = static_cast<std::int8_t>(last);
-  }
 }
 
 }  // namespace
@@ -71,22 +55,6 @@ std::vector<std::int8_t> choose_patch_steps(const CompactModel& model) {
 
 float step_of_patch(float step, std::int8_t quarter_octaves) {
   return step * std::exp2(static_cast<float>(quarter_octaves) / 4);
-}
-
-std::string encode_patch_steps(const std::vector<std::int8_t>& steps) {
-  BitModel bits(kSignedContexts);
-  ContextEncoder coder(bits);
-  std::vector<std::int8_t> copy = steps;
-  code_steps(coder, copy);
-  return coder.finish();
-}
-
-std::vector<std::int8_t> decode_patch_steps(std::string_view bytes, std::size_t patches) {
-  BitModel bits(kSignedContexts);
-  ContextDecoder coder(bits, bytes);
-  std::vector<std::int8_t> steps(patches);
-  code_steps(coder, steps);
-  return steps;
 }
 
 }  // namespace sheen

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/compact/compact_model.h"
@@ -17,8 +15,7 @@ std::vector<std::int8_t> choose_patch_steps(const CompactModel& model);
 /// `quarter_octaves`: of `choose_patch_steps`.
 float step_of_patch(float step, std::int8_t quarter_octaves);
 
-std::string encode_patch_steps(const std::vector<std::int8_t>& steps);
-/// Throws std::runtime_error.
-std::vector<std::int8_t> decode_patch_steps(std::string_view bytes, std::size_t patches);
+/// No step is further from the model's: a damaged file asks for anything, and floats end somewhere.
+inline constexpr std::int8_t kFurthestPatchStep = 32;
 
 }  // namespace sheen

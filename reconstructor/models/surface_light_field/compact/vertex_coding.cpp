@@ -273,33 +273,7 @@ void code_states(Coder& coder, const CompactModel& model, std::vector<std::vecto
   }
 }
 
-template <typename Coder>
-void code_resolutions(Coder& coder, std::vector<std::uint8_t>& resolutions) {
-  std::int32_t last = 0;
-  for (std::uint8_t& resolution : resolutions) {
-    last += code_signed(coder, 0, resolution - last);
-    if (last < 2 || last > 255) throw std::runtime_error("a triangle's resolution cannot be");
-    resolution = static_cast<std::uint8_t>(last);
-  }
-}
-
 }  // namespace
-
-std::string encode_resolutions(const std::vector<std::uint8_t>& resolutions) {
-  BitModel bits(kSignedContexts);
-  ContextEncoder coder(bits);
-  std::vector<std::uint8_t> copy = resolutions;
-  code_resolutions(coder, copy);
-  return coder.finish();
-}
-
-std::vector<std::uint8_t> decode_resolutions(std::string_view bytes, std::size_t triangles) {
-  BitModel bits(kSignedContexts);
-  ContextDecoder coder(bits, bytes);
-  std::vector<std::uint8_t> resolutions(triangles);
-  code_resolutions(coder, resolutions);
-  return resolutions;
-}
 
 std::string encode_vertices(CompactModel& model) {
   BitModel bits(kVertexContexts, kVertexMixers);

@@ -8,11 +8,6 @@
 
 namespace sheen {
 
-/// Resolutions of the triangles' lattices, one per triangle.
-std::string encode_resolutions(const std::vector<std::uint8_t>& resolutions);
-/// Throws std::runtime_error where one cannot be.
-std::vector<std::uint8_t> decode_resolutions(std::string_view bytes, std::size_t triangles);
-
 /// The vertices of a model: which were seen, in which images, and how patches are interpolated there. Reliabilities are
 /// kept to a sixth of a stop, sills to a twelfth of an octave, directions of merged views to a thousandth. What a
 /// reader will find is left in `model`.

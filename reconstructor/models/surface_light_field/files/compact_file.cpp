@@ -13,6 +13,7 @@
 #include "common/base/files.h"
 #include "common/base/format.h"
 #include "reconstructor/coding/chunk_file.h"
+#include "reconstructor/coding/difference_coding.h"
 #include "reconstructor/models/surface_light_field/compact/edge_blending.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
 #include "reconstructor/models/surface_light_field/compact/mesh_coding.h"
@@ -153,9 +154,9 @@ std::string encode_compact(CompactModel& model, const CanonicalMesh& mesh, float
   std::string out = start_of_file(kFormat, {});
   append_chunk(out, "DESC", packed(description_of(model, step, layers).dump()));
   append_chunk(out, "MESH", packed(mesh.bytes));
-  append_chunk(out, "RESO", encode_resolutions(resolutions));
+  append_chunk(out, "RESO", encode_differences(resolutions));
   append_chunk(out, "RING", vertices);
-  append_chunk(out, "STEP", encode_patch_steps(patch_steps));
+  append_chunk(out, "STEP", encode_differences(patch_steps));
   LayerModels models;
   append_chunk(out, layer_name(0), encode_layer(layout.patches, patches, 0, models));
   append_chunk(out, "STAT", encode_states(model));
@@ -176,7 +177,7 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
     model.mesh = std::make_shared<Mesh>(decode_mesh(unpacked(chunks.required(reading))).mesh());
     if (show) show(bare_mesh(model.mesh, model.cameras));
     reading = "RESO";
-    std::vector<std::uint8_t> resolutions = decode_resolutions(chunks.required(reading), model.mesh->triangles.size());
+    auto resolutions = decode_differences<std::uint8_t>(chunks.required(reading), model.mesh->triangles.size(), 2, 255);
     std::size_t samples = 0;
     for (const std::uint8_t resolution : resolutions) samples += static_cast<std::size_t>(lattice_samples(resolution));
     if (samples > kMostSamples || samples > kSamplesPerByte * bytes.size())
@@ -188,7 +189,9 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
     model.shapes = cut_into_patches(*model.mesh, *model.maps, {.triangles = description.patch_triangles});
     reading = "STEP";
     const Layout layout =
-        layout_of(model, description.step, decode_patch_steps(chunks.required(reading), model.shapes.patches.size()));
+        layout_of(model, description.step,
+                  decode_differences<std::int8_t>(chunks.required(reading), model.shapes.patches.size(),
+                                                  -kFurthestPatchStep, kFurthestPatchStep));
     std::future<void> shown;  // the smooth part: made ready beside the decoding, which is serial
     model.patches.resize(model.shapes.patches.size());
     for (std::size_t i = 0; i < model.patches.size(); ++i)
