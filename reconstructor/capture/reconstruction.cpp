@@ -12,7 +12,7 @@ namespace sheen {
 namespace {
 
 double bytes_of(const HeldOutView& view) {
-  return static_cast<double>(view.truth.size() + view.object.size() + view.inside.size());
+  return static_cast<double>(view.packed.size());
 }
 
 /// Tells the control what the image with this number took, and the log when the images after it get another fraction.

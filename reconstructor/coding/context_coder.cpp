@@ -7,6 +7,11 @@
 #include <stdexcept>
 
 namespace sheen {
+namespace {
+
+constexpr unsigned kLeastState = 4096;  // of the stack, before each bit: Draco's, which its header keeps to itself
+
+}  // namespace
 
 bool ContextEncoder::bit(std::span<const int> contexts, int mixer, bool value) {
   bits_.emplace_back(value, model_.zeros_of_256(contexts, mixer));
@@ -40,6 +45,7 @@ ContextDecoder::ContextDecoder(BitModel& model, std::string_view bytes)
 ContextDecoder::~ContextDecoder() = default;
 
 bool ContextDecoder::bit(std::span<const int> contexts, int mixer, bool) {
+  if (stream_->stack.state < kLeastState && stream_->stack.buf_offset == 0) throw std::runtime_error("is cut short");
   const bool value = draco::rabs_read(&stream_->stack, model_.zeros_of_256(contexts, mixer)) != 0;
   model_.learn(value);
   return value;

@@ -36,10 +36,10 @@ class ContextEncoder {
 class ContextDecoder {
  public:
   static constexpr bool kReads = true;
-  /// Keeps `bytes`, which must outlive it. Throws std::runtime_error where they are no such stream. Bits beyond the end
-  /// are anything.
+  /// Keeps `bytes`, which must outlive it. Throws std::runtime_error where they are no such stream.
   ContextDecoder(BitModel& model, std::string_view bytes);
   ~ContextDecoder();
+  /// Throws std::runtime_error beyond the end.
   bool bit(int context, bool unused = false) { return bit(std::span(&context, 1), 0, unused); }
   bool bit(std::span<const int> contexts, int mixer, bool unused = false);
 

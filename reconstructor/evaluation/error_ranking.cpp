@@ -47,6 +47,7 @@ ErrorRanking judge_error_ranking(const std::vector<HeldOutView>& views, const Ap
   std::vector<double> predicted, by_peer, measured;
   ErrorRanking result;
   for (const HeldOutView& view : views) {
+    const JudgedPixels pixels = view.pixels();
     const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
     const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object, view.light);
     const ImageU8 picture = to_srgb8(painted.beauty);
@@ -54,12 +55,12 @@ ErrorRanking judge_error_ranking(const std::vector<HeldOutView>& views, const Ap
     std::vector<TriangleError> errors(model.mesh().triangles.size());
     std::vector<double> expected(errors.size());
     for (std::size_t i = 0; i < hits.size(); ++i) {
-      if (!view.inside.data()[i] || !hits[i]) continue;
+      if (!pixels.inside.data()[i] || !hits[i]) continue;
       TriangleError& triangle = errors[hits[i].triangle];
       ++triangle.pixels;
       expected[hits[i].triangle] = painted.predicted_error.data()[i];
       for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
-        const double difference = (double(picture.data()[c]) - double(view.truth.data()[c])) / 255;
+        const double difference = (double(picture.data()[c]) - double(pixels.truth.data()[c])) / 255;
         triangle.sum += difference * difference;
       }
     }

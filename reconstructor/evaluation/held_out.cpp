@@ -8,6 +8,7 @@
 #include "common/base/errors.h"
 #include "common/image/color.h"
 #include "common/image/exr.h"
+#include "common/image/image_codec.h"
 #include "reconstructor/radiance/radiance_image.h"
 
 namespace sheen {
@@ -49,7 +50,48 @@ double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth, const Imag
   return std::max({at_a, at_b, psnr(0)});
 }
 
+void keep_within(const ImageU8& mask, ImageU8& pixels) {
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (mask.data()[i] == 0) pixels.data()[i] = 0;
+}
+
+constexpr std::uint8_t kObject = 1, kInside = 2;  // bits of what is packed as a mask
+
+RawImage raw_image(int width, int height) {
+  return {.format = PixelFormat::kRGB8,
+          .transfer = Transfer::kSrgb,
+          .width = width,
+          .height = height,
+          .stride = 3 * static_cast<std::size_t>(width)};
+}
+
+ImageU8 with_bit(const ImageU8& bits, std::uint8_t bit) {
+  ImageU8 pixels(bits.width(), bits.height(), 1);
+  for (std::size_t i = 0; i < bits.size(); ++i) pixels.data()[i] = bits.data()[i] & bit ? 255 : 0;
+  return pixels;
+}
+
 }  // namespace
+
+JudgedPixels HeldOutView::pixels() const {
+  RawImage image = raw_image(camera.width, camera.height);
+  ImageU8 bits(camera.width, camera.height, 1);
+  unpack_pixels(packed, Codec::kDeltaZstd, image, bits);
+  JudgedPixels pixels{ImageU8(camera.width, camera.height, 3), with_bit(bits, kObject), with_bit(bits, kInside)};
+  std::copy(image.bytes.begin(), image.bytes.end(), pixels.truth.data());
+  return pixels;
+}
+
+void HeldOutView::pack(const JudgedPixels& pixels) {
+  RawImage image = raw_image(camera.width, camera.height);
+  image.bytes.assign(pixels.truth.data(), pixels.truth.data() + pixels.truth.size());
+  ImageU8 bits(camera.width, camera.height, 1);
+  for (std::size_t i = 0; i < bits.size(); ++i)
+    bits.data()[i] =
+        static_cast<std::uint8_t>((pixels.object.data()[i] ? kObject : 0) | (pixels.inside.data()[i] ? kInside : 0));
+  packed = pack_pixels(image, bits, Codec::kDeltaZstd);
+  packed.shrink_to_fit();
+}
 
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter) {
   HeldOutView view{.name = capture.name,
@@ -58,22 +100,19 @@ HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPain
                    .camera = capture.camera,
                    .camera_from_object = capture.pose.camera_from_object,
                    .light = capture.light};
-  const ImageF linear = level_radiance(capture, gain);
-  view.truth = to_srgb8(linear);
-  const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
-  ImageU8 silhouette(view.camera.width, view.camera.height, 1);
-  for (std::size_t i = 0; i < hits.size(); ++i) silhouette.data()[i] = hits[i] && hits[i].front ? 255 : 0;
-  if (capture.mask.empty()) {
-    view.object = erode(silhouette, kEdge);
-  } else {
-    view.object = std::move(silhouette);
-    for (std::size_t i = 0; i < view.object.size(); ++i)
-      if (capture.mask.data()[i] == 0) view.object.data()[i] = 0;
+  JudgedPixels pixels;
+  pixels.truth = to_srgb8(level_radiance(capture, gain));
+  pixels.object = painter.silhouette(view.camera, view.camera_from_object);
+  if (capture.mask.empty())
+    pixels.object = erode(pixels.object, kEdge);
+  else
+    keep_within(capture.mask, pixels.object);
+  pixels.inside = capture.mask.empty() ? pixels.object : erode(pixels.object, kEdge);
+  if (const ImageU8 usable = usable_pixels(capture); !usable.empty()) {
+    keep_within(usable, pixels.object);
+    keep_within(usable, pixels.inside);
   }
-  view.inside = capture.mask.empty() ? view.object : erode(view.object, kEdge);
-  for (std::size_t i = 0; i < view.object.size(); ++i)
-    if (!Eigen::Map<const Eigen::Array3f>(linear.data() + 3 * i).allFinite())
-      view.object.data()[i] = view.inside.data()[i] = 0;
+  view.pack(pixels);
   return view;
 }
 
@@ -81,12 +120,14 @@ void take_truth_from(const std::filesystem::path& folder, HeldOutView& view) {
   const std::filesystem::path file = folder / std::filesystem::path(view.name).stem().concat(".exr");
   const ExrFile exr = read_exr(file);
   const ImageF& radiance = exr.parts.front().image;
-  if (radiance.width() != view.truth.width() || radiance.height() != view.truth.height() || radiance.channels() != 3)
+  if (radiance.width() != view.camera.width || radiance.height() != view.camera.height || radiance.channels() != 3)
     throw FileError(file, "is " + std::to_string(radiance.width()) + "x" + std::to_string(radiance.height()) +
                               " with " + std::to_string(radiance.channels()) + " channels; the image " + view.name +
-                              " asks for " + std::to_string(view.truth.width()) + "x" +
-                              std::to_string(view.truth.height()) + " and R, G, B");
-  view.truth = to_srgb8(radiance);
+                              " asks for " + std::to_string(view.camera.width) + "x" +
+                              std::to_string(view.camera.height) + " and R, G, B");
+  JudgedPixels pixels = view.pixels();
+  pixels.truth = to_srgb8(radiance);
+  view.pack(pixels);
 }
 
 double predicted_psnr_db(const PaintedView& painted, const ImageU8& mask) {
@@ -103,34 +144,37 @@ double predicted_psnr_db(const PaintedView& painted, const ImageU8& mask) {
 }
 
 ViewScore score(const HeldOutView& view, const Appearance& model, const RayPainter& painter) {
+  const auto [truth, object, inside] = view.pixels();
   const PaintedView painted = painter.paint(model, view.camera, view.camera_from_object, view.light);
   const ImageU8 picture = to_srgb8(painted.beauty);
   ViewScore score{.name = view.name, .source_session = view.source_session, .sequence = view.sequence};
-  score.error = squared_error(picture, view.truth, view.object);
+  score.error = squared_error(picture, truth, object);
   score.psnr_db = score.error.psnr_db();
-  score.ssim = ssim(picture, view.truth, view.object);
-  score.psnr_inside_db = squared_error(picture, view.truth, view.inside).psnr_db();
-  score.predicted_inside_db = predicted_psnr_db(painted, view.inside);
-  score.psnr_gain_aligned_db = gain_aligned_psnr(painted.beauty, view.truth, view.object);
-  score.full_psnr_db = squared_error(picture, view.truth, {}).psnr_db();
-  score.full_ssim = ssim(picture, view.truth, {});
-  std::size_t object = 0, uncovered = 0;
-  for (std::size_t i = 0; i < view.object.size(); ++i) {
-    object += view.object.data()[i] != 0;
-    uncovered += view.object.data()[i] != 0 && painted.coverage.data()[i] < kCoverageImputed;
+  score.ssim = ssim(picture, truth, object);
+  score.psnr_inside_db = squared_error(picture, truth, inside).psnr_db();
+  score.predicted_inside_db = predicted_psnr_db(painted, inside);
+  score.psnr_gain_aligned_db = gain_aligned_psnr(painted.beauty, truth, object);
+  score.full_psnr_db = squared_error(picture, truth, {}).psnr_db();
+  score.full_ssim = ssim(picture, truth, {});
+  std::size_t pixels = 0, uncovered = 0;
+  for (std::size_t i = 0; i < object.size(); ++i) {
+    pixels += object.data()[i] != 0;
+    uncovered += object.data()[i] != 0 && painted.coverage.data()[i] < kCoverageImputed;
   }
-  score.uncovered = object > 0 ? double(uncovered) / double(object) : 0;
+  score.uncovered = pixels > 0 ? double(uncovered) / double(pixels) : 0;
   return score;
 }
 
 SquaredError object_error(const HeldOutView& view, const Appearance& model, const RayPainter& painter) {
+  const JudgedPixels pixels = view.pixels();
   const ImageU8 picture = to_srgb8(painter.paint(model, view.camera, view.camera_from_object, view.light).beauty);
-  return squared_error(picture, view.truth, view.object);
+  return squared_error(picture, pixels.truth, pixels.object);
 }
 
 ObjectScore score_object(const HeldOutView& view, const Appearance& model, const RayPainter& painter) {
+  const JudgedPixels pixels = view.pixels();
   const ImageU8 picture = to_srgb8(painter.paint(model, view.camera, view.camera_from_object, view.light).beauty);
-  return {squared_error(picture, view.truth, view.object).psnr_db(), ssim(picture, view.truth, view.object)};
+  return {squared_error(picture, pixels.truth, pixels.object).psnr_db(), ssim(picture, pixels.truth, pixels.object)};
 }
 
 Scores score(const std::vector<HeldOutView>& views, const Appearance& model, const RayPainter& painter,

@@ -15,7 +15,15 @@
 
 namespace sheen {
 
-/// A view the model never saw, ready to be compared with: 8-bit sRGB truth and the pixels that count.
+/// What a picture is compared with.
+struct JudgedPixels {
+  ImageU8 truth;   ///< RGB, 8-bit sRGB
+  ImageU8 object;  ///< pixels of the object: first hit a front face, and inside the mask, or eroded by 3 without one;
+                   ///< pixels that are NaN or infinite do not count
+  ImageU8 inside;  ///< of these, eroded by 3 with a mask too: none that mixes the object with what is behind it
+};
+
+/// A view the model never saw, ready to be compared with. A capture keeps some until its end: packed, without loss.
 struct HeldOutView {
   std::string name;
   std::string source_session;  ///< with `sequence`, of the capture
@@ -23,10 +31,10 @@ struct HeldOutView {
   Camera camera;
   Rigid3 camera_from_object;
   LightState light;
-  ImageU8 truth;   ///< RGB
-  ImageU8 object;  ///< pixels of the object: first hit a front face, and inside the mask, or eroded by 3 without one;
-                   ///< pixels that are NaN or infinite do not count
-  ImageU8 inside;  ///< of these, eroded by 3 with a mask too: none that mixes the object with what is behind it
+  std::vector<std::uint8_t> packed;  ///< of `pixels`
+
+  JudgedPixels pixels() const;
+  void pack(const JudgedPixels& pixels);
 };
 /// `gain`: how much brighter the image is than the model's level; the truth is divided by it.
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter);

@@ -25,7 +25,7 @@ std::vector<std::size_t> judging_panel(const std::vector<HeldOutView>& held_out,
     const bool apart = std::all_of(panel.begin(), panel.end(), [&](std::size_t other) {
       return direction(i).dot(direction(other)) <= std::cos(kApart_rad);
     });
-    const double its_pixels = static_cast<double>(held_out[i].object.size());
+    const double its_pixels = static_cast<double>(held_out[i].camera.width) * held_out[i].camera.height;
     if (!apart || (!panel.empty() && pixels + its_pixels > kMostPixels)) continue;
     panel.push_back(i);
     pixels += its_pixels;

@@ -69,11 +69,26 @@ std::vector<Hit> RayPainter::cast(const Camera& camera, const Rigid3& camera_fro
   const Rigid3 object_from_camera = camera_from_object.inverse();
   std::vector<Hit> hits(std::size_t(camera.width) * camera.height);
   tbb::parallel_for(0, camera.height, [&](int y) {
-    std::vector<Ray> rays(camera.width);
-    for (int x = 0; x < camera.width; ++x) rays[x] = ray_of(camera, object_from_camera, {double(x), double(y)});
-    scene_.intersect(rays, std::span(hits).subspan(std::size_t(y) * camera.width, camera.width));
+    cast_row(camera, object_from_camera, y, std::span(hits).subspan(std::size_t(y) * camera.width, camera.width));
   });
   return hits;
+}
+
+ImageU8 RayPainter::silhouette(const Camera& camera, const Rigid3& camera_from_object) const {
+  const Rigid3 object_from_camera = camera_from_object.inverse();
+  ImageU8 picture(camera.width, camera.height, 1);
+  tbb::parallel_for(0, camera.height, [&](int y) {
+    std::vector<Hit> hits(camera.width);
+    cast_row(camera, object_from_camera, y, hits);
+    for (int x = 0; x < camera.width; ++x) picture.at(x, y) = hits[x] && hits[x].front ? 255 : 0;
+  });
+  return picture;
+}
+
+void RayPainter::cast_row(const Camera& camera, const Rigid3& object_from_camera, int y, std::span<Hit> hits) const {
+  std::vector<Ray> rays(camera.width);
+  for (int x = 0; x < camera.width; ++x) rays[x] = ray_of(camera, object_from_camera, {double(x), double(y)});
+  scene_.intersect(rays, hits);
 }
 
 PaintedView RayPainter::paint(const Appearance& snapshot, const Camera& camera, const Rigid3& camera_from_object,

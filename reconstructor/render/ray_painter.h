@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+
 #include "common/camera/camera.h"
 #include "common/camera/rigid3.h"
 #include "common/geometry/ray_scene.h"
@@ -48,10 +50,15 @@ class RayPainter {
   SmoothView paint_smooth(const Appearance& snapshot, const Outlines& outlines, const Camera& camera,
                           const Rigid3& camera_from_object, const LightState& light = {}) const;
 
+  /// 255 where the first hit is a front face.
+  ImageU8 silhouette(const Camera& camera, const Rigid3& camera_from_object) const;
+
   /// First hits of all pixels, row by row.
   std::vector<Hit> cast(const Camera& camera, const Rigid3& camera_from_object) const;
 
  private:
+  /// Of one row of pixels.
+  void cast_row(const Camera& camera, const Rigid3& object_from_camera, int y, std::span<Hit> hits) const;
   PaintedView paint(const ViewShader& shader, const Camera& camera, const Rigid3& camera_from_object) const;
 
   RayScene scene_;

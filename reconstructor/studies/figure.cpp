@@ -39,10 +39,7 @@ std::string table_markdown(const Figure::Table& table) {
 
 double mean_psnr_db(const std::vector<HeldOutView>& views, const Appearance& model, const RayPainter& painter) {
   double sum = 0;
-  for (const HeldOutView& view : views)
-    sum += squared_error(to_srgb8(painter.paint(model, view.camera, view.camera_from_object).beauty), view.truth,
-                         view.object)
-               .psnr_db();
+  for (const HeldOutView& view : views) sum += object_error(view, model, painter).psnr_db();
   return sum / static_cast<double>(views.size());
 }
 

@@ -32,9 +32,10 @@ Figure figure_online_and_batch(const Experiment& experiment, const BatchRun& bat
       return to_srgb8(experiment.painter->paint(model, view.camera, view.camera_from_object).beauty);
     };
     const ImageU8 a = picture(*online_model), b = picture(*batch_model);
-    const double psnr[] = {squared_error(a, b, view.object).psnr_db(),
-                           squared_error(a, view.truth, view.object).psnr_db(),
-                           squared_error(b, view.truth, view.object).psnr_db()};
+    const JudgedPixels judged = view.pixels();
+    const double psnr[] = {squared_error(a, b, judged.object).psnr_db(),
+                           squared_error(a, judged.truth, judged.object).psnr_db(),
+                           squared_error(b, judged.truth, judged.object).psnr_db()};
     for (std::size_t k = 0; k < 3; ++k) plot.series[k].add(static_cast<double>(i + 1), psnr[k]);
     between += psnr[0] / views;
     of_online += psnr[1] / views;
@@ -42,7 +43,7 @@ Figure figure_online_and_batch(const Experiment& experiment, const BatchRun& bat
     if (i != experiment.held_out.size() / 2) continue;
     figure.pictures.push_back({"figure_08_batch", "batch PCA", b});
     figure.pictures.push_back({"figure_08_online", "online", a});
-    figure.pictures.push_back({"figure_08_truth", "photograph", view.truth});
+    figure.pictures.push_back({"figure_08_truth", "photograph", judged.truth});
   }
   figure.ours =
       format("Rank %d, views that neither saw: %.1f dB between the two. Held-out PSNR: online %.2f dB, batch %.2f dB.",

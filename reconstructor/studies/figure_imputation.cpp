@@ -26,8 +26,9 @@ double share_missing(const Experiment& experiment, const Appearance& model) {
   double missing = 0, all = 0;
   for (const HeldOutView& view : experiment.held_out) {
     const PaintedView painted = experiment.painter->paint(model, view.camera, view.camera_from_object);
-    for (std::size_t i = 0; i < view.object.size(); ++i) {
-      if (view.object.data()[i] == 0) continue;
+    const ImageU8 object = view.pixels().object;
+    for (std::size_t i = 0; i < object.size(); ++i) {
+      if (object.data()[i] == 0) continue;
       ++all;
       missing += painted.coverage.data()[i] == kCoverageUnseen;
     }

@@ -26,10 +26,12 @@ PatchRow measure(int triangles, const Experiment& experiment, const OnlineRun& r
   const RayPainter painter(model->mesh());
   const Scores scores = score(experiment.held_out, *model, painter);
   SeamError seams;
-  for (const HeldOutView& view : experiment.held_out)
+  for (const HeldOutView& view : experiment.held_out) {
+    const JudgedPixels pixels = view.pixels();
     seams += seam_error(model->mesh(), painter.cast(view.camera, view.camera_from_object),
-                        to_srgb8(painter.paint(*model, view.camera, view.camera_from_object).beauty), view.truth,
-                        view.object);
+                        to_srgb8(painter.paint(*model, view.camera, view.camera_from_object).beauty), pixels.truth,
+                        pixels.object);
+  }
   const auto& patches = run.model->patches();
   const auto reached = std::count_if(patches.begin(), patches.end(), [](const auto& patch) { return patch; });
   return {.triangles = triangles,

@@ -51,18 +51,8 @@ const SurfaceView& SampleVisibility::look(const Camera& camera, const Rigid3& ca
 
 void SampleVisibility::cast_depth(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
   const int w = camera.width, h = camera.height;
-  if (!(camera == rays_of_)) {
-    rays_.resize(std::size_t(w) * h);
-    tbb::parallel_for(0, h, [&](int y) {
-      for (int x = 0; x < w; ++x) {
-        const auto ray = camera.ray({double(x), double(y)});
-        rays_[std::size_t(y) * w + x] = ray && ray->z() > 1e-3
-                                            ? Eigen::Vector3f((*ray / ray->z()).cast<float>())
-                                            : Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
-      }
-    });
-    rays_of_ = camera;
-    depth_ = ImageF(w, h, 1);
+  rays_.use(camera);
+  if (view_.safe_depth.width() != w || view_.safe_depth.height() != h) {
     view_.safe_depth = ImageF(w, h, 1);
     view_.from_edge = smooth_ = narrow_ = ImageU8(w, h, 1);
   }
@@ -75,7 +65,7 @@ void SampleVisibility::cast_depth(const Camera& camera, const Rigid3& camera_fro
     view_.box.x1 = std::max(view_.box.x1, static_cast<int>(std::clamp(p->x() + 3, 0.0, double(w))));
     view_.box.y1 = std::max(view_.box.y1, static_cast<int>(std::clamp(p->y() + 3, 0.0, double(h))));
   }
-  std::fill_n(depth_.data(), depth_.size(), 0.0f);
+  std::fill_n(view_.safe_depth.data(), view_.safe_depth.size(), 0.0f);
   if (view_.box.x0 >= view_.box.x1 || view_.box.y0 >= view_.box.y1) return;
 
   const Rigid3 object_from_camera = camera_from_object.inverse();
@@ -83,15 +73,15 @@ void SampleVisibility::cast_depth(const Camera& camera, const Rigid3& camera_fro
   const Eigen::Vector3f eye = object_from_camera.translation.cast<float>();
   tbb::parallel_for(tbb::blocked_range<int>(view_.box.y0, view_.box.y1, 16), [&](const tbb::blocked_range<int>& range) {
     const int n = view_.box.x1 - view_.box.x0;
+    std::vector<Eigen::Vector3f> directions(n);
     std::vector<Ray> rays(n);
     std::vector<Hit> hits(n);
     for (int y = range.begin(); y < range.end(); ++y) {
-      for (int i = 0; i < n; ++i) {
-        const Eigen::Vector3f& ray = rays_[std::size_t(y) * w + view_.box.x0 + i];
-        rays[i] = std::isnan(ray.x()) ? Ray{eye, {0, 0, 1}, 0, -1} : Ray{eye, rotation * ray};
-      }
+      rays_.read(view_.box.x0, y, directions);
+      for (int i = 0; i < n; ++i)
+        rays[i] = std::isnan(directions[i].x()) ? Ray{eye, {0, 0, 1}, 0, -1} : Ray{eye, rotation * directions[i]};
       scene_->intersect(rays, hits);
-      float* out = depth_.row(y) + view_.box.x0;
+      float* out = view_.safe_depth.row(y) + view_.box.x0;
       for (int i = 0; i < n; ++i) out[i] = hits[i] && hits[i].front ? hits[i].distance : 0;  // rays have z = 1
       if (mask.empty()) continue;
       for (int i = 0; i < n; ++i)
@@ -103,16 +93,19 @@ void SampleVisibility::cast_depth(const Camera& camera, const Rigid3& camera_fro
 void SampleVisibility::erode_depth(const Camera& camera) {
   const int w = camera.width, h = camera.height, r = options_.erosion_px;
   const auto footprint = static_cast<float>(options_.depth_step / std::min(camera.fx, camera.fy));
-  std::fill_n(view_.safe_depth.data(), view_.safe_depth.size(), 0.0f);
+  ImageF& depth = view_.safe_depth;
   std::fill_n(view_.from_edge.data(), view_.from_edge.size(), std::uint8_t{0});
   const PixelBox inner{std::max(view_.box.x0, 1), std::max(view_.box.y0, 1), std::min(view_.box.x1, w - 1),
                        std::min(view_.box.y1, h - 1)};
-  if (inner.empty()) return;
+  if (inner.empty()) {
+    std::fill_n(depth.data(), depth.size(), 0.0f);
+    return;
+  }
   std::fill_n(smooth_.data(), smooth_.size(), std::uint8_t{0});
   std::fill_n(narrow_.data(), narrow_.size(), std::uint8_t{0});
   tbb::parallel_for(tbb::blocked_range<int>(inner.y0, inner.y1, 16), [&](const tbb::blocked_range<int>& rows) {
     for (int y = rows.begin(); y < rows.end(); ++y) {
-      const float *above = depth_.row(y - 1), *row = depth_.row(y), *below = depth_.row(y + 1);
+      const float *above = depth.row(y - 1), *row = depth.row(y), *below = depth.row(y + 1);
       std::uint8_t* out = smooth_.row(y);
       for (int x = inner.x0; x < inner.x1; ++x) {
         const float z = row[x], limit = footprint * z;
@@ -140,14 +133,20 @@ void SampleVisibility::erode_depth(const Camera& camera) {
       if (run > 2 * r) narrow_.at(x - r, y) = 1;
     }
   });
+  std::fill_n(smooth_.data(), smooth_.size(), std::uint8_t{0});  // from here on: what is safe
   tbb::parallel_for(tbb::blocked_range<int>(inner.x0, inner.x1, 64), [&](const tbb::blocked_range<int>& range) {
     std::vector<int> run(range.size(), 0);
     for (int y = inner.y0; y < inner.y1; ++y)
       for (int x = range.begin(); x < range.end(); ++x) {
         int& length = run[x - range.begin()];
         length = narrow_.at(x, y) ? length + 1 : 0;
-        if (length > 2 * r) view_.safe_depth.at(x, y - r) = depth_.at(x, y - r);
+        if (length > 2 * r) smooth_.at(x, y - r) = 1;
       }
+  });
+  tbb::parallel_for(tbb::blocked_range<int>(view_.box.y0, view_.box.y1, 16), [&](const tbb::blocked_range<int>& rows) {
+    for (int y = rows.begin(); y < rows.end(); ++y)
+      for (int x = view_.box.x0; x < view_.box.x1; ++x)
+        if (!smooth_.at(x, y)) depth.at(x, y) = 0;
   });
 }
 

@@ -12,6 +12,7 @@
 #include "common/geometry/ray_scene.h"
 #include "common/image/image.h"
 #include "reconstructor/surface/map_layout.h"
+#include "reconstructor/surface/pixel_rays.h"
 
 namespace sheen {
 
@@ -56,7 +57,9 @@ class SampleVisibility {
   const SurfaceView& look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
 
  private:
+  /// z of the first hit; 0 where it is none or a back face; negative where masked.
   void cast_depth(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
+  /// Makes that safe.
   void erode_depth(const Camera& camera);
   void find_facing();
   void test_samples(const Camera& camera, const Rigid3& camera_from_object);
@@ -72,10 +75,8 @@ class SampleVisibility {
   std::shared_ptr<const RayScene> scene_;
   std::array<Lattice, 256> lattices_;  ///< of the resolutions that triangles have
   std::size_t longest_lattice_ = 0;    ///< samples
-  Camera rays_of_;                     ///< whose pixel rays are cached
-  std::vector<Eigen::Vector3f> rays_;  ///< camera frame, z = 1; NaN where the lens has none
-  ImageF depth_;                       ///< z of the first hit; 0 where it is none or a back face; negative where masked
-  ImageU8 smooth_, narrow_;            ///< of `erode_depth`
+  PixelRays rays_;
+  ImageU8 smooth_, narrow_;  ///< of `erode_depth`
   SurfaceView view_;
 };
 

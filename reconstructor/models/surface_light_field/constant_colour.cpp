@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "common/image/color.h"
@@ -14,6 +13,13 @@
 
 namespace sheen {
 namespace {
+
+constexpr float kMostCode = std::numeric_limits<std::uint16_t>::max();
+constexpr std::uint16_t kMostImages = std::numeric_limits<std::uint16_t>::max();
+
+std::uint16_t to_code(float value) {
+  return static_cast<std::uint16_t>(std::clamp(value, 0.0f, kMostCode) + 0.5f);
+}
 
 struct ConstantColourSnapshot : public Appearance {
   std::shared_ptr<const Mesh> shape;
@@ -90,22 +96,41 @@ void fill_unseen(ConstantColourSnapshot& snapshot) {
 ConstantColour::ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps)
     : mesh_(std::move(mesh)),
       maps_(std::move(maps)),
-      sum_(Eigen::Matrix3Xf::Zero(3, static_cast<Eigen::Index>(maps_->total_samples()))),
-      count_(maps_->total_samples(), 0) {}
+      samples_(maps_->total_samples()),
+      exponent_(maps_->triangles(), 0) {}
+
+float ConstantColour::scale(std::size_t triangle) const {
+  return std::ldexp(1.0f / kMostCode, exponent_[triangle]);
+}
+
+void ConstantColour::make_room(std::size_t triangle, float brightest) {
+  int halvings = 0;
+  while (brightest > kMostCode * std::ldexp(scale(triangle), halvings) && exponent_[triangle] + halvings < 127)
+    ++halvings;
+  if (halvings == 0) return;
+  exponent_[triangle] = static_cast<std::int8_t>(exponent_[triangle] + halvings);
+  for (std::size_t s = maps_->first_sample(triangle); s < maps_->first_sample(triangle + 1); ++s)
+    for (std::uint16_t& code : samples_[s].code)
+      code = static_cast<std::uint16_t>(halvings < 16 ? code >> halvings : 0);
+}
 
 void ConstantColour::add(std::size_t triangle, std::span<const std::uint8_t> visible,
                          const Eigen::Ref<const Eigen::Matrix3Xf>& encoded) {
-  const auto first = static_cast<Eigen::Index>(maps_->first_sample(triangle));
-  if (!std::memchr(visible.data(), 0, static_cast<std::size_t>(encoded.cols()))) {  // most triangles show whole
-    sum_.middleCols(first, encoded.cols()) += encoded;
-    for (Eigen::Index s = 0; s < encoded.cols(); ++s) ++count_[first + s];
-    return;
-  }
+  float brightest = 0;
   for (Eigen::Index s = 0; s < encoded.cols(); ++s)
-    if (visible[s]) {
-      sum_.col(first + s) += encoded.col(s);
-      ++count_[first + s];
+    if (visible[s]) brightest = std::max(brightest, encoded.col(s).maxCoeff());
+  make_room(triangle, brightest);
+  const float step = scale(triangle);
+  Sample* sample = samples_.data() + maps_->first_sample(triangle);
+  for (Eigen::Index s = 0; s < encoded.cols(); ++s, ++sample) {
+    if (!visible[s]) continue;
+    if (sample->images < kMostImages) ++sample->images;
+    const float share = 1 / static_cast<float>(sample->images);
+    for (int c = 0; c < 3; ++c) {
+      const auto code = static_cast<float>(sample->code[c]);
+      sample->code[c] = to_code(code + share * (encoded(c, s) / step - code));
     }
+  }
 }
 
 void ConstantColour::add(const SurfaceImage& image) {
@@ -132,12 +157,17 @@ void ConstantColour::add(const PatchShape& patch, const PatchColumn& column) {
 void ConstantColour::remove(const PatchShape& patch, const PatchColumn& column) {
   for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
     const std::uint32_t t = patch.triangles[i];
-    const auto first = static_cast<Eigen::Index>(maps_->first_sample(t));
-    for (Eigen::Index s = 0; s < lattice_samples(maps_->resolution(t)); ++s) {
+    const float step = scale(t);
+    Sample* sample = samples_.data() + maps_->first_sample(t);
+    for (int s = 0; s < lattice_samples(maps_->resolution(t)); ++s, ++sample) {
       const Eigen::Index from = patch.first_sample[i] + s;
-      if (!column.visible[static_cast<std::size_t>(from)] || count_[first + s] == 0) continue;
-      sum_.col(first + s) -= column.values.segment<3>(3 * from);
-      --count_[first + s];
+      if (!column.visible[static_cast<std::size_t>(from)] || sample->images == 0) continue;
+      const auto left = static_cast<float>(--sample->images);
+      for (int c = 0; c < 3; ++c) {
+        const auto code = static_cast<float>(sample->code[c]);
+        sample->code[c] =
+            left > 0 ? to_code(code + (code - column.values[3 * from + c] / step) / left) : std::uint16_t{0};
+      }
     }
   }
 }
@@ -153,13 +183,15 @@ std::vector<float> ConstantColour::log_ratios(const SurfaceImage& image) const {
       resample(image, t, encoded);
       float seen = 0, expected = 0;
       int values = 0;
-      const auto first = static_cast<Eigen::Index>(maps_->first_sample(t));
-      for (Eigen::Index s = 0; s < encoded.cols(); ++s)
-        if (view.visible[first + s] && count_[first + s] > 0) {
-          seen += encoded.col(s).sum();
-          expected += sum_.col(first + s).sum() / static_cast<float>(count_[first + s]);
-          values += 3;
-        }
+      const std::size_t first = maps_->first_sample(t);
+      const float step = scale(t);
+      for (Eigen::Index s = 0; s < encoded.cols(); ++s) {
+        const Sample& sample = samples_[first + s];
+        if (!view.visible[first + s] || sample.images == 0) continue;
+        seen += encoded.col(s).sum();
+        expected += step * static_cast<float>(sample.code[0] + sample.code[1] + sample.code[2]);
+        values += 3;
+      }
       if (values > 0) ratios[t] = log_ratio(seen / static_cast<float>(values), expected / static_cast<float>(values));
     }
   });
@@ -171,12 +203,14 @@ std::shared_ptr<const Appearance> ConstantColour::snapshot(ExposureField exposur
   snapshot->shape = mesh_;
   snapshot->maps = maps_;
   snapshot->exposure = std::move(exposure);
-  snapshot->colour = sum_;
-  snapshot->known.resize(count_.size());
-  for (std::size_t s = 0; s < count_.size(); ++s) {
-    snapshot->known[s] = count_[s] > 0;
-    snapshot->colour.col(static_cast<Eigen::Index>(s)) /= static_cast<float>(std::max(count_[s], 1u));
-  }
+  snapshot->colour.resize(3, static_cast<Eigen::Index>(samples_.size()));
+  snapshot->known.resize(samples_.size());
+  for (std::size_t t = 0; t < maps_->triangles(); ++t)
+    for (std::size_t s = maps_->first_sample(t); s < maps_->first_sample(t + 1); ++s) {
+      snapshot->known[s] = samples_[s].images > 0;
+      for (int c = 0; c < 3; ++c)
+        snapshot->colour(c, static_cast<Eigen::Index>(s)) = scale(t) * static_cast<float>(samples_[s].code[c]);
+    }
   fill_unseen(*snapshot);
   return snapshot;
 }

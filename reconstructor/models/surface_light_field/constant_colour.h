@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -15,7 +16,8 @@
 namespace sheen {
 
 /// Running mean of each surface sample's encoded colour over the images that show it: the model that knows no view
-/// dependence. Every figure of a surface light field stands beside it.
+/// dependence. Every figure of a surface light field stands beside it. A mean is kept in 16 bits: what rounding adds up
+/// to over n images is about a sixth of n^(1/2) steps, and a step is 1/65536 where nothing is brighter than white.
 class ConstantColour {
  public:
   ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps);
@@ -29,13 +31,21 @@ class ConstantColour {
   std::shared_ptr<const Appearance> snapshot(ExposureField exposure = {}) const;
 
  private:
+  struct Sample {
+    std::uint16_t code[3] = {};
+    std::uint16_t images = 0;  ///< in the mean; no more are counted than it can hold
+  };
+
+  float scale(std::size_t triangle) const;
+  /// Codes of brighter colours, where there is one.
+  void make_room(std::size_t triangle, float brightest);
   void add(std::size_t triangle, std::span<const std::uint8_t> visible,
            const Eigen::Ref<const Eigen::Matrix3Xf>& encoded);
 
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const MapLayout> maps_;
-  Eigen::Matrix3Xf sum_;
-  std::vector<std::uint32_t> count_;  ///< of images in the sum
+  std::vector<Sample> samples_;
+  std::vector<std::int8_t> exponent_;  ///< per triangle: codes are of 2^exponent
 };
 
 }  // namespace sheen

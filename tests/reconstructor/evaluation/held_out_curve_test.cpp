@@ -19,8 +19,8 @@ HeldOutView view_from(double angle_deg, std::uint64_t sequence, int side = 40) {
   HeldOutView view{.source_session = "run", .sequence = sequence};
   view.camera = {.width = side, .height = side, .fx = 1.5 * side, .fy = 1.5 * side, .cx = side / 2.0, .cy = side / 2.0};
   view.camera_from_object = look_at({0.5 * std::sin(a), 0, 0.5 * std::cos(a)}, {0, 0, 0}, {0, 1, 0});
-  view.truth = ImageU8(side, side, 3, 120);
-  view.object = view.inside = ImageU8(side, side, 1, 255);
+  const ImageU8 all(side, side, 1, 255);
+  view.pack({ImageU8(side, side, 3, 120), all, all});
   return view;
 }
 
@@ -55,7 +55,9 @@ TEST(HeldOutCurve, TheSameViewsJudgeEveryPointAndOthersBeginAnew) {
     EXPECT_NEAR(curve.points().back().psnr_db, 20 * std::log10(255.0 / (6 - image)), 1e-9);
     EXPECT_NEAR(curve.points().back().constant_psnr_db, 20 * std::log10(255.0 / 20), 1e-9);
   }
-  std::fill_n(views[1].truth.data(), views[1].truth.size(), std::uint8_t{130});
+  JudgedPixels pixels = views[1].pixels();
+  std::fill_n(pixels.truth.data(), pixels.truth.size(), std::uint8_t{130});
+  views[1].pack(pixels);
   curve.judge(views, {0, 1}, 6, model(121), model(140), painter);
   ASSERT_EQ(curve.points().size(), 1u);
   EXPECT_NEAR(curve.points().back().psnr_db, (20 * std::log10(255.0) + 20 * std::log10(255.0 / 9)) / 2, 1e-9);

@@ -68,10 +68,10 @@ TEST_F(HeldOut, AKnownOffsetGivesItsClosedFormPsnr) {
   const PlainModel model(mesh, Eigen::Vector3f::Constant(level(120)));
   for (const int offset : {1, 4, 20, -7}) {
     const HeldOutView view = make_held_out_view(uniform_capture(level(120 + offset)), 1, painter);
-    EXPECT_EQ(view.truth.at(5, 5, 1), 120 + offset);
+    EXPECT_EQ(view.pixels().truth.at(5, 5, 1), 120 + offset);
     const ViewScore result = score(view, model, painter);
     EXPECT_NEAR(result.psnr_db, 20 * std::log10(255.0 / std::abs(offset)), 1e-9);
-    EXPECT_EQ(result.error.count, 3 * count(view.object));
+    EXPECT_EQ(result.error.count, 3 * count(view.pixels().object));
     EXPECT_EQ(result.name, "view");
   }
 }
@@ -126,6 +126,7 @@ TEST_F(HeldOut, GainAlignmentIsNeverWorseThanNone) {
 
 TEST_F(HeldOut, ObjectPixelsAreTheSilhouetteErodedByThreeWithoutAMask) {
   const HeldOutView view = make_held_out_view(uniform_capture(1), 1, painter);
+  const ImageU8 object = view.pixels().object;
   const ImageU8 whole = silhouette();
   ASSERT_GT(count(whole), 2000u);
   for (int y = 0; y < 90; ++y)
@@ -134,7 +135,7 @@ TEST_F(HeldOut, ObjectPixelsAreTheSilhouetteErodedByThreeWithoutAMask) {
       for (int dy = -3; dy <= 3; ++dy)
         for (int dx = -3; dx <= 3; ++dx)
           if (x + dx >= 0 && x + dx < 120 && y + dy >= 0 && y + dy < 90) all &= whole.at(x + dx, y + dy) != 0;
-      ASSERT_EQ(view.object.at(x, y) != 0, all) << x << " " << y;
+      ASSERT_EQ(object.at(x, y) != 0, all) << x << " " << y;
     }
 }
 
@@ -143,9 +144,10 @@ TEST_F(HeldOut, ObjectPixelsAreTheSilhouetteInsideTheMask) {
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 120; ++x) mask.at(x, y) = (x * 7 + y * 3) % 5 ? 1 : 0;
   const HeldOutView view = make_held_out_view(uniform_capture(1, mask), 1, painter);
+  const ImageU8 object = view.pixels().object;
   const ImageU8 whole = silhouette();
   for (int y = 0; y < 90; ++y)
-    for (int x = 0; x < 120; ++x) ASSERT_EQ(view.object.at(x, y) != 0, whole.at(x, y) && mask.at(x, y));
+    for (int x = 0; x < 120; ++x) ASSERT_EQ(object.at(x, y) != 0, whole.at(x, y) && mask.at(x, y));
 }
 
 TEST_F(HeldOut, InsideAreTheObjectPixelsThreeAwayFromItsEdge) {
@@ -158,14 +160,14 @@ TEST_F(HeldOut, InsideAreTheObjectPixelsThreeAwayFromItsEdge) {
     if (!core.data()[i]) std::fill_n(pixels.data() + 3 * i, 3, level(180));
   capture.image = analytic::float_image(pixels);
   const HeldOutView view = make_held_out_view(capture, 1, painter);
-  EXPECT_EQ(count(view.inside), count(core));
+  EXPECT_EQ(count(view.pixels().inside), count(core));
   const ViewScore result = score(view, model, painter);
   EXPECT_NEAR(result.psnr_inside_db, 20 * std::log10(255.0 / 4), 1e-9);
   EXPECT_LT(result.psnr_db, result.psnr_inside_db - 5);
   EXPECT_EQ(score({view}, model, painter).psnr_inside_db, result.psnr_inside_db);
 
   const HeldOutView unmasked = make_held_out_view(uniform_capture(1), 1, painter);
-  EXPECT_EQ(count(unmasked.inside), count(unmasked.object)) << "is away from the edge already";
+  EXPECT_EQ(count(unmasked.pixels().inside), count(unmasked.pixels().object)) << "is away from the edge already";
 }
 
 TEST_F(HeldOut, ThePictureWithoutNoiseTakesThePlaceOfThePhotograph) {
@@ -189,22 +191,24 @@ TEST_F(HeldOut, PixelsThatAreNoNumbersDoNotCount) {
   Capture capture = uniform_capture(0);
   capture.image = analytic::float_image(pixels);
   const HeldOutView view = make_held_out_view(capture, 1, painter);
-  EXPECT_EQ(view.object.at(60, 45), 0);
-  EXPECT_EQ(view.object.at(62, 45), 0);
-  EXPECT_EQ(count(view.object), count(make_held_out_view(uniform_capture(1), 1, painter).object) - 2);
+  EXPECT_EQ(view.pixels().object.at(60, 45), 0);
+  EXPECT_EQ(view.pixels().object.at(62, 45), 0);
+  const HeldOutView whole = make_held_out_view(uniform_capture(1), 1, painter);
+  EXPECT_EQ(count(view.pixels().object), count(whole.pixels().object) - 2);
   EXPECT_NEAR(score(view, model, painter).psnr_db, 20 * std::log10(255.0 / 4), 1e-9);
 }
 
 TEST_F(HeldOut, UncoveredIsTheShareOfObjectPixelsThatNoImageShowed) {
   PlainModel model(mesh);
   const HeldOutView view = make_held_out_view(uniform_capture(1), 1, painter);
+  const ImageU8 shown = view.pixels().object;
   EXPECT_EQ(score(view, model, painter).uncovered, 0);
   std::size_t object = 0, unseen = 0;
   for (std::uint32_t t = 0; t < 16; ++t) model.unseen.insert(t);  // the half with y < 0
   const Rigid3 object_from_camera = kPose.inverse();
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 120; ++x) {
-      if (!view.object.at(x, y)) continue;
+      if (!shown.at(x, y)) continue;
       const Eigen::Vector3d ray = object_from_camera.rotation * *camera().ray({double(x), double(y)});
       ++object;
       unseen += (object_from_camera.translation - object_from_camera.translation.z() / ray.z() * ray).y() < 0;
@@ -222,7 +226,8 @@ TEST_F(HeldOut, ScoresAreMeansOverViewsAndPooledOverPixels) {
   const Scores scores = score(views, model, painter);
   ASSERT_EQ(scores.views.size(), 2u);
   EXPECT_NEAR(scores.psnr_db, (20 * std::log10(255 / 2.0) + 20 * std::log10(255 / 10.0)) / 2, 1e-9);
-  const double a = static_cast<double>(count(views[0].object)), b = static_cast<double>(count(views[1].object));
+  const auto pixels = [&](int i) { return static_cast<double>(count(views[i].pixels().object)); };
+  const double a = pixels(0), b = pixels(1);
   EXPECT_NEAR(scores.psnr_pooled_db, 10 * std::log10(255 * 255 * (a + b) / (4 * a + 100 * b)), 1e-9);
   EXPECT_NEAR(scores.ssim, (scores.views[0].ssim + scores.views[1].ssim) / 2, 1e-12);
   EXPECT_TRUE(score(std::vector<HeldOutView>{}, model, painter).views.empty());

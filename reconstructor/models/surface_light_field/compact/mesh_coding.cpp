@@ -1,118 +1,276 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/compact/mesh_coding.h"
 
-#include <meshoptimizer.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <optional>
 #include <stdexcept>
 
 #include "reconstructor/coding/context_coder.h"
+#include "reconstructor/models/surface_light_field/compact/open_edges.h"
 
 namespace sheen {
 namespace {
 
 using Point = GridMesh::Point;
 
+constexpr std::uint32_t kNew = UINT32_MAX;  ///< a vertex that is not yet known
+constexpr std::int32_t kFurthest = 1 << 22;
+// A reader makes no more of a byte. A triangle takes two bits at least, each 1/177 of one at least.
+constexpr std::size_t kTrianglesPerByte = 800;
+
 struct Header {
-  std::uint32_t vertices = 0, triangles = 0, index_bytes = 0;
+  std::uint32_t triangles = 0;
   float origin[3] = {}, step = 1;
 };
 
-constexpr std::size_t kBefore = 32;  ///< triangles that are looked through for a neighbour
-constexpr std::int32_t kFurthest = 1 << 22;
-constexpr int kSizes = 24;
-constexpr int kContexts = 2 * kSizes * kSignedContexts;
+// Contexts, one range after the other.
+constexpr int kSizes = 24, kGaps = 8, kValences = 8, kSteps = 5;
+enum MeshContext : int {
+  kBorder = 0,
+  kBorderLast = kBorder + 4,
+  kBeside = kBorderLast + kSteps * 4,  ///< two sides, each
+  kBesideValence = kBeside + 2 * kGaps * kGaps,
+  kBesideLast = kBesideValence + 2 * kGaps * kValences,
+  kIsNew = kBesideLast + 2 * kGaps * kSteps,
+  kNumber = kIsNew + 2,
+  kPoint = kNumber + 1,
+  kPointEdge = kPoint + 2 * kSizes * kSignedContexts,
+  kMeshContexts = kPointEdge + 3 * kSizes * kSignedContexts,
+};
+enum MeshMixer : int {
+  kBorderMixer = 0,
+  kBesideMixer = kBorderMixer + 1,
+  kPointMixer = kBesideMixer + 2,
+  kMeshMixers = kPointMixer + kSignedContexts,
+};
 
-bool has(const Triangle& triangle, std::uint32_t v) {
-  return triangle[0] == v || triangle[1] == v || triangle[2] == v;
-}
-
-/// The points of a mesh, in the order in which its triangles name them.
-class PointCoder {
+/// The triangles that are to be coded, found by their edges.
+class Source {
  public:
-  PointCoder(const std::vector<Triangle>& triangles, std::vector<Point>& points)
-      : triangles_(triangles), points_(points), known_(points.size(), false) {}
+  struct Third {
+    std::uint32_t triangle, corner;  ///< behind the edge's
+  };
 
-  template <typename Coder>
-  void code(Coder& coder) {
-    for (std::size_t t = 0; t < triangles_.size(); ++t)
-      for (const std::uint32_t v : triangles_[t])
-        if (!known_[v]) code_point(coder, t, v);
+  explicit Source(const GridMesh& mesh) : mesh_(mesh), new_vertex_(mesh.points.size(), kNew) {
+    edges_.reserve(3 * mesh.triangles.size());
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      for (std::uint32_t k = 0; k < 3; ++k)
+        edges_.push_back({mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3], t, k});
+    std::sort(edges_.begin(), edges_.end());
+    coded_.resize(mesh.triangles.size(), false);
+  }
+
+  /// A triangle not yet coded with an edge from `from` to `to`, vertices as they were coded.
+  std::optional<Third> with_edge(std::uint32_t from, std::uint32_t to) const {
+    const std::uint32_t old_from = old_vertex[from], old_to = old_vertex[to];
+    for (auto edge = std::lower_bound(edges_.begin(), edges_.end(), Edge{old_from, old_to, 0, 0});
+         edge != edges_.end() && edge->from == old_from && edge->to == old_to; ++edge)
+      if (!coded_[edge->triangle]) return Third{edge->triangle, (edge->first + 2) % 3};
+    return std::nullopt;
+  }
+  /// The first that is not yet coded.
+  std::uint32_t next() {
+    while (coded_[next_]) ++next_;
+    return next_;
+  }
+  std::uint32_t known(std::uint32_t triangle, std::uint32_t corner) const {
+    return new_vertex_[mesh_.triangles[triangle][corner]];
+  }
+  const Point& point(std::uint32_t triangle, std::uint32_t corner) const {
+    return mesh_.points[mesh_.triangles[triangle][corner]];
+  }
+  void add_vertex(std::uint32_t triangle, std::uint32_t corner) {
+    const std::uint32_t old = mesh_.triangles[triangle][corner];
+    new_vertex_[old] = static_cast<std::uint32_t>(old_vertex.size());
+    old_vertex.push_back(old);
+  }
+  void add_triangle(std::uint32_t triangle, std::uint32_t corner) {
+    coded_[triangle] = true;
+    old_triangle.push_back(triangle);
+    first_corner.push_back(static_cast<std::uint8_t>(corner));
+  }
+
+  std::vector<std::uint32_t> old_vertex, old_triangle;  ///< in the order of the code
+  std::vector<std::uint8_t> first_corner;
+
+ private:
+  struct Edge {
+    std::uint32_t from, to, triangle, first;
+    auto operator<=>(const Edge&) const = default;
+  };
+  const GridMesh& mesh_;
+  std::vector<Edge> edges_;
+  std::vector<bool> coded_;
+  std::vector<std::uint32_t> new_vertex_;
+  std::uint32_t next_ = 0;
+};
+
+/// Grows `mesh`. `source` is null where `coder` reads.
+template <typename Coder>
+class MeshCoder {
+ public:
+  MeshCoder(Coder& coder, GridMesh& mesh, Source* source) : coder_(coder), mesh_(mesh), source_(source) {}
+
+  void code(std::size_t triangles) {
+    while (mesh_.triangles.size() < triangles) {
+      code_first_triangle();
+      for (; !pivots_.empty(); pivots_.pop_front())
+        for (std::uint32_t gate;
+             mesh_.triangles.size() < triangles && (gate = open_.out_of(pivots_.front())) != OpenEdges::kNone;)
+          code_beyond(gate);
+    }
   }
 
  private:
-  struct Expected {
-    Point point{};
-    bool parallelogram = false;
-  };
+  /// What followed an edge.
+  enum class Step { kBorder, kLeft, kRight, kNewVertex, kOtherVertex };
+  using Third = Source::Third;
 
-  /// A difference from what is expected is about as large as those of late.
-  template <typename Coder>
-  void code_point(Coder& coder, std::size_t t, std::uint32_t v) {
-    const Expected expected = expect(t);
-    std::int32_t& size = size_[expected.parallelogram];
+  void code_first_triangle() {
+    Third corner{source_ ? source_->next() : 0, 0};
+    Triangle triangle{};
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      corner.corner = k;
+      const bool is_new = code_is_new(0, corner);
+      const Point expected = k == 0 ? last_ : mesh_.points[triangle[0]];
+      triangle[k] = is_new ? code_vertex(expected, false, 0, corner) : code_number_of(corner);
+      pivots_.push_back(triangle[k]);
+    }
+    add(triangle, {corner.triangle, 0});
+  }
+
+  /// The triangle that follows an edge, if one does: its corners are the edge's end, its beginning and a third.
+  void code_beyond(std::uint32_t gate) {
+    const std::uint32_t a = open_.from(gate), b = open_.to(gate);
+    std::optional<Third> wanted;
+    if (source_) wanted = source_->with_edge(b, a);
+    const int borders = border_[a] + 2 * border_[b];
+    const std::array contexts = {kBorder + borders, kBorderLast + static_cast<int>(step_) * 4 + borders};
+    if (coder_.bit(contexts, kBorderMixer, !wanted)) {
+      open_.close(gate);
+      border_[a] = border_[b] = true;
+      step_ = Step::kBorder;
+      return;
+    }
+    const Third corner = wanted.value_or(Third{});
+    const std::uint32_t third = code_third(gate, corner);
+    add({b, a, third}, {corner.triangle, (corner.corner + 1) % 3});
+  }
+
+  std::uint32_t code_third(std::uint32_t gate, const Third& wanted) {
+    const std::uint32_t a = open_.from(gate), b = open_.to(gate), before = mesh_.triangles[gate / 3][(gate + 2) % 3];
+    Point expected;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      expected[axis] =
+          std::clamp(mesh_.points[a][axis] + mesh_.points[b][axis] - mesh_.points[before][axis], -kFurthest, kFurthest);
+    const std::int64_t edge = squared_distance(mesh_.points[a], mesh_.points[b]);
+    const std::uint32_t into = open_.into(a), out = open_.out_of(b);
+    std::array<std::uint32_t, 2> beside = {into == OpenEdges::kNone ? kNew : open_.from(into),
+                                           out == OpenEdges::kNone ? kNew : open_.to(out)};
+    std::array<int, 2> gap;
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (beside[side] == a || beside[side] == b || beside[side] == before) beside[side] = kNew;
+      gap[side] = beside[side] == kNew ? kGaps - 1 : gap_of(mesh_.points[beside[side]], expected, edge);
+    }
+    const std::uint32_t known = source_ ? source_->known(wanted.triangle, wanted.corner) : 0;
+    for (const int side : {0, 1}) {
+      const std::uint32_t candidate = beside[static_cast<std::size_t>(side)];
+      if (candidate == kNew || (side == 1 && candidate == beside[0])) continue;
+      const int here = gap[static_cast<std::size_t>(side)] + side * kGaps,
+                other = gap[static_cast<std::size_t>(1 - side)];
+      const std::array contexts = {
+          kBeside + here * kGaps + other,
+          kBesideValence + here * kValences + std::min<int>(valence_[side == 0 ? a : b], kValences) - 1,
+          kBesideLast + here * kSteps + static_cast<int>(step_),
+      };
+      if (!coder_.bit(contexts, kBesideMixer + side, known == candidate)) continue;
+      step_ = side == 0 ? Step::kLeft : Step::kRight;
+      return candidate;
+    }
+    if (code_is_new(1, wanted)) {
+      step_ = Step::kNewVertex;
+      const std::uint32_t vertex = code_vertex(expected, true, edge, wanted);
+      pivots_.push_back(vertex);
+      return vertex;
+    }
+    step_ = Step::kOtherVertex;
+    return code_number_of(wanted);
+  }
+
+  /// How far a vertex is from where one is expected, beside the length of an edge.
+  static int gap_of(const Point& point, const Point& expected, std::int64_t edge) {
+    const std::int64_t distance = squared_distance(point, expected);
+    int gap = 0;
+    for (std::int64_t least = edge / 32; gap < kGaps - 2 && distance > least; least *= 2) ++gap;
+    return gap;
+  }
+
+  bool code_is_new(int context, const Third& wanted) {
+    return coder_.bit(kIsNew + context, source_ && source_->known(wanted.triangle, wanted.corner) == kNew);
+  }
+
+  std::uint32_t code_number_of(const Third& wanted) {
+    const std::uint32_t number = source_ ? source_->known(wanted.triangle, wanted.corner) : 0;
+    const auto known = static_cast<std::uint32_t>(mesh_.points.size());
+    std::uint32_t read = 0;
+    for (int i = std::bit_width(known) - 1; i >= 0; --i) read = 2 * read + coder_.bit(kNumber, (number >> i) & 1);
+    if (read >= known) throw std::runtime_error("a triangle has a corner that is not a vertex");
+    return read;
+  }
+
+  /// A difference from what is expected is about as large as those of late, and goes with the length of the edge.
+  std::uint32_t code_vertex(const Point& expected, bool parallelogram, std::int64_t edge, const Third& wanted) {
+    Point point{};
+    if (source_) point = source_->point(wanted.triangle, wanted.corner);
+    std::int32_t& size = size_[parallelogram];
+    const int edge_size = std::min(static_cast<int>(std::bit_width(static_cast<std::uint64_t>(edge)) / 2), kSizes - 1);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const int sizes = std::min<int>(std::bit_width(static_cast<std::uint32_t>(size)), kSizes - 1);
-      const std::int32_t off = code_signed(coder, (expected.parallelogram * kSizes + sizes) * kSignedContexts,
-                                           points_[v][axis] - expected.point[axis]);
-      points_[v][axis] = std::clamp(expected.point[axis] + off, -kFurthest, kFurthest);
+      const std::array contexts = {kPoint + (parallelogram * kSizes + sizes) * kSignedContexts,
+                                   kPointEdge + (static_cast<int>(axis) * kSizes + edge_size) * kSignedContexts};
+      const std::int32_t off = code_signed(coder_, contexts, kPointMixer, point[axis] - expected[axis]);
+      point[axis] = std::clamp(expected[axis] + off, -kFurthest, kFurthest);
       size += std::min(std::abs(off), kFurthest) - size / 8;
     }
-    known_[v] = true;
-    last_ = points_[v];
+    if (source_) source_->add_vertex(wanted.triangle, wanted.corner);
+    last_ = point;
+    mesh_.points.push_back(point);
+    open_.add_vertex();
+    border_.push_back(false);
+    valence_.push_back(0);
+    return static_cast<std::uint32_t>(mesh_.points.size() - 1);
   }
 
-  /// By the corners of triangle t that are known.
-  Expected expect(std::size_t t) const {
-    std::array<std::uint32_t, 3> corners;
-    std::size_t count = 0;
-    for (const std::uint32_t v : triangles_[t])
-      if (known_[v]) corners[count++] = v;
-    if (count == 0) return {last_};
-    if (count == 1) return {points_[corners[0]]};
-    const std::optional<std::uint32_t> opposite = across(t, corners[0], corners[1]);
-    Point point;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::int32_t sum = points_[corners[0]][axis] + points_[corners[1]][axis];
-      point[axis] = opposite ? sum - points_[*opposite][axis] : sum / 2;
+  void add(const Triangle& triangle, const Third& first) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = triangle[k], to = triangle[(k + 1) % 3], reverse = open_.between(to, from);
+      const std::uint32_t edge = open_.add(from, to);
+      if (reverse != OpenEdges::kNone) {
+        open_.close(reverse);
+        open_.close(edge);
+      }
+      ++valence_[from];
     }
-    return {point, opposite.has_value()};
+    mesh_.triangles.push_back(triangle);
+    if (source_) source_->add_triangle(first.triangle, first.corner);
   }
 
-  /// The corner across the edge a, b in one of the triangles before t.
-  std::optional<std::uint32_t> across(std::size_t t, std::uint32_t a, std::uint32_t b) const {
-    for (std::size_t before = t; before > 0 && before + kBefore > t; --before) {
-      const Triangle& triangle = triangles_[before - 1];
-      if (!has(triangle, a) || !has(triangle, b)) continue;
-      for (const std::uint32_t v : triangle)
-        if (v != a && v != b) return v;
-    }
-    return std::nullopt;
-  }
-
-  const std::vector<Triangle>& triangles_;
-  std::vector<Point>& points_;
-  std::vector<bool> known_;
+  Coder& coder_;
+  GridMesh& mesh_;
+  Source* source_;
+  OpenEdges open_;
+  std::deque<std::uint32_t> pivots_;  ///< vertices whose edges are looked across next
+  std::vector<bool> border_;          ///< per vertex: has an edge that nothing follows
+  std::vector<std::uint32_t> valence_;
+  Step step_ = Step::kNewVertex;
   Point last_{};
   std::int32_t size_[2] = {};  ///< of differences of late, eight times
 };
-
-std::vector<Triangle> decode_triangles(std::string_view bytes, std::size_t count, std::size_t vertices) {
-  static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
-  std::vector<Triangle> triangles(count);
-  if (count == 0 || meshopt_decodeIndexBuffer(triangles.data(), 3 * count, sizeof(std::uint32_t),
-                                              reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()) != 0)
-    throw std::runtime_error("the mesh is damaged");
-  for (const Triangle& triangle : triangles)
-    for (const std::uint32_t v : triangle)
-      if (v >= vertices) throw std::runtime_error("a triangle has a corner that is not a vertex");
-  return triangles;
-}
 
 }  // namespace
 
@@ -125,24 +283,19 @@ Mesh GridMesh::mesh() const {
   return mesh;
 }
 
-std::string encode_mesh(const GridMesh& mesh) {
-  const std::size_t indices = 3 * mesh.triangles.size();
-  std::vector<unsigned char> index_bytes(meshopt_encodeIndexBufferBound(indices, mesh.points.size()));
-  index_bytes.resize(
-      meshopt_encodeIndexBuffer(index_bytes.data(), index_bytes.size(), mesh.triangles.front().data(), indices));
-  const std::string coded(index_bytes.begin(), index_bytes.end());
-  Header header{.vertices = static_cast<std::uint32_t>(mesh.points.size()),
-                .triangles = static_cast<std::uint32_t>(mesh.triangles.size()),
-                .index_bytes = static_cast<std::uint32_t>(coded.size()),
-                .step = mesh.step};
-  Eigen::Map<Eigen::Vector3f>{header.origin} = mesh.origin;
-  const std::vector<Triangle> triangles =
-      decode_triangles(coded, mesh.triangles.size(), mesh.points.size());  // as a reader has them
-  std::vector<Point> points = mesh.points;
-  BitModel bits(kContexts);
+CodedMesh encode_mesh(const GridMesh& mesh) {
+  CodedMesh coded{.grid = {.origin = mesh.origin, .step = mesh.step}};
+  Source source(mesh);
+  BitModel bits(kMeshContexts, kMeshMixers);
   ContextEncoder coder(bits);
-  PointCoder(triangles, points).code(coder);
-  return std::string(reinterpret_cast<const char*>(&header), sizeof header) + coded + coder.finish();
+  MeshCoder(coder, coded.grid, &source).code(mesh.triangles.size());
+  Header header{.triangles = static_cast<std::uint32_t>(mesh.triangles.size()), .step = mesh.step};
+  Eigen::Map<Eigen::Vector3f>{header.origin} = mesh.origin;
+  coded.bytes = std::string(reinterpret_cast<const char*>(&header), sizeof header) + coder.finish();
+  coded.old_vertex = std::move(source.old_vertex);
+  coded.old_triangle = std::move(source.old_triangle);
+  coded.first_corner = std::move(source.first_corner);
+  return coded;
 }
 
 GridMesh decode_mesh(std::string_view bytes) {
@@ -150,18 +303,14 @@ GridMesh decode_mesh(std::string_view bytes) {
   if (bytes.size() < sizeof header) throw std::runtime_error("the mesh is cut short");
   std::memcpy(&header, bytes.data(), sizeof header);
   bytes.remove_prefix(sizeof header);
-  // A triangle takes a byte at least; vertices that no triangle has are not stored.
-  if (header.index_bytes > bytes.size() || header.triangles > header.index_bytes ||
-      header.vertices > 3 * std::uint64_t{header.triangles})
-    throw std::runtime_error("the mesh's sizes contradict each other");
+  if (header.triangles == 0 || header.triangles > kTrianglesPerByte * bytes.size())
+    throw std::runtime_error("the mesh is too short for its triangles");
   GridMesh mesh{.origin = Eigen::Map<const Eigen::Vector3f>(header.origin), .step = header.step};
   if (!mesh.origin.array().isFinite().all() || !(mesh.step > 0 && mesh.step < 1e30f))
     throw std::runtime_error("the mesh's grid is not valid");
-  mesh.triangles = decode_triangles(bytes.substr(0, header.index_bytes), header.triangles, header.vertices);
-  mesh.points.resize(header.vertices);
-  BitModel bits(kContexts);
-  ContextDecoder coder(bits, bytes.substr(header.index_bytes));
-  PointCoder(mesh.triangles, mesh.points).code(coder);
+  BitModel bits(kMeshContexts, kMeshMixers);
+  ContextDecoder coder(bits, bytes);
+  MeshCoder(coder, mesh, nullptr).code(header.triangles);
   return mesh;
 }
 

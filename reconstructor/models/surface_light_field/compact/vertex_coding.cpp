@@ -237,42 +237,6 @@ class VertexCoder {
   std::vector<Near> near_;  ///< per camera: of the vertex at hand
 };
 
-constexpr int kStateContexts = 3 + 3 * 2 + 9 * 2;
-
-/// Most triangles are of one state.
-template <typename Coder>
-void code_states(Coder& coder, const CompactModel& model, std::vector<std::vector<SampleState>>& states) {
-  const auto code = [&coder](int context, SampleState state) {  // two bits
-    const bool measured = coder.bit(context, state == SampleState::kMeasured);
-    if (measured) return SampleState::kMeasured;
-    return coder.bit(context + 1, state == SampleState::kImputed) ? SampleState::kImputed : SampleState::kUnseen;
-  };
-  int last = static_cast<int>(SampleState::kMeasured);
-  for (std::size_t t = 0; t < states.size(); ++t) {
-    std::vector<SampleState>& state = states[t];
-    const int n = model.maps->resolution(t);
-    if (Coder::kReads) state.assign(static_cast<std::size_t>(lattice_samples(n)), SampleState::kUnseen);
-    const bool same =
-        coder.bit(last, std::all_of(state.begin(), state.end(), [&](SampleState s) { return s == state[0]; }));
-    if (same) {
-      const SampleState all = code(3 + 2 * last, state[0]);
-      std::fill(state.begin(), state.end(), all);
-      last = static_cast<int>(all);
-      continue;
-    }
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; i + j < n; ++j) {
-        const auto at = [&](int a, int b) {
-          return static_cast<int>(state[static_cast<std::size_t>(lattice_index(n, a, b))]);
-        };
-        const int left = j > 0 ? at(i, j - 1) : 2, above = i > 0 ? at(i - 1, j) : 2;
-        SampleState& here = state[static_cast<std::size_t>(lattice_index(n, i, j))];
-        here = code(3 + 6 + 2 * (3 * left + above), here);
-      }
-    last = static_cast<int>(state.back());
-  }
-}
-
 }  // namespace
 
 std::string encode_vertices(CompactModel& model) {
@@ -287,28 +251,6 @@ void decode_vertices(std::string_view bytes, CompactModel& model) {
   ContextDecoder coder(bits, bytes);
   model.vertices.assign(model.mesh->vertices.size(), {});
   VertexCoder(coder, model).code();
-}
-
-std::string encode_states(const CompactModel& model) {
-  BitModel bits(kStateContexts);
-  ContextEncoder coder(bits);
-  std::vector<std::vector<SampleState>> states;
-  for (std::size_t t = 0; t < model.mesh->triangles.size(); ++t) {
-    const auto first = model.patches[model.shapes.patch_of[t]].state.begin() + model.shapes.first_sample[t];
-    states.emplace_back(first, first + lattice_samples(model.maps->resolution(t)));
-  }
-  code_states(coder, model, states);
-  return coder.finish();
-}
-
-void decode_states(std::string_view bytes, CompactModel& model) {
-  BitModel bits(kStateContexts);
-  ContextDecoder coder(bits, bytes);
-  std::vector<std::vector<SampleState>> states(model.mesh->triangles.size());
-  code_states(coder, model, states);
-  for (std::size_t t = 0; t < states.size(); ++t)
-    std::copy(states[t].begin(), states[t].end(),
-              model.patches[model.shapes.patch_of[t]].state.begin() + model.shapes.first_sample[t]);
 }
 
 }  // namespace sheen

@@ -15,8 +15,4 @@ std::string encode_vertices(CompactModel& model);
 /// Into `model`, of which mesh, cameras, kernels and reflection must be there. Throws std::runtime_error.
 void decode_vertices(std::string_view bytes, CompactModel& model);
 
-/// Which samples were measured, imputed, or not seen.
-std::string encode_states(const CompactModel& model);
-void decode_states(std::string_view bytes, CompactModel& model);
-
 }  // namespace sheen

@@ -19,6 +19,8 @@
 #include "reconstructor/models/surface_light_field/compact/mesh_coding.h"
 #include "reconstructor/models/surface_light_field/compact/patch_coding.h"
 #include "reconstructor/models/surface_light_field/compact/patch_steps.h"
+#include "reconstructor/models/surface_light_field/compact/resolution_coding.h"
+#include "reconstructor/models/surface_light_field/compact/state_coding.h"
 #include "reconstructor/models/surface_light_field/compact/vertex_coding.h"
 #include "reconstructor/models/surface_light_field/files/json_parts.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
@@ -153,8 +155,8 @@ std::string encode_compact(CompactModel& model, const CanonicalMesh& mesh, float
 
   std::string out = start_of_file(kFormat, {});
   append_chunk(out, "DESC", packed(description_of(model, step, layers).dump()));
-  append_chunk(out, "MESH", packed(mesh.bytes));
-  append_chunk(out, "RESO", encode_differences(resolutions));
+  append_chunk(out, "MESH", mesh.bytes);
+  append_chunk(out, "RESO", encode_resolutions(mesh.grid, resolutions));
   append_chunk(out, "RING", vertices);
   append_chunk(out, "STEP", encode_differences(patch_steps));
   LayerModels models;
@@ -174,10 +176,11 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
     reading = "DESC";
     const Description description = read_description(chunks.required(reading), model);
     reading = "MESH";
-    model.mesh = std::make_shared<Mesh>(decode_mesh(unpacked(chunks.required(reading))).mesh());
+    const GridMesh grid = decode_mesh(chunks.required(reading));
+    model.mesh = std::make_shared<Mesh>(grid.mesh());
     if (show) show(bare_mesh(model.mesh, model.cameras));
     reading = "RESO";
-    auto resolutions = decode_differences<std::uint8_t>(chunks.required(reading), model.mesh->triangles.size(), 2, 255);
+    std::vector<std::uint8_t> resolutions = decode_resolutions(grid, chunks.required(reading));
     std::size_t samples = 0;
     for (const std::uint8_t resolution : resolutions) samples += static_cast<std::size_t>(lattice_samples(resolution));
     if (samples > kMostSamples || samples > kSamplesPerByte * bytes.size())

@@ -4,9 +4,7 @@
 #include <random>
 #include <set>
 
-#include "reconstructor/models/surface_light_field/compact/canonical_mesh.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
-#include "reconstructor/models/surface_light_field/compact/mesh_coding.h"
 #include "reconstructor/models/surface_light_field/compact/view_haar.h"
 #include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "tests/support/test_meshes.h"
@@ -108,63 +106,6 @@ TEST(PatchShapes, PatchesOfFineTrianglesHaveMoreOfThem) {
   }
   EXPECT_GT(static_cast<double>(fine_triangles), 5.5 * static_cast<double>(fine));
   EXPECT_LT(static_cast<double>(coarse_triangles), 2.5 * static_cast<double>(coarse));
-}
-
-/// Each triangle of the stored mesh is the old one, turned by its first corner.
-void expect_same_surface(const Mesh& mesh) {
-  const CanonicalMesh canonical = canonical_mesh(mesh);
-  ASSERT_EQ(canonical.mesh->triangles.size(), mesh.triangles.size());
-  const double side = 2 * bounding_sphere(mesh).radius;
-  std::set<std::uint32_t> used(canonical.old_triangle.begin(), canonical.old_triangle.end());
-  EXPECT_EQ(used.size(), mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int c = 0; c < 3; ++c) {
-      const int old = (c + canonical.first_corner[t]) % 3;
-      EXPECT_EQ(canonical.old_vertex[canonical.mesh->triangles[t][static_cast<std::size_t>(c)]],
-                mesh.triangles[canonical.old_triangle[t]][static_cast<std::size_t>(old)]);
-      EXPECT_LT((canonical.mesh->corner(t, c) - mesh.corner(canonical.old_triangle[t], old)).norm(), 2e-5 * side);
-    }
-  const Mesh again = decode_mesh(canonical.bytes).mesh();
-  EXPECT_EQ(again.triangles, canonical.mesh->triangles);
-  EXPECT_EQ(again.vertices, canonical.mesh->vertices);
-}
-
-TEST(CanonicalMesh, IsTheSameSurfaceInAnotherOrder) {
-  expect_same_surface(sphere_mesh(0.3f, 3));
-  expect_same_surface(square_mesh(0.1f, 0, 8));
-}
-
-TEST(CanonicalMesh, TakesOddMeshes) {
-  Mesh odd = square_mesh(0.1f, 0, 3);
-  odd.triangles.push_back(odd.triangles[4]);                                                 // twice
-  odd.triangles.push_back({odd.triangles[5][1], odd.triangles[5][0], odd.triangles[5][2]});  // and from behind
-  odd.vertices.push_back({5, 5, 5});                                                         // in no triangle
-  const CanonicalMesh canonical = canonical_mesh(odd);
-  EXPECT_EQ(canonical.mesh->triangles.size(), odd.triangles.size());
-  EXPECT_EQ(canonical.mesh->vertices.size(), odd.vertices.size() - 1);
-  const std::set<std::uint32_t> used(canonical.old_triangle.begin(), canonical.old_triangle.end());
-  EXPECT_EQ(used.size(), odd.triangles.size());
-}
-
-TEST(CanonicalMesh, SmoothSurfacesCostFewBits) {
-  // A parallelogram foretells a vertex of a regular lattice in the plane exactly.
-  const CanonicalMesh plane = canonical_mesh(square_mesh(0.1f, 0, 64));
-  EXPECT_LT(8.0 * static_cast<double>(plane.bytes.size()) / static_cast<double>(plane.mesh->triangles.size()), 12.0);
-}
-
-TEST(CanonicalMesh, DamagedBytesAreRefused) {
-  const std::string bytes = canonical_mesh(sphere_mesh(0.3f, 2)).bytes;
-  std::mt19937 random(5);
-  for (int i = 0; i < 2000; ++i) {
-    std::string damaged = bytes.substr(0, i % 4 == 0 ? random() % bytes.size() : bytes.size());
-    for (int k = 0; k < 3 && !damaged.empty(); ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
-    try {
-      const Mesh mesh = decode_mesh(damaged).mesh();
-      for (const Triangle& triangle : mesh.triangles)
-        for (const std::uint32_t v : triangle) ASSERT_LT(v, mesh.vertices.size());
-    } catch (const std::runtime_error&) {
-    }
-  }
 }
 
 }  // namespace
