@@ -171,18 +171,18 @@ void RadianceImage::fill_coarser_levels(float largest_step_px) {
 Eigen::Vector3f RadianceImage::sample(const Eigen::Vector2f& pixel, float step_px, Sampling sampling) const {
   float rgb[4];
   constexpr std::uint8_t kWanted = 1;
-  sample({&pixel, 1}, {&kWanted, 1}, step_px, sampling, rgb);
+  sample({&pixel.x(), 1}, {&pixel.y(), 1}, {&kWanted, 1}, step_px, sampling, rgb);
   return {rgb[0], rgb[1], rgb[2]};
 }
 
-void RadianceImage::sample(std::span<const Eigen::Vector2f> pixels, std::span<const std::uint8_t> wanted, float step_px,
-                           Sampling sampling, float* rgb) const {
+void RadianceImage::sample(std::span<const float> pixel_x, std::span<const float> pixel_y,
+                           std::span<const std::uint8_t> wanted, float step_px, Sampling sampling, float* rgb) const {
   int level = 0;
   for (float step = kFullResolutionStep; step < step_px && level + 1 < levels_used_; step *= 2) ++level;
   const bool cubic = level == 0 && sampling == Sampling::kCubic;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
+  for (std::size_t i = 0; i < pixel_x.size(); ++i) {
     if (!wanted[i]) continue;
-    const float x = pixels[i].x() - origin_.x(), y = pixels[i].y() - origin_.y();
+    const float x = pixel_x[i] - origin_.x(), y = pixel_y[i] - origin_.y();
     Eigen::Map<Pixel>{rgb} =
         cubic && is_clear(levels_[0], x, y) ? sample_cubic(levels_[0], x, y) : sample_own_surface(levels_, level, x, y);
     rgb += 3;

@@ -34,10 +34,10 @@ class RadianceImage {
   /// interpolation on the coarser levels, which are box-filtered by two each. Beside an edge, where a kernel or a
   /// coarser level would read another surface: linear interpolation on the coarsest level that does not.
   Eigen::Vector3f sample(const Eigen::Vector2f& pixel, float step_px, Sampling sampling = Sampling::kCubic) const;
-  /// The same of those pixels that are `wanted`, one after the other. `rgb`: three values each, and one more float at
+  /// The same of those places that are `wanted`, one after the other. `rgb`: three values each, and one more float at
   /// the end, which is overwritten.
-  void sample(std::span<const Eigen::Vector2f> pixels, std::span<const std::uint8_t> wanted, float step_px,
-              Sampling sampling, float* rgb) const;
+  void sample(std::span<const float> pixel_x, std::span<const float> pixel_y, std::span<const std::uint8_t> wanted,
+              float step_px, Sampling sampling, float* rgb) const;
 
  private:
   void fill_coarser_levels(float largest_step_px);

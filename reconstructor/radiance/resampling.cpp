@@ -16,8 +16,8 @@ void resample(const SurfaceImage& from, std::size_t t, Eigen::Ref<Eigen::Matrix3
   const std::span<const std::uint8_t> shown = std::span(view.visible).subspan(first, samples);
   thread_local std::vector<float> values;
   values.resize(3 * static_cast<std::size_t>(visible) + 1);
-  from.image.sample(std::span(view.pixel).subspan(view.first[t], samples), shown, view.step_px[t], from.sampling,
-                    values.data());
+  const auto [x, y, z] = view.places->of(t);
+  from.image.sample(x, y, shown, view.step_px[t], from.sampling, values.data());
   if (from.gain != 1)
     for (float& v : values) v *= 1 / from.gain;
   srgb_encode_fast(std::span(values).first(values.size() - 1));

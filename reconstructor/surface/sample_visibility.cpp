@@ -11,31 +11,19 @@
 #include <span>
 #include <utility>
 
-#include "common/camera/batch_projection.h"
-
 namespace sheen {
 SampleVisibility::SampleVisibility(const Mesh& mesh, const MapLayout& maps, const VisibilityOptions& options,
                                    std::shared_ptr<const RayScene> scene)
     : mesh_(mesh),
       maps_(maps),
       options_(options),
-      scene_(scene ? std::move(scene) : std::make_shared<const RayScene>(mesh)) {
+      scene_(scene ? std::move(scene) : std::make_shared<const RayScene>(mesh)),
+      projection_(mesh, maps) {
+  view_.places = &projection_;
   view_.visible.resize(maps.total_samples());
   view_.visible_in_triangle.resize(mesh.triangles.size());
   view_.cosine.resize(mesh.triangles.size());
-  view_.first.resize(mesh.triangles.size());
   view_.step_px.resize(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const int n = maps.resolution(t);
-    Lattice& lattice = lattices_[n];
-    if (!lattice.u.empty()) continue;
-    longest_lattice_ = std::max<std::size_t>(longest_lattice_, lattice_samples(n));
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; i + j < n; ++j) {
-        lattice.u.push_back(static_cast<float>(i) / static_cast<float>(n - 1));
-        lattice.v.push_back(static_cast<float>(j) / static_cast<float>(n - 1));
-      }
-  }
 }
 
 const SurfaceView& SampleVisibility::look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
@@ -43,7 +31,8 @@ const SurfaceView& SampleVisibility::look(const Camera& camera, const Rigid3& ca
   cast_depth(camera, camera_from_object, mask);
   erode_depth(camera);
   find_facing();
-  test_samples(camera, camera_from_object);
+  projection_.use(camera, camera_from_object);
+  test_samples(camera);
   view_.visible_samples =
       std::accumulate(view_.visible_in_triangle.begin(), view_.visible_in_triangle.end(), std::size_t{0});
   return view_;
@@ -160,20 +149,12 @@ void SampleVisibility::find_facing() {
       view_.cosine[t] = normal.dot(to_eye) / std::max(normal.norm() * to_eye.norm(), 1e-30f);
     }
   });
-  std::size_t samples = 0;
-  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-    view_.first[t] = static_cast<std::uint32_t>(samples);
-    if (view_.cosine[t] >= options_.min_cosine)
-      samples += static_cast<std::size_t>(lattice_samples(maps_.resolution(t)));
-  }
-  view_.pixel.resize(samples);
 }
 
-void SampleVisibility::test_samples(const Camera& camera, const Rigid3& camera_from_object) {
+void SampleVisibility::test_samples(const Camera& camera) {
   const auto nearer = static_cast<float>(1 - options_.depth_tolerance / std::min(camera.fx, camera.fy));
   const auto largest_x = static_cast<float>(camera.width - 2), largest_y = static_cast<float>(camera.height - 2);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 64), [&](const auto& range) {
-    std::vector<float> buffer(5 * longest_lattice_);
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       const std::size_t first = maps_.first_sample(t);
       const int n = maps_.resolution(t);
@@ -183,35 +164,19 @@ void SampleVisibility::test_samples(const Camera& camera, const Rigid3& camera_f
       std::fill_n(view_.visible.begin() + first, samples, std::uint8_t{0});
       if (view_.cosine[t] < options_.min_cosine) continue;
 
-      const Eigen::Vector3d corner = camera_from_object * mesh_.corner(t, 0).template cast<double>();
-      const Eigen::Vector3d along_u = camera_from_object * mesh_.corner(t, 1).template cast<double>() - corner;
-      const Eigen::Vector3d along_v = camera_from_object * mesh_.corner(t, 2).template cast<double>() - corner;
-      const Lattice& lattice = lattices_[n];
-      const std::span<float> all(buffer);
-      const std::span<float> x = all.subspan(0, samples), y = all.subspan(samples, samples),
-                             z = all.subspan(2 * samples, samples), px = all.subspan(3 * samples, samples),
-                             py = all.subspan(4 * samples, samples);
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto c = static_cast<float>(corner[axis]), du = static_cast<float>(along_u[axis]),
-                   dv = static_cast<float>(along_v[axis]);
-        float* out = buffer.data() + axis * samples;
-        for (std::size_t s = 0; s < samples; ++s) out[s] = c + lattice.u[s] * du + lattice.v[s] * dv;
-      }
-      project(camera, x, y, z, px, py);
-
+      const auto [x, y, z] = projection_.of(t);
       int visible = 0;
       for (std::size_t s = 0; s < samples; ++s) {
-        view_.pixel[view_.first[t] + s] = {px[s], py[s]};
-        const bool inside = (px[s] >= 1) & (py[s] >= 1) & (px[s] <= largest_x) & (py[s] <= largest_y);
+        const bool inside = (x[s] >= 1) & (y[s] >= 1) & (x[s] <= largest_x) & (y[s] <= largest_y);
         if (!inside) continue;
         const bool shown =
-            nearer * z[s] <= view_.safe_depth.at(static_cast<int>(px[s] + 0.5f), static_cast<int>(py[s] + 0.5f));
+            nearer * z[s] <= view_.safe_depth.at(static_cast<int>(x[s] + 0.5f), static_cast<int>(y[s] + 0.5f));
         view_.visible[first + s] = shown;
         visible += shown;
       }
       view_.visible_in_triangle[t] = visible;
       if (visible > 0) {
-        const double f = std::sqrt(camera.fx * camera.fy), depth = corner.z() + (along_u.z() + along_v.z()) / 3;
+        const double f = std::sqrt(camera.fx * camera.fy), depth = (z[0] + z[n - 1] + z[samples - 1]) / 3;
         const double area_px = 0.5 * mesh_.area_normal(t).norm() * view_.cosine[t] * f * f / (depth * depth);
         view_.step_px[t] = static_cast<float>(std::sqrt(2 * area_px) / (n - 1));
       }

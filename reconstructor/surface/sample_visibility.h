@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "common/image/image.h"
 #include "reconstructor/surface/map_layout.h"
 #include "reconstructor/surface/pixel_rays.h"
+#include "reconstructor/surface/sample_projection.h"
 
 namespace sheen {
 
@@ -24,14 +24,12 @@ struct VisibilityOptions {
   double depth_tolerance = 6;  ///< how far behind the first hit a sample may lie, in pixel footprints
 };
 
-/// What one image shows of the sampled surface. Arrays per sample run as MapLayout::first_sample says, those of the
-/// samples on triangles that face the camera as `first` says.
+/// What one image shows of the sampled surface. Arrays per sample run as MapLayout::first_sample says.
 struct SurfaceView {
   Eigen::Vector3d eye;                   ///< object frame
+  const SampleProjection* places;        ///< of the samples
   PixelBox box;                          ///< pixels that can show the mesh
   std::vector<std::uint8_t> visible;     ///< per sample
-  std::vector<std::uint32_t> first;      ///< per triangle that faces the camera: its first sample among those of such
-  std::vector<Eigen::Vector2f> pixel;    ///< per sample that faces it: where it falls in the image, through the lens
   std::vector<int> visible_in_triangle;  ///< per triangle: how many of its samples are visible
   std::vector<float> cosine;             ///< per triangle: towards the camera; <= 0 when it faces away
   std::vector<float> step_px;            ///< per triangle: mean distance of neighbouring samples in the image
@@ -62,19 +60,13 @@ class SampleVisibility {
   /// Makes that safe.
   void erode_depth(const Camera& camera);
   void find_facing();
-  void test_samples(const Camera& camera, const Rigid3& camera_from_object);
-
-  /// Barycentric weights of corners 1 and 2, per lattice point.
-  struct Lattice {
-    std::vector<float> u, v;
-  };
+  void test_samples(const Camera& camera);
 
   const Mesh& mesh_;
   const MapLayout& maps_;
   VisibilityOptions options_;
   std::shared_ptr<const RayScene> scene_;
-  std::array<Lattice, 256> lattices_;  ///< of the resolutions that triangles have
-  std::size_t longest_lattice_ = 0;    ///< samples
+  SampleProjection projection_;
   PixelRays rays_;
   ImageU8 smooth_, narrow_;  ///< of `erode_depth`
   SurfaceView view_;

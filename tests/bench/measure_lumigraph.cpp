@@ -182,6 +182,14 @@ double depth_error(const ImageF& depth, const ImageF& truth) {
   return sum / static_cast<double>(count);
 }
 
+/// The views in one of their lights.
+std::vector<CapturedView> in_light(const std::vector<CapturedView>& views, std::size_t light) {
+  std::vector<CapturedView> alone;
+  for (const CapturedView& view : views)
+    alone.push_back({.from = view.from, .lights = {view.lights[light]}, .radiance = {view.radiance[light]}});
+  return alone;
+}
+
 /// 001 figure 3: depth of the central view in each light, merged over lights in three ways.
 void report_depth(GoalReport& report, const LightRig& rig, const std::vector<Capture>& captures) {
   std::vector<CapturedView> views;
@@ -195,8 +203,9 @@ void report_depth(GoalReport& report, const LightRig& rig, const std::vector<Cap
   const std::size_t centre = views.size() / 2;
   const ImageF truth = rig.picture(rig.cameras()[centre], rig.lights()[0]).depth;
   std::vector<ImageF> depths, confidences, textures;
-  std::vector<double> errors;
+  std::vector<double> errors, refined;  // of each light, on the planes and between them
   for (std::size_t l = 0; l < rig.lights().size(); ++l) {
+    refined.push_back(depth_error(swept_depth(in_light(views, l), centre), truth));
     DepthInLight swept = swept_depth_in_light(views, centre, static_cast<int>(l));
     errors.push_back(depth_error(swept.depth, truth));
     ImageF grey(truth.width(), truth.height(), 1);
@@ -206,10 +215,12 @@ void report_depth(GoalReport& report, const LightRig& rig, const std::vector<Cap
     confidences.push_back(std::move(swept.confidence));
   }
   const double best = *std::min_element(errors.begin(), errors.end());
-  report.add(at_most(0.5, {}, "no mesh: depth error over that of the best light",
-                     depth_error(swept_depth(views, centre), truth) / best, "",
+  const double all = depth_error(swept_depth(views, centre), truth);
+  report.add(at_most(0.5, {}, "no mesh: depth error over that of the best light", all / best, "",
                      {{"eq. 1, variance", depth_error(merge_depths(depths, confidences), truth) / best},
                       {"eq. 2-4, Hessian", depth_error(merge_depths(depths, textures), truth) / best},
+                      {"over that of the best light, found between planes too",
+                       all / *std::min_element(refined.begin(), refined.end())},
                       {"best light, mm", 1e3 * best}}));
 }
 

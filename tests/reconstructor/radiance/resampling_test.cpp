@@ -282,7 +282,8 @@ TEST(Resampling, BesideAnotherSurfaceASampleHasItsOwnColourExactly) {
           for (std::size_t s = maps.first_sample(t); s < maps.first_sample(t + 1); ++s) {
             if (!view.visible[s]) continue;
             const std::size_t in_triangle = s - maps.first_sample(t);
-            const Eigen::Vector2f pixel = view.pixel[view.first[t] + in_triangle];
+            const SampleProjection::Places places = view.places->of(t);
+            const Eigen::Vector2f pixel(places.x[in_triangle], places.y[in_triangle]);
             beside[upper] +=
                 view.from_edge.at(static_cast<int>(pixel.x() + 0.5f), static_cast<int>(pixel.y() + 0.5f)) == 1;
             ASSERT_LT((encoded.col(static_cast<Eigen::Index>(in_triangle)) - colour).cwiseAbs().maxCoeff(), 5e-5f)
@@ -303,16 +304,17 @@ TEST(Resampling, LinearSamplingIsTheMeanOfTheFourPixelsRound) {
 
 TEST(Resampling, SamplesAreDividedByTheGainAndEncodedAndHiddenOnesAreLeftAlone) {
   Mesh mesh;
-  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  mesh.vertices = {{2, 3, 1}, {6, 3, 1}, {10, 3, 1}, {11, 4, 1}};  // pixels
   mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
   const MapLayout maps({3, 2});
   SurfaceView view;
   view.visible = {1, 0, 1, 1, 0, 1, 1, 1, 1};
-  view.first = {0, 6};
+  SampleProjection places(mesh, maps);
+  places.use({.width = 16, .height = 8, .fx = 1, .fy = 1}, {});
+  view.places = &places;
   view.visible_in_triangle = {4, 0};  // the second triangle is not looked at, whatever its samples say
   view.cosine = {1, 1};
   view.step_px = {1, 1};
-  for (int s = 0; s < 9; ++s) view.pixel.emplace_back(2 + s, 3);
   const RadianceImage image(image_of(16, 8, [](int x, int, int c) { return 0.02f * x + 0.1f * c; }));
   Eigen::Matrix3Xf encoded = Eigen::Matrix3Xf::Constant(3, 9, -7);
   const SurfaceImage from{image, view, maps, 2, Sampling::kCubic};
@@ -321,7 +323,7 @@ TEST(Resampling, SamplesAreDividedByTheGainAndEncodedAndHiddenOnesAreLeftAlone) 
   for (int s = 0; s < 9; ++s)
     for (int c = 0; c < 3; ++c) {
       const bool read = s < 6 && view.visible[s];
-      EXPECT_NEAR(encoded(c, s), read ? srgb_encode((0.02f * (2 + s) + 0.1f * c) / 2) : -7, 3e-5);
+      EXPECT_NEAR(encoded(c, s), read ? srgb_encode((0.02f * places.of(0).x[s] + 0.1f * c) / 2) : -7, 3e-5);
     }
 }
 

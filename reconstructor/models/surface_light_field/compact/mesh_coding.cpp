@@ -20,6 +20,7 @@ using Point = GridMesh::Point;
 
 constexpr std::uint32_t kNew = UINT32_MAX;  ///< a vertex that is not yet known
 constexpr std::int32_t kFurthest = 1 << 22;
+constexpr float kLargest = 1e15f;  ///< metres: squares of lengths stay finite
 // A reader makes no more of a byte. A triangle takes two bits at least, each 1/177 of one at least.
 constexpr std::size_t kTrianglesPerByte = 800;
 
@@ -306,7 +307,7 @@ GridMesh decode_mesh(std::string_view bytes) {
   if (header.triangles == 0 || header.triangles > kTrianglesPerByte * bytes.size())
     throw std::runtime_error("the mesh is too short for its triangles");
   GridMesh mesh{.origin = Eigen::Map<const Eigen::Vector3f>(header.origin), .step = header.step};
-  if (!mesh.origin.array().isFinite().all() || !(mesh.step > 0 && mesh.step < 1e30f))
+  if (!(mesh.origin.array().abs() < kLargest).all() || !(mesh.step > 0 && kFurthest * mesh.step < kLargest))
     throw std::runtime_error("the mesh's grid is not valid");
   BitModel bits(kMeshContexts, kMeshMixers);
   ContextDecoder coder(bits, bytes);

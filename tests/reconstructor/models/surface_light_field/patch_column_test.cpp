@@ -12,10 +12,11 @@ namespace {
 class PatchColumnTest : public testing::Test {
  protected:
   static float level(int x, int, int c) { return 0.02f * static_cast<float>(x) + 0.1f * static_cast<float>(c); }
+  /// At the samples, which stand in the middle of pixels.
   static Eigen::Vector3f colour(int s) {
-    return Eigen::Vector3f(level(2 + s, 3, 0), level(2 + s, 3, 1), level(2 + s, 3, 2)).unaryExpr([](float v) {
-      return srgb_encode(v);
-    });
+    constexpr int kX[] = {2, 6, 6, 2, 2, 2, 4, 4, 6}, kY[] = {1, 5, 1, 1, 3, 5, 3, 5, 5};
+    return Eigen::Vector3f(level(kX[s], kY[s], 0), level(kX[s], kY[s], 1), level(kX[s], kY[s], 2))
+        .unaryExpr([](float v) { return srgb_encode(v); });
   }
   SurfaceImage shown() const { return {image_, view_, maps_, 1, Sampling::kCubic}; }
 
@@ -26,19 +27,20 @@ class PatchColumnTest : public testing::Test {
       for (int x = 0; x < 16; ++x)
         for (int c = 0; c < 3; ++c) image.at(x, y, c) = level(x, y, c);
     image_ = RadianceImage(image);
-    for (std::size_t s = 0; s < samples; ++s) view_.pixel.emplace_back(2 + s, 3);
+    places_.use({.width = 16, .height = 8, .fx = 1, .fy = 1}, {});
+    view_.places = &places_;
     view_.step_px = {1, 1};
     view_.eye = {0, 0, 2};
     view_.visible.assign(samples, 0);
-    view_.first = {0, 3};
     view_.visible_in_triangle = {0, 0};
     view_.cosine = {0.9f, 0.4f};
   }
 
-  Mesh mesh_{.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}, {0, 2, 3}}};
+  Mesh mesh_{.vertices = {{2, 1, 1}, {6, 1, 1}, {6, 5, 1}, {2, 5, 1}}, .triangles = {{0, 1, 2}, {0, 2, 3}}};
   MapLayout maps_{{2, 3}};  // 3 and 6 samples
   PatchShapes whole_ = cut_into_patches(mesh_, maps_, {.triangles = 2}),
               apart_ = cut_into_patches(mesh_, maps_, {.triangles = 1});
+  SampleProjection places_{mesh_, maps_};
   RadianceImage image_;
   SurfaceView view_;
   PatchColumn column_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <random>
 #include <set>
@@ -102,6 +103,16 @@ void damage(const std::string& bytes, const std::function<void(const std::string
     } catch (const std::runtime_error&) {
     }
   }
+}
+
+TEST(MeshCoding, AGridOfNoSizeOrBeyondAllMeasureIsRefused) {
+  const std::string bytes = canonical_mesh(sphere_mesh(0.3f, 2)).bytes;
+  for (const float value : {NAN, INFINITY, -1e30f, 1e25f})
+    for (const std::size_t at : {4, 8, 12, 16}) {  // origin, step
+      std::string damaged = bytes;
+      std::memcpy(damaged.data() + at, &value, sizeof value);
+      EXPECT_THROW(decode_mesh(damaged), std::runtime_error) << value << " at " << at;
+    }
 }
 
 TEST(MeshCoding, DamagedBytesAreRefused) {
