@@ -2,19 +2,23 @@
 #include "reconstructor/models/surface_light_field/compact/resolution_coding.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "reconstructor/coding/context_coder.h"
+#include "reconstructor/surface/map_resolution.h"
 
 namespace sheen {
 namespace {
 
 constexpr int kSmallest = 2, kLargest = std::numeric_limits<std::uint8_t>::max();
 constexpr int kContexts = 3;  ///< how the triangle before differed
+constexpr std::size_t kRuleBytes = sizeof(float) + 2;
 
 /// Of each triangle, in steps of the grid. Whole numbers under one square root: the same on every machine.
 std::vector<double> longest_edges(const GridMesh& mesh) {
@@ -29,38 +33,68 @@ std::vector<double> longest_edges(const GridMesh& mesh) {
   return edges;
 }
 
-int expected_resolution(double edge, double samples_per_step) {
-  const double samples = std::min(edge * samples_per_step, static_cast<double>(kLargest));
-  return std::clamp(static_cast<int>(std::lround(samples)) + 1, kSmallest, kLargest);
+/// How resolutions follow from edges (`map_resolution`).
+struct Rule {
+  float samples_per_step = 0;
+  std::uint8_t smallest = kSmallest;
+  std::uint8_t largest = kLargest;  ///< but for triangles that would have less than half of their samples
+
+  int resolution(double edge) const {
+    const double samples = std::min(edge * static_cast<double>(samples_per_step), 2.0 * kLargest);
+    const int side = static_cast<int>(std::lround(samples)) + 1;
+    return std::clamp(side, int{smallest}, std::min(std::max({int{smallest}, int{largest}, (side + 1) / 2}), kLargest));
+  }
+};
+
+/// With the samples per step with which most triangles have just the resolution that follows.
+Rule best_rule(const std::vector<double>& edges, const std::vector<std::uint8_t>& resolutions, int smallest,
+               int largest) {
+  std::vector<std::pair<double, int>> borders;  // of the samples per step for each triangle: from, and up to
+  for (std::size_t t = 0; t < edges.size(); ++t) {
+    const int n = resolutions[t];
+    if (edges[t] == 0) continue;
+    const int least_side = n > largest ? 2 * n - 1 : n, most_side = n < largest ? n : 2 * n;
+    borders.emplace_back(n == smallest ? 0 : (least_side - 1.5) / edges[t], 1);
+    borders.emplace_back((most_side - 0.5) / edges[t], -1);
+  }
+  std::sort(borders.begin(), borders.end());
+  Rule rule{0, static_cast<std::uint8_t>(smallest), static_cast<std::uint8_t>(largest)};
+  int count = 0, most = 0;
+  for (std::size_t i = 0; i + 1 < borders.size(); ++i) {
+    count += borders[i].second;
+    if (count <= most) continue;
+    most = count;
+    rule.samples_per_step = static_cast<float>((borders[i].first + borders[i + 1].first) / 2);
+  }
+  return rule;
 }
 
-/// The one of some quantiles of what triangles have that foretells most of them best.
-float find_samples_per_step(const std::vector<double>& edges, const std::vector<std::uint8_t>& resolutions) {
-  std::vector<float> rates;
-  for (std::size_t t = 0; t < edges.size(); ++t)
-    if (edges[t] > 0) rates.push_back(static_cast<float>((resolutions[t] - 1) / edges[t]));
-  std::sort(rates.begin(), rates.end());
-  constexpr std::size_t kQuantiles = 16;
-  float best = 0;
+/// Where there is a largest number, many triangles have it, whatever their edges are.
+Rule find_rule(const std::vector<double>& edges, const std::vector<std::uint8_t>& resolutions) {
+  const int smallest = *std::min_element(resolutions.begin(), resolutions.end());
+  std::array<std::size_t, kLargest + 1> triangles{};
+  for (const std::uint8_t resolution : resolutions)
+    if (resolution > smallest) ++triangles[resolution];
+  const auto most = static_cast<int>(std::max_element(triangles.begin(), triangles.end()) - triangles.begin());
+  Rule best;
   auto least = std::numeric_limits<std::int64_t>::max();
-  for (std::size_t q = 1; q < kQuantiles && !rates.empty(); ++q) {
-    const float rate = rates[q * rates.size() / kQuantiles];
+  for (const int largest : {kLargest, MapResolutionOptions{}.largest, most}) {
+    const Rule rule = best_rule(edges, resolutions, smallest, largest);
     std::int64_t off = 0;
-    for (std::size_t t = 0; t < edges.size(); ++t)
-      off += std::abs(resolutions[t] - expected_resolution(edges[t], rate));
+    for (std::size_t t = 0; t < edges.size(); ++t) off += std::abs(resolutions[t] - rule.resolution(edges[t]));
     if (off >= least) continue;
     least = off;
-    best = rate;
+    best = rule;
   }
   return best;
 }
 
 template <typename Coder>
-void code_resolutions(Coder& coder, const std::vector<double>& edges, float rate,
+void code_resolutions(Coder& coder, const std::vector<double>& edges, const Rule& rule,
                       std::vector<std::uint8_t>& resolutions) {
   std::int32_t last = 0;
   for (std::size_t t = 0; t < edges.size(); ++t) {
-    const int expected = expected_resolution(edges[t], rate);
+    const int expected = rule.resolution(edges[t]);
     last = code_signed(coder, std::min(std::abs(last), kContexts - 1) * kSignedContexts, resolutions[t] - expected);
     if (expected + last < kSmallest || expected + last > kLargest)
       throw std::runtime_error("holds a resolution out of its range");
@@ -72,24 +106,31 @@ void code_resolutions(Coder& coder, const std::vector<double>& edges, float rate
 
 std::string encode_resolutions(const GridMesh& mesh, const std::vector<std::uint8_t>& resolutions) {
   const std::vector<double> edges = longest_edges(mesh);
-  const float rate = find_samples_per_step(edges, resolutions);
+  const Rule rule = find_rule(edges, resolutions);
   std::vector<std::uint8_t> coded = resolutions;
   BitModel bits(kContexts * kSignedContexts);
   ContextEncoder coder(bits);
-  code_resolutions(coder, edges, rate, coded);
-  return std::string(reinterpret_cast<const char*>(&rate), sizeof rate) + coder.finish();
+  code_resolutions(coder, edges, rule, coded);
+  std::string bytes(kRuleBytes, '\0');
+  std::memcpy(bytes.data(), &rule.samples_per_step, sizeof rule.samples_per_step);
+  bytes[kRuleBytes - 2] = static_cast<char>(rule.smallest);
+  bytes[kRuleBytes - 1] = static_cast<char>(rule.largest);
+  return bytes + coder.finish();
 }
 
 std::vector<std::uint8_t> decode_resolutions(const GridMesh& mesh, std::string_view bytes) {
-  float rate = 0;
-  if (bytes.size() < sizeof rate) throw std::runtime_error("is cut short");
-  std::memcpy(&rate, bytes.data(), sizeof rate);
-  if (!(rate >= 0 && rate < 1e6f)) throw std::runtime_error("holds samples per length that cannot be");
-  bytes.remove_prefix(sizeof rate);
+  Rule rule;
+  if (bytes.size() < kRuleBytes) throw std::runtime_error("is cut short");
+  std::memcpy(&rule.samples_per_step, bytes.data(), sizeof rule.samples_per_step);
+  rule.smallest = static_cast<std::uint8_t>(bytes[kRuleBytes - 2]);
+  rule.largest = static_cast<std::uint8_t>(bytes[kRuleBytes - 1]);
+  if (!(rule.samples_per_step >= 0 && rule.samples_per_step < 1e6f) || rule.smallest < kSmallest)
+    throw std::runtime_error("holds samples per length that cannot be");
+  bytes.remove_prefix(kRuleBytes);
   BitModel bits(kContexts * kSignedContexts);
   ContextDecoder coder(bits, bytes);
   std::vector<std::uint8_t> resolutions(mesh.triangles.size());
-  code_resolutions(coder, longest_edges(mesh), rate, resolutions);
+  code_resolutions(coder, longest_edges(mesh), rule, resolutions);
   return resolutions;
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -124,14 +125,14 @@ TEST(MeshCoding, DamagedBytesAreRefused) {
 }
 
 /// The lattices that a camera in front of a sphere asks for.
-std::vector<std::uint8_t> resolutions_for_a_camera(const Mesh& mesh) {
+std::vector<std::uint8_t> resolutions_for_a_camera(const Mesh& mesh, const MapResolutionOptions& options = {}) {
   Camera camera;
   camera.width = camera.height = 600;
   camera.fx = camera.fy = 600;
   camera.cx = camera.cy = 300;
   Rigid3 camera_from_object;
   camera_from_object.translation = {0, 0, 1};
-  return map_resolution(mesh, camera, camera_from_object, {});
+  return map_resolution(mesh, camera, camera_from_object, options);
 }
 
 TEST(ResolutionCoding, ThoseThatFollowTheEdgesCostNothing) {
@@ -141,6 +142,20 @@ TEST(ResolutionCoding, ThoseThatFollowTheEdgesCostNothing) {
   const std::string bytes = encode_resolutions(mesh.grid, resolutions);
   EXPECT_EQ(decode_resolutions(mesh.grid, bytes), resolutions);
   EXPECT_LT(bytes.size(), 40u) << "for " << resolutions.size() << " triangles";
+}
+
+TEST(ResolutionCoding, ALargestNumberIsFoundWithThem) {
+  Mesh rough = sphere_mesh(0.3f, 4);
+  std::mt19937 random(8);
+  for (Eigen::Vector3f& vertex : rough.vertices) vertex *= std::uniform_real_distribution<float>(0.8f, 1.2f)(random);
+  const CanonicalMesh mesh = canonical_mesh(rough);
+  std::vector<std::uint8_t> resolutions = resolutions_for_a_camera(*mesh.mesh);
+  std::nth_element(resolutions.begin(), resolutions.begin() + 1500, resolutions.end());
+  resolutions = resolutions_for_a_camera(*mesh.mesh, {.largest = resolutions[1500]});
+  ASSERT_GT(std::set<std::uint8_t>(resolutions.begin(), resolutions.end()).size(), 8u);
+  const std::string bytes = encode_resolutions(mesh.grid, resolutions);
+  EXPECT_EQ(decode_resolutions(mesh.grid, bytes), resolutions);
+  EXPECT_LT(bytes.size(), 80u) << "for " << resolutions.size() << " triangles";
 }
 
 TEST(ResolutionCoding, AnyComeBackAndDamageIsRefused) {
