@@ -13,7 +13,7 @@ namespace sheen {
 enum class Codec : std::uint8_t {
   kUnspecified = 0,
   kRaw = 1,
-  kDeltaZstd = 2,  ///< difference to the left neighbour of the same colour site, then zstd level 1: lossless
+  kDeltaZstd = 2,  ///< difference to the left neighbour of the same colour site, then zstd: lossless
 };
 
 /// The pixels (every byte of every row, padding included), then the mask row by row, as `codec` packs them. Lossless.

@@ -15,6 +15,7 @@ constexpr int kQuadStep = 8;     ///< every 4th quad each way is enough for a me
 constexpr int kMinQuads = 100;   ///< fewer bright quads than this say nothing about colour
 constexpr double kBright = 0.5;  ///< of the 95th percentile of green
 constexpr double kMaxGain = 8;
+constexpr std::uint32_t kGainOne = 1 << 12;
 
 using Quad = std::array<std::uint8_t, 4>;  ///< sites (0,0) (1,0) (0,1) (1,1)
 
@@ -58,20 +59,16 @@ ImageU8 detection_image(const RawImage& image) {
   ImageU8 grey = to_grey8(image);
   if (!is_bayer(image.format)) return grey;
   const std::array<double, 4> gains = site_gains(grey, image.format);
-  std::array<std::array<std::uint8_t, 256>, 4> table;
-  for (int site = 0; site < 4; ++site)
-    for (int value = 0; value < 256; ++value)
-      table[site][value] = static_cast<std::uint8_t>(std::min(255.0, value * gains[site] + 0.5));
-  for (int y = 0; y < grey.height(); ++y) {
-    std::uint8_t* row = grey.row(y);
-    const auto& even = table[2 * (y & 1)];
-    const auto& odd = table[2 * (y & 1) + 1];
-    int x = 0;
-    for (; x + 1 < grey.width(); x += 2) {
-      row[x] = even[row[x]];
-      row[x + 1] = odd[row[x + 1]];
+  // A multiplication per pixel, not a table: registers hold many of them.
+  std::vector<std::uint32_t> row_gains(static_cast<std::size_t>(grey.width()));
+  for (int parity = 0; parity < 2; ++parity) {
+    for (std::size_t x = 0; x < row_gains.size(); ++x)
+      row_gains[x] = static_cast<std::uint32_t>(gains[2 * parity + x % 2] * kGainOne + 0.5);
+    for (int y = parity; y < grey.height(); y += 2) {
+      std::uint8_t* row = grey.row(y);
+      for (std::size_t x = 0; x < row_gains.size(); ++x)
+        row[x] = static_cast<std::uint8_t>(std::min(255u, (row[x] * row_gains[x] + kGainOne / 2) / kGainOne));
     }
-    if (x < grey.width()) row[x] = even[row[x]];
   }
   return grey;
 }
