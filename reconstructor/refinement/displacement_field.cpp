@@ -75,6 +75,31 @@ DisplacementField most_probable_field(const MeshEdges& edges, std::span<const Ob
   return field;
 }
 
+void continue_smoothly(const MeshEdges& edges, const Observations& observed, Eigen::VectorXd& values) {
+  constexpr double kRidge = 1e-9;  // of what has no edge to a vertex with a value
+  Eigen::Index free = 0;
+  std::vector<Eigen::Index> row(static_cast<std::size_t>(values.size()), -1);
+  for (Eigen::Index v = 0; v < values.size(); ++v)
+    if (!(observed.information[v] > 0)) row[static_cast<std::size_t>(v)] = free++;
+  if (free == 0) return;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index i = 0; i < free; ++i) entries.emplace_back(i, i, kRidge);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(free);
+  for (const auto& [a, b] : edges.edges) {
+    const Eigen::Index i = row[a], j = row[b];
+    if (i >= 0) entries.emplace_back(i, i, 1);
+    if (j >= 0) entries.emplace_back(j, j, 1);
+    if (i >= 0 && j >= 0) entries.emplace_back(std::max(i, j), std::min(i, j), -1);
+    if (i >= 0 && j < 0) right[i] += values[b];
+    if (j >= 0 && i < 0) right[j] += values[a];
+  }
+  SparseMatrix lower(free, free);
+  lower.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::VectorXd continued = Eigen::SimplicialLDLT<SparseMatrix>(lower).solve(right);
+  for (Eigen::Index v = 0; v < values.size(); ++v)
+    if (row[static_cast<std::size_t>(v)] >= 0) values[v] = continued[row[static_cast<std::size_t>(v)]];
+}
+
 DisplacementPrior cross_validated(const MeshEdges& edges, const Observations& first, const Observations& second,
                                   std::span<const DisplacementPrior> priors) {
   DisplacementPrior best;

@@ -40,6 +40,10 @@ struct DisplacementField {
 DisplacementField most_probable_field(const MeshEdges& edges, std::span<const Observations> sources,
                                       const DisplacementPrior& prior, bool with_variance);
 
+/// Gives the vertices of which nothing is observed the values that vary least over the edges (a harmonic function)
+/// between those of the others; 0 where no edges lead to one of them.
+void continue_smoothly(const MeshEdges& edges, const Observations& observed, Eigen::VectorXd& values);
+
 /// The prior with which each half predicts the other best. Both halves observe the same displacement.
 DisplacementPrior cross_validated(const MeshEdges& edges, const Observations& first, const Observations& second,
                                   std::span<const DisplacementPrior> priors);

@@ -43,7 +43,11 @@ constexpr std::array kSlopes{0.3, 0.1, 0.03};
 constexpr double kMaskSigma_px = 1, kSilhouetteSigma_px = 1.5;  // outline of a mask, of the mesh as it was given
 /// Standard deviation of what all images get wrong alike (highlights, what filters do to edges), patch spacings: the
 /// halves cannot show it.
-constexpr double kCommonError = 0.25;
+constexpr double kCommonError = 0.2;
+/// How far round a vertex displacements speak for its own, and the standard deviations, root of the mean square, up to
+/// which they are chance: so many together seldom are.
+constexpr int kSignificanceSmoothing = 40;
+constexpr double kInsignificantRound = 1.5;
 constexpr double kMedianOfChiSquared = 0.4549;  // of one degree of freedom
 /// How far round a vertex the difference of the halves is averaged, with how much of what it is everywhere, and how
 /// much a single vertex counts at most.
@@ -169,14 +173,22 @@ Estimate estimate(const MeshEdges& edges, const NormalSweep& sweep, const Rims& 
 }
 
 /// Where vertices go, from where the mesh was given: a vertex stays there while the displacements round it are within
-/// `insignificant` standard deviations, and goes all the way from one more on.
+/// `insignificant` standard deviations, and goes all the way from one more on. A surface that is wrong is wrong over
+/// some width: what is known well of a part speaks for what is known less well beside it.
 Eigen::VectorXd significant(const MeshEdges& edges, const DisplacementField& field, double insignificant) {
+  // Of the displacements, in standard deviations.
+  std::vector<Eigen::Vector3f> squares(static_cast<std::size_t>(field.value.size()));
+  for (Eigen::Index v = 0; v < field.value.size(); ++v)
+    squares[v] = {static_cast<float>(field.value[v] * field.value[v] / field.variance[v]), 0, 0};
+  const std::vector<Eigen::Vector3f> round = smoothed(squares, edges, kSignificanceSmoothing);
   Eigen::VectorXd kept = field.value;
   for (Eigen::Index v = 0; v < kept.size(); ++v) {
-    double squares = field.value[v] * field.value[v];
-    for (const std::uint32_t n : edges.around(v)) squares += field.value[n] * field.value[n];
-    squares /= static_cast<double>(edges.around(v).size() + 1);
-    kept[v] *= std::clamp(std::sqrt(squares / field.variance[v]) - insignificant, 0.0, 1.0);
+    double beside = field.value[v] * field.value[v];
+    for (const std::uint32_t n : edges.around(v)) beside += field.value[n] * field.value[n];
+    beside /= static_cast<double>(edges.around(v).size() + 1) * field.variance[v];
+    const double beyond = std::max(std::sqrt(beside) - insignificant,
+                                   std::sqrt(round[v][0]) - std::min(insignificant, kInsignificantRound));
+    kept[v] *= std::clamp(beyond, 0.0, 1.0);
   }
   return kept;
 }
@@ -253,7 +265,9 @@ RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, const 
     }
     const Eigen::VectorXd moved = Eigen::Map<const Eigen::VectorXf>(refined.moved.data(), vertices).cast<double>();
     const Estimate found = estimate(edges, sweep, rims, shape, moved);
-    const Eigen::VectorXd moves = significant(edges, found.field, kPasses[p].insignificant) - moved;
+    Eigen::VectorXd kept = significant(edges, found.field, kPasses[p].insignificant);
+    if (last) continue_smoothly(edges, found.observed, kept);  // before, it would hide what is seen
+    const Eigen::VectorXd moves = kept - moved;
     refined.passes.push_back(apply(found, sweep, patches, moves, spacing_px, refined));
     const bool same_next = !last && kPasses[p + 1].spacing_px == spacing_px;
     expected = same_next ? expected_after(sweep, shape, moves) : std::vector<ExpectedPatch>{};

@@ -73,5 +73,26 @@ TEST(Observations, AreMergedByTheirInformation) {
   EXPECT_DOUBLE_EQ(observed.information[0], 4);
 }
 
+TEST(DisplacementField, WhatNothingObservesContinuesTheRest) {
+  // On a square grid whose border is observed, a linear function is the harmonic one between its values there.
+  constexpr int kSide = 8;
+  Mesh mesh = square_mesh(0.1f, 0, kSide);
+  const Eigen::Index on_grid = static_cast<Eigen::Index>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {{1, 0, 0}, {1, 1, 0}, {2, 0, 0}});  // an island that nothing observes
+  const auto first = static_cast<std::uint32_t>(on_grid);
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  Observations observed(static_cast<Eigen::Index>(mesh.vertices.size()));
+  Eigen::VectorXd values = Eigen::VectorXd::Constant(observed.value.size(), 7);  // what is not observed counts nothing
+  const auto linear = [&](Eigen::Index v) { return 0.3 + 2 * mesh.vertices[v].x() - mesh.vertices[v].y(); };
+  for (Eigen::Index v = 0; v < on_grid; ++v)
+    if (mesh.vertices[v].head<2>().cwiseAbs().maxCoeff() > 0.09f) {
+      observed.add(v, 0, 1);
+      values[v] = linear(v);
+    }
+  continue_smoothly(MeshEdges(mesh), observed, values);
+  for (Eigen::Index v = 0; v < on_grid; ++v) EXPECT_NEAR(values[v], linear(v), 1e-6);
+  for (Eigen::Index v = on_grid; v < values.size(); ++v) EXPECT_EQ(values[v], 0);
+}
+
 }  // namespace
 }  // namespace sheen
