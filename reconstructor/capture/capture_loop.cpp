@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
@@ -20,6 +21,10 @@ constexpr milliseconds kPoll{50};
 constexpr int kLateSnapshotFactor = 5;
 constexpr int kSnapshotsRest = 2;   // times as long as the last snapshot took, before the next
 constexpr int kJudgementsRest = 4;  // times as long as the last live judgement took, before the next
+
+double seconds_since(std::int64_t steady_ns) {
+  return 1e-9 * static_cast<double>(steady_now_ns() - steady_ns);
+}
 
 }  // namespace
 
@@ -75,8 +80,8 @@ void CaptureLoop::receive(std::stop_token stop) {
 bool CaptureLoop::store(TrackerLinks::Arrival& arrival, std::uint64_t& journaled, const std::stop_token& stop) {
   if (arrival.received.live) return true;
   try {
-    const std::uint64_t index = store_capture(session_, *links_, arrival, stop);
-    journaled = std::max(journaled, index + 1);
+    arrival.stored_as = store_capture(session_, *links_, arrival, stop);
+    journaled = std::max(journaled, *arrival.stored_as + 1);
   } catch (const SessionBusy&) {
     return false;  // asked to stop while it waited
   } catch (const std::exception& error) {
@@ -94,8 +99,9 @@ void CaptureLoop::report_links(const std::optional<TrackerLinks::Arrival>& arriv
   status_.journaled = journaled;
   if (arrival && !arrival->received.live) {
     if (const std::optional<ClockOffset>& clock = status_.links[arrival->tracker].stats.clock) {
-      const std::int64_t trackers_now_ns = steady_now_ns() + clock->offset_ns;
-      status_.latency.add(1e-9 * static_cast<double>(trackers_now_ns - arrival->received.capture.times.grabbed_ns));
+      const std::int64_t grabbed_ns = arrival->received.capture.times.grabbed_ns - clock->offset_ns;
+      status_.latency.to_disk.add(seconds_since(grabbed_ns));
+      if (arrival->stored_as >= status_.ingested) grabbed_ns_[*arrival->stored_as] = grabbed_ns;  // or sent twice
     }
   }
   journaled_changed_.notify_all();
@@ -165,6 +171,11 @@ void CaptureLoop::show_when_due(bool late, bool ended, Pending& pending) {
 void CaptureLoop::show(Pending& pending) {
   const auto begun = Clock::now();
   if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
+  {
+    const std::lock_guard lock(mutex_);
+    for (const std::int64_t grabbed_ns : std::exchange(unshown_grabbed_ns_, {}))
+      if (observer_.on_snapshot) status_.latency.to_picture.add(seconds_since(grabbed_ns));
+  }
   pending.last_shown = Clock::now();
   pending.snapshot_took = pending.last_shown - begun;
   pending.unshown = false;
@@ -265,7 +276,14 @@ void CaptureLoop::ingest_next(const Session& journal, std::uint64_t index) {
   status_.rebuild_until = status_.ingested < rebuild_until_ ? rebuild_until_ : 0;
   status_.exact = !inexact_ && status_.rebuild_until == 0;
   status_.counts = reconstruction_.account().counts();
-  if (report.status == IngestStatus::kAccepted) status_.last = report;
+  const auto grabbed = grabbed_ns_.extract(index);
+  if (report.status == IngestStatus::kAccepted) {
+    status_.last = report;
+    if (grabbed) {
+      status_.latency.to_model.add(seconds_since(grabbed.mapped()));
+      unshown_grabbed_ns_.push_back(grabbed.mapped());
+    }
+  }
   status_.images_per_s = reconstruction_.account().images_per_s();
   status_.effort = reconstruction_.effort();
 }

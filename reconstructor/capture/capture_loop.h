@@ -27,6 +27,14 @@ namespace sheen {
 inline constexpr const char* kEffortKey = "effort";
 
 /// What the loop tells its observers; plain values, copied.
+/// From the grab of a frame, by the measured offset of the two machines' clocks; captures that came while there was
+/// none are not in it.
+struct Latencies {
+  RunningStatistics to_disk;     ///< durable here
+  RunningStatistics to_model;    ///< in the model; of images that it took
+  RunningStatistics to_picture;  ///< of these: in a snapshot that whoever watches has
+};
+
 struct LoopStatus {
   FrameCounts counts;
   std::uint64_t journaled = 0;      ///< captures that are durable
@@ -45,9 +53,7 @@ struct LoopStatus {
   std::uint64_t model_bytes = 0;
   std::map<std::string, double> stage_s;  ///< median per stage
   RunningStatistics update;               ///< of the model by an image
-  /// From the grab to durable here, by the measured offset of the two machines' clocks; captures that came while there
-  /// was none are not in it.
-  RunningStatistics latency;
+  Latencies latency;
   /// Live figures on views the model never saw.
   std::vector<HeldOutPoint> held_out_curve;
   std::string error;  ///< what stopped the loop, if anything did (a full disk, say)
@@ -133,6 +139,10 @@ class CaptureLoop {
   bool inexact_ = false;               ///< an image was taken out of the finished model
   std::uint64_t rebuild_until_ = 0;    ///< captures that the model knew when it was last begun again
   HeldOutCurve held_out_curve_;
+  /// When captures were grabbed, by this machine's clock: those that wait for the model, by index, and those in it that
+  /// no snapshot shows yet.
+  std::map<std::uint64_t, std::int64_t> grabbed_ns_;
+  std::vector<std::int64_t> unshown_grabbed_ns_;
   std::string effort_record_;  ///< as the session has it
   std::atomic<bool> finished_{false};
   // Not the threads' own: either may ask both to stop while `start` still assigns them.

@@ -120,6 +120,13 @@ json reconstruction_report(const Reconstruction& reconstruction, const Reconstru
   return report;
 }
 
+/// Null where nothing came, or the machines' clocks could not be compared.
+json latency_report(const RunningStatistics& latency) {
+  if (latency.count() == 0) return nullptr;
+  const auto ms = [&](double q) { return 1e3 * latency.quantile_s(q); };
+  return {{"p50", ms(0.50)}, {"p95", ms(0.95)}, {"p99", ms(0.99)}};
+}
+
 json live_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged,
                  const LoopStatus& status) {
   json report = reconstruction_report(reconstruction, judged);
@@ -132,9 +139,9 @@ json live_report(const Reconstruction& reconstruction, const Reconstruction::Jud
                            {"duplicates", link.duplicates}});
   report["trackers"] = json::array();
   for (const LinkState& tracker : status.links) report["trackers"].push_back(tracker_report(tracker));
-  const auto ms = [&](double q) { return 1e3 * status.latency.quantile_s(q); };
-  report["latency_ms"] = nullptr;  // nothing came, or the machines' clocks could not be compared
-  if (status.latency.count() > 0) report["latency_ms"] = {{"p50", ms(0.50)}, {"p95", ms(0.95)}, {"p99", ms(0.99)}};
+  report["latency_ms"] = latency_report(status.latency.to_disk);
+  report["latency_to_model_ms"] = latency_report(status.latency.to_model);
+  report["latency_to_picture_ms"] = latency_report(status.latency.to_picture);
   return report;
 }
 

@@ -266,7 +266,9 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.queues["ingest"] = {status.waiting(), 0};
   state.stage_s = status.stage_s;
   state.update = summarize(status.update);
-  state.latency = summarize(status.latency);
+  state.latency = summarize(status.latency.to_disk);
+  state.model_latency = summarize(status.latency.to_model);
+  state.picture_latency = summarize(status.latency.to_picture);
   state.rank_histogram = status.rank_histogram;
   state.model_bytes = status.model_bytes;
   state.held_out_curve = status.held_out_curve;

@@ -11,10 +11,6 @@
 namespace sheen {
 namespace {
 
-double bytes_of(const HeldOutView& view) {
-  return static_cast<double>(view.packed.size());
-}
-
 /// Tells the control what the image with this number took, and the log when the images after it get another fraction.
 void adapt_update_fraction(EffortControl& control, std::uint64_t number, const IngestReport& report) {
   double update_ms = 0;
@@ -169,8 +165,9 @@ void Reconstruction::note_accepted(const Capture& capture, const IngestReport& r
 }
 
 void Reconstruction::hold_out(const Capture& capture, const IngestReport& report) {
-  held_out_.push_back(make_held_out_view(capture, report.exposure_gain, painter_));
-  held_out_bytes_ += bytes_of(held_out_.back());
+  if (!held_out_.takes_next()) return;
+  held_out_.add(make_held_out_view(capture, report.exposure_gain, painter_));
+  held_out_bytes_ = held_out_.bytes();
 }
 
 Reconstruction::Withdrawn Reconstruction::withdraw(const Capture& capture) {
@@ -179,11 +176,8 @@ Reconstruction::Withdrawn Reconstruction::withdraw(const Capture& capture) {
   Withdrawn how = Withdrawn::kExactly;
   if (known->status == IngestStatus::kHeldOut) {
     if (effort_.limits().bytes) how = Withdrawn::kNearly;  // it has taken memory, which is limited
-    std::erase_if(held_out_, [&](const HeldOutView& view) {
-      return view.source_session == capture.source_session && view.sequence == capture.sequence;
-    });
-    held_out_bytes_ = 0;
-    for (const HeldOutView& view : held_out_) held_out_bytes_ += bytes_of(view);
+    held_out_.erase(capture.source_session, capture.sequence);
+    held_out_bytes_ = held_out_.bytes();
   }
   if (known->status == IngestStatus::kAccepted) {
     if (!known->repeated) {
@@ -221,8 +215,8 @@ Reconstruction::Judgement Reconstruction::judge(const StepsDone& progress) {
     if (!progress) return {};
     return [&progress, before](std::size_t done, std::size_t views) { progress(before + done, 2 * views); };
   };
-  return {score(held_out_, *snapshot()->filled(), painter_, half(0)),
-          score(held_out_, *model_->constant_colour(), painter_, half(held_out_.size()))};
+  return {score(held_out_.views(), *snapshot()->filled(), painter_, half(0)),
+          score(held_out_.views(), *model_->constant_colour(), painter_, half(held_out_.views().size()))};
 }
 
 }  // namespace sheen

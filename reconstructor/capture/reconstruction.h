@@ -14,6 +14,7 @@
 #include "reconstructor/effort/effort_plan.h"
 #include "reconstructor/effort/effort_probe.h"
 #include "reconstructor/evaluation/held_out.h"
+#include "reconstructor/evaluation/held_out_set.h"
 #include "reconstructor/models/appearance_model.h"
 #include "reconstructor/models/model_settings.h"
 #include "reconstructor/render/ray_painter.h"
@@ -60,7 +61,8 @@ class Reconstruction {
   std::shared_ptr<const ModelSnapshot> give_snapshot() { return model_->give_snapshot(); }
   const AppearanceModel& model() const { return *model_; }
   const RayPainter& painter() const { return painter_; }
-  const std::vector<HeldOutView>& held_out() const { return held_out_; }
+  /// Of a long capture not all that were held out.
+  const std::vector<HeldOutView>& held_out() const { return held_out_.views(); }
   const CaptureAccount& account() const { return account_; }
 
   /// How hard the model works: its effort level, and how much of what an image shows it updates.
@@ -98,7 +100,7 @@ class Reconstruction {
   std::unique_ptr<ModelSettings> asked_;
   std::unique_ptr<AppearanceModel> model_;
   RayPainter painter_;
-  std::vector<HeldOutView> held_out_;
+  HeldOutSet held_out_;
   CaptureAccount account_;
 
   EffortPlan effort_;

@@ -33,7 +33,8 @@ class TrackerLinks {
 
   struct Arrival {
     Received received;
-    std::size_t tracker = 0;  ///< that sent it, counted as in the constructor
+    std::size_t tracker = 0;                 ///< that sent it, counted as in the constructor
+    std::optional<std::uint64_t> stored_as;  ///< its index in the session, once it is there
   };
   /// The next capture of any tracker, in turns where several send; nothing after `timeout`.
   std::optional<Arrival> next(std::chrono::milliseconds timeout);

@@ -89,6 +89,9 @@ void speed(const MonitorState& state, Exposition& out) {
   out.single("ingest_images_per_second", "gauge", "Images that the model ingests per second.", state.images_per_s);
   out.summary("update_duration_seconds", "Time to add one image to the model.", state.update);
   out.summary("capture_latency_seconds", "Time from a frame's grabbing until it is durable.", state.latency);
+  out.summary("model_latency_seconds", "Time from a frame's grabbing until it is in the model.", state.model_latency);
+  out.summary("picture_latency_seconds", "Time from a frame's grabbing until a picture of the model contains it.",
+              state.picture_latency);
   out.family("stage_duration_median_seconds", "gauge", "Median time per stage of an update.");
   for (const auto& [stage, seconds] : state.stage_s) out.sample(seconds, {{"stage", stage}});
   out.family("queue_depth", "gauge", "Captures that wait.");

@@ -84,9 +84,10 @@ struct MonitorState {
     std::uint64_t capacity = 0;  ///< 0: on disk, without a limit
   };
   std::map<std::string, Queue> queues;
-  std::map<std::string, double> stage_s;    ///< median per stage of an update
-  DurationSummary update, latency;          ///< of the model by an image; from exposure to durable
-  std::vector<std::size_t> rank_histogram;  ///< patches of rank 0, 1, ...
+  std::map<std::string, double> stage_s;                    ///< median per stage of an update
+  DurationSummary update;                                   ///< of the model by an image
+  DurationSummary latency, model_latency, picture_latency;  ///< from the grab until durable, in the model, and shown
+  std::vector<std::size_t> rank_histogram;                  ///< patches of rank 0, 1, ...
   std::uint64_t model_bytes = 0;
 
   std::vector<HeldOutPoint> held_out_curve;

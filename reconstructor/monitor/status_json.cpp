@@ -73,6 +73,8 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
   json["ingest_images_per_s"] = json_number(state.images_per_s);
   json["update_s"] = to_json(state.update);
   json["latency_s"] = to_json(state.latency);
+  json["model_latency_s"] = to_json(state.model_latency);
+  json["picture_latency_s"] = to_json(state.picture_latency);
   json["stage_s"] = Json::object();
   for (const auto& [stage, seconds] : state.stage_s) json["stage_s"][stage] = json_number(seconds);
   json["queues"] = Json::object();

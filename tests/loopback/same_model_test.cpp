@@ -40,7 +40,8 @@ TEST(SameModel, StreamedAsBuiltFromTheFiles) {
   EXPECT_EQ(got["held_out"]["views"], 2);
   EXPECT_GT(got["bytes_per_patch"], 0);
   EXPECT_EQ(got["bytes_per_ring"], got["bytes_per_patch"]);
-  for (const char* key : {"rank_histogram", "ingest_images_per_s", "ingest_ms", "latency_ms"})
+  for (const char* key : {"rank_histogram", "ingest_images_per_s", "ingest_ms", "latency_ms", "latency_to_model_ms",
+                          "latency_to_picture_ms"})
     EXPECT_TRUE(got.contains(key)) << key << " is promised to scripts";
 }
 

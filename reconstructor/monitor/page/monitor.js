@@ -159,6 +159,9 @@ function show(s) {
   text("latency", s.latency_s.count ? fixed(1000 * s.latency_s.p95, 0) : "–");
   text("latency-detail", s.latency_s.count
     ? "p50 " + fixed(1000 * s.latency_s.p50, 0) + ", p99 " + fixed(1000 * s.latency_s.p99, 0) : "");
+  text("picture-latency", s.picture_latency_s.count ? fixed(1000 * s.picture_latency_s.p50, 0) : "–");
+  text("picture-latency-detail", s.model_latency_s.count
+    ? "p50; " + fixed(1000 * s.model_latency_s.p50, 0) + " to the model" : "");
   text("curve-detail", last ? "over " + last.images + " images" : "");
   drawCurve(curve);
 

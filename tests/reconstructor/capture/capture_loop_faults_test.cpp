@@ -34,7 +34,7 @@ class CaptureLoopFaults : public ::testing::Test {
     link.held = session.held();
     loop_ =
         std::make_unique<CaptureLoop>(folder_, std::move(session), std::make_unique<TrackerLinks>(std::vector{link}),
-                                      *reconstruction_, CaptureLoopOptions{}, LoopObserver{});
+                                      *reconstruction_, CaptureLoopOptions{}, LoopObserver{.on_snapshot = [](auto) {}});
     loop_->start();
   }
   bool ingests(std::uint64_t captures) {
@@ -148,10 +148,15 @@ TEST_P(ClocksOfTwoMachines, DoNotEnterTheLatency) {
     images_[i].times.grabbed_ns = trackers_clock_ns() - kAge_ns;
     tracker.say(encode_capture(images_[i], MessageType::kKeep, Codec::kRaw));
   }
-  ASSERT_TRUE(eventually([&] { return loop_->status().latency.count() == 2; })) << loop_->status().error;
+  ASSERT_TRUE(eventually([&] { return loop_->status().latency.to_picture.count() == 2; })) << loop_->status().error;
   const double uncertainty_s = 1e-9 * static_cast<double>(loop_->status().links.at(0).stats.clock->round_trip_ns) / 2;
-  EXPECT_GE(loop_->status().latency.min_s(), 0.4 - uncertainty_s);
-  EXPECT_LE(loop_->status().latency.max_s(), 20) << "three days are far more";
+  const Latencies latency = loop_->status().latency;
+  EXPECT_EQ(latency.to_disk.count(), 2u);
+  EXPECT_EQ(latency.to_model.count(), 2u);
+  EXPECT_GE(latency.to_disk.min_s(), 0.4 - uncertainty_s);
+  EXPECT_GT(latency.to_model.min_s(), latency.to_disk.min_s());
+  EXPECT_GT(latency.to_picture.min_s(), latency.to_model.min_s());
+  EXPECT_LE(latency.to_picture.max_s(), 20) << "three days are far more";
 }
 
 constexpr std::int64_t kThreeDays_ns = std::int64_t{259'200} * 1'000'000'000;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/evaluation/held_out_curve.h"
-#include "common/base/angle.h"
 
 #include <gtest/gtest.h>
 
+#include "common/base/angle.h"
 #include "common/image/color.h"
+#include "reconstructor/evaluation/held_out_set.h"
 #include "tests/support/plain_model.h"
 #include "tests/support/test_meshes.h"
 
@@ -75,6 +76,37 @@ TEST(HeldOutCurve, IsBoundedHoweverLongTheCapture) {
   EXPECT_EQ(curve.points().back().images, 100000u);
   EXPECT_TRUE(std::is_sorted(curve.points().begin(), curve.points().end(),
                              [](const auto& a, const auto& b) { return a.images < b.images; }));
+}
+
+TEST(HeldOutSet, StaysSpreadOverTheCaptureAndWithinItsMemory) {
+  const HeldOutView view = view_from(0, 1);
+  const double most = 20.5 * static_cast<double>(view.packed.size());
+  HeldOutSet set(most);
+  for (std::uint64_t sequence = 1; sequence <= 1000; ++sequence) {
+    if (!set.takes_next()) continue;
+    HeldOutView next = view;
+    next.sequence = sequence;
+    set.add(std::move(next));
+    ASSERT_LE(set.bytes(), most);
+  }
+  const std::vector<HeldOutView>& kept = set.views();
+  ASSERT_GE(kept.size(), 10u);
+  EXPECT_EQ(kept.front().sequence, 1u);
+  for (std::size_t i = 1; i < kept.size(); ++i)
+    EXPECT_EQ(kept[i].sequence - kept[i - 1].sequence, kept[1].sequence - kept[0].sequence);
+  EXPECT_GT(kept.back().sequence, 900u);
+  set.erase("another", 1);
+  EXPECT_EQ(set.views().front().sequence, 1u);
+  set.erase("run", 1);
+  EXPECT_GT(set.views().front().sequence, 1u);
+}
+
+TEST(HeldOutSet, AFewAreKeptWhateverTheyTake) {
+  HeldOutSet set(1);
+  for (std::uint64_t sequence = 1; sequence <= 100; ++sequence)
+    if (set.takes_next()) set.add(view_from(0, sequence));
+  EXPECT_GE(set.views().size(), HeldOutSet::kFewest / 2);
+  EXPECT_LE(set.views().size(), HeldOutSet::kFewest);
 }
 
 }  // namespace

@@ -24,11 +24,15 @@ MonitorState sample_monitor_state() {
   state.images_per_s = 8.4;
   state.queues = {{"journal", {5, 0}}, {"send", {31, 64}}};
   state.stage_s = {{"visibility", 0.031}, {"resample", 0.027}, {"factorize", 0.0445}};
-  RunningStatistics update, latency;
+  RunningStatistics update, latency, model_latency, picture_latency;
   for (int i = 1; i <= 121; ++i) update.add(0.001 * (60 + i));
   for (int i = 1; i <= 160; ++i) latency.add(0.0002 * i);
   state.update = summarize(update);
   state.latency = summarize(latency);
+  for (int i = 1; i <= 121; ++i) model_latency.add(0.002 * i);
+  for (int i = 1; i <= 118; ++i) picture_latency.add(0.004 * i);
+  state.model_latency = summarize(model_latency);
+  state.picture_latency = summarize(picture_latency);
   state.rank_histogram = {14, 820, 1940, 2210, 870, 190, 33};
   state.model_bytes = 48'200'000;
   for (std::uint64_t n = 12; n <= 120; n += 4) {
