@@ -31,7 +31,7 @@ struct TrackingOptions {
   StageFinderOptions finder;
   GateOptions gate;
   std::uint64_t max_frames = 0;  ///< grabbed; 0 is all that come
-  std::size_t queue = 4;         ///< frames that wait between grabbing and tracking
+  std::size_t queue = 16;        ///< frames that wait between grabbing and tracking: a quarter of a second at 60/s
   std::string source_session;    ///< of the captures; empty leaves it to the sink
   std::string camera_name;       ///< in front of the captures' names, where a rig has several cameras; else empty
 };

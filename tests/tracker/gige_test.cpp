@@ -94,9 +94,13 @@ TEST_F(Gige, AnUnpluggedCameraIsNoticedAndGoesOnWhenItIsBack) {
   EXPECT_THAT(source.message(), ::testing::HasSubstr("stopped delivering"));
   while (Clock::now() < unplugged + milliseconds(1500)) source.next(milliseconds(20));
   server = std::make_unique<CameraServer>(recording, options);
+  const auto back = Clock::now();
   ASSERT_TRUE(next_frame(source, milliseconds(15000)));
   EXPECT_EQ(source.state(), SourceState::kLive);
-  EXPECT_EQ(source.stats().reopened, 1u);
+  // Once; on a machine that is busy the camera may be silent again before its first frame, each time for this long.
+  constexpr milliseconds kReopen{700};
+  EXPECT_GE(source.stats().reopened, 1u);
+  EXPECT_LE(source.stats().reopened, 1u + static_cast<std::uint64_t>((Clock::now() - back) / kReopen));
 }
 
 TEST_F(Gige, AMissingCameraIsAClearError) {
