@@ -23,11 +23,6 @@ void clear_line(std::FILE* terminal) {
   std::fflush(terminal);
 }
 
-int columns(std::FILE* stream) {
-  winsize size{};
-  return ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
-}
-
 std::string duration(double seconds) {
   const auto s = static_cast<long>(seconds + 0.5);
   if (s < 60) return std::to_string(s) + " s";
@@ -42,6 +37,11 @@ std::string rounded(double value) {
 }
 
 }  // namespace
+
+int terminal_width(std::FILE* stream) {
+  winsize size{};
+  return ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
 
 Progress::Progress(std::string label, std::uint64_t total, std::FILE* stream)
     : label_(std::move(label)),
@@ -66,7 +66,8 @@ void Progress::update(std::uint64_t done) {
   bar_on = stream_;
   const double elapsed_s = std::chrono::duration<double>(now - started_).count();
   // One column stays free: a full line makes some terminals wrap.
-  std::fprintf(stream_, "\r%s\x1b[K", progress_line(label_, done, total_, elapsed_s, columns(stream_) - 1).c_str());
+  std::fprintf(stream_, "\r%s\x1b[K",
+               progress_line(label_, done, total_, elapsed_s, terminal_width(stream_) - 1).c_str());
   std::fflush(stream_);
 }
 

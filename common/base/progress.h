@@ -14,6 +14,9 @@ namespace sheen {
 /// reaches the caller of the work. Empty: not called.
 using StepsDone = std::function<void(std::size_t done, std::size_t steps)>;
 
+/// Characters in a line of the terminal; 80 where it does not say.
+int terminal_width(std::FILE* stream);
+
 /// A progress bar on a terminal: fraction done, rate, time left. Where `stream` is no terminal (a pipe, a file) it
 /// writes nothing. The line is cleared at the end. Whoever prints meanwhile does so within a `ProgressPause`.
 class Progress {

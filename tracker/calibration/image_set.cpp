@@ -77,12 +77,15 @@ ImageSet find_images(std::span<const fs::path> files_or_folders) {
   return images;
 }
 
+GreyImage grey_image(const RawImage& image) {
+  GreyImage both{detection_image(image), {}};
+  both.light = image.transfer == Transfer::kSrgb ? light_of(both.grey) : both.grey;
+  return both;
+}
+
 void for_each_image(const ImageSet& images, const std::function<void(std::size_t, const GreyImage&)>& see) {
   for (std::size_t i = 0; i < images.files.size(); ++i) {
-    const RawImage image = read_image(images.files[i]);
-    GreyImage both{detection_image(image), {}};
-    both.light = image.transfer == Transfer::kSrgb ? light_of(both.grey) : both.grey;
-    see(i, both);
+    see(i, grey_image(read_image(images.files[i])));
   }
 }
 

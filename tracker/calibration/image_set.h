@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/image/image.h"
+#include "common/image/raw_image.h"
 
 namespace sheen {
 
@@ -29,6 +30,8 @@ struct GreyImage {
       light;  ///< proportional to light, for edges: the middle of a blurred edge is where half its light is. In
               ///< encoded values it lies elsewhere, and black squares look smaller by a third of a pixel on each side.
 };
+
+GreyImage grey_image(const RawImage& image);
 
 /// Reads them one by one.
 void for_each_image(const ImageSet& images, const std::function<void(std::size_t index, const GreyImage& image)>& see);

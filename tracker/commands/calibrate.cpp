@@ -2,6 +2,7 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
@@ -9,10 +10,12 @@
 #include "common/base/files.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
+#include "common/base/stop_signal.h"
 #include "common/camera/camera_file.h"
 #include "tracker/calibration/calibration_plots.h"
 #include "tracker/calibration/calibration_report.h"
 #include "tracker/calibration/image_set.h"
+#include "tracker/commands/calibrate_live.h"
 #include "tracker/commands/calibrate_photometric.h"
 #include "tracker/commands/commands.h"
 
@@ -21,7 +24,9 @@ namespace {
 
 struct CalibrateArguments {
   std::vector<std::filesystem::path> images;
-  std::filesystem::path out, json, plots;
+  SourceArguments source;
+  std::uint64_t frames = 0;
+  std::filesystem::path keep, out, json, plots;
   std::string target, lens = "auto";
 };
 
@@ -64,19 +69,31 @@ std::optional<PhotometricCalibration> photometric_part_of(const std::filesystem:
   return std::nullopt;
 }
 
+/// Where the images are: given, or taken from a camera for it.
+ImageSet images_for(const CalibrateArguments& arguments, const CalibrationTarget& target, const LensFit& fit) {
+  if (!arguments.source.given()) return find_images(arguments.images);
+  LiveSource source = arguments.source.open("calibrate");
+  make_folder(arguments.keep);
+  check_writable_folder(arguments.keep);
+  collect_views(source, target, fit, arguments.keep, arguments.frames);
+  return find_images(std::vector{arguments.keep});
+}
+
 void run(const CalibrateArguments& arguments) {
   ReportFile json(arguments.json);
   if (!arguments.out.empty()) check_writable(arguments.out);
   if (!arguments.plots.empty()) check_writable_folder(arguments.plots);
-  const EndOnStop give_up("sheen-tracker: stopped; nothing was written");
   const LensFit* fit = lens_fit_of(arguments.lens);
   const CalibrationTarget target = parse_target(arguments.target);
   const TargetFinder finder(target);
-  const ImageSet images = find_images(arguments.images);
+  const LensFit& first_fit = fit ? *fit : *find_lens_fit("brown");
+  const ImageSet images = images_for(arguments, target, first_fit);
+  std::optional<EndOnStop> give_up;  // where Ctrl-C ended the taking of images, the second one ends the program
+  if (!stop_requested()) give_up.emplace("sheen-tracker: stopped; nothing was written");
 
   std::vector<TargetView> views = find_target(images, finder, nullptr);
   if (finder.better_with_camera()) {
-    const Camera camera = calibrate(target.points, views, images.size, fit ? *fit : *find_lens_fit("brown")).camera;
+    const Camera camera = calibrate(target.points, views, images.size, first_fit).camera;
     views = find_target(images, finder, &camera);
   }
   const CalibrationStudy result = study(target, views, images.size, fit);
@@ -98,9 +115,13 @@ void run(const CalibrateArguments& arguments) {
 }  // namespace
 
 void add_calibrate_command(Command& program) {
-  Command command = program.subcommand("calibrate", "Calibrate a camera from images of a target");
+  Command command = program.subcommand("calibrate", "Calibrate a camera from images of a target, or live");
   const auto arguments = std::make_shared<CalibrateArguments>();
   command.option("images", arguments->images, "Images of the target, or folders of them");
+  arguments->source.add_to(command);
+  command.option("--keep", arguments->keep, "with a --source: folder for the images that are taken");
+  command.option("--frames", arguments->frames, "with a --source: end after so many frames")
+      .check(whole_number_in(0, 1'000'000'000));
   command.option("--target", arguments->target, kTargetSyntax);
   command
       .option("--lens", arguments->lens,
@@ -111,7 +132,12 @@ void add_calibrate_command(Command& program) {
   command.option("--json", arguments->json, "report to write; - for standard output");
   add_calibrate_photometric_command(command);
   command.callback([arguments] {
-    if (arguments->images.empty()) throw ConfigError("images is required: images of the target, or folders of them");
+    if (arguments->source.given() == !arguments->images.empty())
+      throw ConfigError(arguments->images.empty()
+                            ? "images is required: images of the target, or folders of them; or a --source to take them"
+                            : "give either images or a --source to take them");
+    if (arguments->source.given() && arguments->keep.empty())
+      throw ConfigError("--keep is required with a --source: the folder for the images that are taken");
     if (arguments->target.empty()) throw ConfigError(std::string("--target is required: ") + kTargetSyntax);
     run(*arguments);
   });

@@ -8,29 +8,22 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/command_line.h"
-#include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/format.h"
 #include "common/base/report_file.h"
-#include "common/base/stop_signal.h"
 #include "common/image/image_io.h"
 #include "tracker/commands/commands.h"
+#include "tracker/commands/live_source.h"
 #include "tracker/preview.h"
-#include "tracker/rig_config.h"
 
 namespace sheen {
 namespace {
 
-using std::chrono::milliseconds;
-
-constexpr milliseconds kPoll{50};
-constexpr std::chrono::seconds kNothingComes{5};
-
 struct PreviewArguments {
-  std::filesystem::path config, grab, json;
-  std::string source, camera;
-  double exposure_us = 0, every_s = 0;
+  SourceArguments source;
+  std::filesystem::path grab, json;
+  double every_s = 0;
   std::uint64_t frames = 0;
 };
 
@@ -95,20 +88,6 @@ class GrabSeries {
   std::size_t number_ = 1, count_ = 0;
 };
 
-/// The next frame whose image is whole; nothing when the person or the source has had enough.
-std::optional<Frame> next_whole(FrameSource& source, PreviewReport& report) {
-  const auto begin = std::chrono::steady_clock::now();
-  while (!stop_requested() && !source.ended()) {
-    std::optional<Frame> frame = source.next(kPoll);
-    if (frame && frame->given) frame->image = std::move(frame->given->image);
-    if (frame && frame->complete) return frame;
-    if (frame) ++report.incomplete;
-    if (!frame && report.frames == 0 && std::chrono::steady_clock::now() - begin > kNothingComes)
-      throw DeviceError("no frame came within 5 s: " + source.message());
-  }
-  return std::nullopt;
-}
-
 void preview(const PreviewArguments& arguments) {
   ReportFile json(arguments.json);
   std::optional<GrabSeries> series;
@@ -116,23 +95,15 @@ void preview(const PreviewArguments& arguments) {
     series.emplace(arguments.grab, arguments.every_s);
   else if (!arguments.grab.empty())
     check_writable(arguments.grab);
-  RigConfig rig = arguments.config.empty() ? RigConfig{} : load_rig_config(arguments.config);
-  CameraConfig& config = camera_named(rig, arguments.camera);
-  if (!arguments.source.empty()) config.source_uri = arguments.source;
-  if (arguments.exposure_us > 0) config.source.exposure_us = arguments.exposure_us;
-  if (!config.source_uri) throw ConfigError("no source; give --source URI or a --config whose [source] has a uri");
-  std::optional<EndOnStop> opening("sheen-tracker: stopped before the source was open");
-  const auto source = open_source(parse_source_uri(*config.source_uri), config.source);
-  opening.reset();
-
+  LiveSource source = arguments.source.open("preview");
   const bool terminal = ::isatty(::fileno(stdout)) == 1;
   TagDetector detector;
   PreviewReport report;
   RawImage newest;
   while (arguments.frames == 0 || report.frames < arguments.frames) {
-    std::optional<Frame> frame = next_whole(*source, report);
+    std::optional<Frame> frame = source.next();
     if (!frame) break;
-    if (bytes_per_pixel(frame->image.format) > 3) throw ConfigError("preview looks at 8-bit images only");
+    report.incomplete = source.incomplete();
     ++report.frames;
     report.width = frame->image.width;
     report.height = frame->image.height;
@@ -146,7 +117,7 @@ void preview(const PreviewArguments& arguments) {
     std::fflush(stdout);
   }
   if (terminal) std::printf("\n");
-  if (report.frames == 0) throw Error("no whole frame came: " + source->message());
+  if (report.frames == 0) throw Error("no whole frame came: " + source.message());
   if (series) {
     std::printf("%s: %zu frames\n", series->folder().c_str(), series->count());
   } else if (!arguments.grab.empty()) {
@@ -162,10 +133,7 @@ void add_preview_command(Command& program) {
   Command command = program.subcommand(
       "preview", "Shows focus, exposure and tags of a camera, before anything is calibrated, and saves a frame.");
   const auto arguments = std::make_shared<PreviewArguments>();
-  command.option("--source", arguments->source, "aravis:ID, video:PATH or dataset:DIR");
-  command.option("--config", arguments->config, "rig.toml; only its [source] counts");
-  command.option("--camera", arguments->camera, "which camera of a --config with several, by its name");
-  command.option("--exposure-us", arguments->exposure_us, "exposure to set, microseconds").check(number_in(0.001, 1e8));
+  arguments->source.add_to(command);
   command.option("--frames", arguments->frames, "end after so many frames; 0: with Ctrl-C")
       .check(whole_number_in(0, 1'000'000'000))
       .show_default();

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/base/command_line.h"
+#include "tracker/sources/frame_source.h"
+
+namespace sheen {
+
+/// A camera that is looked at by a command which needs neither calibration nor stage.
+class LiveSource {
+ public:
+  LiveSource(std::unique_ptr<FrameSource> source, const char* command);
+  /// The next frame whose image is whole; nothing when the person or the source has had enough. Throws DeviceError
+  /// where none comes, and ConfigError for one of more than 8 bits.
+  std::optional<Frame> next();
+  std::uint64_t incomplete() const { return incomplete_; }
+  std::string message() const { return source_->message(); }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+  const char* command_;
+  std::uint64_t incomplete_ = 0;
+  bool any_ = false;
+};
+
+/// Which one.
+struct SourceArguments {
+  std::filesystem::path config;
+  std::string source, camera;
+  double exposure_us = 0;
+
+  void add_to(Command& command);
+  bool given() const { return !source.empty() || !config.empty(); }
+  /// Throws ConfigError where none is named. `command`: the name of the one that looks.
+  LiveSource open(const char* command) const;
+};
+
+}  // namespace sheen
