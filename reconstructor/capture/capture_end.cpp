@@ -56,6 +56,7 @@ std::optional<CaptureEnd::Result> CaptureEnd::run() {
   if (result.model && !small) note_judgement(judged.model, *result.model);
   nlohmann::json report = live_report(reconstruction_, judged, loop_.status());
   if (small) report["file"] = file_report(*result.model, *small);
+  if (refinement_) report["refinement"] = refinement_->report();
   result.report = std::make_shared<nlohmann::json>(std::move(report));
   return result;
 }
@@ -64,6 +65,10 @@ void CaptureEnd::fold_in_the_journal() {
   show(EndStage::kFinishing, 0, 0);
   loop_.finish();
   for (; !loop_.finished(); std::this_thread::sleep_for(kPoll)) {
+    if (const auto look = refinement_ ? refinement_->last_look() : std::nullopt) {
+      show(EndStage::kRefining, look->first, look->second);
+      continue;
+    }
     const LoopStatus status = loop_.status();
     show(EndStage::kFinishing, status.ingested, std::max(status.rebuild_until, status.journaled));
   }

@@ -9,33 +9,44 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <stop_token>
+#include <utility>
 
 #include "common/base/progress.h"
 #include "reconstructor/capture/capture_loop.h"
+#include "reconstructor/capture/live_refinement.h"
 
 namespace sheen {
 
 enum class EndStage : std::uint8_t {
   kCapturing,  ///< the end has not begun
   kFinishing,  ///< waiting captures are added to the model
+  kRefining,   ///< the mesh is refined a last time
   kSaving,
   kJudging,  ///< the model is compared with the held-out views
 };
 
 struct EndProgress {
   EndStage stage = EndStage::kCapturing;
-  std::uint64_t done = 0, total = 0;  ///< images; parts of the model's files or tries to make it small; pictures
+  std::uint64_t
+      done = 0,
+      total = 0;  ///< images; steps of the refinement; parts of the model's files or tries to make it small; pictures
 };
 
 /// What becomes of a capture after its last image, on a thread of its own so that whoever watches is told meanwhile: no
-/// more is received, waiting captures are added, the model is saved into `session_folder`/model, its held-out views
+/// more is received, waiting captures are added, the mesh is refined where that was asked
+/// for, the model is saved into `session_folder`/model, its held-out views
 /// are judged. As bounded as the journal is; `stop` ends it earlier.
 class CaptureEnd {
  public:
-  /// `size`: that of the saved model, as `save_reconstruction` takes it.
+  /// `size`: that of the saved model, as `save_reconstruction` takes it. `refinement`: of the mesh, which the loop
+  /// awaits; or null.
   CaptureEnd(CaptureLoop& loop, Reconstruction& reconstruction, std::filesystem::path session_folder,
-             std::optional<CompressionTarget> size)
-      : loop_(loop), reconstruction_(reconstruction), folder_(std::move(session_folder)), size_(std::move(size)) {}
+             std::optional<CompressionTarget> size, const LiveRefinement* refinement)
+      : loop_(loop),
+        reconstruction_(reconstruction),
+        folder_(std::move(session_folder)),
+        size_(std::move(size)),
+        refinement_(refinement) {}
   ~CaptureEnd() { stop_.request_stop(); }  // the future waits
 
   void begin();
@@ -62,6 +73,7 @@ class CaptureEnd {
   Reconstruction& reconstruction_;
   std::filesystem::path folder_;
   std::optional<CompressionTarget> size_;
+  const LiveRefinement* refinement_;
   std::stop_source stop_;
   mutable std::mutex mutex_;
   EndProgress progress_;

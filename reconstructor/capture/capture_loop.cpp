@@ -126,6 +126,7 @@ void CaptureLoop::ingest(std::stop_token stop) {
     Pending pending{.judge_interval = options_.judge_interval};
     for (std::uint64_t next = 0; !stop.stop_requested();) {
       apply_withdrawals(journal, next, pending);
+      if (go_over_when_asked(next)) pending.model_changed();
       const Waited waited = wait_for_capture(next, stop);
       const bool over = waited == Waited::kOver, ended = over || waited == Waited::kSourceEnded;
       if (waited == Waited::kArrived) {
@@ -137,7 +138,9 @@ void CaptureLoop::ingest(std::stop_token stop) {
       if (next < rebuild_until_) continue;  // the last whole model stays on the screen
       const bool late = behind(next);
       show_when_due(late, ended, pending);
-      if (over && patiently(stop, [&] { return journal.withdrawals_after(last_withdrawal_); }).empty()) break;
+      if (over && !mesh_to_come() &&
+          patiently(stop, [&] { return journal.withdrawals_after(last_withdrawal_); }).empty())
+        break;
       judge_when_due(late, pending);
     }
   } catch (const std::exception& error) {
@@ -170,7 +173,7 @@ void CaptureLoop::show_when_due(bool late, bool ended, Pending& pending) {
 
 void CaptureLoop::show(Pending& pending) {
   const auto begun = Clock::now();
-  if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot());
+  if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot(), reconstruction_.shared_painter());
   {
     const std::lock_guard lock(mutex_);
     for (const std::int64_t grabbed_ns : std::exchange(unshown_grabbed_ns_, {}))
@@ -197,7 +200,8 @@ CaptureLoop::Waited CaptureLoop::wait_for_capture(std::uint64_t index, std::stop
   journaled_changed_.wait_for(lock, stop, kPoll, [&] { return status_.journaled > index; });
   if (status_.journaled > index) return Waited::kArrived;
   const bool ended = status_.link().ended;
-  if (finishing_ || (ended && options_.stop_when_source_ends)) return Waited::kOver;
+  status_.no_more_captures = finishing_ || (ended && options_.stop_when_source_ends);
+  if (status_.no_more_captures) return Waited::kOver;
   return ended ? Waited::kSourceEnded : Waited::kNothing;
 }
 
@@ -234,9 +238,39 @@ CaptureLoop::Followed CaptureLoop::follow_withdrawals(const Session& journal, st
   return followed;
 }
 
+void CaptureLoop::go_over_to(std::shared_ptr<const Mesh> mesh) {
+  const std::lock_guard lock(mutex_);
+  next_mesh_ = std::move(mesh);
+}
+
+void CaptureLoop::no_other_mesh_follows() {
+  const std::lock_guard lock(mutex_);
+  mesh_is_final_ = true;
+}
+
+bool CaptureLoop::mesh_to_come() const {
+  const std::lock_guard lock(mutex_);
+  return next_mesh_ || (options_.awaits_last_mesh && !mesh_is_final_);
+}
+
+/// Whether another mesh was asked for.
+bool CaptureLoop::go_over_when_asked(std::uint64_t& next) {
+  std::shared_ptr<const Mesh> mesh;
+  {
+    const std::lock_guard lock(mutex_);
+    mesh = std::exchange(next_mesh_, nullptr);
+    if (mesh) status_.on_another_mesh = true;
+  }
+  if (mesh) begin_rebuild(next, mesh);
+  return mesh != nullptr;
+}
+
 /// What an image left in others goes only when the model is rebuilt.
-void CaptureLoop::begin_rebuild(std::uint64_t& next) {
-  reconstruction_.restart();
+void CaptureLoop::begin_rebuild(std::uint64_t& next, const std::shared_ptr<const Mesh>& mesh) {
+  if (mesh)
+    reconstruction_.restart_on(mesh);
+  else
+    reconstruction_.restart();
   rebuild_until_ = std::max(rebuild_until_, next);
   next = 0;
   inexact_ = false;
@@ -274,6 +308,7 @@ void CaptureLoop::ingest_next(const Session& journal, std::uint64_t index) {
   const std::lock_guard lock(mutex_);
   status_.ingested = index + 1;
   status_.rebuild_until = status_.ingested < rebuild_until_ ? rebuild_until_ : 0;
+  if (status_.rebuild_until == 0) status_.on_another_mesh = false;
   status_.exact = !inexact_ && status_.rebuild_until == 0;
   status_.counts = reconstruction_.account().counts();
   const auto grabbed = grabbed_ns_.extract(index);

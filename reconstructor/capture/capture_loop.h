@@ -39,7 +39,9 @@ struct LoopStatus {
   FrameCounts counts;
   std::uint64_t journaled = 0;      ///< captures that are durable
   std::uint64_t ingested = 0;       ///< of these, how many the model has seen or left out
-  std::uint64_t rebuild_until = 0;  ///< after a withdrawal: captures of which the model is being rebuilt; else 0
+  std::uint64_t rebuild_until = 0;  ///< while the model is being rebuilt: of how many captures; else 0
+  bool on_another_mesh = false;     ///< why: another mesh; else a withdrawal
+  bool no_more_captures = false;    ///< all that will come are durable
   /// Captures that are durable and not in the model yet: journaled = accepted + held out + refused + withdrawn + these.
   std::uint64_t waiting() const { return journaled - std::min(journaled, ingested); }
   /// False from a withdrawal until the model is, to the bit, one that never saw the image.
@@ -61,7 +63,8 @@ struct LoopStatus {
 
 /// Who watches a loop. Calls come from the loop's threads, must be quick and must not throw.
 struct LoopObserver {
-  std::function<void(std::shared_ptr<const ModelSnapshot>)> on_snapshot;
+  /// With a painter of its mesh.
+  std::function<void(std::shared_ptr<const ModelSnapshot>, std::shared_ptr<const RayPainter>)> on_snapshot;
   std::function<void(const Capture&)> on_capture;              ///< every capture that arrives, live or to be kept
   std::function<void(const std::vector<LinkState>&)> on_link;  ///< many times per second, from the start
 };
@@ -71,6 +74,7 @@ struct CaptureLoopOptions {
   std::chrono::milliseconds judge_interval{1500};    ///< at least, between live judgements of a model that changes
   std::chrono::milliseconds pause{2000};  ///< without a capture, after which there is time to rebuild a model
   bool stop_when_source_ends = false;
+  bool awaits_last_mesh = false;  ///< not finished before `no_other_mesh_follows`
 };
 
 /// The live loop. Two threads and a journal between them:
@@ -80,7 +84,8 @@ struct CaptureLoopOptions {
 /// and a slow model only lags behind; nothing is lost and nothing waits for it. A capture whose file is damaged counts
 /// as refused. While another program keeps the session locked, captures wait unacknowledged. When a capture that the
 /// model knows is withdrawn from the journal, by whichever program, it is taken out of the model at once, and in the
-/// next pause of the capture the model is rebuilt without it, to the bit, while the last snapshot stays.
+/// next pause of the capture the model is rebuilt without it, to the bit, while the last snapshot stays. So it is at
+/// once where a refined mesh comes.
 class CaptureLoop {
  public:
   /// The session's captures so far are ingested first. `links`: that know what the session holds.
@@ -96,6 +101,9 @@ class CaptureLoop {
   void stop();
   /// True when nothing more comes and everything has been ingested, or an error stopped the loop.
   bool finished() const { return finished_; }
+  /// The model is rebuilt on another mesh with the same triangles, while the last snapshot stays. From any thread.
+  void go_over_to(std::shared_ptr<const Mesh> mesh);
+  void no_other_mesh_follows();
   LoopStatus status() const;
   /// Withdraws the last capture of the journal that is not withdrawn, and returns its index; nothing where there is
   /// none. Throws FileError.
@@ -116,7 +124,9 @@ class CaptureLoop {
   bool behind(std::uint64_t next) const;
   IngestReport ingest_if_whole(const Session& journal, std::uint64_t index);
   void ingest_next(const Session& journal, std::uint64_t index);
-  void begin_rebuild(std::uint64_t& next);
+  bool mesh_to_come() const;
+  bool go_over_when_asked(std::uint64_t& next);
+  void begin_rebuild(std::uint64_t& next, const std::shared_ptr<const Mesh>& mesh = nullptr);
   enum class Followed { kNothing, kTakenOut, kMustRebuild };
   /// Takes what is withdrawn out of the model, which has ingested so many captures, where that can be done at once.
   Followed follow_withdrawals(const Session& journal, std::uint64_t ingested);
@@ -133,6 +143,8 @@ class CaptureLoop {
   mutable std::mutex mutex_;
   std::condition_variable_any journaled_changed_;
   bool finishing_ = false;
+  std::shared_ptr<const Mesh> next_mesh_;  ///< that was asked for and is not gone over to yet
+  bool mesh_is_final_ = false;
   LoopStatus status_;
   std::set<std::uint64_t> withdrawn_;
   std::uint64_t last_withdrawal_ = 0;  ///< number of the last entry that is followed

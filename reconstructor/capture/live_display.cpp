@@ -60,8 +60,8 @@ std::string commands_for_missing(const std::vector<LiveDisplay::Names::Tracker>&
 std::string message_of(const LoopStatus& status, const ReceiverStats& link, const std::string& missing) {
   if (!status.error.empty()) return status.error;
   if (status.rebuild_until > 0)
-    return "without what was taken back: image " + std::to_string(status.ingested) + " of " +
-           std::to_string(status.rebuild_until);
+    return std::string(status.on_another_mesh ? "on the refined mesh" : "without what was taken back") + ": image " +
+           std::to_string(status.ingested) + " of " + std::to_string(status.rebuild_until);
   if (!link.ended && link.last_error.empty() && !missing.empty()) return "start a tracker: " + missing;
   return link.last_error;
 }
@@ -130,6 +130,8 @@ std::optional<WorkInHand> work_of(const EndProgress& end) {
       break;
     case EndStage::kFinishing:
       return WorkInHand{done("FINISHING: image"), fraction, kNoModel};
+    case EndStage::kRefining:
+      return WorkInHand{done("REFINING the mesh: step"), fraction, kNoModel};
     case EndStage::kSaving:
       return WorkInHand{done("SAVING the model: part"), fraction, kNoModel};
     case EndStage::kJudging:
@@ -144,6 +146,8 @@ std::optional<MonitorState::Ending> ending_of(const EndProgress& end) {
       break;
     case EndStage::kFinishing:
       return MonitorState::Ending{CaptureState::kFinishing, end.done, end.total};
+    case EndStage::kRefining:
+      return MonitorState::Ending{CaptureState::kRefining, end.done, end.total};
     case EndStage::kSaving:
       return MonitorState::Ending{CaptureState::kSaving, end.done, end.total};
     case EndStage::kJudging:
@@ -156,9 +160,11 @@ std::optional<MonitorState::Ending> ending_of(const EndProgress& end) {
 
 LoopObserver LiveDisplay::observer() {
   return {.on_snapshot =
-              [this](std::shared_ptr<const ModelSnapshot> snapshot) {
+              [this](std::shared_ptr<const ModelSnapshot> snapshot, std::shared_ptr<const RayPainter> painter) {
                 const std::lock_guard lock(mutex_);
                 latest_.snapshot = std::move(snapshot);
+                latest_.painter = std::move(painter);
+                ++latest_.number;
               },
           .on_capture =
               [this](const Capture& capture) {
@@ -284,22 +290,21 @@ void LiveDisplay::update_previews(const Latest& now) {
     drawn_capture_ = now.capture;
     camera_jpeg_ = jpeg_text(thumbnail(to_srgb8(to_linear_rgb(now.capture->image)), kPreviewWidth));
   }
-  if (!now.snapshot || now.snapshot->version() == drawn_version_) return;
+  if (!now.snapshot || now.number == drawn_) return;
   const bool posed = now.capture && now.capture->pose.usable(), untouched = now.snapshot->empty();
   if (!posed && !untouched) return;
-  drawn_version_ = now.snapshot->version();
+  drawn_ = now.number;
   const Viewpoint from = posed ? Viewpoint{preview_camera(now.capture->camera), now.capture->pose.camera_from_object}
                                : first_look(now.snapshot->shared_mesh());
   if (untouched)
-    preview_jpeg_ = jpeg_text(plain_picture(painter_, now.snapshot->mesh(), from.camera, from.camera_from_object));
+    preview_jpeg_ = jpeg_text(plain_picture(*now.painter, now.snapshot->mesh(), from.camera, from.camera_from_object));
   else
-    preview_jpeg_ = jpeg_text(to_srgb8(painter_.paint(*now.snapshot, from.camera, from.camera_from_object).beauty));
+    preview_jpeg_ = jpeg_text(to_srgb8(now.painter->paint(*now.snapshot, from.camera, from.camera_from_object).beauty));
 }
 
 void LiveDisplay::update_next_view(const Latest& now) {
-  if (!now.snapshot || !now.capture || !now.capture->pose.usable() || now.snapshot->version() == advised_version_)
-    return;
-  advised_version_ = now.snapshot->version();
+  if (!now.snapshot || !now.capture || !now.capture->pose.usable() || now.number == advised_) return;
+  advised_ = now.number;
   const ViewAdvice advice = now.snapshot->advise_next_view(camera_centre(now.capture->pose.camera_from_object));
   next_view_ = NextView{advice.eye, advice.reason, advice.well_known()};
   if (!next_view_->well_known) return;

@@ -30,7 +30,7 @@ class LiveDisplay {
     std::string model_reason;  ///< why it was chosen; empty where the scene names it
     bool encrypted = false;
   };
-  LiveDisplay(const RayPainter& painter, Names names) : painter_(painter), names_(std::move(names)) {}
+  explicit LiveDisplay(Names names) : names_(std::move(names)) {}
 
   /// What the loop calls.
   LoopObserver observer();
@@ -47,6 +47,8 @@ class LiveDisplay {
  private:
   struct Latest {
     std::shared_ptr<const ModelSnapshot> snapshot;
+    std::shared_ptr<const RayPainter> painter;
+    std::uint64_t number = 0;  ///< of the snapshot
     std::shared_ptr<const Capture> capture;
     std::optional<MonitorState::Clock::time_point> capture_at;  ///< of any camera
     std::vector<std::string> warnings;
@@ -57,16 +59,15 @@ class LiveDisplay {
   void update_next_view(const Latest& now);
   std::string guidance_in_words(const Latest& now) const;
 
-  const RayPainter& painter_;
   Names names_;
   ViewerFeed feed_;
   mutable std::mutex mutex_;
   Latest latest_;
   MonitorState::Clock::time_point turn_began_;  ///< of the camera whose captures are shown
-  std::uint64_t drawn_version_ = ~std::uint64_t{0};
+  std::uint64_t drawn_ = 0;                     ///< number of the snapshot
   std::shared_ptr<const Capture> drawn_capture_;
   std::shared_ptr<const std::string> preview_jpeg_, camera_jpeg_;
-  std::uint64_t advised_version_ = ~std::uint64_t{0};
+  std::uint64_t advised_ = 0;  ///< likewise
   std::optional<NextView> next_view_;
 };
 

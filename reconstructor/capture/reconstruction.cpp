@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/base/log.h"
 #include "common/capture/linear_capture.h"
@@ -32,7 +33,7 @@ Reconstruction::Reconstruction(Mesh mesh, const ModelSettings& settings)
       mesh_(std::make_shared<Mesh>(std::move(mesh))),
       asked_(settings.clone()),
       model_(asked_->make_model(mesh_)),
-      painter_(*mesh_),
+      painter_(std::make_shared<RayPainter>(*mesh_)),
       effort_(settings.effort_levels()) {}
 
 void Reconstruction::keep_within(const Limits& limits, const std::string& record, std::uint64_t captures,
@@ -100,7 +101,7 @@ MemoryAccount Reconstruction::memory() const {
 void Reconstruction::choose_level() {
   const int begun_at = effort_.level();
   const int chosen =
-      probe_.choose(effort_.measured(), begun_at, effort_.levels(), effort_.control()->budget_ms(), painter_,
+      probe_.choose(effort_.measured(), begun_at, effort_.levels(), effort_.control()->budget_ms(), *painter_,
                     {.fold_at = [this](int level) { fold_probe_at(level); },
                      .image_ms = [this] { return 1e3 * account_.updates().median_s(); },
                      .error_on = [this](const auto& views) { return error_on(views); }});
@@ -125,7 +126,7 @@ void Reconstruction::fold_probe_at(int level) {
 double Reconstruction::error_on(const std::vector<HeldOutView>& views) {
   SquaredError error;
   const auto model = snapshot()->filled();
-  for (const HeldOutView& view : views) error += object_error(view, *model, painter_);
+  for (const HeldOutView& view : views) error += object_error(view, *model, *painter_);
   return std::pow(10, -error.psnr_db() / 10);
 }
 
@@ -166,7 +167,7 @@ void Reconstruction::note_accepted(const Capture& capture, const IngestReport& r
 
 void Reconstruction::hold_out(const Capture& capture, const IngestReport& report) {
   if (!held_out_.takes_next()) return;
-  held_out_.add(make_held_out_view(capture, report.exposure_gain, painter_));
+  held_out_.add(make_held_out_view(capture, report.exposure_gain, *painter_));
   held_out_bytes_ = held_out_.bytes();
 }
 
@@ -201,6 +202,14 @@ void Reconstruction::restart() {
   model_->restart(effort_.level());
 }
 
+void Reconstruction::restart_on(std::shared_ptr<const Mesh> mesh) {
+  mesh_ = std::move(mesh);
+  model_.reset();  // before there is another
+  model_ = asked_->make_model(mesh_);
+  painter_ = std::make_shared<RayPainter>(*mesh_);
+  restart();
+}
+
 void Reconstruction::finish() {
   resident_at_finish_ = resident_memory().bytes;
   model_->finish();
@@ -215,8 +224,8 @@ Reconstruction::Judgement Reconstruction::judge(const StepsDone& progress) {
     if (!progress) return {};
     return [&progress, before](std::size_t done, std::size_t views) { progress(before + done, 2 * views); };
   };
-  return {score(held_out_.views(), *snapshot()->filled(), painter_, half(0)),
-          score(held_out_.views(), *model_->constant_colour(), painter_, half(held_out_.views().size()))};
+  return {score(held_out_.views(), *snapshot()->filled(), *painter_, half(0)),
+          score(held_out_.views(), *model_->constant_colour(), *painter_, half(held_out_.views().size()))};
 }
 
 }  // namespace sheen

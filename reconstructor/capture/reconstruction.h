@@ -52,15 +52,19 @@ class Reconstruction {
   /// Forgets every capture: what is ingested from now on gives the bits that it gives a new one which follows the
   /// present `effort_record`.
   void restart();
+  /// The same with another mesh.
+  void restart_on(std::shared_ptr<const Mesh> mesh);
 
   const Mesh& mesh() const { return *mesh_; }
+  const std::shared_ptr<const Mesh>& shared_mesh() const { return mesh_; }
   std::shared_ptr<const ModelSnapshot> snapshot() { return model_->snapshot(); }
   /// No capture follows: AppearanceModel::finish.
   void finish();
   /// AppearanceModel::give_snapshot.
   std::shared_ptr<const ModelSnapshot> give_snapshot() { return model_->give_snapshot(); }
   const AppearanceModel& model() const { return *model_; }
-  const RayPainter& painter() const { return painter_; }
+  const RayPainter& painter() const { return *painter_; }
+  const std::shared_ptr<const RayPainter>& shared_painter() const { return painter_; }
   /// Of a long capture not all that were held out.
   const std::vector<HeldOutView>& held_out() const { return held_out_.views(); }
   const CaptureAccount& account() const { return account_; }
@@ -99,7 +103,7 @@ class Reconstruction {
   std::shared_ptr<const Mesh> mesh_;
   std::unique_ptr<ModelSettings> asked_;
   std::unique_ptr<AppearanceModel> model_;
-  RayPainter painter_;
+  std::shared_ptr<const RayPainter> painter_;
   HeldOutSet held_out_;
   CaptureAccount account_;
 

@@ -11,26 +11,12 @@
 #include "common/base/order_statistics.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
-#include "reconstructor/radiance/capture_rules.h"
+#include "reconstructor/capture/training_images.h"
 #include "reconstructor/refinement/mesh_findings.h"
 #include "reconstructor/refinement/mesh_judgement.h"
 
 namespace sheen {
 namespace {
-
-/// Those that a model may be built from.
-RefinementImages training_images(const CaptureSet& captures, int hold_out_every) {
-  RefinementImages images;
-  std::vector<std::size_t> used;
-  for (std::size_t i = 0; i < captures.size; ++i) {
-    const Capture capture = captures.read(i);
-    if (is_held_out(capture, hold_out_every) || !capture.pose.usable()) continue;
-    used.push_back(i);
-    images.cameras.push_back({capture.camera, capture.pose.camera_from_object});
-  }
-  images.read = [read = captures.read, used](std::size_t i) { return read(used[i]); };
-  return images;
-}
 
 JudgedMesh refine_with_bar(const Mesh& mesh, const RefinementImages& images) {
   std::optional<Progress> bar;

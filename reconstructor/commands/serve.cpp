@@ -24,6 +24,7 @@
 #include "reconstructor/capture/capture_report.h"
 #include "reconstructor/capture/first_capture.h"
 #include "reconstructor/capture/live_display.h"
+#include "reconstructor/capture/live_refinement.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/limit_options.h"
@@ -53,7 +54,7 @@ struct ServeArguments {
   int monitor_port = MonitorOptions{}.port;
   LimitArguments limits;
   SizeArguments size;
-  bool headless = false, once = false, no_monitor = false;
+  bool headless = false, once = false, no_monitor = false, refine = false;
 };
 
 /// A session belongs to one mesh, if any: with another one its captures would make nonsense.
@@ -280,6 +281,8 @@ void serve(ServeArguments arguments) {
   std::vector<ReceiverOptions> trackers = link_options(arguments);
   std::optional<Plan> plan;
   if (!request.automatic()) plan = plan_for(arguments, request.named());
+  if (arguments.refine && plan && surface_needs_camera(*plan->scene.settings, arguments.mesh))
+    throw ConfigError(std::string("--refine: ") + plan->scene.kind->name() + " has no mesh to refine; leave it out");
   const bool waits = !plan || (arguments.mesh.empty() && surface_needs_camera(*plan->scene.settings, arguments.mesh));
   std::unique_ptr<Reconstruction> reconstructed = waits ? nullptr : reconstruction_for(arguments, *plan, {});
   Session session = open_session(arguments.session, arguments.mesh);
@@ -314,22 +317,31 @@ void serve(ServeArguments arguments) {
   reconstruction.keep_within(plan->limits, session.metadata(kEffortKey).value_or(""), session.size(),
                              plan->scene.measured);
   const bool makes_own_surface = surface_needs_camera(*plan->scene.settings, arguments.mesh);
-  LiveDisplay display(reconstruction.painter(), names);
+  const std::shared_ptr<const Mesh> given = reconstruction.shared_mesh();
+  LiveDisplay display(names);
   LoopObserver observer = display.observer();
+  if (!makes_own_surface) watch_mesh(*given, display, observer);
   observer.on_link = [&link_log](const std::vector<LinkState>& states) { link_log.look(states); };
-  observer.on_snapshot(reconstruction.snapshot());  // the mesh, to be shown before the first image
-  if (!makes_own_surface) watch_mesh(reconstruction.mesh(), display, observer);
+  const bool refines = arguments.refine && !makes_own_surface;
+  const std::shared_ptr<const Mesh> present = refines ? refined_mesh_of(arguments.session) : nullptr;
+  if (present) reconstruction.restart_on(present);
+  observer.on_snapshot(reconstruction.snapshot(), reconstruction.shared_painter());  // the mesh, before any image
   watch_motion(*plan->scene.kind, display, observer);
   CaptureLoop loop(arguments.session, std::move(session), std::move(links), reconstruction,
-                   {.stop_when_source_ends = arguments.once}, std::move(observer));
-  CaptureEnd end(loop, reconstruction, arguments.session, plan->size);
+                   {.stop_when_source_ends = arguments.once, .awaits_last_mesh = refines}, std::move(observer));
+  std::optional<LiveRefinement> refinement;
+  if (refines)
+    refinement.emplace(loop, arguments.session, given, present ? present : given,
+                       refinement_options(*plan->scene.settings, display));
+  CaptureEnd end(loop, reconstruction, arguments.session, plan->size, refinement ? &*refinement : nullptr);
   if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
   install_stop_signals(2);  // the first begins the end, the second cuts it short
   loop.start();
+  if (refinement) refinement->start();
   if (!waits) tell_it_waits(names);
   const Publisher publisher(loop, end, display, monitor ? &*monitor : nullptr, window != nullptr);
-  wait_until([&loop] { return loop.finished() || stop_requested(); }, window, display.feed(),
-             [&loop] { return take_back_last(loop); });
+  const auto over = [&loop] { return loop.finished() || loop.status().no_more_captures || stop_requested(); };
+  wait_until(over, window, display.feed(), [&loop] { return take_back_last(loop); });
   tell_service_is_stopping();
   const CaptureEnd::Result result =
       end_capture(loop, end, window, display.feed(), {arguments.session, build_command(arguments)});
@@ -357,6 +369,7 @@ void add_serve_command(Command& program) {
               "kind of model, without a scene file: " + names_of_kinds() +
                   "; or auto: by what moves, camera or light or both, as the tracker announces it")
       .excludes({config});
+  command.flag("--refine", a->refine, "correct the mesh against the images as they come, as `refine` does");
   a->limits.add_to(command,
                    "PSNR that held-out views must reach, such as 35dB; no patch is kept more exactly than that");
   a->size.add_to(command);

@@ -36,6 +36,8 @@ class EndBar {
  private:
   static const char* name_of(EndStage stage) {
     switch (stage) {
+      case EndStage::kRefining:
+        return "refining";
       case EndStage::kSaving:
         return "saving";
       case EndStage::kJudging:

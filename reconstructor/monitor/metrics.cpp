@@ -121,11 +121,11 @@ void health(const MonitorState& state, CaptureState capture, MonitorState::Clock
   out.family("capture_state", "gauge", "1 for the state that the capture is in.");
   for (const CaptureState each :
        {CaptureState::kWaiting, CaptureState::kLive, CaptureState::kStale, CaptureState::kDisconnected,
-        CaptureState::kEnded, CaptureState::kFinishing, CaptureState::kSaving, CaptureState::kJudging,
-        CaptureState::kFailed, CaptureState::kStalled})
+        CaptureState::kEnded, CaptureState::kFinishing, CaptureState::kRefining, CaptureState::kSaving,
+        CaptureState::kJudging, CaptureState::kFailed, CaptureState::kStalled})
     out.sample(each == capture ? 1 : 0, {{"state", to_string(each)}});
   if (state.ending && state.ending->total > 0)
-    out.single("ending_progress_ratio", "gauge", "How much of finishing, saving or judging is done.",
+    out.single("ending_progress_ratio", "gauge", "How much of finishing, refining, saving or judging is done.",
                static_cast<double>(state.ending->done) / static_cast<double>(state.ending->total));
   out.family("link_connected", "gauge", "1 where the peer is connected.");
   for (const MonitorState::Link& link : state.links)

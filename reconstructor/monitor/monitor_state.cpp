@@ -28,6 +28,8 @@ const char* to_string(CaptureState state) {
       return "ended";
     case CaptureState::kFinishing:
       return "finishing";
+    case CaptureState::kRefining:
+      return "refining";
     case CaptureState::kSaving:
       return "saving";
     case CaptureState::kJudging:

@@ -28,6 +28,7 @@ enum class CaptureState : std::uint8_t {
   kDisconnected,  ///< a peer is gone
   kEnded,         ///< the source has ended
   kFinishing,     ///< waiting captures are added to the model
+  kRefining,      ///< the mesh is refined a last time
   kSaving,
   kJudging,  ///< the finished model is compared with the held-out views
   kFailed,   ///< see `error`

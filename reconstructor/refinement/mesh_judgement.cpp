@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "common/geometry/ray_scene.h"
 #include "common/registration/silhouette.h"
@@ -18,6 +19,7 @@ namespace {
 constexpr std::size_t kFewImages = 32;  // of which more judge
 constexpr std::size_t kSources = 4;     // images that predict a pixel
 constexpr float kEdge_px = 3;           // without a mask: what an outline is off by
+constexpr float kOffBackground = 0.1f;  // encoded: less than a surface in the wrong place is, more than in the right
 constexpr float kVisible = 0.01f;       // of the distance: by how much a ray may meet the surface before the point
 constexpr float kLeastAngle = 0.01f;    // radians; closer images are no better
 
@@ -48,10 +50,11 @@ std::vector<Source> nearest_sources(const RefinementImages& images, const PosedC
   return sources;
 }
 
-/// What the sources show at the surface that a ray meets; 0 where it meets none, NaN where no source sees the place.
-float predicted(const RayScene& scene, const Ray& ray, const std::vector<Source>& sources) {
+/// What the sources show at the surface that a ray meets; empty where it meets none, NaN where no source sees the
+/// place.
+std::optional<float> predicted(const RayScene& scene, const Ray& ray, const std::vector<Source>& sources) {
   const Hit hit = scene.intersect(ray);
-  if (!hit || !hit.front) return 0;
+  if (!hit || !hit.front) return {};
   const Eigen::Vector3f point = ray.origin + hit.distance * ray.direction;
   const Eigen::Vector3f to_eye = (ray.origin - point).normalized();
   float sum = 0, weights = 0;
@@ -73,7 +76,8 @@ std::optional<double> gain_at(const Capture& capture, const PosedCamera& view, c
                               const RayScene& given, const RayScene& refined, const std::vector<Source>& sources) {
   const Rigid3 object_from_camera = view.camera_from_object.inverse();
   const GreyPyramid truth(capture);
-  const float least = capture.mask.empty() ? kEdge_px : 0;
+  const bool masked = !capture.mask.empty();
+  const float least = masked ? 0 : kEdge_px;
   struct Errors {
     double given = 0, refined = 0;
   };
@@ -85,8 +89,13 @@ std::optional<double> gain_at(const Capture& capture, const PosedCamera& view, c
       if (inside.at(x, y) <= least || !std::isfinite(grey) || !direction) continue;
       const Ray ray{object_from_camera.translation.cast<float>(),
                     (object_from_camera.rotation * *direction).cast<float>()};
-      const double off_given = predicted(given, ray, sources) - grey;
-      const double off_refined = predicted(refined, ray, sources) - grey;
+      // The object is in a mask for certain. Elsewhere it may be the background's turn, of which no mesh knows.
+      const float nothing = masked ? grey : kOffBackground;
+      const auto off = [&](const RayScene& scene) {
+        const std::optional<float> value = predicted(scene, ray, sources);
+        return double(value ? *value - grey : nothing);
+      };
+      const double off_given = off(given), off_refined = off(refined);
       if (!std::isfinite(off_given) || !std::isfinite(off_refined)) continue;
       rows[y].given += off_given * off_given;
       rows[y].refined += off_refined * off_refined;
@@ -99,6 +108,12 @@ std::optional<double> gain_at(const Capture& capture, const PosedCamera& view, c
   }
   if (!(sum.given > 0 && sum.refined > 0)) return {};
   return 10 * std::log10(sum.given / sum.refined);
+}
+
+bool all_masked(const RefinementImages& images) {
+  for (std::size_t i = 0; i < images.cameras.size(); ++i)
+    if (images.read(i).mask.empty()) return false;
+  return true;
 }
 
 }  // namespace
@@ -141,9 +156,20 @@ JudgedMesh refine_and_judge(const Mesh& mesh, const RefinementImages& images, co
     fitted.cameras.push_back(images.cameras[i]);
   }
   fitted.read = [&](std::size_t i) { return images.read(others[i]); };
-  JudgedMesh judged{.refined = refine_mesh(mesh, fitted, progress)};
-  judged.judgement = judge_mesh(mesh, judged.refined.mesh, images, left_out, others);
-  return judged;
+  std::vector<UnmaskedOutlines> ways{UnmaskedOutlines::kAsGiven};
+  if (!all_masked(images)) ways.push_back(UnmaskedOutlines::kFromEdges);
+  std::optional<JudgedMesh> best;
+  for (std::size_t way = 0; way < ways.size(); ++way) {
+    const StepsDone part_done = [&](std::size_t done, std::size_t steps) {
+      if (progress) progress(way * steps + done, ways.size() * steps);
+    };
+    JudgedMesh judged{.refined = refine_mesh(mesh, fitted, ways[way], part_done)};
+    judged.judgement = judge_mesh(mesh, judged.refined.mesh, images, left_out, others);
+    if (!best || judged.judgement.gain_db > best->judgement.gain_db) best = std::move(judged);
+  }
+  best->left_out = std::move(left_out);
+  best->others = std::move(others);
+  return *std::move(best);
 }
 
 }  // namespace sheen

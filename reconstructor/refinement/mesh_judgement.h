@@ -21,7 +21,8 @@ struct MeshJudgement {
 
 /// `left_out`, `others`: numbers of `images`. Each pixel of the given mesh's object is predicted from the four of the
 /// others that look most alike and see the place (unstructured lumigraph, Buehler et al. 2001), in encoded luminance;
-/// black where the mesh shows nothing.
+/// black where the mesh shows nothing of a mask; without one the pixel may be of the background, and what it is off by
+/// is taken to lie between what right and wrong surfaces are off by.
 MeshJudgement judge_mesh(const Mesh& given, const Mesh& refined, const RefinementImages& images,
                          const std::vector<std::size_t>& left_out, const std::vector<std::size_t>& others);
 
@@ -30,9 +31,11 @@ MeshJudgement judge_mesh(const Mesh& given, const Mesh& refined, const Refinemen
 struct JudgedMesh {
   RefinedMesh refined;  ///< before it was judged
   MeshJudgement judgement;
+  std::vector<std::size_t> left_out, others;  ///< images that judged, and those that it was refined against
   bool kept_given() const { return !judgement.refined_is_better(); }
 };
-/// Every eighth image judges, of fewer than 32 every fourth. Throws Error where fewer than two are left.
+/// Every eighth image judges, of fewer than 32 every fourth. Where an image has no mask, the mesh is refined with
+/// either of `UnmaskedOutlines`, and the better one is kept. Throws Error where fewer than two are left.
 JudgedMesh refine_and_judge(const Mesh& mesh, const RefinementImages& images, const StepsDone& progress = {});
 
 }  // namespace sheen

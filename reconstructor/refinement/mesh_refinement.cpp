@@ -14,6 +14,7 @@
 #include "reconstructor/refinement/displacement_field.h"
 #include "reconstructor/refinement/kept_outlines.h"
 #include "reconstructor/refinement/normal_sweep.h"
+#include "reconstructor/refinement/outline_edges.h"
 #include "reconstructor/refinement/silhouette_rims.h"
 #include "reconstructor/refinement/sweep_minimum.h"
 #include "reconstructor/refinement/vertex_patches.h"
@@ -131,6 +132,7 @@ Eigen::VectorXd overconfidence(const MeshEdges& edges, const Observations& first
 /// What outlines say.
 struct Rims {
   Observations masked;  ///< against masks
+  Observations edges;   ///< against edges of images without one
   Observations held;    ///< against the mesh as it was given, which observes nothing
 };
 
@@ -159,7 +161,7 @@ Estimate estimate(const MeshEdges& edges, const NormalSweep& sweep, const Rims& 
   };
 
   Estimate result;
-  std::array sources{Observations(), from_given(rims.masked), from_given(rims.held)};
+  std::array sources{Observations(), from_given(rims.masked), from_given(rims.edges), from_given(rims.held)};
   for (int round = 0; round <= kNeighbourRounds; ++round) {
     sources[0] = observe(sweep, NormalSweep::kBoth, shape, moved, round > 0 ? &result.field.value : nullptr);
     weigh(sources[0]);
@@ -167,6 +169,7 @@ Estimate estimate(const MeshEdges& edges, const NormalSweep& sweep, const Rims& 
   }
   result.observed = sources[0];
   result.observed.add(sources[1]);
+  result.observed.add(sources[2]);
   for (Eigen::Index v = 0; v < result.field.variance.size(); ++v)
     result.field.variance[v] += std::pow(kCommonError * shape.spacing[v], 2);
   return result;
@@ -225,7 +228,8 @@ RefinementPass apply(const Estimate& found, const NormalSweep& sweep, const Vert
 
 }  // namespace
 
-RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, const StepsDone& progress) {
+RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, UnmaskedOutlines outlines,
+                        const StepsDone& progress) {
   if (images.cameras.size() < 2) throw Error("refining a mesh needs two images or more that are not held out");
   RefinedMesh refined{.mesh = mesh,
                       .moved = std::vector<float>(mesh.vertices.size(), 0),
@@ -250,19 +254,25 @@ RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, const 
         last ? split_views(refined.mesh, patches.normals, images.cameras) : std::vector<ViewSplit>{};
     NormalSweep sweep(refined.mesh, patches, splits, clearance, expected);
     const auto vertices = static_cast<Eigen::Index>(mesh.vertices.size());
-    Rims rims{Observations(vertices), Observations(vertices)};
+    Rims rims{Observations(vertices), Observations(vertices), Observations(vertices)};
+    OutlineEdges outline_edges(refined.mesh, patches.normals, shape.spacing);
     for (std::size_t i = 0; i < images.cameras.size(); ++i) {
       const Capture capture = images.read(i);
       const PosedCamera& view = images.cameras[i];
-      sweep.add(GreyPyramid(capture), view, scene);
-      // Where nothing says what is the object, the outline that was given is as good as any.
+      const GreyPyramid pyramid(capture);
+      sweep.add(pyramid, view, scene);
       const bool masked = !capture.mask.empty();
-      const ImageF from_outline = distance_from_outline(masked ? capture.mask : caster.cast(view, mesh, given));
-      observe_rims(refined.mesh, patches.normals, scene, view, from_outline,
-                   masked ? kMaskSigma_px : kSilhouetteSigma_px, kSweepReach * spacing_px,
-                   masked ? rims.masked : rims.held);
+      if (!masked && outlines == UnmaskedOutlines::kFromEdges) {
+        outline_edges.add(pyramid, view, scene);
+      } else {
+        const ImageF from_outline = distance_from_outline(masked ? capture.mask : caster.cast(view, mesh, given));
+        observe_rims(refined.mesh, patches.normals, scene, view, from_outline,
+                     masked ? kMaskSigma_px : kSilhouetteSigma_px, kSweepReach * spacing_px,
+                     masked ? rims.masked : rims.held);
+      }
       if (progress) progress(++done, images.cameras.size() * kPasses.size());
     }
+    rims.edges = outline_edges.observe(edges);
     const Eigen::VectorXd moved = Eigen::Map<const Eigen::VectorXf>(refined.moved.data(), vertices).cast<double>();
     const Estimate found = estimate(edges, sweep, rims, shape, moved);
     Eigen::VectorXd kept = significant(edges, found.field, kPasses[p].insignificant);

@@ -34,8 +34,15 @@ struct RefinedMesh {
   std::vector<RefinementPass> passes;
 };
 
+/// Where the outlines of images without a mask are.
+enum class UnmaskedOutlines {
+  kAsGiven,    ///< as the mesh has them, which was carved from them or scanned well
+  kFromEdges,  ///< where the images have edges along them
+};
+
 /// Moves the vertices of a mesh along their normals to where the images agree best about the surface
 /// (docs/decisions/refinement.md).
-RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, const StepsDone& progress = {});
+RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images,
+                        UnmaskedOutlines outlines = UnmaskedOutlines::kAsGiven, const StepsDone& progress = {});
 
 }  // namespace sheen

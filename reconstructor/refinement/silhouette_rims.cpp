@@ -14,18 +14,6 @@ namespace {
 constexpr float kOutside_px = 1.5f;     // where a ray beside a rim must pass without meeting anything
 constexpr double kLeastLeverage = 0.3;  // of a rim's motion in the image, of what a motion across the ray would be
 
-/// Vertices where the mesh turns from facing the eye to facing away.
-std::vector<bool> on_contour(const Mesh& mesh, const Eigen::Vector3f& eye) {
-  std::vector<std::uint8_t> sides(mesh.vertices.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const bool front = mesh.area_normal(t).dot(eye - mesh.corner(t, 0)) > 0;
-    for (const std::uint32_t v : mesh.triangles[t]) sides[v] |= front ? 1 : 2;
-  }
-  std::vector<bool> contour(mesh.vertices.size());
-  for (std::size_t v = 0; v < contour.size(); ++v) contour[v] = sides[v] == 3;
-  return contour;
-}
-
 /// Value and gradient, bilinear; empty within a pixel of the border.
 std::optional<Eigen::Vector3d> value_and_gradient(const ImageF& image, const Eigen::Vector2d& at) {
   const int x = static_cast<int>(std::floor(at.x())), y = static_cast<int>(std::floor(at.y()));
@@ -42,6 +30,26 @@ std::optional<Eigen::Vector3d> value_and_gradient(const ImageF& image, const Eig
 
 }  // namespace
 
+std::vector<bool> on_contour(const Mesh& mesh, const Eigen::Vector3f& eye) {
+  std::vector<std::uint8_t> sides(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const bool front = mesh.area_normal(t).dot(eye - mesh.corner(t, 0)) > 0;
+    for (const std::uint32_t v : mesh.triangles[t]) sides[v] |= front ? 1 : 2;
+  }
+  std::vector<bool> contour(mesh.vertices.size());
+  for (std::size_t v = 0; v < contour.size(); ++v) contour[v] = sides[v] == 3;
+  return contour;
+}
+
+bool is_rim(const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal, const Eigen::Vector3f& eye, double focal,
+            const RayScene& scene) {
+  const float distance = (vertex - eye).norm();
+  const Eigen::Vector3f ray = (vertex - eye) / distance;
+  const Eigen::Vector3f outward = (normal - normal.dot(ray) * ray).normalized();
+  const Eigen::Vector3f beside = vertex + kOutside_px * static_cast<float>(distance / focal) * outward;
+  return outward.allFinite() && !scene.occluded(Ray{eye, beside - eye});
+}
+
 void observe_rims(const Mesh& mesh, const std::vector<Eigen::Vector3f>& normals, const RayScene& scene,
                   const PosedCamera& view, const ImageF& from_outline, double sigma_px, double reach_px,
                   Observations& observed) {
@@ -55,11 +63,8 @@ void observe_rims(const Mesh& mesh, const std::vector<Eigen::Vector3f>& normals,
     if (!contour[v]) return;
     const Eigen::Vector3f& vertex = mesh.vertices[v];
     const float distance = (vertex - eye).norm();
-    const Eigen::Vector3f ray = (vertex - eye) / distance;
-    const Eigen::Vector3f outward = (normals[v] - normals[v].dot(ray) * ray).normalized();
     const auto footprint = static_cast<float>(distance / focal);
-    const Eigen::Vector3f beside = vertex + kOutside_px * footprint * outward;
-    if (!outward.allFinite() || scene.occluded(Ray{eye, beside - eye})) return;
+    if (!is_rim(vertex, normals[v], eye, focal, scene)) return;
     const auto pixel = project(vertex), moved = project(vertex + footprint * normals[v]);
     if (!pixel || !moved) return;
     const auto place = value_and_gradient(from_outline, *pixel);

@@ -54,7 +54,7 @@ const std::vector<Room> kReconstructor = {
     {"evaluation", "render|models|radiance|surface|numerics"},
     {"effort", "evaluation|render|models|radiance"},
     {"scene", "effort|models"},
-    {"capture", "scene|effort|evaluation|monitor|render|models|radiance"},
+    {"capture", "scene|effort|evaluation|monitor|render|models|radiance|refinement"},
     {"studies", "effort|evaluation|render|models|radiance|surface|numerics"},
 };
 

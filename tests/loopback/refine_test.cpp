@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `refine` and `build --refine`, judged on views that neither saw.
+// `refine`, `build --refine` and `serve --refine`, judged on views that neither saw.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -70,9 +70,54 @@ TEST_F(Refine, AMeshThatIsRightIsWrittenAsItWasGiven) {
   EXPECT_EQ(given.triangles, refined.triangles);
 }
 
+/// Captures come from the session alone: each start takes them in again.
+class RefineLive : public Refine {
+ protected:
+  Json serve_until_interrupted() {
+    Process desk(serve(low_, session_, {"--refine", "--endpoint", free_address(), "--json", report_}));
+    EXPECT_TRUE(desk.prints("refined against", kPatience));
+    desk.signal(SIGINT);
+    expect_outcome(wait_to_end(desk), 0, {"the model is saved"});
+    return Json::parse(read_file(report_))["refinement"];
+  }
+  /// The model that `serve` saved is the one of the mesh that it went over to.
+  void expect_model_of(const fs::path& mesh) const {
+    const fs::path built = temp_.path() / "built";
+    expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", mesh, "--out", built, "--loss", "0dB"})), 0,
+                   {});
+    expect_same_model(session_ / "model", built);
+  }
+  const fs::path report_ = temp_.path() / "live.json";
+};
+
+TEST_F(RefineLive, TheModelGoesOverToTheRefinedMeshAndAStartAfterwardsBeginsThere) {
+  const Json looks = serve_until_interrupted();
+  ASSERT_EQ(looks.size(), 1u);
+  EXPECT_EQ(looks[0]["mesh"], "refined");
+  EXPECT_GT(looks[0]["gain_db"], 1);
+  const Mesh given = load_mesh(low_).mesh, refined = load_mesh(session_ / "refined.ply").mesh;
+  EXPECT_EQ(given.triangles, refined.triangles);
+  EXPECT_NE(given.vertices, refined.vertices);
+  expect_model_of(session_ / "refined.ply");
+
+  const Json again = serve_until_interrupted();
+  EXPECT_EQ(again[0]["mesh"], "as before");
+  expect_model_of(session_ / "refined.ply");
+}
+
+TEST_F(RefineLive, AMeshThatIsRightStays) {
+  fs::copy_file(right_, low_, fs::copy_options::overwrite_existing);
+  EXPECT_EQ(serve_until_interrupted()[0]["mesh"], "as before");
+  EXPECT_FALSE(fs::exists(session_ / "refined.ply"));
+  expect_model_of(low_);
+}
+
 TEST_F(Refine, WhatHasNoMeshCannotBeRefined) {
   expect_outcome(run_to_end(reconstructor({"build", session_, "--model", "irradiance-field", "--refine"})), 2,
                  {"--refine"});
+  expect_outcome(run_to_end(reconstructor({"serve", "--session", temp_.path() / "new", "--headless", "--model",
+                                           "irradiance-field", "--refine"})),
+                 2, {"--refine"});
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ const details = {
   disconnected: (s) => s.links.filter((l) => l.came && !l.connected && !l.ended).map((l) => l.name).join(", ") + " is gone",
   ended: () => "the source has ended",
   finishing: (s) => "image " + s.ending.done + " of " + s.ending.total,
+  refining: (s) => "the mesh: step " + s.ending.done + " of " + s.ending.total,
   saving: (s) => "the model: part " + s.ending.done + " of " + s.ending.total,
   judging: (s) => "on held-out views: picture " + s.ending.done + " of " + s.ending.total,
   failed: () => "see below",

@@ -32,9 +32,9 @@ class CaptureLoopFaults : public ::testing::Test {
     reconstruction_ = std::make_unique<Reconstruction>(*object_.mesh, plain_options());
     ReceiverOptions link = testing::receiver_options(tracker);
     link.held = session.held();
-    loop_ =
-        std::make_unique<CaptureLoop>(folder_, std::move(session), std::make_unique<TrackerLinks>(std::vector{link}),
-                                      *reconstruction_, CaptureLoopOptions{}, LoopObserver{.on_snapshot = [](auto) {}});
+    loop_ = std::make_unique<CaptureLoop>(folder_, std::move(session),
+                                          std::make_unique<TrackerLinks>(std::vector{link}), *reconstruction_,
+                                          CaptureLoopOptions{}, LoopObserver{.on_snapshot = [](auto, auto) {}});
     loop_->start();
   }
   bool ingests(std::uint64_t captures) {

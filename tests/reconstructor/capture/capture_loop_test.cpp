@@ -42,7 +42,7 @@ class CaptureLoopTest : public ::testing::Test {
         folder_, std::move(session), nobody(), *reconstruction_,
         CaptureLoopOptions{
             .snapshot_interval = milliseconds(0), .judge_interval = milliseconds(10), .pause = milliseconds(300)},
-        LoopObserver{.on_snapshot = [this](auto snapshot) { images_shown_.push_back(most_views(*snapshot)); }});
+        LoopObserver{.on_snapshot = [this](auto snapshot, auto) { images_shown_.push_back(most_views(*snapshot)); }});
     loop_->start();
     wait_until([](const LoopStatus& s) { return s.ingested == kImages; });
   }
@@ -77,6 +77,20 @@ class CaptureLoopTest : public ::testing::Test {
     EXPECT_EQ(counts.held_out, never.account().counts().held_out);
   }
 
+  std::shared_ptr<const Mesh> another_mesh() const {
+    Mesh mesh = *object_.mesh;
+    for (Eigen::Vector3f& v : mesh.vertices) v.z() += 0.002f;
+    return std::make_shared<const Mesh>(std::move(mesh));
+  }
+  void expect_model_on(const Mesh& mesh) {
+    loop_->stop();
+    Reconstruction built(mesh, options_);
+    for (const Capture& image : images_) built.ingest(image);
+    expect_same_patches(*reconstruction_->snapshot(), *built.snapshot());
+    EXPECT_EQ(reconstruction_->judge().model.psnr_db, built.judge().model.psnr_db);
+    EXPECT_EQ(reconstruction_->account().counts().accepted, built.account().counts().accepted);
+  }
+
   const TempFolder temp_;
   const std::filesystem::path folder_ = temp_.path() / "session";
   const Object object_ = square_object();
@@ -86,6 +100,35 @@ class CaptureLoopTest : public ::testing::Test {
   std::unique_ptr<Reconstruction> reconstruction_;
   std::unique_ptr<CaptureLoop> loop_;
 };
+
+TEST_F(CaptureLoopTest, GoesOverToAnotherMeshWhileTheWholeModelIsShown) {
+  const auto mesh = another_mesh();
+  loop_->go_over_to(mesh);
+  loop_->finish();
+  wait_until([this](const LoopStatus&) { return loop_->finished(); });
+  EXPECT_TRUE(loop_->status().exact);
+  EXPECT_FALSE(loop_->status().on_another_mesh);
+  expect_model_on(*mesh);
+  EXPECT_EQ(reconstruction_->snapshot()->shared_mesh(), mesh);
+  const auto whole = std::max_element(images_shown_.begin(), images_shown_.end());
+  for (auto shown = whole; shown != images_shown_.end(); ++shown) EXPECT_EQ(*shown, *whole);
+}
+
+TEST_F(CaptureLoopTest, WhereAMeshIsStillToComeItIsNotFinished) {
+  loop_.reset();  // it holds the session
+  reconstruction_ = std::make_unique<Reconstruction>(*object_.mesh, options_);
+  loop_ = std::make_unique<CaptureLoop>(folder_, Session::open(folder_), nobody(), *reconstruction_,
+                                        CaptureLoopOptions{.awaits_last_mesh = true}, LoopObserver{});
+  loop_->start();
+  loop_->finish();
+  wait_until([](const LoopStatus& s) { return s.no_more_captures; });
+  EXPECT_FALSE(loop_->finished());
+  const auto mesh = another_mesh();
+  loop_->go_over_to(mesh);
+  loop_->no_other_mesh_follows();
+  wait_until([this](const LoopStatus&) { return loop_->finished(); });
+  expect_model_on(*mesh);
+}
 
 TEST_F(CaptureLoopTest, WhatAnotherProgramWithdrawsIsForgottenToTheBit) {
   Session desk = Session::open_to_withdraw(folder_);

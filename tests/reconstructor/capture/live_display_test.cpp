@@ -12,8 +12,7 @@ namespace {
 
 TEST(LiveDisplay, SaysWhetherImagesAreStillToCome) {
   const Mesh mesh = square_mesh(0.1f, 0, 1);
-  const RayPainter painter(mesh);
-  LiveDisplay display(painter, {});
+  LiveDisplay display({});
   const auto shown = [&](const LoopStatus& status) {
     display.publish_to_window(status);
     return display.feed().latest()->link;
@@ -27,10 +26,9 @@ TEST(LiveDisplay, SaysWhetherImagesAreStillToCome) {
 
 TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   const auto mesh = std::make_shared<const Mesh>(sphere_mesh(0.1f, 2));
-  const RayPainter painter(*mesh);
   Reconstruction nothing_yet(*mesh, SurfaceLightFieldOptions{});
-  LiveDisplay display(painter, {.trackers = {{"tcp://127.0.0.1:7410", "sheen-tracker run"}}});
-  display.observer().on_snapshot(nothing_yet.snapshot());
+  LiveDisplay display({.trackers = {{"tcp://127.0.0.1:7410", "sheen-tracker run"}}});
+  display.observer().on_snapshot(nothing_yet.snapshot(), nothing_yet.shared_painter());
   const auto now = MonitorState::Clock::now();
   const MonitorState waiting = display.monitor_state({});
   EXPECT_EQ(capture_state(waiting, now, now), CaptureState::kWaiting);
@@ -68,8 +66,7 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
 
 TEST(LiveDisplay, OneOfTwoTrackersIsStillToComeAndAnotherIsGone) {
   const Mesh mesh = square_mesh(0.1f, 0, 1);
-  const RayPainter painter(mesh);
-  LiveDisplay display(painter, {.trackers = {{"tcp://a:1", "start a"}, {"tcp://b:1", "start b"}}});
+  LiveDisplay display({.trackers = {{"tcp://a:1", "start a"}, {"tcp://b:1", "start b"}}});
   EXPECT_EQ(display.monitor_state({}).hint, "start a and start b");
   LoopStatus status;
   status.links = {{"tcp://a:1", {}}, {"tcp://b:1", {}}};
@@ -93,8 +90,7 @@ TEST(LiveDisplay, CamerasAreShownInTurnWithoutAFlicker) {
   auto images = captures({object.surface, analytic::two_terms(0.1)}, {{0.02, 0, 0.5}, {0.05, 0.02, 0.5}});
   images[0].calibration_hash = "left";
   images[1].calibration_hash = "right";
-  const RayPainter painter(*object.mesh);
-  LiveDisplay display(painter, {});
+  LiveDisplay display({});
   const LoopObserver observer = display.observer();
   for (const Capture& image : {images[0], images[1], images[0], images[1]}) {
     observer.on_capture(image);
@@ -108,21 +104,20 @@ TEST(LiveDisplay, ThePageSaysInWhichDirectionTheNextImageIs) {
   const auto images =
       captures({object.surface, analytic::two_terms(0.1)}, {{0.02, 0, 0.5}, {0.05, 0.02, 0.5}, {0, 0.04, 0.5}});
   Reconstruction reconstruction(*object.mesh, plain_options());
-  LiveDisplay display(reconstruction.painter(), {});
+  LiveDisplay display({});
   LoopObserver observer = display.observer();
   for (const Capture& image : images) {
     observer.on_capture(image);
     reconstruction.ingest(image);
   }
-  observer.on_snapshot(reconstruction.snapshot());
+  observer.on_snapshot(reconstruction.snapshot(), reconstruction.shared_painter());
   EXPECT_THAT(display.monitor_state({}).next_view,
               ::testing::MatchesRegex("move [0-9]+ degrees (to the (left|right)(, [0-9]+ (up|down))?|up|down): .+"));
 }
 
 TEST(LiveDisplay, WhatIsReceivedIsUsedRefusedTakenBackOrWaits) {
   const Mesh mesh = square_mesh(0.1f, 0, 1);
-  const RayPainter painter(mesh);
-  LiveDisplay display(painter, {});
+  LiveDisplay display({});
   LoopStatus status;
   status.journaled = 20;
   status.ingested = 12;
@@ -140,8 +135,7 @@ TEST(LiveDisplay, WhatIsReceivedIsUsedRefusedTakenBackOrWaits) {
 
 TEST(LiveDisplay, FinishingSavingAndJudgingAreStatesWithABar) {
   const Mesh mesh = square_mesh(0.1f, 0, 1);
-  const RayPainter painter(mesh);
-  LiveDisplay display(painter, {});
+  LiveDisplay display({});
   const auto long_ago = MonitorState::Clock::now() - std::chrono::minutes(1);
   const auto expect = [&](EndStage stage, CaptureState state, const std::string& word) {
     const EndProgress end{stage, 3, 12};

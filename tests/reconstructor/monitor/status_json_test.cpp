@@ -69,7 +69,8 @@ TEST(CaptureState, WhatIsDoneAfterTheLastImageIsNeitherStaleNorEnded) {
   MonitorState state = sample_monitor_state();
   state.last_frame = now - 60s;
   state.ended = true;
-  for (const CaptureState stage : {CaptureState::kFinishing, CaptureState::kSaving, CaptureState::kJudging}) {
+  for (const CaptureState stage :
+       {CaptureState::kFinishing, CaptureState::kRefining, CaptureState::kSaving, CaptureState::kJudging}) {
     state.ending = {stage, 3, 9};
     EXPECT_EQ(capture_state(state, now, now), stage);
     const auto json = nlohmann::json::parse(status_json(state, stage, 0, 60, {}));

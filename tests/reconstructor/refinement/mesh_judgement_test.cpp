@@ -34,6 +34,14 @@ TEST(MeshJudgement, PixelsThatARefinedMeshUncoversCountAgainstIt) {
   EXPECT_FALSE(shrunk.refined_is_better());
 }
 
+TEST(MeshJudgement, WithoutMasksAMeshThatIsTooLargeIsWorseThanTheRightOne) {
+  const Photographs photographs(ball(), 60, -0.98, false);
+  const Mesh right = sphere_mesh(kRadius, 4), large = sphere_mesh(1.1f * kRadius, 4);
+  EXPECT_GT(judged(large, right, photographs).gain_db, 1) << "it shows the background where nothing is";
+  const Mesh small = sphere_mesh(0.9f * kRadius, 4);
+  EXPECT_LT(judged(right, small, photographs).gain_db, -1);
+}
+
 TEST(MeshJudgement, ARightMeshIsKeptAsItWasGivenAndAWrongOneIsNot) {
   const Photographs photographs(ball(), 48, -0.98, false);
   const JudgedMesh right = refine_and_judge(sphere_mesh(kRadius, 4), photographs.images());

@@ -91,6 +91,27 @@ TEST(RefineMesh, MasksHoldTheRimWhereNothingElseIsSeen) {
   EXPECT_LT(rms_from_ball(refined.mesh), 0.03 * kRadius / 4);
 }
 
+TEST(RefineMesh, EdgesShowTheRimWhereNoMaskDoes) {
+  const auto grey = [](const Eigen::Vector3d&, const Eigen::Vector3d&) { return Eigen::Vector3d(0.3, 0.3, 0.3); };
+  const Photographs photographs({analytic::sphere(kRadius), grey}, 60, -0.98, false);
+  for (const float size : {1.03f, 0.97f}) {
+    const Mesh wrong = sphere_mesh(size * kRadius, 4);
+    const RefinedMesh refined = refine_mesh(wrong, photographs.images(), UnmaskedOutlines::kFromEdges);
+    EXPECT_LT(rms_from_ball(refined.mesh), rms_from_ball(wrong) / 4) << size;
+    // Nothing else tells: as the mesh has its outlines they stay.
+    EXPECT_GT(rms_from_ball(refine_mesh(wrong, photographs.images()).mesh), 0.9 * rms_from_ball(wrong)) << size;
+  }
+}
+
+TEST(RefineMesh, TextureBesideAnOutlineIsNotTakenForIt) {
+  const Photographs photographs(ball(), 60, -0.98, false);
+  const RefinedMesh right = refine_mesh(sphere_mesh(kRadius, 4), photographs.images(), UnmaskedOutlines::kFromEdges);
+  EXPECT_LT(rms_from_ball(right.mesh), 0.2 * kPixel);
+  const Mesh disturbed = waved_ball(0.01 * 2 * kRadius);
+  const RefinedMesh refined = refine_mesh(disturbed, photographs.images(), UnmaskedOutlines::kFromEdges);
+  EXPECT_LT(rms_from_ball(refined.mesh), 0.25 * rms_from_ball(disturbed));
+}
+
 /// Kinds of what is found wrong with a mesh of the ball.
 std::string found_wrong(const Mesh& mesh, const Photographs& photographs) {
   std::string kinds;
