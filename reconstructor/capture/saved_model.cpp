@@ -130,6 +130,7 @@ std::optional<SmallFile> save_reconstruction(const Reconstruction& reconstructio
       for (const HeldOutView& view : views) sum += score_object(view, small, painter).psnr_db;
       return sum / static_cast<double>(views.size());
     };
+  malloc_trim(0);  // what images and judging took
   const std::unique_ptr<Compression> compression = model->compression(*size);
   model.reset();
   malloc_trim(0);  // what it took lies scattered between what was made of it

@@ -12,19 +12,23 @@ template <typename Scalar>
 PackedColumns<Scalar>::PackedColumns(Matrix exact) : rows_(exact.rows()), exact_(std::move(exact)) {}
 
 template <typename Scalar>
-PackedColumns<Scalar> PackedColumns<Scalar>::fixed_point(const Matrix& columns) {
+PackedColumns<Scalar> PackedColumns<Scalar>::fixed_point(const Matrix& columns, Eigen::Index fine) {
   if (columns.cols() == 0) return columns;  // which has its rows
   const auto rows = static_cast<std::size_t>(columns.rows());
   PackedColumns packed;
   packed.rows_ = columns.rows();
   packed.steps_.resize(static_cast<std::size_t>(columns.cols()));
-  packed.codes_.resize(static_cast<std::size_t>(columns.size()));
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+  packed.codes_.resize(rows * static_cast<std::size_t>(fine));
+  packed.coarse_codes_.resize(rows * static_cast<std::size_t>(columns.cols() - fine));
+  const auto encode = [&]<typename Code>(Eigen::Index k, Code* codes) {
     const Scalar* const values = columns.col(k).data();
     double& step = packed.steps_[static_cast<std::size_t>(k)];
-    step = step_to_reach<std::int16_t>(largest_magnitude(values, rows));
-    encode_fixed(values, rows, step, packed.codes_.data() + k * columns.rows());
-  }
+    step = step_to_reach<Code>(largest_magnitude(values, rows));
+    encode_fixed(values, rows, step, codes);
+  };
+  for (Eigen::Index k = 0; k < fine; ++k) encode(k, packed.codes_.data() + k * columns.rows());
+  for (Eigen::Index k = fine; k < columns.cols(); ++k)
+    encode(k, packed.coarse_codes_.data() + (k - fine) * columns.rows());
   return packed;
 }
 
@@ -36,13 +40,13 @@ typename PackedColumns<Scalar>::Matrix& PackedColumns<Scalar>::exact() {
 
 template <typename Scalar>
 PackedColumns<Scalar> PackedColumns<Scalar>::alike(Matrix columns) const {
-  return steps_.empty() ? PackedColumns(std::move(columns)) : fixed_point(columns);
+  return steps_.empty() ? PackedColumns(std::move(columns)) : fixed_point(columns, std::min(fine(), columns.cols()));
 }
 
 template <typename Scalar>
 Scalar PackedColumns<Scalar>::at(Eigen::Index row, Eigen::Index k) const {
   if (steps_.empty()) return exact_(row, k);
-  return fixed_value<Scalar>(codes_of(k)[row], steps_[static_cast<std::size_t>(k)]);
+  return with_codes(k, [&](const auto* codes) { return fixed_value<Scalar>(codes[row], step(k)); });
 }
 
 template <typename Scalar>
@@ -50,7 +54,13 @@ typename PackedColumns<Scalar>::ThreeRows PackedColumns<Scalar>::three_rows_time
     Eigen::Index first, const Eigen::Ref<const Vector>& y) const {
   if (steps_.empty()) return exact_.template middleRows<3>(first).leftCols(y.size()) * y;
   ThreeRows sum = ThreeRows::Zero();
-  for (Eigen::Index k = 0; k < y.size(); ++k) sum += y[k] * ThreeRows(at(first, k), at(first + 1, k), at(first + 2, k));
+  const auto add = [&](Eigen::Index k, const auto* codes) {
+    const auto value = [&](Eigen::Index row) { return fixed_value<Scalar>(codes[first + row], step(k)); };
+    sum += y[k] * ThreeRows(value(0), value(1), value(2));
+  };
+  const Eigen::Index many = fine();
+  for (Eigen::Index k = 0; k < std::min(y.size(), many); ++k) add(k, codes_.data() + k * rows_);
+  for (Eigen::Index k = many; k < y.size(); ++k) add(k, coarse_codes_.data() + (k - many) * rows_);
   return sum;
 }
 
@@ -66,8 +76,9 @@ void PackedColumns<Scalar>::inner_products(const Eigen::Ref<const Vector>& y, Ei
     Scalar sum = 0;
     for (Eigen::Index row = 0; row < rows_; row += kAtOnce) {
       const Eigen::Index count = std::min(kAtOnce, rows_ - row);
-      decode_fixed(codes_of(k) + row, static_cast<std::size_t>(count), steps_[static_cast<std::size_t>(k)],
-                   some.data());
+      with_codes(k, [&](const auto* codes) {
+        decode_fixed(codes + row, static_cast<std::size_t>(count), step(k), some.data());
+      });
       sum += some.head(count).dot(y.segment(row, count));
     }
     products[k] = sum;
@@ -78,7 +89,7 @@ template <typename Scalar>
 typename PackedColumns<Scalar>::Vector PackedColumns<Scalar>::column(Eigen::Index k) const {
   if (steps_.empty()) return exact_.col(k);
   Vector out(rows_);
-  decode_fixed(codes_of(k), static_cast<std::size_t>(rows_), steps_[static_cast<std::size_t>(k)], out.data());
+  with_codes(k, [&](const auto* codes) { decode_fixed(codes, static_cast<std::size_t>(rows_), step(k), out.data()); });
   return out;
 }
 
@@ -88,8 +99,9 @@ typename PackedColumns<Scalar>::Matrix PackedColumns<Scalar>::unpacked(Eigen::In
   if (steps_.empty()) return exact_.block(first_row, 0, rows, columns);
   Matrix out(rows, columns);
   for (Eigen::Index k = 0; k < columns; ++k)
-    decode_fixed(codes_of(k) + first_row, static_cast<std::size_t>(rows), steps_[static_cast<std::size_t>(k)],
-                 out.col(k).data());
+    with_codes(k, [&](const auto* codes) {
+      decode_fixed(codes + first_row, static_cast<std::size_t>(rows), step(k), out.col(k).data());
+    });
   return out;
 }
 
@@ -99,15 +111,19 @@ PackedColumns<Scalar> PackedColumns<Scalar>::leading(Eigen::Index rows, Eigen::I
   PackedColumns part;
   part.rows_ = rows;
   part.steps_.assign(steps_.begin(), steps_.begin() + columns);
-  part.codes_.resize(static_cast<std::size_t>(rows * columns));
-  for (Eigen::Index k = 0; k < columns; ++k) std::copy_n(codes_of(k), rows, part.codes_.data() + k * rows);
+  const Eigen::Index many = std::min(fine(), columns);
+  part.codes_.resize(static_cast<std::size_t>(rows * many));
+  part.coarse_codes_.resize(static_cast<std::size_t>(rows * (columns - many)));
+  for (Eigen::Index k = 0; k < many; ++k) std::copy_n(codes_.data() + k * rows_, rows, part.codes_.data() + k * rows);
+  for (Eigen::Index k = many; k < columns; ++k)
+    std::copy_n(coarse_codes_.data() + (k - many) * rows_, rows, part.coarse_codes_.data() + (k - many) * rows);
   return part;
 }
 
 template <typename Scalar>
 std::size_t PackedColumns<Scalar>::bytes() const {
   return sizeof(Scalar) * static_cast<std::size_t>(exact_.size()) + sizeof(double) * steps_.capacity() +
-         sizeof(std::int16_t) * codes_.capacity();
+         sizeof(std::int16_t) * codes_.capacity() + coarse_codes_.capacity();
 }
 
 template class PackedColumns<float>;

@@ -9,7 +9,7 @@
 namespace sheen {
 
 /// The columns of a matrix as they are, or in fixed point: 16 bits a value, a column in whole multiples of a 32767th of
-/// its largest.
+/// its largest. Of columns that matter less 8 bits, multiples of a 127th.
 template <typename Scalar>
 class PackedColumns {
  public:
@@ -20,7 +20,9 @@ class PackedColumns {
   PackedColumns() = default;
   PackedColumns(Matrix exact);  // NOLINT(google-explicit-constructor): it is that matrix
   /// Packing what was unpacked changes nothing.
-  static PackedColumns fixed_point(const Matrix& columns);
+  static PackedColumns fixed_point(const Matrix& columns) { return fixed_point(columns, columns.cols()); }
+  /// `fine`: so many columns take 16 bits, those behind them 8.
+  static PackedColumns fixed_point(const Matrix& columns, Eigen::Index fine);
   Matrix& exact();  ///< that it then is, also where it was in fixed point
   /// Others, kept as these are.
   PackedColumns alike(Matrix columns) const;
@@ -43,12 +45,20 @@ class PackedColumns {
   std::size_t bytes() const;
 
  private:
-  const std::int16_t* codes_of(Eigen::Index column) const { return codes_.data() + column * rows_; }
+  double step(Eigen::Index column) const { return steps_[static_cast<std::size_t>(column)]; }
+  Eigen::Index fine() const { return rows_ > 0 ? static_cast<Eigen::Index>(codes_.size()) / rows_ : cols(); }
+  /// Calls `use` with the codes of a column, of their own type.
+  template <typename Use>
+  auto with_codes(Eigen::Index column, const Use& use) const {
+    if (const Eigen::Index many = fine(); column >= many) return use(coarse_codes_.data() + (column - many) * rows_);
+    return use(codes_.data() + column * rows_);
+  }
 
   Eigen::Index rows_ = 0;
   Matrix exact_;  ///< or, per column:
   std::vector<double> steps_;
-  std::vector<std::int16_t> codes_;
+  std::vector<std::int16_t> codes_;        ///< of the first of them
+  std::vector<std::int8_t> coarse_codes_;  ///< of those behind
 };
 
 }  // namespace sheen

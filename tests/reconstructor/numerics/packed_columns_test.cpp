@@ -32,6 +32,29 @@ TEST(PackedColumns, FixedPointIsWrongByHalfAStepAtMost) {
   }
 }
 
+TEST(PackedColumns, ThoseBehindTheFineOnesTakeAByteAValue) {
+  for (const int fine : {0, 2, 5}) {
+    const Eigen::MatrixXf columns = gaussian_matrix(60, 5, 3);
+    const auto packed = PackedColumns<float>::fixed_point(columns, fine);
+    const Eigen::MatrixXf out = packed.unpacked();
+    for (int k = 0; k < 5; ++k) {
+      const float most = columns.col(k).cwiseAbs().maxCoeff() / (k < fine ? 32767 : 127);
+      EXPECT_LE((out - columns).col(k).cwiseAbs().maxCoeff(), 0.501f * most) << fine << " " << k;
+      EXPECT_EQ(packed.column(k), out.col(k));
+      EXPECT_EQ(packed.at(17, k), out(17, k));
+    }
+    Eigen::VectorXf products(5);
+    packed.inner_products(columns.col(0), products);
+    EXPECT_LT((products - out.transpose() * columns.col(0)).norm(), 1e-4f);
+    const Eigen::VectorXf y = gaussian_matrix(4, 1, 4).col(0);
+    EXPECT_LT((packed.three_rows_times(9, y) - out.middleRows<3>(9).leftCols(4) * y).norm(), 1e-5f);
+    EXPECT_EQ(packed.unpacked(7, 20, 4), out.block(7, 0, 20, 4));
+    EXPECT_EQ(packed.leading(20, 3).unpacked(), out.topLeftCorner(20, 3));
+    EXPECT_EQ(packed.alike(out).unpacked(), out);
+    EXPECT_EQ(packed.bytes(), 5 * sizeof(double) + 60u * static_cast<unsigned>(fine + 5));
+  }
+}
+
 TEST(PackedColumns, AreTheMatrixItselfWhereTheyAreNotInFixedPoint) {
   const Eigen::MatrixXf columns = gaussian_matrix(31, 4, 2);
   const PackedColumns<float> exact(columns), fixed = PackedColumns<float>::fixed_point(columns);

@@ -30,7 +30,7 @@ std::shared_ptr<const SurfacePatch> take_surface(Patch& patch) {
   auto surface = std::make_shared<SurfacePatch>();
   Eigen::MatrixXf basis(patch.mean.size(), 1 + patch.basis.cols());
   basis << patch.mean / kGreyLevels, patch.basis.unpacked() / kGreyLevels;
-  surface->basis = PackedColumns<float>::fixed_point(basis);
+  surface->basis = packed_terms(basis, Eigen::VectorXf::Constant(basis.cols(), kGreyLevels));
   for (const SampleState state : patch.state) surface->shown.push_back(fraction_of(state));
   patch.mean.resize(0);
   patch.basis = {};

@@ -2,8 +2,17 @@
 #include "reconstructor/models/surface_light_field/compact/compact_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sheen {
+
+PackedColumns<float> packed_terms(const Eigen::MatrixXf& columns, const Eigen::VectorXf& grey_levels) {
+  constexpr float kOff = 0.02f;
+  const float most = kOff * std::sqrt(12.0f) * 127;  // a step is off by its twelfth's root
+  Eigen::Index fine = columns.cols();
+  while (fine > 0 && columns.col(fine - 1).cwiseAbs().maxCoeff() * grey_levels[fine - 1] < most) --fine;
+  return PackedColumns<float>::fixed_point(columns, fine);
+}
 
 Eigen::Vector3f camera_direction(const CompactModel& model, std::size_t vertex, std::size_t camera) {
   return (camera_centre(model.cameras[camera].camera_from_object).cast<float>() - model.mesh->vertices[vertex])

@@ -68,6 +68,10 @@ struct CompactModel {
   }
 };
 
+/// Maps of terms in fixed point: from the first on behind which 8 bits are off by less than 0.02 grey levels (RMS) in
+/// the picture, with 8 bits. `grey_levels`: in the picture, of a value of 1, per column.
+PackedColumns<float> packed_terms(const Eigen::MatrixXf& columns, const Eigen::VectorXf& grey_levels);
+
 /// From a vertex to a camera.
 Eigen::Vector3f camera_direction(const CompactModel& model, std::size_t vertex, std::size_t camera);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/compact/compress.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -143,7 +145,10 @@ class LightFieldCompression : public Compression {
 
   std::shared_ptr<const std::string> encoded(double step, const Rounding& rounding) {
     if (target_.progress) target_.progress(tries_++, std::size(kRoundings) * StepSearch::kMostTries);
-    return std::make_shared<const std::string>(encode_compact(model_, mesh_, static_cast<float>(step), rounding));
+    malloc_trim(0);  // what the try before took lies scattered
+    auto file = std::make_shared<const std::string>(encode_compact(model_, mesh_, static_cast<float>(step), rounding));
+    malloc_trim(0);
+    return file;
   }
 
   /// The best file so far. Only one is open at a time, which takes many times its bytes.
@@ -208,7 +213,9 @@ class LightFieldCompression : public Compression {
   }
 
   static std::shared_ptr<const CompactLightField> open(const std::shared_ptr<const std::string>& bytes) {
-    return std::make_shared<CompactLightField>(decode_compact(*bytes, "the compressed model"), bytes);
+    auto opened = std::make_shared<CompactLightField>(decode_compact(*bytes, "the compressed model"), bytes);
+    malloc_trim(0);
+    return opened;
   }
 
   /// In dB of the PSNR of the pictures.

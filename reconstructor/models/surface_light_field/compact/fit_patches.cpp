@@ -271,7 +271,8 @@ class PatchFit {
         (eigen.values.head(terms) / (views * static_cast<double>(columns.rows()))).cwiseSqrt().cast<float>();
     Eigen::MatrixXd into = eigen.vectors.leftCols(terms);
     r.solveInPlace(into);
-    patch.basis = PackedColumns<float>::fixed_point((exact * into).cast<float>());
+    patch.basis =
+        packed_terms((exact * into).cast<float>(), std::sqrt(static_cast<float>(columns.rows())) * patch.displayed);
     patch.coefficients = (eigen.vectors.leftCols(terms).transpose() * Eigen::MatrixXd(r)).cast<float>();
   }
 

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <map>
 #include <numeric>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -97,7 +99,7 @@ int octave(std::size_t number) {
   return std::min(static_cast<int>(std::bit_width(number)), kEnd - 1);
 }
 
-std::int32_t magnitude(const Values& values, std::size_t i) {
+std::int32_t magnitude(std::span<const std::int32_t> values, std::size_t i) {
   return i < values.size() ? std::min(std::abs(values[i]), 4000) : 0;
 }
 
@@ -151,20 +153,30 @@ class LayerCoder {
   void code_map(std::size_t patch, QuantisedMap& map, const QuantisedMap* mean, const QuantisedMap* before,
                 std::size_t from, std::size_t to) {
     const std::vector<int>& tiles = layout_.tile_sizes[patch];
-    if (map.bands.empty()) map.bands.resize(3 * tiles.size());
-    for (std::size_t band = 0; band < map.bands.size(); ++band) {
+    take_out(map, 3 * tiles.size());
+    for (std::size_t band = 0; band < bands_.size(); ++band) {
       const std::size_t colour = band % 3, size = static_cast<std::size_t>(tiles[band / 3]);
       Likes likes;
-      for (std::size_t c = 0; c < colour; ++c) likes.colours[c] = &map.bands[band - colour + c].values;
-      if (before) likes.before = &before->bands[band].values;
-      if (mean) likes.mean = &mean->bands[band].values;
+      for (std::size_t c = 0; c < colour; ++c) likes.colours[c] = bands_[band - colour + c];
+      if (before) likes.before = before->band(band);
+      if (mean) likes.mean = mean->band(band);
       History& history = history_[colour];
       std::vector<std::int32_t>& magnitudes = history.magnitudes[size];
       magnitudes.resize(size);
       const bool level = !mean && band < 3;
-      if (level && from == 0) code_level(patch, map.bands[band].values, colour);
-      code_band(map.bands[band].values, likes, history, magnitudes, static_cast<int>(colour),
+      if (level && from == 0) code_level(patch, bands_[band], colour);
+      code_band(bands_[band], likes, history, magnitudes, static_cast<int>(colour),
                 level ? std::max<std::size_t>(from, 1) : from, std::min(to, size));
+    }
+    if (Coder::kReads) map.assign(bands_);
+  }
+
+  /// The bands of a map as far as they are known, to be worked on.
+  void take_out(const QuantisedMap& map, std::size_t bands) {
+    bands_.resize(bands);
+    for (std::size_t i = 0; i < bands; ++i) {
+      const QuantisedMap::Band band = map.empty() ? QuantisedMap::Band() : map.band(i);
+      bands_[i].assign(band.begin(), band.end());
     }
   }
 
@@ -182,9 +194,10 @@ class LayerCoder {
 
   /// What a band is like.
   struct Likes {
-    const Values* colours[2] = {};   ///< luma, and the first colour difference, of the same triangle
-    const Values* before = nullptr;  ///< the same band of the term before
-    const Values* mean = nullptr;    ///< the same band of the mean
+    using Band = std::optional<QuantisedMap::Band>;
+    Band colours[2];  ///< luma, and the first colour difference, of the same triangle
+    Band before;      ///< the same band of the term before
+    Band mean;        ///< the same band of the mean
   };
 
   /// What the bands of a colour were like of late.
@@ -196,7 +209,7 @@ class LayerCoder {
   /// `to`: of what follows there, a reader knows nothing yet.
   int expected_at(const Values& values, const Likes& likes, std::int32_t past, std::size_t f, std::size_t first,
                   std::size_t to) const {
-    const auto around = [f, to](const Values& like) {
+    const auto around = [f, to](QuantisedMap::Band like) {
       return kUnit *
              (2 * magnitude(like, f) + (f > 0 ? magnitude(like, f - 1) : 0) +
               (f + 1 < to ? magnitude(like, f + 1) : 0)) /
@@ -206,7 +219,7 @@ class LayerCoder {
     constexpr std::int32_t kNear[] = {6, 4, 3, 2};
     for (std::size_t d = 1; d <= 4 && f >= first + d; ++d) expected.add(kNear[d - 1], kUnit * magnitude(values, f - d));
     expected.add(8, past);
-    for (const Values* colour : likes.colours)
+    for (const typename Likes::Band& colour : likes.colours)
       if (colour) expected.add(2, around(*colour));
     if (likes.before) expected.add(1, around(*likes.before));
     return expected.in_half_octaves();
@@ -215,7 +228,8 @@ class LayerCoder {
   void code_band(Values& values, const Likes& likes, History& history, std::vector<std::int32_t>& past, int colour,
                  std::size_t first, std::size_t to) {
     if (first >= to) return;
-    const std::size_t length = code_length(length_of(&values, first, to), likes, history, colour, first, to);
+    const std::size_t length =
+        code_length(length_of(QuantisedMap::Band(values), first, to), likes, history, colour, first, to);
     if (length > to - first) throw std::runtime_error("a band is longer than its tile");
     const std::size_t end = first + length;
     if (Coder::kReads && length > 0) values.resize(end);
@@ -227,15 +241,17 @@ class LayerCoder {
     for (std::size_t f = first; f < to; ++f) past[f] += (kUnit * magnitude(values, f) - past[f]) / 4;
   }
 
-  static int small(const Values* values, std::size_t i) {
+  static int small(const typename Likes::Band& values, std::size_t i) {
     return values ? std::min(magnitude(*values, i), kSmall - 1) : 0;
   }
 
   bool code_nonzero(const Values& values, const Likes& likes, int expected, int colour, std::size_t f,
                     std::size_t first) {
     int near = 0;
-    for (std::size_t d = 1; d <= 2; ++d) near = kSmall * near + (f >= first + d ? small(&values, f - d) : 0);
-    for (const Values* like : {likes.colours[0], likes.colours[1], likes.before}) near = kSmall * near + small(like, f);
+    for (std::size_t d = 1; d <= 2; ++d)
+      near = kSmall * near + (f >= first + d ? small(QuantisedMap::Band(values), f - d) : 0);
+    for (const typename Likes::Band& like : {likes.colours[0], likes.colours[1], likes.before})
+      near = kSmall * near + small(like, f);
     const int octaves = octave<kOctaves>(f), mean = likes.mean ? bucket(kUnit * magnitude(*likes.mean, f)) : 0;
     const int contexts[] = {
         kContexts.zero + (colour * kFrequencies + frequency_bucket(f)) * kExpectations + expected,
@@ -260,7 +276,7 @@ class LayerCoder {
   }
 
   /// Frequencies from `first` on, as far as one before `to` is not zero.
-  static std::size_t length_of(const Values* band, std::size_t first, std::size_t to) {
+  static std::size_t length_of(const typename Likes::Band& band, std::size_t first, std::size_t to) {
     std::size_t end = band ? std::min(band->size(), to) : 0;
     while (end > first && (*band)[end - 1] == 0) --end;
     return end > first ? end - first : 0;
@@ -269,7 +285,9 @@ class LayerCoder {
   /// Its number of bits, then the bits.
   std::size_t code_length(std::size_t length, const Likes& likes, History& history, int colour, std::size_t first,
                           std::size_t to) {
-    const auto bits_of = [first, to](const Values* band) { return octave<kLengths>(length_of(band, first, to)); };
+    const auto bits_of = [first, to](const typename Likes::Band& band) {
+      return octave<kLengths>(length_of(band, first, to));
+    };
     const int term_before = bits_of(likes.before),
               colours = std::max(bits_of(likes.colours[0]), bits_of(likes.colours[1])),
               whole = octave<kLengths>(to - first), wanted = octave<kLengths>(length);
@@ -320,6 +338,7 @@ class LayerCoder {
   double level_[3] = {};  ///< of the patch before, per root of a sample
   std::int32_t scale_ = 0;
   History history_[kColours];
+  std::vector<Values> bands_;  ///< of the map that is coded
 };
 
 template <typename Coder>

@@ -93,34 +93,33 @@ QuantisedMap quantise_map(const Eigen::Ref<const Eigen::VectorXf>& values, const
     first += rgb.size();
   }
   frequencies.join(true);
-  QuantisedMap map;
-  map.bands.reserve(3 * frequencies.tiles.size());
+  std::vector<std::vector<std::int32_t>> bands;
+  bands.reserve(3 * frequencies.tiles.size());
   BandRounding rounding(bit_price);
   for (const Eigen::MatrixX3f& tile : frequencies.tiles)
-    for (int c = 0; c < 3; ++c) map.bands.emplace_back().values = rounding.rounded(tile.col(c), c);
+    for (int c = 0; c < 3; ++c) bands.push_back(rounding.rounded(tile.col(c), c));
+  QuantisedMap map;
+  map.assign(bands);
   return map;
-}
-
-bool is_zero(const QuantisedMap& map) {
-  return std::all_of(map.bands.begin(), map.bands.end(), [](const auto& band) { return band.values.empty(); });
 }
 
 void dequantise_map(const QuantisedMap& map, const std::vector<int>& resolutions, float step,
                     Eigen::Ref<Eigen::VectorXf> values) {
   static const Eigen::Matrix3f to_rgb = opponent().transpose();
   MapFrequencies frequencies;
-  const QuantisedMap::Band* bands = map.bands.data();
+  std::size_t first_band = 0;
   for (const int resolution : resolutions)
     for (const LatticeSpectrum::Tile& tile : lattice_spectrum(resolution).tiles) {
+      const QuantisedMap::Band bands[3] = {map.band(first_band), map.band(first_band + 1), map.band(first_band + 2)};
       std::size_t used = 1;
-      for (int c = 0; c < 3; ++c) used = std::max(used, bands[c].values.size());
+      for (const QuantisedMap::Band& band : bands) used = std::max(used, band.size());
       Eigen::MatrixX3f& here =
           frequencies.tiles.emplace_back(Eigen::MatrixX3f::Zero(static_cast<Eigen::Index>(used), 3));
       for (int c = 0; c < 3; ++c)
-        for (std::size_t f = 0; f < bands[c].values.size(); ++f)
-          here(static_cast<Eigen::Index>(f), c) = step * rounded_value(bands[c].values[f]);
+        for (std::size_t f = 0; f < bands[c].size(); ++f)
+          here(static_cast<Eigen::Index>(f), c) = step * rounded_value(bands[c][f]);
       frequencies.sizes.push_back(tile.samples.size());
-      bands += 3;
+      first_band += 3;
     }
   frequencies.join(false);
   float* first = values.data();
@@ -180,6 +179,19 @@ Eigen::MatrixXf refitted(const Eigen::MatrixXf& rounded, const Eigen::MatrixXf& 
 
 }  // namespace
 
+void QuantisedMap::assign(std::span<const std::vector<std::int32_t>> bands) {
+  std::size_t count = 0;
+  for (const auto& band : bands) count += band.size();
+  values_.clear();
+  values_.reserve(count);
+  ends_.clear();
+  ends_.reserve(bands.size());
+  for (const auto& band : bands) {
+    values_.insert(values_.end(), band.begin(), band.end());
+    ends_.push_back(static_cast<std::uint32_t>(values_.size()));
+  }
+}
+
 QuantisedPatch quantise(const Patch& patch, const std::vector<int>& resolutions, const ViewHaar::Plan& plan, float step,
                         const Rounding& rounding) {
   QuantisedPatch quantised_patch{.known = patch.mean.size() > 0};
@@ -193,7 +205,7 @@ QuantisedPatch quantise(const Patch& patch, const std::vector<int>& resolutions,
     QuantisedTerm term{.scale = static_cast<std::int32_t>(std::lround(2 * std::log2(patch.displayed[k])))};
     const float size = size_of(term.scale) / unit;
     term.map = quantise_map(patch.basis.column(k) * size, resolutions, step, rounding.bit_price);
-    if (is_zero(term.map)) break;
+    if (term.map.is_zero()) break;
     dequantise_map(term.map, resolutions, step, rounded.col(k));
     rounded.col(k) /= size;
     terms.push_back(std::move(term));

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/compact/compact_model.h"
@@ -12,11 +13,22 @@ namespace sheen {
 
 /// A surface map as it is stored: for each tile of each triangle's lattice luma and two colour differences, each its
 /// frequencies from the smoothest on, in steps.
-struct QuantisedMap {
-  struct Band {
-    std::vector<std::int32_t> values;  ///< as far as one is not 0
-  };
-  std::vector<Band> bands;  ///< three for each tile
+/// Bands, three for each tile, lie one behind the other: there are millions, and most of them are short.
+class QuantisedMap {
+ public:
+  using Band = std::span<const std::int32_t>;  ///< as far as a value is not 0
+
+  bool empty() const { return ends_.empty(); }
+  bool is_zero() const { return values_.empty(); }
+  Band band(std::size_t i) const {
+    const std::size_t begin = i > 0 ? ends_[i - 1] : 0;
+    return {values_.data() + begin, ends_[i] - begin};
+  }
+  void assign(std::span<const std::vector<std::int32_t>> bands);
+
+ private:
+  std::vector<std::int32_t> values_;
+  std::vector<std::uint32_t> ends_;
 };
 
 struct QuantisedTerm {

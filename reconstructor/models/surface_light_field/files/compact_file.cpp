@@ -126,7 +126,7 @@ void dequantise_all(CompactModel& model, std::vector<QuantisedPatch> patches, co
       patches[i] = {};
       patch.state = std::move(model.patches[i].state);
       blending.blend_terms(i, patch.basis.exact());
-      patch.basis = PackedColumns<float>::fixed_point(patch.basis.exact());
+      patch.basis = packed_terms(patch.basis.exact(), Eigen::VectorXf::Ones(patch.basis.cols()));
       model.patches[i] = std::move(patch);
     }
   });
