@@ -28,9 +28,10 @@ struct Overtaken {};  ///< all captures have come, many more than are looked at
 /// or the one that was given.
 enum class Best { kRefined, kPresent, kGiven };
 
-Best best_of(const JudgedMesh& judged, const Mesh& given, const Mesh& present, const RefinementImages& images) {
+Best best_of(const JudgedMesh& judged, const Mesh& given, const Mesh& present, const RefinementImages& images,
+             const StepsDone& progress) {
   const auto over = [&](const Mesh& before, const Mesh& after) {
-    return judge_mesh(before, after, images, judged.left_out, judged.others);
+    return judge_mesh(before, after, images, judged.left_out, judged.others, progress);
   };
   const bool as_given = &present == &given;
   if (!judged.kept_given() && (as_given || over(present, judged.refined.mesh).refined_is_better()))
@@ -148,8 +149,9 @@ std::shared_ptr<const Mesh> LiveRefinement::look(std::uint64_t so_many, const st
   const CaptureSet captures = patiently(stop, [&] { return open_capture_set(folder_); });
   const RefinementImages images = training_images(captures, options_.hold_out_every);
   if (images.cameras.size() < kFewestImages) return nullptr;
-  const JudgedMesh judged = refine_and_judge(*given_, images, steps_of(so_many, stop));
-  const Best best = best_of(judged, *given_, *present_, images);
+  const StepsDone progress = steps_of(so_many, stop);
+  const JudgedMesh judged = refine_and_judge(*given_, images, progress);
+  const Best best = best_of(judged, *given_, *present_, images, progress);
   const std::chrono::duration<double> took = Clock::now() - begun;
   if (loop_.status().no_more_captures && options_.on_finding)
     for (const MeshFinding& finding : findings_of(*given_, judged.refined, images))
@@ -175,10 +177,13 @@ std::shared_ptr<const Mesh> LiveRefinement::look(std::uint64_t so_many, const st
   return present_;
 }
 
-std::shared_ptr<const Mesh> refined_mesh_of(const std::filesystem::path& session_folder) {
+std::shared_ptr<const Mesh> refined_mesh_of(const std::filesystem::path& session_folder, const Mesh& given) {
   const std::filesystem::path file = session_folder / kRefinedMeshFile;
   if (!std::filesystem::exists(file)) return nullptr;
-  return std::make_shared<const Mesh>(load_mesh_unchanged(file));
+  auto refined = std::make_shared<const Mesh>(load_mesh_unchanged(file));
+  if (refined->triangles != given.triangles)
+    throw FileError(file.string(), "has other triangles than the mesh that is given; remove it to begin with that one");
+  return refined;
 }
 
 }  // namespace sheen

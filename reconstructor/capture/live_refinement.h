@@ -65,7 +65,8 @@ class LiveRefinement {
   std::jthread thread_;
 };
 
-/// The mesh that a session's model went over to; null where it did to none. Throws FileError.
-std::shared_ptr<const Mesh> refined_mesh_of(const std::filesystem::path& session_folder);
+/// The mesh that a session's model went over to; null where it did to none. Throws FileError, also where it is not one
+/// that the `given` mesh was refined to.
+std::shared_ptr<const Mesh> refined_mesh_of(const std::filesystem::path& session_folder, const Mesh& given);
 
 }  // namespace sheen

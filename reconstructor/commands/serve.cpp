@@ -323,7 +323,7 @@ void serve(ServeArguments arguments) {
   if (!makes_own_surface) watch_mesh(*given, display, observer);
   observer.on_link = [&link_log](const std::vector<LinkState>& states) { link_log.look(states); };
   const bool refines = arguments.refine && !makes_own_surface;
-  const std::shared_ptr<const Mesh> present = refines ? refined_mesh_of(arguments.session) : nullptr;
+  const std::shared_ptr<const Mesh> present = refines ? refined_mesh_of(arguments.session, *given) : nullptr;
   if (present) reconstruction.restart_on(present);
   observer.on_snapshot(reconstruction.snapshot(), reconstruction.shared_painter());  // the mesh, before any image
   watch_motion(*plan->scene.kind, display, observer);

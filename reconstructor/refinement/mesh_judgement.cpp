@@ -119,13 +119,16 @@ bool all_masked(const RefinementImages& images) {
 }  // namespace
 
 MeshJudgement judge_mesh(const Mesh& given, const Mesh& refined, const RefinementImages& images,
-                         const std::vector<std::size_t>& left_out, const std::vector<std::size_t>& others) {
+                         const std::vector<std::size_t>& left_out, const std::vector<std::size_t>& others,
+                         const StepsDone& progress) {
   const RayScene given_scene(given), refined_scene(refined);
   const Eigen::Vector3d centre = bounding_sphere(given).centre;
   SilhouetteCaster caster;
   MeshJudgement judgement;
   double squares = 0;
+  std::size_t done = 0;
   for (const std::size_t i : left_out) {
+    if (progress) progress(done++, left_out.size());
     const PosedCamera& view = images.cameras[i];
     const ImageF inside = distance_from_outline(caster.cast(view, given, given_scene));
     const auto gain = gain_at(images.read(i), view, inside, given_scene, refined_scene,
@@ -160,11 +163,14 @@ JudgedMesh refine_and_judge(const Mesh& mesh, const RefinementImages& images, co
   if (!all_masked(images)) ways.push_back(UnmaskedOutlines::kFromEdges);
   std::optional<JudgedMesh> best;
   for (std::size_t way = 0; way < ways.size(); ++way) {
+    std::size_t steps_of_one = 0;
     const StepsDone part_done = [&](std::size_t done, std::size_t steps) {
+      steps_of_one = steps;
       if (progress) progress(way * steps + done, ways.size() * steps);
     };
+    const StepsDone judging = [&](std::size_t, std::size_t) { part_done(steps_of_one, steps_of_one); };
     JudgedMesh judged{.refined = refine_mesh(mesh, fitted, ways[way], part_done)};
-    judged.judgement = judge_mesh(mesh, judged.refined.mesh, images, left_out, others);
+    judged.judgement = judge_mesh(mesh, judged.refined.mesh, images, left_out, others, judging);
     if (!best || judged.judgement.gain_db > best->judgement.gain_db) best = std::move(judged);
   }
   best->left_out = std::move(left_out);

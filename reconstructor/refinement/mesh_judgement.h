@@ -24,7 +24,8 @@ struct MeshJudgement {
 /// black where the mesh shows nothing of a mask; without one the pixel may be of the background, and what it is off by
 /// is taken to lie between what right and wrong surfaces are off by.
 MeshJudgement judge_mesh(const Mesh& given, const Mesh& refined, const RefinementImages& images,
-                         const std::vector<std::size_t>& left_out, const std::vector<std::size_t>& others);
+                         const std::vector<std::size_t>& left_out, const std::vector<std::size_t>& others,
+                         const StepsDone& progress = {});
 
 /// A mesh that is refined against most of the images and judged by the rest: where they do not gain, or nothing can be
 /// judged, the mesh stays as it was given.

@@ -105,6 +105,21 @@ TEST_F(RefineLive, TheModelGoesOverToTheRefinedMeshAndAStartAfterwardsBeginsTher
   expect_model_of(session_ / "refined.ply");
 }
 
+TEST_F(RefineLive, ARefinedMeshOfAnotherOneIsRefused) {
+  save_ply(square_mesh(0.1f, 0, 3), session_ / "refined.ply");
+  expect_outcome(run_to_end(serve(low_, session_, {"--refine", "--endpoint", free_address()})), 1,
+                 {"refined.ply", "other triangles"});
+}
+
+TEST_F(RefineLive, EndsAtOnceWhenItIsAskedTwice) {
+  Process desk(serve(low_, session_, {"--refine", "--endpoint", free_address()}));
+  ASSERT_TRUE(desk.prints("waiting for a tracker", kPatience));
+  desk.signal(SIGINT);
+  ASSERT_TRUE(desk.prints("finishing", kPatience));
+  desk.signal(SIGINT);
+  expect_outcome(wait_to_end(desk), 1, {"ended before the model was finished; nothing is lost"});
+}
+
 TEST_F(RefineLive, AMeshThatIsRightStays) {
   fs::copy_file(right_, low_, fs::copy_options::overwrite_existing);
   EXPECT_EQ(serve_until_interrupted()[0]["mesh"], "as before");
