@@ -27,15 +27,13 @@ enum class EndStage : std::uint8_t {
 
 struct EndProgress {
   EndStage stage = EndStage::kCapturing;
-  std::uint64_t
-      done = 0,
-      total = 0;  ///< images; steps of the refinement; parts of the model's files or tries to make it small; pictures
+  /// Images; steps of the refinement; parts of the model's files or tries to make it small; pictures.
+  std::uint64_t done = 0, total = 0;
 };
 
 /// What becomes of a capture after its last image, on a thread of its own so that whoever watches is told meanwhile: no
-/// more is received, waiting captures are added, the mesh is refined where that was asked
-/// for, the model is saved into `session_folder`/model, its held-out views
-/// are judged. As bounded as the journal is; `stop` ends it earlier.
+/// more is received, waiting captures are added, the mesh is refined where that was asked for, the model is saved into
+/// `session_folder`/model, its held-out views are judged. As bounded as the journal is; `stop` ends it earlier.
 class CaptureEnd {
  public:
   /// `size`: that of the saved model, as `save_reconstruction` takes it. `refinement`: of the mesh, which the loop

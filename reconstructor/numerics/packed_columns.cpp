@@ -17,6 +17,7 @@ PackedColumns<Scalar> PackedColumns<Scalar>::fixed_point(const Matrix& columns, 
   const auto rows = static_cast<std::size_t>(columns.rows());
   PackedColumns packed;
   packed.rows_ = columns.rows();
+  packed.fine_ = fine;
   packed.steps_.resize(static_cast<std::size_t>(columns.cols()));
   packed.codes_.resize(rows * static_cast<std::size_t>(fine));
   packed.coarse_codes_.resize(rows * static_cast<std::size_t>(columns.cols() - fine));
@@ -40,7 +41,7 @@ typename PackedColumns<Scalar>::Matrix& PackedColumns<Scalar>::exact() {
 
 template <typename Scalar>
 PackedColumns<Scalar> PackedColumns<Scalar>::alike(Matrix columns) const {
-  return steps_.empty() ? PackedColumns(std::move(columns)) : fixed_point(columns, std::min(fine(), columns.cols()));
+  return steps_.empty() ? PackedColumns(std::move(columns)) : fixed_point(columns, std::min(fine_, columns.cols()));
 }
 
 template <typename Scalar>
@@ -58,9 +59,8 @@ typename PackedColumns<Scalar>::ThreeRows PackedColumns<Scalar>::three_rows_time
     const auto value = [&](Eigen::Index row) { return fixed_value<Scalar>(codes[first + row], step(k)); };
     sum += y[k] * ThreeRows(value(0), value(1), value(2));
   };
-  const Eigen::Index many = fine();
-  for (Eigen::Index k = 0; k < std::min(y.size(), many); ++k) add(k, codes_.data() + k * rows_);
-  for (Eigen::Index k = many; k < y.size(); ++k) add(k, coarse_codes_.data() + (k - many) * rows_);
+  for (Eigen::Index k = 0; k < std::min(y.size(), fine_); ++k) add(k, codes_.data() + k * rows_);
+  for (Eigen::Index k = fine_; k < y.size(); ++k) add(k, coarse_codes_.data() + (k - fine_) * rows_);
   return sum;
 }
 
@@ -111,12 +111,12 @@ PackedColumns<Scalar> PackedColumns<Scalar>::leading(Eigen::Index rows, Eigen::I
   PackedColumns part;
   part.rows_ = rows;
   part.steps_.assign(steps_.begin(), steps_.begin() + columns);
-  const Eigen::Index many = std::min(fine(), columns);
+  const Eigen::Index many = part.fine_ = std::min(fine_, columns);
   part.codes_.resize(static_cast<std::size_t>(rows * many));
   part.coarse_codes_.resize(static_cast<std::size_t>(rows * (columns - many)));
   for (Eigen::Index k = 0; k < many; ++k) std::copy_n(codes_.data() + k * rows_, rows, part.codes_.data() + k * rows);
   for (Eigen::Index k = many; k < columns; ++k)
-    std::copy_n(coarse_codes_.data() + (k - many) * rows_, rows, part.coarse_codes_.data() + (k - many) * rows);
+    std::copy_n(coarse_codes_.data() + (k - fine_) * rows_, rows, part.coarse_codes_.data() + (k - many) * rows);
   return part;
 }
 

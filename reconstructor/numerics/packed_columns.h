@@ -46,18 +46,18 @@ class PackedColumns {
 
  private:
   double step(Eigen::Index column) const { return steps_[static_cast<std::size_t>(column)]; }
-  Eigen::Index fine() const { return rows_ > 0 ? static_cast<Eigen::Index>(codes_.size()) / rows_ : cols(); }
   /// Calls `use` with the codes of a column, of their own type.
   template <typename Use>
   auto with_codes(Eigen::Index column, const Use& use) const {
-    if (const Eigen::Index many = fine(); column >= many) return use(coarse_codes_.data() + (column - many) * rows_);
+    if (column >= fine_) return use(coarse_codes_.data() + (column - fine_) * rows_);
     return use(codes_.data() + column * rows_);
   }
 
   Eigen::Index rows_ = 0;
   Matrix exact_;  ///< or, per column:
   std::vector<double> steps_;
-  std::vector<std::int16_t> codes_;        ///< of the first of them
+  Eigen::Index fine_ = 0;                  ///< columns with 16 bits
+  std::vector<std::int16_t> codes_;        ///< of these
   std::vector<std::int8_t> coarse_codes_;  ///< of those behind
 };
 

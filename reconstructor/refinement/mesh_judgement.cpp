@@ -110,12 +110,6 @@ std::optional<double> gain_at(const Capture& capture, const PosedCamera& view, c
   return 10 * std::log10(sum.given / sum.refined);
 }
 
-bool all_masked(const RefinementImages& images) {
-  for (std::size_t i = 0; i < images.cameras.size(); ++i)
-    if (images.read(i).mask.empty()) return false;
-  return true;
-}
-
 }  // namespace
 
 MeshJudgement judge_mesh(const Mesh& given, const Mesh& refined, const RefinementImages& images,
@@ -160,7 +154,7 @@ JudgedMesh refine_and_judge(const Mesh& mesh, const RefinementImages& images, co
   }
   fitted.read = [&](std::size_t i) { return images.read(others[i]); };
   std::vector<UnmaskedOutlines> ways{UnmaskedOutlines::kAsGiven};
-  if (!all_masked(images)) ways.push_back(UnmaskedOutlines::kFromEdges);
+  if (!images.masked) ways.push_back(UnmaskedOutlines::kFromEdges);
   std::optional<JudgedMesh> best;
   for (std::size_t way = 0; way < ways.size(); ++way) {
     std::size_t steps_of_one = 0;

@@ -35,8 +35,8 @@ struct JudgedMesh {
   std::vector<std::size_t> left_out, others;  ///< images that judged, and those that it was refined against
   bool kept_given() const { return !judgement.refined_is_better(); }
 };
-/// Every eighth image judges, of fewer than 32 every fourth. Where an image has no mask, the mesh is refined with
-/// either of `UnmaskedOutlines`, and the better one is kept. Throws Error where fewer than two are left.
+/// Every eighth image judges, of fewer than 32 every fourth. Where not all images are known to have masks, the mesh is
+/// refined with either of `UnmaskedOutlines`, and the better one is kept. Throws Error where fewer than two are left.
 JudgedMesh refine_and_judge(const Mesh& mesh, const RefinementImages& images, const StepsDone& progress = {});
 
 }  // namespace sheen

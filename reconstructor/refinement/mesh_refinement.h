@@ -16,6 +16,7 @@ namespace sheen {
 struct RefinementImages {
   std::function<Capture(std::size_t)> read;
   std::vector<PosedCamera> cameras;  ///< of each
+  bool masked = false;               ///< it is known that each has a mask
 };
 
 struct RefinementPass {

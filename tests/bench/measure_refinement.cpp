@@ -14,7 +14,7 @@
 #include "common/geometry/ray_scene.h"
 #include "common/simulation/simulated_rig.h"
 #include "reconstructor/capture/capture_set.h"
-#include "reconstructor/radiance/capture_rules.h"
+#include "reconstructor/capture/training_images.h"
 #include "reconstructor/refinement/mesh_judgement.h"
 #include "reconstructor/scene/scene_config.h"
 #include "tests/bench/goal_rows.h"
@@ -74,18 +74,12 @@ double rms(const std::vector<double>& values) {
 
 /// Without masks: as a camera of a rig sends them.
 RefinementImages images_of(const CaptureSet& captures, bool masks) {
-  const int hold_out_every = default_scene().settings->hold_out_every;
-  RefinementImages images;
-  std::vector<std::size_t> used;
-  for (std::size_t i = 0; i < captures.size; ++i) {
-    const Capture capture = captures.read(i);
-    if (is_held_out(capture, hold_out_every)) continue;
-    used.push_back(i);
-    images.cameras.push_back({capture.camera, capture.pose.camera_from_object});
-  }
-  images.read = [read = captures.read, used, masks](std::size_t i) {
-    Capture capture = read(used[i]);
-    if (!masks) capture.mask = {};
+  RefinementImages images = training_images(captures, default_scene().settings->hold_out_every);
+  if (masks) return images;
+  images.masked = false;
+  images.read = [read = images.read](std::size_t i) {
+    Capture capture = read(i);
+    capture.mask = {};
     return capture;
   };
   return images;

@@ -94,12 +94,12 @@ TargetView NextViews::seen_from(const Rigid3& camera_from_target) const {
   return view;
 }
 
-NextView NextViews::best() const {
+WantedView NextViews::best() const {
   const Camera& camera = calibration_.camera;
   const Eigen::Quaterniond face = facing(calibration_);
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& point : target_.points) box.extend(point);
-  NextView best;
+  WantedView best;
   const auto consider = [&](const Eigen::Vector3d& ray, const Size& size, const Lean& lean, const char* place) {
     const Eigen::Quaterniond rotation = Eigen::AngleAxisd(lean.turn * kTilt_deg * kDegree, Eigen::Vector3d::UnitY()) *
                                         Eigen::AngleAxisd(-lean.nod * kTilt_deg * kDegree, Eigen::Vector3d::UnitX()) *

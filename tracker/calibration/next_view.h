@@ -12,7 +12,7 @@
 namespace sheen {
 
 /// A view of a target that a calibration would gain from.
-struct NextView {
+struct WantedView {
   Rigid3 camera_from_target;
   double uncertainty_left = 1;  ///< of the projection (RMS over the image) with it, over that without
   std::string in_words;         ///< what a person does
@@ -29,7 +29,7 @@ class NextViews {
   double uncertainty_left(const TargetView& view, const Rigid3& camera_from_target) const;
   /// The best of 90: the target in each ninth of the image, in two sizes, facing the camera or tilted to one of four
   /// sides.
-  NextView best() const;
+  WantedView best() const;
 
  private:
   /// Of the numbers that the model estimates, 1/px^2 at a noise of 1 px.

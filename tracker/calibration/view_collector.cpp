@@ -79,11 +79,11 @@ bool ViewCollector::still(const TargetView& view, double at_s, double exposure_s
 }
 
 bool ViewCollector::adds(const TargetView& view) const {
-  const bool like_another = std::any_of(views_.begin(), views_.end(), [&](const TargetView& other) {
-    const std::optional<double> by = moved(other, view);
-    return by && *by < options_.least_change * size_of(view);
-  });
-  if (!study_) return !like_another;
+  if (!study_)
+    return std::none_of(views_.begin(), views_.end(), [&](const TargetView& other) {
+      const std::optional<double> by = moved(other, view);
+      return by && *by < options_.least_change * size_of(view);
+    });
   std::vector<Correspondence> points;
   for (const TargetSighting& s : view.sightings) points.push_back({target_.points[s.point], s.pixel});
   const auto pose = solve_pose_of_points(study_->calibration.camera, points, kHuber_px);
@@ -102,7 +102,7 @@ void ViewCollector::estimate() {
     return;
   }
   const std::vector<std::string> missing = advise(*study_).next;
-  const NextView best = NextViews(study_->calibration, target_).best();
+  const WantedView best = NextViews(study_->calibration, target_).best();
   const bool worthwhile = best.uncertainty_left <= kWorthwhileLeft;
   complete_ = missing.empty() && !worthwhile;
   if (worthwhile)

@@ -19,8 +19,7 @@
 namespace sheen {
 namespace {
 
-/// One line that is written over on a terminal; elsewhere one for each view that is kept, and when what is asked for
-/// changes.
+/// One line that is written over on a terminal; elsewhere one for each view that is kept.
 class GuideLine {
  public:
   void show(const ViewCollector& collector, SeenView seen) {

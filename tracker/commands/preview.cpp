@@ -103,7 +103,6 @@ void preview(const PreviewArguments& arguments) {
   while (arguments.frames == 0 || report.frames < arguments.frames) {
     std::optional<Frame> frame = source.next();
     if (!frame) break;
-    report.incomplete = source.incomplete();
     ++report.frames;
     report.width = frame->image.width;
     report.height = frame->image.height;
@@ -116,6 +115,7 @@ void preview(const PreviewArguments& arguments) {
     std::printf(terminal ? "\r\033[K%s%s" : "%s%s\n", line_of(report).c_str(), saved ? "  saved" : "");
     std::fflush(stdout);
   }
+  report.incomplete = source.incomplete();
   if (terminal) std::printf("\n");
   if (report.frames == 0) throw Error("no whole frame came: " + source.message());
   if (series) {

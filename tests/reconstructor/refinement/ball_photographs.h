@@ -23,6 +23,7 @@ class Photographs {
       if (masks) captures_.back().mask = mask(scene, captures_.back());
       images_.cameras.push_back({kCamera, captures_.back().pose.camera_from_object});
     }
+    images_.masked = masks;
     images_.read = [this](std::size_t i) { return captures_[i]; };
   }
   Photographs(const Photographs&) = delete;

@@ -58,7 +58,7 @@ TEST_F(NextViewsTest, ViewsThatAreAskedForTeachMoreThanRandomOnes) {
   const std::vector<TargetView> begin = testing::simulated_views(camera_, target_.points, 5, kNoise_px, rng_);
   std::vector<TargetView> asked = begin, random = begin;
   for (int i = 0; i < 8; ++i) {
-    const NextView next = NextViews(calibrated(asked), target_).best();
+    const WantedView next = NextViews(calibrated(asked), target_).best();
     EXPECT_LT(next.uncertainty_left, 1);
     EXPECT_NE(next.in_words.find("target "), std::string::npos);
     asked.push_back(seen_from(next.camera_from_target));
@@ -70,7 +70,7 @@ TEST_F(NextViewsTest, ViewsThatAreAskedForTeachMoreThanRandomOnes) {
 TEST_F(NextViewsTest, AWholeChessboardIsAskedFor) {
   const CalibrationTarget board = parse_target("chessboard:9x6:25mm");
   const Calibration so_far = calibrated(testing::simulated_views(camera_, target_.points, 6, kNoise_px, rng_));
-  const NextView next = NextViews(so_far, board).best();
+  const WantedView next = NextViews(so_far, board).best();
   for (const Eigen::Vector3d& point : board.points) {
     const auto pixel = so_far.camera.project(next.camera_from_target * point);
     ASSERT_TRUE(pixel);
