@@ -140,4 +140,9 @@ void make_folder(const fs::path& path) {
   if (error) throw FileError(path.string(), "cannot be made: " + error.message());
 }
 
+std::string relative_name(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  const auto whole = [](const std::filesystem::path& of) { return std::filesystem::absolute(of).lexically_normal(); };
+  return whole(path).lexically_proximate(whole(folder)).generic_string();
+}
+
 }  // namespace sheen

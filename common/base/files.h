@@ -33,4 +33,7 @@ void check_writable_folder(const std::filesystem::path& folder);
 /// Creates a folder and its parents where they do not exist yet. Throws FileError.
 void make_folder(const std::filesystem::path& path);
 
+/// A path as seen from a folder, with slashes, where that can be said; else the whole path.
+std::string relative_name(const std::filesystem::path& path, const std::filesystem::path& folder);
+
 }  // namespace sheen

@@ -50,11 +50,6 @@ const char* light_key(const LightState& light) {
   return light.kind == LightKind::kDirectional ? "light_direction" : nullptr;
 }
 
-/// As seen from the folder that the file stands in, where that can be said.
-std::string relative_name(const std::filesystem::path& path, const std::filesystem::path& folder) {
-  return std::filesystem::absolute(path).lexically_proximate(std::filesystem::absolute(folder)).generic_string();
-}
-
 }  // namespace
 
 void write_transforms(const std::filesystem::path& file, const std::vector<DatasetView>& views) {

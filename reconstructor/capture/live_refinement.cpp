@@ -31,7 +31,7 @@ enum class Best { kRefined, kPresent, kGiven };
 Best best_of(const JudgedMesh& judged, const Mesh& given, const Mesh& present, const RefinementImages& images,
              const StepsDone& progress) {
   const auto over = [&](const Mesh& before, const Mesh& after) {
-    return judge_mesh(before, after, images, judged.left_out, judged.others, progress);
+    return judge_mesh(before, after, images, judged.split, progress);
   };
   const bool as_given = &present == &given;
   if (!judged.kept_given() && (as_given || over(present, judged.refined.mesh).refined_is_better()))

@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "reconstructor/capture/capture_set.h"
-#include "reconstructor/refinement/mesh_refinement.h"
+#include "reconstructor/refinement/refinement_images.h"
 
 namespace sheen {
 
-/// The captures that a model may be built from: neither held out nor without a pose. Each is read once for it, and
-/// again when it is asked for.
+/// The captures with a pose.
+struct PosedImages {
+  RefinementImages images;
+  std::vector<std::size_t> training, held_out;  ///< numbers of `images`
+};
+/// Each is read once for it, and again when it is asked for.
+PosedImages posed_images(const CaptureSet& captures, int hold_out_every);
+
+/// The captures that a model may be built from: neither held out nor without a pose.
 RefinementImages training_images(const CaptureSet& captures, int hold_out_every);
 
 }  // namespace sheen

@@ -13,6 +13,7 @@
 #include "reconstructor/capture/capture_report.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/saved_model.h"
+#include "reconstructor/capture/training_images.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/light_report.h"
 #include "reconstructor/commands/limit_options.h"
@@ -139,8 +140,12 @@ void build(BuildArguments arguments) {
     throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
   Mesh mesh = surface_for(settings, arguments.mesh, captures.cameras);
   nlohmann::json refinement;
-  if (arguments.refine)
-    mesh = refine_and_report(captures, mesh, arguments.mesh, settings.hold_out_every, refinement).mesh;
+  if (arguments.refine) {
+    const RefinementImages images = training_images(captures, settings.hold_out_every);
+    const JudgedMesh judged = refine_and_print(mesh, images, refinement);
+    report_findings(mesh, arguments.mesh, judged, images, refinement);
+    mesh = kept_mesh(mesh, judged).mesh;
+  }
   const std::unique_ptr<Reconstruction> built =
       limits.psnr_db ? build_to_target(arguments, mesh, captures, settings, limits)
                      : build_once(arguments, mesh, captures, settings, limits, scene.measured, 0, true);

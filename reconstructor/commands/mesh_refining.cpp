@@ -11,9 +11,7 @@
 #include "common/base/order_statistics.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
-#include "reconstructor/capture/training_images.h"
 #include "reconstructor/refinement/mesh_findings.h"
-#include "reconstructor/refinement/mesh_judgement.h"
 
 namespace sheen {
 namespace {
@@ -25,13 +23,6 @@ JudgedMesh refine_with_bar(const Mesh& mesh, const RefinementImages& images) {
     if (stop_requested()) throw Error("stopped while the mesh was refined; nothing was written");
     bar->update(done);
   });
-}
-
-/// The mesh as it was given, with what is known of it.
-RefinedMesh as_given(const Mesh& given, RefinedMesh refined) {
-  refined.mesh = given;
-  refined.moved.assign(given.vertices.size(), 0);
-  return refined;
 }
 
 nlohmann::json refinement_report(const RefinedMesh& refined, std::size_t images) {
@@ -79,23 +70,32 @@ void print_summary(const nlohmann::json& report) {
 
 }  // namespace
 
-RefinedMesh refine_and_report(const CaptureSet& captures, const Mesh& mesh, const std::string& name, int hold_out_every,
-                              nlohmann::json& report) {
-  const RefinementImages images = training_images(captures, hold_out_every);
-  const JudgedMesh judged = refine_with_bar(mesh, images);
-  RefinedMesh refined = judged.kept_given() ? as_given(mesh, judged.refined) : judged.refined;
-  report = refinement_report(refined, images.cameras.size());
+JudgedMesh refine_and_print(const Mesh& mesh, const RefinementImages& images, nlohmann::json& report) {
+  JudgedMesh judged = refine_with_bar(mesh, images);
+  report = refinement_report(kept_mesh(mesh, judged), images.cameras.size());
   report["left_out"] = {{"images", judged.judgement.images},
                         {"gain_db", judged.judgement.gain_db},
                         {"standard_error_db", judged.judgement.standard_error},
                         {"kept_given", judged.kept_given()}};
   print_summary(report);
+  return judged;
+}
+
+RefinedMesh kept_mesh(const Mesh& given, const JudgedMesh& judged) {
+  RefinedMesh kept = judged.refined;
+  if (!judged.kept_given()) return kept;
+  kept.mesh = given;
+  kept.moved.assign(given.vertices.size(), 0);
+  return kept;
+}
+
+void report_findings(const Mesh& given, const std::string& name, const JudgedMesh& judged,
+                     const RefinementImages& images, nlohmann::json& report) {
   report["findings"] = nlohmann::json::array();
-  for (const MeshFinding& finding : findings_of(mesh, judged.refined, images)) {
+  for (const MeshFinding& finding : findings_of(given, judged.refined, images)) {
     std::fprintf(stderr, "%s: %s\n", name.c_str(), finding.sentence.c_str());
     report["findings"].push_back({{"kind", finding.kind}, {"sentence", finding.sentence}});
   }
-  return refined;
 }
 
 }  // namespace sheen

@@ -4,15 +4,19 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "reconstructor/capture/capture_set.h"
-#include "reconstructor/refinement/mesh_refinement.h"
+#include "reconstructor/refinement/mesh_judgement.h"
 
 namespace sheen {
 
-/// Refines a mesh against the captures that a model may be built from, judges it, and says on standard output what came
-/// of it, with what is wrong with the mesh as a whole on standard error. The mesh as it was given where it did not
-/// gain. `name`: of the mesh, for messages. `report`: what `refine --json` writes.
-RefinedMesh refine_and_report(const CaptureSet& captures, const Mesh& mesh, const std::string& name, int hold_out_every,
-                              nlohmann::json& report);
+/// Refines a mesh, judges it, and says on standard output what came of it. `report`: what `refine --json` writes of it.
+/// Throws Error where it is to stop before it is done.
+JudgedMesh refine_and_print(const Mesh& mesh, const RefinementImages& images, nlohmann::json& report);
+
+/// The mesh as it was given where it did not gain.
+RefinedMesh kept_mesh(const Mesh& given, const JudgedMesh& judged);
+
+/// Says on standard error what is wrong with a mesh as a whole. `name`: of the mesh, for messages.
+void report_findings(const Mesh& given, const std::string& name, const JudgedMesh& judged,
+                     const RefinementImages& images, nlohmann::json& report);
 
 }  // namespace sheen

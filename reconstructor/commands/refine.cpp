@@ -10,18 +10,37 @@
 #include "common/base/stop_signal.h"
 #include "common/geometry/mesh_io.h"
 #include "reconstructor/capture/capture_set.h"
+#include "reconstructor/capture/training_images.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/mesh_refining.h"
+#include "reconstructor/commands/pose_refining.h"
 #include "reconstructor/scene/scene_config.h"
 #include "reconstructor/scene/scene_mesh.h"
 
 namespace sheen {
 namespace {
 
+constexpr int kMostRounds = 4;  // of mesh and poses in turn
+
 struct RefineArguments {
-  std::string dataset, mesh, out, config, json;
+  std::string dataset, mesh, out, poses, config, json;
   std::optional<int> hold_out;
 };
+
+/// Poses on a wrong mesh fit its errors, and a mesh takes in those of poses: in turn, the mesh from what was given each
+/// time, until no poses gain. Returns what the last mesh rests on.
+JudgedMesh refine_in_turn(const Mesh& mesh, PosedImages& posed, nlohmann::json& report) {
+  auto rounds = nlohmann::json::array();
+  for (int round = 0;; ++round) {
+    JudgedMesh judged = refine_and_print(mesh, posed.images.some(posed.training), report);
+    if (round == kMostRounds) return judged;
+    const JudgedPoses poses = refine_poses_and_print(kept_mesh(mesh, judged).mesh, posed, rounds.emplace_back());
+    report["poses"] = rounds;
+    if (poses.kept_given()) return judged;
+    for (std::size_t i = 0; i < poses.refined.size(); ++i)
+      posed.images.cameras[i].camera_from_object = poses.refined[i].camera_from_object;
+  }
+}
 
 void refine(const RefineArguments& arguments) {
   install_stop_signals();
@@ -31,12 +50,19 @@ void refine(const RefineArguments& arguments) {
   ModelSettings& settings = *scene.settings;
   if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
   check_writable(arguments.out);
+  const bool with_poses = !arguments.poses.empty();
+  if (with_poses) check_poses_can_be_written(arguments.dataset, arguments.poses);
   const CaptureSet captures = open_capture_set(arguments.dataset);
   const Mesh mesh = load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
+  PosedImages posed = posed_images(captures, settings.hold_out_every);
   nlohmann::json report;
-  const RefinedMesh refined = refine_and_report(captures, mesh, arguments.mesh, settings.hold_out_every, report);
+  const JudgedMesh judged = with_poses ? refine_in_turn(mesh, posed, report)
+                                       : refine_and_print(mesh, posed.images.some(posed.training), report);
+  report_findings(mesh, arguments.mesh, judged, posed.images.some(posed.training), report);
+  const RefinedMesh refined = kept_mesh(mesh, judged);
   const VertexValues values[] = {{"moved", refined.moved}, {"uncertainty", refined.uncertainty}};
   save_ply(refined.mesh, arguments.out, values);
+  if (with_poses) write_poses(arguments.dataset, posed.images.cameras, arguments.poses);
   json.write(report.dump(2) + "\n");
 }
 
@@ -44,11 +70,14 @@ void refine(const RefineArguments& arguments) {
 
 void add_refine_command(Command& program) {
   auto arguments = std::make_shared<RefineArguments>();
-  Command command = program.subcommand("refine", "Corrects a mesh against the images of a data set or a session.");
+  Command command =
+      program.subcommand("refine", "Corrects a mesh, and poses, against the images of a data set or a session.");
   command.option("dataset", arguments->dataset, "folder with transforms.json, a COLMAP model or a Sheen session")
       .required();
   command.option("--mesh", arguments->mesh, "PLY, OBJ or OFF in the dataset's frame").required();
   command.option("--out", arguments->out, "PLY file of the refined mesh").required();
+  command.option("--poses", arguments->poses,
+                 "refine the poses, too: transforms.json to write; its folder need not be the images'");
   command
       .option("--hold-out", arguments->hold_out,
               "leave out every Nth image where the dataset names no test views, as build does; 0 = none")

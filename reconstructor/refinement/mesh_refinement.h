@@ -2,22 +2,13 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include "common/base/progress.h"
-#include "common/camera/posed_camera.h"
-#include "common/capture/capture.h"
 #include "common/geometry/mesh.h"
+#include "reconstructor/refinement/refinement_images.h"
 
 namespace sheen {
-
-/// The captures that a mesh is refined against: none of those that are held out.
-struct RefinementImages {
-  std::function<Capture(std::size_t)> read;
-  std::vector<PosedCamera> cameras;  ///< of each
-  bool masked = false;               ///< it is known that each has a mask
-};
 
 struct RefinementPass {
   double spacing_px = 0;     ///< between the points of the patches, pixels

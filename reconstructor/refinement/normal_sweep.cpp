@@ -10,58 +10,23 @@
 #include <optional>
 
 #include "common/base/order_statistics.h"
+#include "reconstructor/refinement/patch_view.h"
 
 namespace sheen {
 namespace {
 
-constexpr float kLeastCosine = 0.3f;  // of the view with the normal: flatter patches show little and are hidden early
-constexpr float kRimMargin = 1.5f;  // patches by which what surrounds one must be seen, too: silhouettes are no texture
-constexpr float kContrastFloor = 0.012f;  // standard deviation of grey, of 1: three levels of 255 are noise
-
-using Patch = Eigen::Array<float, kPatchPoints, 1>;
-
-/// Where a vertex at each place falls in an image, and how pixels change with the point.
-struct Projection {
-  std::array<Eigen::Vector2f, kSweepPlaces> pixel;
-  Eigen::Matrix<float, 2, 3> pixel_from_offset;
-};
-
-std::optional<Projection> project(const PosedCamera& view, const Eigen::Vector3f& vertex, const Eigen::Vector3f& normal,
-                                  float spacing) {
-  Projection projection;
-  const auto at = [&](const Eigen::Vector3f& point) {
-    return view.camera.project(view.camera_from_object * point.cast<double>());
-  };
+/// Where a vertex at each place falls in an image; empty where it falls outside.
+using Places = std::array<Eigen::Vector2f, kSweepPlaces>;
+std::optional<Places> project_places(const PosedCamera& view, const Eigen::Vector3f& vertex,
+                                     const Eigen::Vector3f& normal, float spacing) {
+  Places places;
   for (int k = 0; k < kSweepPlaces; ++k) {
-    const auto pixel = at(vertex + static_cast<float>(k - kSweepReach) * spacing * normal);
+    const Eigen::Vector3f point = vertex + static_cast<float>(k - kSweepReach) * spacing * normal;
+    const auto pixel = view.camera.project(view.camera_from_object * point.cast<double>());
     if (!pixel) return {};
-    projection.pixel[k] = pixel->cast<float>();
+    places[k] = pixel->cast<float>();
   }
-  const Eigen::Vector2f middle = projection.pixel[kSweepReach];
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto pixel = at(vertex + spacing * Eigen::Vector3f::Unit(axis));
-    if (!pixel) return {};
-    projection.pixel_from_offset.col(axis) = (pixel->cast<float>() - middle) / spacing;
-  }
-  return projection;
-}
-
-/// Whether the ray to a point of a patch meets the surface near it: nothing hides it, and it lies within the
-/// silhouette.
-bool meets_surface(const RayScene& scene, const Eigen::Vector3f& point, const Eigen::Vector3f& eye, float clearance) {
-  const Eigen::Vector3f direction = (point - eye).normalized();
-  const Hit hit = scene.intersect(Ray{eye, direction});
-  return hit && hit.front && std::abs(hit.distance - (point - eye).norm()) < clearance;
-}
-
-/// The patch less its mean, over its contrast. Its squared norm is below 1, and small where it shows noise only.
-bool normalise(Patch& patch) {
-  const float mean = patch.mean();
-  if (!std::isfinite(mean)) return false;
-  patch -= mean;
-  const float variance = patch.square().mean();
-  patch /= std::sqrt(kPatchPoints * (variance + kContrastFloor * kContrastFloor));
-  return true;
+  return places;
 }
 
 /// 1 where an image shows what is expected, 1/2 where it is as far from it as images are in the mean.
@@ -110,30 +75,18 @@ void NormalSweep::add(const GreyPyramid& image, const PosedCamera& view, const R
   const Eigen::Vector3f eye = camera_centre(view.camera_from_object).cast<float>();
   const auto look = [&](std::size_t v) {
     const Eigen::Vector3f& vertex = mesh_.vertices[v];
-    const Eigen::Vector3f& normal = patches_.normals[v];
-    const float spacing = patches_.spacing[v];
-    const float cosine = normal.dot((eye - vertex).normalized());
-    if (cosine < kLeastCosine) return;
-    const auto offsets = patches_.of(v);
-    const auto projection = project(view, vertex, normal, spacing);
-    if (!projection) return;
-    for (const int probe : kPatchProbes)
-      if (!meets_surface(scene, vertex + kRimMargin * offsets[probe], eye, clearance_ * spacing / cosine)) return;
-    const Eigen::Map<const Eigen::Matrix<float, 3, kPatchPoints>> points(offsets.front().data());
-    const Eigen::Matrix<float, 2, kPatchPoints> in_image = projection->pixel_from_offset * points;
-    const float step_px = std::sqrt((in_image.col(kPatchSide - 1) - in_image.col(0)).norm() *
-                                    (in_image.col(kPatchPoints - kPatchSide) - in_image.col(0)).norm()) /
-                          (kPatchSide - 1);
-    const int level = image.level_for(step_px);
+    const auto patch = view_patch(view, vertex, patches_, v, image, scene, clearance_);
+    if (!patch) return;
+    const auto places = project_places(view, vertex, patches_.normals[v], patches_.spacing[v]);
+    if (!places) return;
     std::array<Patch, kSweepPlaces> seen;
     for (int k = 0; k < kSweepPlaces; ++k) {
-      for (int s = 0; s < kPatchPoints; ++s)
-        seen[k][s] =
-            image.sample(level, projection->pixel[k].x() + in_image(0, s), projection->pixel[k].y() + in_image(1, s));
-      if (!normalise(seen[k])) return;
+      const auto at_place = patch->sample(image, (*places)[k]);
+      if (!at_place) return;
+      seen[k] = *at_place;
     }
     Sums& sums = halves_[splits_.empty() ? images_ % 2 : splits_[v].half((eye - vertex).normalized())][v];
-    const float weight = cosine * (expected_.empty() ? 1 : trust(seen[kSweepReach], expected_[v]));
+    const float weight = patch->cosine * (expected_.empty() ? 1 : trust(seen[kSweepReach], expected_[v]));
     sums.weight += weight;
     ++sums.images;
     for (int k = 0; k < kSweepPlaces; ++k) {

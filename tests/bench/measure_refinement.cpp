@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Measures the goals of refining a mesh: `deploy/measure refinement [--json FILE]`. Meshes of simulated objects are
-// disturbed by waves of 1 % of their size and refined against images of the right ones.
+// Measures the goals of refining meshes and poses: `deploy/measure refinement [--json FILE]`. Meshes of simulated
+// objects are disturbed by waves of 1 % of their size, poses by some pixels, and refined against images of the right
+// ones.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/training_images.h"
 #include "reconstructor/refinement/mesh_judgement.h"
+#include "reconstructor/refinement/pose_judgement.h"
 #include "reconstructor/scene/scene_config.h"
 #include "tests/bench/goal_rows.h"
 
@@ -85,7 +88,11 @@ RefinementImages images_of(const CaptureSet& captures, bool masks) {
   return images;
 }
 
-void measure_object(GoalReport& report, const std::string& object, double waves, bool masks) {
+struct Rig {
+  CaptureSet captures;
+  Mesh mesh;  ///< the right one
+};
+Rig rig_with(const std::string& object) {
   SimulationOptions options;
   options.object = object;
   options.frames = 130;
@@ -93,12 +100,16 @@ void measure_object(GoalReport& report, const std::string& object, double waves,
   options.height = 384;
   const CachedRecording cached =
       cached_recording(options, std::filesystem::temp_directory_path() / ("sheen_refinement_" + object));
-  const CaptureSet captures = open_capture_set(cached.recording.folder);
-  const Mesh right = load_mesh(cached.recording.folder / "mesh.ply").mesh;
-  const RayScene surface(right);
-  const double by = kDisturbance * largest_side(right);
-  const Mesh disturbed = waved(right, by, waves);
-  const JudgedMesh judged = refine_and_judge(disturbed, images_of(captures, masks));
+  const std::filesystem::path& folder = cached.recording.folder;
+  return {open_capture_set(folder), load_mesh(folder / "mesh.ply").mesh};
+}
+
+void measure_mesh(GoalReport& report, const std::string& object, double waves, bool masks) {
+  const Rig rig = rig_with(object);
+  const RayScene surface(rig.mesh);
+  const double by = kDisturbance * largest_side(rig.mesh);
+  const Mesh disturbed = waved(rig.mesh, by, waves);
+  const JudgedMesh judged = refine_and_judge(disturbed, images_of(rig.captures, masks));
   const Mesh& refined = judged.kept_given() ? disturbed : judged.refined.mesh;
   const std::vector<double> before = distances(disturbed, surface, 5 * by), left = distances(refined, surface, 5 * by);
   std::vector<double> observed, unobserved;
@@ -115,15 +126,73 @@ void measure_object(GoalReport& report, const std::string& object, double waves,
                       {"95th percentile, mm", 1e3 * quantile(left, 0.95)}}));
 }
 
+/// Each turned about the object and shifted across and along the view, by so many pixels or nearly.
+RefinementImages with_poses_off(RefinementImages images, const BoundingSphere& object, double by_px) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  const Rigid3 from_centre{Eigen::Quaterniond::Identity(), object.centre};
+  for (PosedCamera& view : images.cameras) {
+    const double metres = by_px / std::sqrt(2.0) / view.camera.fx * (view.camera_from_object * object.centre).norm();
+    const Eigen::Vector3d turn = vector() * metres / object.radius, shift = vector() * metres / std::sqrt(2.0);
+    const Rigid3 about{Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized())), {0, 0, 0}};
+    view.camera_from_object = Rigid3{Eigen::Quaterniond::Identity(), shift} * view.camera_from_object * from_centre *
+                              about * from_centre.inverse();
+  }
+  return images;
+}
+
+/// How far poses bring the vertices that face them from where they are, pixels, root of the mean square.
+double apart_px(const Mesh& mesh, const std::vector<PosedCamera>& right, const std::vector<Rigid3>& poses) {
+  const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
+  double squares = 0, count = 0;
+  for (std::size_t i = 0; i < right.size(); ++i)
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+      const Eigen::Vector3d point = mesh.vertices[v].cast<double>();
+      if (normals[v].cast<double>().dot(camera_centre(right[i].camera_from_object) - point) <= 0) continue;
+      const auto truth = right[i].camera.project(right[i].camera_from_object * point);
+      const auto seen = right[i].camera.project(poses[i] * point);
+      if (!truth || !seen) continue;
+      squares += (*truth - *seen).squaredNorm();
+      ++count;
+    }
+  return std::sqrt(squares / count);
+}
+
+void measure_poses(GoalReport& report, const std::string& object, double by_px) {
+  const Rig rig = rig_with(object);
+  const RefinementImages right = images_of(rig.captures, false);
+  const RefinementImages off = with_poses_off(right, bounding_sphere(rig.mesh), by_px);
+  const JudgedPoses judged = refine_and_judge_poses(rig.mesh, off, {});
+  std::vector<Rigid3> before, after;
+  double stated = 0;
+  for (const PosedCamera& view : off.cameras) before.push_back(view.camera_from_object);
+  for (const RefinedPose& pose : judged.refined) {
+    after.push_back(pose.camera_from_object);
+    stated += pose.uncertainty_px * pose.uncertainty_px / static_cast<double>(judged.refined.size());
+  }
+  char name[80];
+  std::snprintf(name, sizeof name, "%s, poses off by about %.3g px: left", object.c_str(), by_px);
+  report.add({.name = name,
+              .value = apart_px(rig.mesh, right.cameras, judged.kept_given() ? before : after),
+              .unit = "px",
+              .compared_with = {{"off before, px", apart_px(rig.mesh, right.cameras, before)},
+                                {"off if it is not judged, px", apart_px(rig.mesh, right.cameras, after)},
+                                {"stated uncertainty, px RMS", std::sqrt(stated)},
+                                {"gain on images left out, dB", judged.judgement.gain_db}}});
+}
+
 void measure(GoalReport& report) {
-  for (const char* object : {"demo", "bronze"})  // matt and glossy
+  for (const char* object : {"demo", "bronze"}) {  // matt and glossy
     for (const double waves : {1.3, 2.6})
-      for (const bool masks : {true, false}) measure_object(report, object, waves, masks);
+      for (const bool masks : {true, false}) measure_mesh(report, object, waves, masks);
+    for (const double by_px : {0.0, 0.5, 1.0, 3.0}) measure_poses(report, object, by_px);
+  }
 }
 
 }  // namespace
 }  // namespace sheen
 
 int main(int argc, char** argv) {
-  return sheen::measure_goals(argc, argv, "Measures the goals of refining a mesh.", sheen::measure);
+  return sheen::measure_goals(argc, argv, "Measures the goals of refining meshes and poses.", sheen::measure);
 }

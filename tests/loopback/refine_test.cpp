@@ -5,7 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/files.h"
+#include "common/datasets/dataset.h"
 #include "common/geometry/mesh.h"
+#include "common/image/color.h"
+#include "common/image/image_io.h"
+#include "common/image/linear_reader.h"
 #include "common/session/session.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/analytic_scene.h"
@@ -68,6 +72,69 @@ TEST_F(Refine, AMeshThatIsRightIsWrittenAsItWasGiven) {
   const Mesh given = load_mesh(right_).mesh, refined = load_mesh(out_).mesh;
   EXPECT_EQ(given.vertices, refined.vertices);
   EXPECT_EQ(given.triangles, refined.triangles);
+}
+
+TEST_F(Refine, PosesOfASessionAreNotWritten) {
+  expect_outcome(run_to_end(reconstructor({"refine", session_, "--mesh", right_, "--out", out_, "--poses",
+                                           temp_.path() / "transforms.json"})),
+                 1, {"is a session", "stage survey"});
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+/// Photographs of the square on disk, whose poses are turned by up to some pixels at its border.
+class RefinePoses : public Refine {
+ protected:
+  RefinePoses() {
+    fs::create_directories(temp_.path() / "set" / "images");
+    const Session session = Session::open_read_only(session_);
+    std::vector<DatasetView> views;
+    for (std::uint64_t i = 0; i < session.size(); ++i) {
+      const Capture capture = session.read(i);
+      const std::string name = "images/" + std::to_string(i) + ".png";
+      write_png(temp_.path() / "set" / name, to_srgb8(to_linear_rgb(capture.image)));
+      const double angle = 0.015 * std::sin(1 + 7.0 * static_cast<double>(i));
+      const Rigid3 turn{Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())),
+                        Eigen::Vector3d::Zero()};
+      right_poses_.push_back(capture.pose.camera_from_object);
+      views.push_back({.name = name,
+                       .image_path = {},
+                       .mask_path = {},
+                       .camera = capture.camera,
+                       .camera_from_object = right_poses_.back() * turn,
+                       .purpose = i % 5 == 0 ? Purpose::kHeldOut : Purpose::kTraining});
+    }
+    write_transforms(set_ / "transforms.json", views);
+  }
+
+  /// Mean angle to the right poses.
+  double off(const Dataset& dataset) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < right_poses_.size(); ++i)
+      sum += dataset.views[i].camera_from_object.rotation.angularDistance(right_poses_[i].rotation);
+    return sum / static_cast<double>(right_poses_.size());
+  }
+
+  const fs::path set_ = temp_.path() / "set", written_ = temp_.path() / "elsewhere" / "transforms.json",
+                 report_ = temp_.path() / "report.json";
+  std::vector<Rigid3> right_poses_;
+};
+
+TEST_F(RefinePoses, PosesThatAreOffComeBackAndTheFileNamesTheSameImages) {
+  fs::create_directories(written_.parent_path());
+  expect_outcome(run_to_end(reconstructor(
+                     {"refine", set_, "--mesh", right_, "--out", out_, "--poses", written_, "--json", report_})),
+                 0, {"poses of 40 of 40 images determined"});
+  const Dataset given = load_dataset(set_), refined = load_dataset(written_.parent_path());
+  ASSERT_EQ(refined.views.size(), given.views.size());
+  EXPECT_LT(off(refined), 0.3 * off(given));
+  for (std::size_t i = 0; i < given.views.size(); ++i) {
+    EXPECT_TRUE(fs::equivalent(refined.views[i].image_path, given.views[i].image_path));
+    EXPECT_EQ(refined.views[i].purpose, given.views[i].purpose);
+  }
+  const Json poses = Json::parse(read_file(report_))["poses"];
+  EXPECT_FALSE(poses[0]["left_out"]["kept_given"]);
+  EXPECT_GT(poses[0]["left_out"]["gain_db"], 1);
+  EXPECT_TRUE(poses.back()["left_out"]["kept_given"]) << "it went on until no poses gained";
 }
 
 /// Captures come from the session alone: each start takes them in again.

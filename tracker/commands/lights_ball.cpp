@@ -59,10 +59,6 @@ ImageF linear_light(const fs::path& file) {
   return light;
 }
 
-std::string beside(const fs::path& list, const fs::path& image) {
-  return fs::absolute(image).lexically_proximate(fs::absolute(list).parent_path()).generic_string();
-}
-
 nlohmann::json report_of(const BallCircle& ball, const BallLights& lights, const ImageSet& images) {
   auto list = nlohmann::json::array();
   for (std::size_t i = 0; i < lights.images.size(); ++i) {
@@ -111,8 +107,8 @@ void find_lights(const BallArguments& arguments) {
       std::cerr << "left out: " << images.names[i] << ": " << refusal << ": " << refusal_text(refusal) << '\n';
       continue;
     }
-    views.push_back(
-        {beside(arguments.out, images.files[i]), {.kind = LightKind::kDirectional, .position = highlight->direction}});
+    views.push_back({relative_name(images.files[i], fs::path(arguments.out).parent_path()),
+                     {.kind = LightKind::kDirectional, .position = highlight->direction}});
     uncertainties.push_back(highlight->uncertainty_deg);
   }
   write_file(arguments.out, light_list_text(views));

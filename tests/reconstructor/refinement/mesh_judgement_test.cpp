@@ -11,16 +11,17 @@ namespace sheen {
 namespace {
 
 /// Every fourth image is left out.
-MeshJudgement judged(const Mesh& given, const Mesh& refined, const Photographs& photographs) {
-  std::vector<std::size_t> left_out, others;
-  for (std::size_t i = 0; i < photographs.images().cameras.size(); ++i) (i % 4 == 0 ? left_out : others).push_back(i);
-  return judge_mesh(given, refined, photographs.images(), left_out, others);
+LeftOutGain judged(const Mesh& given, const Mesh& refined, const Photographs& photographs) {
+  LeftOut split;
+  for (std::size_t i = 0; i < photographs.images().cameras.size(); ++i)
+    (i % 4 == 0 ? split.left_out : split.others).push_back(i);
+  return judge_mesh(given, refined, photographs.images(), split);
 }
 
 TEST(MeshJudgement, TheMeshNearerToTheTruthIsBetter) {
   const Photographs photographs(ball(), 60, -0.98, true);
   const Mesh right = sphere_mesh(kRadius, 4), off = waved_ball(0.01 * 2 * kRadius);
-  const MeshJudgement mended = judged(off, right, photographs);
+  const LeftOutGain mended = judged(off, right, photographs);
   EXPECT_EQ(mended.images, 15u);
   EXPECT_GT(mended.gain_db, 3);
   EXPECT_TRUE(mended.refined_is_better());
@@ -29,7 +30,7 @@ TEST(MeshJudgement, TheMeshNearerToTheTruthIsBetter) {
 
 TEST(MeshJudgement, PixelsThatARefinedMeshUncoversCountAgainstIt) {
   const Photographs photographs(ball(), 60, -0.98, true);
-  const MeshJudgement shrunk = judged(sphere_mesh(kRadius, 4), sphere_mesh(0.97f * kRadius, 4), photographs);
+  const LeftOutGain shrunk = judged(sphere_mesh(kRadius, 4), sphere_mesh(0.97f * kRadius, 4), photographs);
   EXPECT_LT(shrunk.gain_db, -1);
   EXPECT_FALSE(shrunk.refined_is_better());
 }

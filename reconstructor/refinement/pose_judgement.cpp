@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/refinement/pose_judgement.h"
+
+#include "common/geometry/ray_scene.h"
+#include "common/registration/silhouette.h"
+
+namespace sheen {
+
+JudgedPoses refine_and_judge_poses(const Mesh& mesh, const RefinementImages& images,
+                                   const std::vector<std::size_t>& held_out, const StepsDone& progress) {
+  std::vector<bool> is_held_out(images.cameras.size(), false);
+  for (const std::size_t i : held_out) is_held_out[i] = true;
+  std::vector<std::size_t> all, training;
+  for (std::size_t i = 0; i < images.cameras.size(); ++i) {
+    all.push_back(i);
+    if (!is_held_out[i]) training.push_back(i);
+  }
+  LeftOut split = leave_out_some(training.size());
+  for (std::vector<std::size_t>* part : {&split.left_out, &split.others})
+    for (std::size_t& number : *part) number = training[number];
+
+  JudgedPoses judged{.refined = refine_poses(mesh, images, split.others, all, progress), .judgement = {}};
+  const std::vector<RefinedPose> fitted = refine_poses(mesh, images, split.others, split.left_out);
+  const RayScene scene(mesh);
+  const Eigen::Vector3d centre = bounding_sphere(mesh).centre;
+  SilhouetteCaster caster;
+  const auto gain = [&](std::size_t i) {
+    const PosedCamera& view = images.cameras[i];
+    const ImageF inside = distance_from_outline(caster.cast(view, mesh, scene));
+    const std::vector<SourceImage> given = nearest_sources(images, view, centre, split.others);
+    std::vector<SourceImage> moved = given;
+    for (SourceImage& source : moved) source.view.camera_from_object = judged.refined[source.number].camera_from_object;
+    return gain_at(images.read(i), inside, {scene, {view.camera, fitted[i].camera_from_object}, given},
+                   {scene, {view.camera, judged.refined[i].camera_from_object}, moved});
+  };
+  judged.judgement = mean_gain(split.left_out, gain);
+  return judged;
+}
+
+}  // namespace sheen
