@@ -196,6 +196,15 @@ Eigen::VectorXd significant(const MeshEdges& edges, const DisplacementField& fie
   return kept;
 }
 
+/// What no image sees is continued from what they see, and may be off by as much as that was.
+void continue_unseen(const MeshEdges& edges, const Observations& observed, Eigen::VectorXd& moves,
+                     Eigen::VectorXd& variance) {
+  continue_smoothly(edges, observed, moves);
+  const auto seen = (observed.information.array() > 0).cast<double>();
+  const double as_seen = (moves.array().square() * seen).sum() / std::max(seen.sum(), 1.0);
+  variance.array() += as_seen * (1 - seen);
+}
+
 /// What the images show at the place of the sweep that is nearest to where each vertex went.
 std::vector<ExpectedPatch> expected_after(const NormalSweep& sweep, const PassShape& shape,
                                           const Eigen::VectorXd& moves) {
@@ -274,9 +283,10 @@ RefinedMesh refine_mesh(const Mesh& mesh, const RefinementImages& images, Unmask
     }
     rims.edges = outline_edges.observe(edges);
     const Eigen::VectorXd moved = Eigen::Map<const Eigen::VectorXf>(refined.moved.data(), vertices).cast<double>();
-    const Estimate found = estimate(edges, sweep, rims, shape, moved);
+    Estimate found = estimate(edges, sweep, rims, shape, moved);
     Eigen::VectorXd kept = significant(edges, found.field, kPasses[p].insignificant);
-    if (last) continue_smoothly(edges, found.observed, kept);  // before, it would hide what is seen
+    // In an earlier pass it would hide what is seen.
+    if (last) continue_unseen(edges, found.observed, kept, found.field.variance);
     const Eigen::VectorXd moves = kept - moved;
     refined.passes.push_back(apply(found, sweep, patches, moves, spacing_px, refined));
     const bool same_next = !last && kPasses[p + 1].spacing_px == spacing_px;

@@ -82,6 +82,21 @@ TEST(RefineMesh, SaysWhichVerticesNoImageSaw) {
   }
 }
 
+TEST(RefineMesh, WhatNoImageSawIsAsUncertainAsWhatTheySawWasWrong) {
+  const Photographs photographs(ball(), 24, 0.3, false);  // from above only
+  const RefinedMesh refined = refine_mesh(waved_ball(0.01 * 2 * kRadius), photographs.images());
+  double squared = 0;  // errors in standard deviations
+  std::size_t unseen = 0;
+  for (std::size_t v = 0; v < refined.moved.size(); ++v) {
+    if (refined.observed[v]) continue;
+    ++unseen;
+    squared += std::pow((refined.mesh.vertices[v].norm() - kRadius) / refined.uncertainty[v], 2);
+  }
+  ASSERT_GT(unseen, refined.moved.size() / 5);
+  EXPECT_LT(squared / static_cast<double>(unseen), 2);
+  EXPECT_GT(squared / static_cast<double>(unseen), 0.2);
+}
+
 TEST(RefineMesh, MasksHoldTheRimWhereNothingElseIsSeen) {
   // One colour: no image says anything about the surface but where it ends.
   const auto grey = [](const Eigen::Vector3d&, const Eigen::Vector3d&) { return Eigen::Vector3d(0.3, 0.3, 0.3); };
