@@ -15,6 +15,8 @@ Vector3f half_rgb(const ImageHalf& image, std::size_t pixel) {
   return Eigen::Map<const Eigen::Matrix<Eigen::half, 3, 1>>(image.data() + 3 * pixel).cast<float>();
 }
 
+constexpr std::uint8_t kShadow = 200;  // of what arrives: up to here a pixel is not wholly lit
+
 /// Those of a set's lights that a view has, with their weights; again between its own lights where one is missing.
 using LightWeights = std::vector<std::pair<std::size_t, float>>;  // which of a view's lights, and its weight
 
@@ -95,7 +97,7 @@ ImageU8 predicted_arrival(const LumigraphData& data, const IntrinsicView& view, 
   ImageU8 out = reached_past(data.hull, view, data.lights.lamp(place));
   for (std::size_t i = 0; i < out.size(); ++i)
     if (std::all_of(between.begin(), between.end(),
-                    [&](const auto& neighbour) { return view.arrives[neighbour.first].data()[i] <= 128; }))
+                    [&](const auto& neighbour) { return view.arrives[neighbour.first].data()[i] <= kShadow; }))
       out.data()[i] = 0;
   return out;
 }

@@ -32,7 +32,7 @@ void LumigraphPainter::look_from(const PosedCamera& from) {
   if (!model_->data()->of_images) surface_.emplace(model_->occluders(), from);
   captured_ = nullptr;
   for (const auto& view : model_->data()->views)
-    if (view->from == from) captured_ = view;
+    if (same_place(view->from, from)) captured_ = view;
 }
 
 std::shared_ptr<const RelitView> LumigraphPainter::blended(const ViewBlend::Relight& relit) const {

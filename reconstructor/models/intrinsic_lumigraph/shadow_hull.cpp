@@ -22,11 +22,52 @@ using Eigen::Vector3i;
 constexpr double kMostCells = 24e6;
 constexpr float kPixelsPerCell = 1.2f;
 constexpr double kOutliers = 0.002;  // of the points along each axis, on either side, that do not stretch the grid
-constexpr float kBefore = 0.012f;    // of the depth: a cell this far before a camera's surface is looked through
-// Ways of light through a cell, per view, that say that it is empty: a few are wrong at the edges of shadows.
-constexpr double kCrossingsPerView = 0.5;
-constexpr int kSpeck = 5;           // pixels: smaller spots of light or shadow are noise
-constexpr float kClearance = 3.5f;  // cells: what a way to a lamp begins with, which is not asked
+constexpr float kBefore = 0.016f;    // of the depth: a cell this far before a camera's surface is looked through
+constexpr double kLookers = 0.12;    // of the cameras that a cell is before: one depth map alone may be wrong
+// A cell is empty if, of the ways of a lamp's light through it, this part ends at a pixel that is lit: about none do
+// through a cell that casts a shadow, and the edge of a shadow lies within a cell.
+constexpr double kLitPart = 0.2;
+constexpr std::uint16_t kLeastLit = 2, kMostWays = 60000;
+constexpr std::uint8_t kLit = 220;     // of what arrives: from here on light has passed
+constexpr std::uint8_t kShadow = 128;  // up to here it has not
+constexpr float kLeastCosine = 0.3f;   // of light that is seen to arrive; what faces away is as bright as its shadow
+constexpr float kLeastBright = 0.5f;   // of its surroundings: darker, a pixel may be in the shadow of all lamps
+constexpr double kSurroundings = 0.1;  // of the picture's width
+constexpr int kSpeck = 3;              // pixels: smaller spots of light or shadow are noise
+constexpr int kEdge = 5;               // pixels: over which edges are smoothed, as wrong as they are
+constexpr float kClearance = 5.5f;     // cells: what a way to a lamp begins with, which is not asked
+constexpr int kLayer = 2;              // cells that a surface may be thicker than that, where depth is wrong
+
+/// Pixels that are not much darker than what is round them. One that no lamp reaches looks like a dark one that all
+/// reach; the light that seems to arrive there would pass through what hides it.
+ImageU8 bright_pixels(const IntrinsicView& view) {
+  const int w = view.depth.width(), h = view.depth.height();
+  cv::Mat brightness(h, w, CV_32FC1);
+  for (int i = 0; i < w * h; ++i) {
+    const Eigen::half* rgb = view.reflectance.data() + 3 * i;
+    brightness.at<float>(i / w, i % w) = float(rgb[0]) + float(rgb[1]) + float(rgb[2]);
+  }
+  constexpr double kMean = 64;  // of 255, so that what is four times as bright is as well told from it
+  cv::Mat levels, around;
+  brightness.convertTo(levels, CV_8U, kMean / std::max(1e-12, cv::mean(brightness)[0]));
+  cv::medianBlur(levels, around, 2 * std::max(1, static_cast<int>(kSurroundings / 2 * w)) + 1);
+  ImageU8 bright(w, h, 1);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      bright.at(x, y) = levels.at<std::uint8_t>(y, x) >= kLeastBright * around.at<std::uint8_t>(y, x);
+  return bright;
+}
+
+bool faces(const IntrinsicView& view, std::size_t pixel, const Vector3f& incidence) {
+  const Vector3f slope =
+      Eigen::Map<const Eigen::Matrix<Eigen::half, 3, 1>>(view.slope.data() + 3 * pixel).cast<float>();
+  return slope.dot(incidence) >= kLeastCosine * slope.norm() * incidence.norm();
+}
+
+void count(std::uint16_t& ways) {
+  const std::atomic_ref<std::uint16_t> shared(ways);
+  if (shared.load(std::memory_order_relaxed) < kMostWays) shared.fetch_add(1, std::memory_order_relaxed);
+}
 
 }  // namespace
 
@@ -34,12 +75,14 @@ ShadowHull::ShadowHull(std::span<const IntrinsicView* const> views, const LightS
   if (views.empty()) return;
   place_grid(views);
   look_through(views);
-  const auto enough = static_cast<std::uint8_t>(
-      std::clamp(std::ceil(kCrossingsPerView * static_cast<double>(views.size())), 2.0, 100.0));
-  std::vector<std::uint8_t> crossings(cells_.size());
-  for (const IntrinsicView* view : views) shine_through(*view, lights, enough, crossings);
-  for (std::size_t i = 0; i < cells_.size(); ++i)
-    if (crossings[i] >= enough) cells_[i] = 0;
+  std::vector<ImageU8> bright;
+  for (const IntrinsicView* view : views) bright.push_back(bright_pixels(*view));
+  for (int light = 0; light < static_cast<int>(lights.places.cols()); ++light) {
+    LightWays ways(cells_.size());
+    for (std::size_t v = 0; v < views.size(); ++v) shine_through(*views[v], bright[v], lights, light, ways);
+    for (std::size_t i = 0; i < cells_.size(); ++i)
+      if (ways.lit[i] >= kLeastLit && ways.lit[i] > kLitPart * ways.all[i]) cells_[i] = 0;
+  }
 }
 
 ShadowHull::ShadowHull(const Vector3f& origin, float cell, const Vector3i& size, std::vector<std::uint8_t> cells)
@@ -123,34 +166,44 @@ void ShadowHull::look_through(std::span<const IntrinsicView* const> views) {
               view->depth.at(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
           if (in_camera.z() < (1 - kBefore) * depth) ++looked_through;
         }
-        if (looked_through > 0 || in_view == 0) cells_[i] = 0;
+        if (static_cast<double>(looked_through) > kLookers * static_cast<double>(in_view) || in_view == 0)
+          cells_[i] = 0;
       }
   });
 }
 
-void ShadowHull::shine_through(const IntrinsicView& view, const LightSet& lights, std::uint8_t enough,
-                               std::vector<std::uint8_t>& crossings) const {
-  for (std::size_t l = 0; l < view.lights.size(); ++l) {
-    const Lamp lamp = lights.lamp(view.lights[l]);
-    for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
-      if (view.arrives[l].data()[pixel] != 255 || !(view.depth.data()[pixel] > 0)) return;
-      const Vector3f towards = lamp.towards(point);
-      const float length = towards.norm(), skip = kClearance * cell_ / length;
-      walk(point + skip * towards, towards, lamp.kind == LightKind::kPoint ? 1 - skip : 1e30f, [&](std::size_t cell) {
-        const std::atomic_ref<std::uint8_t> count(crossings[cell]);
-        if (count.load(std::memory_order_relaxed) < enough) count.fetch_add(1, std::memory_order_relaxed);
-        return true;
-      });
+void ShadowHull::shine_through(const IntrinsicView& view, const ImageU8& bright, const LightSet& lights, int light,
+                               LightWays& ways) const {
+  const auto found = std::find(view.lights.begin(), view.lights.end(), light);
+  if (found == view.lights.end()) return;
+  const ImageU8& arrives = view.arrives[static_cast<std::size_t>(found - view.lights.begin())];
+  const Lamp lamp = lights.lamp(light);
+  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
+    const bool lit = arrives.data()[pixel] >= kLit;
+    if (!(view.depth.data()[pixel] > 0) || (!lit && arrives.data()[pixel] > kShadow)) return;
+    if (lit && !(bright.data()[pixel] && faces(view, pixel, lamp.incidence(point)))) return;
+    walk_to_lamp(point, lamp, [&](std::size_t cell) {
+      count(ways.all[cell]);
+      if (lit) count(ways.lit[cell]);
+      return true;
     });
-  }
+  });
+}
+
+template <typename Visit>
+void ShadowHull::walk_to_lamp(const Vector3f& point, const Lamp& lamp, const Visit& visit) const {
+  const Vector3f towards = lamp.towards(point);
+  const float skip = kClearance * cell_ / towards.norm();
+  walk(point + skip * towards, towards, lamp.kind == LightKind::kPoint ? 1 - skip : 1e30f, visit);
 }
 
 bool ShadowHull::hides(const Vector3f& point, const Lamp& lamp) const {
-  const Vector3f towards = lamp.towards(point);
-  const float skip = kClearance * cell_ / towards.norm();
   bool hidden = false;
-  walk(point + skip * towards, towards, lamp.kind == LightKind::kPoint ? 1 - skip : 1e30f, [&](std::size_t cell) {
-    hidden = cells_[cell] != 0;
+  int layer = kLayer;
+  walk_to_lamp(point, lamp, [&](std::size_t cell) {
+    const bool solid = cells_[cell] != 0;
+    hidden = solid && layer == 0;
+    layer = solid ? std::max(0, layer - 1) : 0;
     return !hidden;
   });
   return hidden;
@@ -166,7 +219,7 @@ ImageU8 reached_past(const ShadowHull& hull, const IntrinsicView& view, const La
   const cv::Mat found(h, w, CV_8UC1, sharp.data());
   cv::Mat clean, smooth(h, w, CV_8UC1, out.data());
   cv::medianBlur(found, clean, kSpeck);
-  cv::GaussianBlur(clean, smooth, {3, 3}, 0, 0, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(clean, smooth, {kEdge, kEdge}, 0, 0, cv::BORDER_REPLICATE);
   return out;
 }
 

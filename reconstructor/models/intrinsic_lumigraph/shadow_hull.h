@@ -11,7 +11,8 @@
 namespace sheen {
 
 /// The space that can hide a lamp, where no mesh is known: cells that neither a camera looks through (its depth map
-/// lies behind them) nor the light of a lamp crosses on its way to a pixel that is lit. What is left holds all that
+/// lies behind them) nor the light of any lamp passes through. Light passes where enough of its ways through a cell end
+/// at pixels that are seen to be lit. What is left holds all that
 /// casts the shadows of all captured lights together, and so the shadows of the lights between.
 class ShadowHull {
  public:
@@ -21,7 +22,7 @@ class ShadowHull {
   /// As it was stored. `cells`: one byte each, x fastest; 1 where it is solid.
   ShadowHull(const Eigen::Vector3f& origin, float cell, const Eigen::Vector3i& size, std::vector<std::uint8_t> cells);
 
-  /// Whether a cell on the way from a point to a lamp is solid, but for those that the point lies in or touches.
+  /// Whether a cell on the way from a point to a lamp is solid, but for those that belong to the point's surface.
   bool hides(const Eigen::Vector3f& point, const Lamp& lamp) const;
 
   bool empty() const { return cells_.empty(); }
@@ -36,8 +37,16 @@ class ShadowHull {
   void walk(const Eigen::Vector3f& from, const Eigen::Vector3f& direction, float length, const Visit& visit) const;
   void place_grid(std::span<const IntrinsicView* const> views);
   void look_through(std::span<const IntrinsicView* const> views);
-  void shine_through(const IntrinsicView& view, const LightSet& lights, std::uint8_t enough,
-                     std::vector<std::uint8_t>& crossings) const;
+  /// Along the way from a point to a lamp, but for where it begins: the surface itself.
+  template <typename Visit>
+  void walk_to_lamp(const Eigen::Vector3f& point, const Lamp& lamp, const Visit& visit) const;
+  /// How many ways of a lamp's light pass through each cell, and how many of them end at a pixel that is lit.
+  struct LightWays {
+    std::vector<std::uint16_t> all, lit;
+    explicit LightWays(std::size_t cells) : all(cells), lit(cells) {}
+  };
+  void shine_through(const IntrinsicView& view, const ImageU8& bright, const LightSet& lights, int light,
+                     LightWays& ways) const;
 
   Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();  ///< corner of the first cell
   float cell_ = 0;                                    ///< metres along a side
@@ -45,7 +54,7 @@ class ShadowHull {
   std::vector<std::uint8_t> cells_;
 };
 
-/// Part of each pixel of a view that a lamp reaches, 0..255, by a hull; edges are smoothed over a pixel.
+/// Part of each pixel of a view that a lamp reaches, 0..255, by a hull; edges are smoothed over two pixels.
 ImageU8 reached_past(const ShadowHull& hull, const IntrinsicView& view, const Lamp& lamp);
 
 }  // namespace sheen

@@ -57,7 +57,8 @@ bool rises_before_surface(const CapturedView& view, const Vector3f& point, const
   return seen - at.z() > kLeastRise * step;
 }
 
-ImageU8 with_edges_marked(const ImageU8& classes) {
+/// `parts`: of the light that arrives, from the brightness of a pixel; taken next to the other class.
+ImageU8 with_parts_at_edges(const ImageU8& classes, const ImageF& parts) {
   const int w = classes.width(), h = classes.height();
   const cv::Mat mask(h, w, CV_8UC1, const_cast<std::uint8_t*>(classes.data())), square = cv::Mat::ones(3, 3, CV_8U);
   cv::Mat least, most;
@@ -66,8 +67,18 @@ ImageU8 with_edges_marked(const ImageU8& classes) {
   ImageU8 out(w, h, 1);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
-      out.at(x, y) = least.at<std::uint8_t>(y, x) == most.at<std::uint8_t>(y, x) ? classes.at(x, y) : 128;
+      out.at(x, y) = least.at<std::uint8_t>(y, x) == most.at<std::uint8_t>(y, x)
+                         ? classes.at(x, y)
+                         : static_cast<std::uint8_t>(std::clamp(std::lround(255 * parts.at(x, y)), 1l, 254l));
   return out;
+}
+
+/// Of what a matt surface would show: the median of what is darker than the threshold.
+float brightness_in_shadow(const ImageF& darker, const ImageU8& facing, float threshold) {
+  std::vector<float> shadowed;
+  for (std::size_t i = 0; i < darker.size(); ++i)
+    if (facing.data()[i] != 0 && darker.data()[i] <= threshold) shadowed.push_back(darker.data()[i]);
+  return shadowed.empty() ? 0 : std::exp(median(shadowed));
 }
 
 }  // namespace
@@ -95,12 +106,17 @@ std::vector<ImageU8> shadow_masks(const CapturedView& view, const LightSet& ligh
     }
   });
   const float threshold = otsu_threshold(darker, facing);
+  const float dark = brightness_in_shadow(darker, facing, threshold);
   std::vector<ImageU8> masks;
   for (std::size_t i = 0; i < n; ++i) {
     ImageU8 classes(w, h, 1);
-    for (std::size_t pixel = 0; pixel < classes.size(); ++pixel)
-      classes.data()[pixel] = facing.data()[n * pixel + i] && darker.data()[n * pixel + i] > threshold ? 255 : 0;
-    masks.push_back(with_edges_marked(classes));
+    ImageF parts(w, h, 1);
+    for (std::size_t pixel = 0; pixel < classes.size(); ++pixel) {
+      const bool faces = facing.data()[n * pixel + i] != 0;
+      classes.data()[pixel] = faces && darker.data()[n * pixel + i] > threshold ? 255 : 0;
+      if (faces) parts.data()[pixel] = (std::exp(darker.data()[n * pixel + i]) - dark) / (1 - dark);
+    }
+    masks.push_back(with_parts_at_edges(classes, parts));
   }
   return masks;
 }
