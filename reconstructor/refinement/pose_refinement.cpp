@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/refinement/pose_refinement.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -51,10 +49,7 @@ class PatchConsensus {
   double overlap() const {
     double of_patches = 0, of_surface = 0;
     for (const std::size_t v : vertices_) of_patches += std::pow(kPatchSide * double(patches_.spacing[v]), 2);
-    for (const Triangle& t : mesh_.triangles) {
-      const Eigen::Vector3f &a = mesh_.vertices[t[0]], &b = mesh_.vertices[t[1]], &c = mesh_.vertices[t[2]];
-      of_surface += 0.5 * (b - a).cross(c - a).norm();
-    }
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) of_surface += 0.5 * mesh_.area_normal(t).norm();
     return std::max(1.0, of_patches / of_surface);
   }
   const Eigen::Vector3f& vertex(std::size_t number) const { return mesh_.vertices[vertices_[number]]; }
@@ -272,6 +267,7 @@ std::vector<RefinedPose> refine_poses(const Mesh& mesh, const RefinementImages& 
   for (std::size_t pass = 0; pass < kSpacings_px.size(); ++pass) {
     const bool last = pass + 1 == kSpacings_px.size();
     PatchConsensus consensus(mesh, edges, footprints, kSpacings_px[pass]);
+    const double overlap = consensus.overlap();
     for (const std::size_t i : leaders) {
       consensus.add(GreyPyramid(images.read(i)), views[i]);
       step_done();
@@ -281,21 +277,21 @@ std::vector<RefinedPose> refine_poses(const Mesh& mesh, const RefinementImages& 
       const GreyPyramid image(images.read(i));
       const std::vector<Target> targets = targets_of(consensus, image, views[i], leads[i]);
       const Rigid3& from = views[i].camera_from_object;
-      const MotionFit fit = fit_motion(targets, consensus.overlap(), image, from);
+      const MotionFit fit = fit_motion(targets, overlap, image, from);
       const Rigid3 to = moved_by(fit.motion, from);
       refined[i] = {.camera_from_object = to,
                     .moved_px = apart_px(targets, views[i].camera, images.cameras[i].camera_from_object, to),
                     .uncertainty_px = std::sqrt((fit.covariance * fit.spread).trace()),
                     .patches = fit.patches};
-      if (const auto squared = last ? contradiction(targets, consensus.overlap(), image, to) : std::nullopt)
+      if (const auto squared = last ? contradiction(targets, overlap, image, to) : std::nullopt)
         contradictions.push_back(*squared);
       step_done();
     }
     for (const std::size_t i : movers) views[i].camera_from_object = refined[i].camera_from_object;
   }
   // What a whole side gets wrong (reflections, a mesh that is off) is not in what a fit says of itself.
-  if (contradictions.empty()) return refined;
-  const double overconfidence = std::sqrt(std::max(1.0, median(contradictions) / kMedianOfContradiction));
+  const double overconfidence =
+      contradictions.empty() ? 1 : std::sqrt(std::max(1.0, median(contradictions) / kMedianOfContradiction));
   for (const std::size_t i : movers)
     refined[i].uncertainty_px = std::hypot(overconfidence * refined[i].uncertainty_px, kCommonError_px);
   return refined;
