@@ -27,7 +27,7 @@ std::optional<float> predicted(const RayScene& scene, const Ray& ray, std::span<
   float sum = 0, weights = 0;
   for (const SourceImage& source : sources) {
     const auto pixel = source.view.camera.project(source.view.camera_from_object * point.cast<double>());
-    const Eigen::Vector3f eye = source.eye();
+    const Eigen::Vector3f& eye = source.eye;
     if (!pixel || scene.occluded(Ray{eye, point - eye, 0, 1 - kVisible})) continue;
     const float value = source.image.sample(0, static_cast<float>(pixel->x()), static_cast<float>(pixel->y()));
     if (!std::isfinite(value)) continue;
@@ -62,7 +62,7 @@ std::vector<SourceImage> nearest_sources(const RefinementImages& images, const P
                     });
   std::vector<SourceImage> sources;
   for (std::size_t i = 0; i < count; ++i) {
-    sources.push_back({nearest[i], images.cameras[nearest[i]], GreyPyramid(images.read(nearest[i]))});
+    sources.push_back({nearest[i], GreyPyramid(images.read(nearest[i])), images.cameras[nearest[i]]});
   }
   return sources;
 }

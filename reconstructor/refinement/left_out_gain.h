@@ -29,9 +29,14 @@ LeftOut leave_out_some(std::size_t images);
 /// An image that others are predicted from.
 struct SourceImage {
   std::size_t number;  ///< of the refinement's images
-  PosedCamera view;
   GreyPyramid image;
-  Eigen::Vector3f eye() const { return camera_centre(view.camera_from_object).cast<float>(); }
+  PosedCamera view;
+  Eigen::Vector3f eye = camera_centre(view.camera_from_object).cast<float>();
+
+  /// The same image, taken from elsewhere.
+  SourceImage moved_to(const Rigid3& camera_from_object) const {
+    return {number, image, {view.camera, camera_from_object}};
+  }
 };
 /// The four of `among` that see the object, of which this is the centre, from the sides nearest to that of a view.
 std::vector<SourceImage> nearest_sources(const RefinementImages& images, const PosedCamera& view,

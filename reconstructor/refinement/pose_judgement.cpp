@@ -28,8 +28,9 @@ JudgedPoses refine_and_judge_poses(const Mesh& mesh, const RefinementImages& ima
     const PosedCamera& view = images.cameras[i];
     const ImageF inside = distance_from_outline(caster.cast(view, mesh, scene));
     const std::vector<SourceImage> given = nearest_sources(images, view, centre, split.others);
-    std::vector<SourceImage> moved = given;
-    for (SourceImage& source : moved) source.view.camera_from_object = judged.refined[source.number].camera_from_object;
+    std::vector<SourceImage> moved;
+    for (const SourceImage& source : given)
+      moved.push_back(source.moved_to(judged.refined[source.number].camera_from_object));
     return gain_at(images.read(i), inside, {scene, {view.camera, fitted[i].camera_from_object}, given},
                    {scene, {view.camera, judged.refined[i].camera_from_object}, moved});
   };
