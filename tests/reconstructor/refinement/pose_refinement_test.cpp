@@ -5,47 +5,25 @@
 
 #include <cmath>
 #include <numeric>
-#include <random>
 
 #include "reconstructor/refinement/pose_judgement.h"
 #include "tests/reconstructor/refinement/ball_photographs.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/poses_off.h"
 
 namespace sheen {
 namespace {
 
-/// RMS distance in the image of the ball's points that face a camera, pixels.
 double apart_px(const PosedCamera& right, const Rigid3& pose) {
-  const Mesh points = sphere_mesh(kRadius, 3);
-  double squares = 0, count = 0;
-  for (const Eigen::Vector3f& v : points.vertices) {
-    const Eigen::Vector3d p = v.cast<double>();
-    if (p.dot(camera_centre(right.camera_from_object) - p) <= 0) continue;
-    squares += (*right.camera.project(right.camera_from_object * p) - *right.camera.project(pose * p)).squaredNorm();
-    ++count;
-  }
-  return std::sqrt(squares / count);
+  return apart_px(sphere_mesh(kRadius, 3), {right}, {pose});
 }
 
 double apart_px(const RefinementImages& right, const std::vector<Rigid3>& poses) {
-  double squares = 0;
-  for (std::size_t i = 0; i < poses.size(); ++i) squares += std::pow(apart_px(right.cameras[i], poses[i]), 2);
-  return std::sqrt(squares / static_cast<double>(poses.size()));
+  return apart_px(sphere_mesh(kRadius, 3), right.cameras, poses);
 }
 
-/// Each turned about the ball and shifted, by about so many pixels.
-RefinementImages with_poses_off(RefinementImages images, double by_px) {
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> normal;
-  const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
-  const double metres = by_px * kPixel / std::sqrt(2.0);
-  for (PosedCamera& view : images.cameras) {
-    const Eigen::Vector3d turn = vector() * metres / kRadius, shift = vector() * metres / std::sqrt(2.0);
-    const Eigen::Quaterniond by(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
-    view.camera_from_object =
-        Rigid3{Eigen::Quaterniond::Identity(), shift} * view.camera_from_object * Rigid3{by, Eigen::Vector3d::Zero()};
-  }
-  return images;
+RefinementImages with_poses_off(const RefinementImages& images, double by_px) {
+  return with_poses_off(images, {Eigen::Vector3d::Zero(), kRadius}, by_px, 3);
 }
 
 std::vector<Rigid3> poses_of(const std::vector<RefinedPose>& refined) {
