@@ -16,12 +16,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <thread>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/image/exr_attributes.h"
 
 namespace sheen {
 
@@ -119,34 +119,6 @@ bool channel_before(const std::string& a, const std::string& b) {
     return std::tuple(name.substr(0, last), rank, name);
   };
   return key(a) < key(b);
-}
-
-/// The library makes room for an attribute before it reads it: none may claim more than the file holds.
-void check_attributes(const std::filesystem::path& path, std::uintmax_t file_bytes) {
-  constexpr std::uint32_t kMultiPart = 0x1000;
-  std::ifstream file(path, std::ios::binary);
-  const auto number = [&] {
-    unsigned char bytes[4] = {};
-    file.read(reinterpret_cast<char*>(bytes), sizeof bytes);
-    return bytes[0] | std::uint32_t(bytes[1]) << 8 | std::uint32_t(bytes[2]) << 16 | std::uint32_t(bytes[3]) << 24;
-  };
-  number();  // what makes it an EXR
-  const bool several = number() & kMultiPart;
-  std::string name, type;
-  for (bool in_header = false; std::getline(file, name, '\0');) {
-    if (name.empty()) {  // the end of a header; a header without anything is the end of them
-      if (!several || !in_header) return;
-      in_header = false;
-      continue;
-    }
-    in_header = true;
-    std::getline(file, type, '\0');
-    const std::uint32_t size = number();
-    if (!file || size > file_bytes - static_cast<std::uintmax_t>(file.tellg()))
-      throw Error("attribute \"" + name.substr(0, 40) + "\" claims " + std::to_string(size) +
-                  " bytes, more than the file holds");
-    file.seekg(size, std::ios::cur);
-  }
 }
 
 /// Pixels of one compressed block, which the library makes room for whole, however few of them the part has.
@@ -290,7 +262,7 @@ ExrAttributes read_exr(const std::filesystem::path& path, const std::function<bo
   const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
   if (missing) throw FileError(path.string(), "cannot be read: " + missing.message());
   try {
-    check_attributes(path, bytes);
+    check_exr_attributes(path);
     Imf::MultiPartInputFile in(path.c_str(), pool_threads(), /*reconstructChunkOffsetTable=*/false);
     for (int i = 0; i < in.parts(); ++i)
       if (wanted(in.header(i).hasName() ? in.header(i).name() : "")) visit(read_part(in, i, bytes));

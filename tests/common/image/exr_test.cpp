@@ -64,6 +64,30 @@ TEST(Exr, AnAttributeThatClaimsMoreThanTheFileHoldsIsNotGivenTheMemory) {
   expect_error([&] { read_exr(path); }, {"a.exr", "\"note\"", "2147483647 bytes, more than the file holds"});
 }
 
+TEST(Exr, AnAttributeOfAnotherSizeThanItsTypeHasIsRefused) {
+  // The library reads values of most types without regard to the size stated, and would take what follows for
+  // attributes.
+  const TempFolder folder;
+  const auto path = folder.path() / "a.exr";
+  const std::string headers[] = {std::string("compression\0compression\0", 24), std::string("channels\0chlist\0", 16),
+                                 std::string("screenWindowWidth\0float\0", 24)};
+  for (const std::string& header : headers) {
+    write_exr(path, noise(6, 5, 1, 1));
+    read_exr(path);
+    overwrite(path, header, "\x05");
+    expect_error([&] { read_exr(path); },
+                 {"a.exr", '"' + header.substr(0, header.find('\0')) + '"', "claims 5 bytes, which a"});
+  }
+}
+
+TEST(Exr, APreviewIsNotGivenTheMemoryOfThePixelsItClaims) {
+  const TempFolder folder;
+  const auto path = folder.path() / "a.exr";
+  write_exr(path, {.parts = {{"a", {"Y"}, noise(6, 5, 1, 1)}}, .attributes = {{"preview", "123456789"}}});
+  overwrite(path, std::string("preview\0", 8), std::string("preview\0\x08\0\0\0\0\x10\0\0\0\x10\0\0", 20));
+  expect_error([&] { read_exr(path); }, {"a.exr", "\"preview\" claims 8 bytes, which a preview has not"});
+}
+
 TEST(Exr, AWideLineIsNotGivenTheMemoryOfItsWholeBlock) {
   const TempFolder folder;
   const auto path = folder.path() / "a.exr";
