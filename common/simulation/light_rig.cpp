@@ -44,11 +44,14 @@ LightRig::LightRig(const LightRigOptions& options)
   rays_ = std::make_unique<RayScene>(scene_.mesh);
   for (int row = 0; row < options.rows; ++row)
     for (int column = 0; column < options.columns; ++column) cameras_.push_back(camera_at(column, row));
-  const double step = M_PI / (options.lights - 1);
   for (int i = 0; i < options.lights; ++i) {
-    lights_.push_back(lamp_at(i * step));
-    if (i + 1 < options.lights) midway_lights_.push_back(lamp_at((i + 0.5) * step));
+    lights_.push_back(light_at(i));
+    if (i + 1 < options.lights) midway_lights_.push_back(light_at(i + 0.5));
   }
+}
+
+LightState LightRig::light_at(double place) const {
+  return lamp_at(place * M_PI / (options_.lights - 1));
 }
 
 PosedCamera LightRig::camera_at(double column, double row) const {

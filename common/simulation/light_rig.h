@@ -45,6 +45,8 @@ class LightRig {
   const std::vector<LightState>& lights() const { return lights_; }
   /// Lamps halfway between neighbours.
   const std::vector<LightState>& midway_lights() const { return midway_lights_; }
+  /// The lamp at such a place of the row, which may lie between two: 2.5 is halfway from the third to the fourth.
+  LightState light_at(double place) const;
   /// The camera at (column, row) of the grid, which may lie between its places.
   PosedCamera camera_at(double column, double row) const;
   PosedCamera central_camera() const { return cameras_[cameras_.size() / 2]; }

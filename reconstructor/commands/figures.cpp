@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
-#include <map>
-#include <nlohmann/json.hpp>
 
 #include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
@@ -12,16 +9,16 @@
 #include "common/base/files.h"
 #include "common/base/format.h"
 #include "common/base/progress.h"
-#include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
-#include "common/image/image_io.h"
 #include "common/simulation/simulated_rig.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/figure_page.h"
 #include "reconstructor/commands/study_options.h"
 #include "reconstructor/scene/scene_mesh.h"
 #include "reconstructor/studies/figure.h"
 #include "reconstructor/studies/light_figures.h"
+#include "reconstructor/studies/lumigraph_figures.h"
 
 namespace sheen {
 namespace {
@@ -31,7 +28,7 @@ constexpr int kFrames = 130, kWidth = 512, kHeight = 384;  // of the simulated r
 struct FiguresArguments {
   std::string dataset, mesh, out, rig, json;
   std::vector<int> only;
-  bool quick = false, light = false;
+  bool quick = false, light = false, lumigraph = false;
   StudyOptions study;
 };
 
@@ -63,93 +60,83 @@ std::vector<NamedMesh> meshes_for_timing(bool simulated, const std::shared_ptr<c
   return meshes;
 }
 
-/// Pictures and tables of a figure into OUT/images; a section of the page.
-std::string publish(const Figure& figure, const std::filesystem::path& out, bool& drawn) {
-  std::string section = format("\n## Figure %d: ", figure.number) + figure.title + "\n\n";
-  section += "| the paper | here | holds |\n|---|---|---|\n| " + figure.paper + " | " + figure.ours + " | " +
-             (figure.holds ? "yes" : "**no**") + " |\n\n";
-  for (const auto& [file, plot] : figure.plots) {
-    drawn = write_plot(plot, out / "images" / file) == PlotFiles::kDrawn && drawn;
-    section += "![" + plot.title + "](images/" + file + ".svg) ([table](images/" + file + ".csv))\n\n";
-  }
-  for (const Figure::Table& table : figure.tables) {
-    write_file(out / "images" / (table.file + ".csv"), table_csv(table));
-    section += table.caption + " ([table](images/" + table.file + ".csv)):\n\n" + table_markdown(table) + "\n";
-  }
-  for (const auto& [file, caption, image] : figure.pictures) {
-    write_png(out / "images" / (file + ".png"), image);
-    section += "![" + caption + "](images/" + file + ".png)\n*" + caption + "*\n\n";
-  }
-  return section;
-}
-
-using Figures = std::map<int, std::function<Figure()>>;
-
-/// Makes those that are asked for and their page.
-void make_figures(const Figures& all, const FiguresArguments& arguments, std::string page, const char* page_name,
-                  ReportFile& report) {
-  const std::filesystem::path out = arguments.out;
-  nlohmann::ordered_json findings = nlohmann::ordered_json::array();
-  bool drawn = true;
-  PartsUntilStop parts;
-  {
-    Progress progress("measuring", all.size());
-    std::size_t done = 0;
-    for (const auto& [number, run] : all) {
-      if (arguments.only.empty() || std::count(arguments.only.begin(), arguments.only.end(), number) > 0) {
-        const std::optional<Figure> made = parts.result(run);
-        if (!made) break;
-        const Figure& figure = *made;
-        page += publish(figure, out, drawn);
-        findings.push_back({{"figure", number},
-                            {"title", figure.title},
-                            {"paper", figure.paper},
-                            {"here", figure.ours},
-                            {"holds", figure.holds}});
-        const ProgressPause pause;
-        std::printf("figure %d, %s: %s\n  the paper: %s\n  here: %s\n", number, figure.title.c_str(),
-                    figure.holds ? "holds" : "DOES NOT HOLD", figure.paper.c_str(), figure.ours.c_str());
-        std::fflush(stdout);
-      }
-      progress.update(++done);
+/// Before experiments of simulated scenes alone. `numbers`: of the figures that there are.
+void check_simulated(const FiguresArguments& arguments, const std::string& option, const std::vector<int>& numbers) {
+  if (!arguments.dataset.empty() || !arguments.mesh.empty())
+    throw ConfigError(option + ": its experiments are of simulated scenes; leave the data set out");
+  for (const int number : arguments.only)
+    if (std::count(numbers.begin(), numbers.end(), number) == 0) {
+      std::string all;
+      for (const int there : numbers) all += (all.empty() ? "" : ", ") + std::to_string(there);
+      throw ConfigError("--only: with " + option + " there are figures " + all);
     }
-  }
-  write_file(out / page_name, page);
-  if (report.wanted()) report.write(nlohmann::ordered_json{{"figures", findings}}.dump(2) + "\n");
-  if (!drawn) std::fprintf(stderr, "%s\n", kInstallGnuplot);
-  if (parts.stopped()) std::fprintf(stderr, "stopped after %zu figures, which are kept\n", findings.size());
 }
 
 /// Those of the reflected irradiance field (002).
 void light_figures(const FiguresArguments& arguments) {
-  if (!arguments.dataset.empty() || !arguments.mesh.empty())
-    throw ConfigError("--light: its experiments are of the simulated object; leave the data set out");
-  for (const int number : arguments.only)
-    if (number != 3 && number != 5 && number != 7)
-      throw ConfigError("--only: with --light there are figures 3, 5 and 7");
+  check_simulated(arguments, "--light", {3, 5, 7});
   install_stop_signals();
-  ReportFile report(arguments.json);
-  check_writable_folder(arguments.out);
-  make_folder(std::filesystem::path(arguments.out) / "images");
+  FigurePage page(arguments.out, "irradiance_results.md", arguments.only, arguments.json);
   LightFigureOptions options;
   if (arguments.quick) options = {.width = 80, .height = 60, .lamps = 4};
-  make_figures({{3, [&] { return figure_exposure_curves(options); }},
-                {5, [&] { return figure_undersampling(options); }},
-                {7, [&] { return figure_brushed_metals(options); }}},
-               arguments, "# The irradiance field's experiments, run again\n", "irradiance_results.md", report);
+  page.make({{3, [&] { return figure_exposure_curves(options); }},
+             {5, [&] { return figure_undersampling(options); }},
+             {7, [&] { return figure_brushed_metals(options); }}},
+            "# The irradiance field's experiments, run again\n");
+}
+
+/// Made when it is first asked for.
+template <typename T>
+class OnDemand {
+ public:
+  explicit OnDemand(std::function<T()> make) : make_(std::move(make)) {}
+  const T& get() {
+    if (!made_) made_ = std::make_unique<T>(make_());
+    return *made_;
+  }
+
+ private:
+  std::function<T()> make_;
+  std::unique_ptr<T> made_;
+};
+
+/// Those of the intrinsic lumigraph (001), with as many lights and views as the paper's.
+void lumigraph_figures(const FiguresArguments& arguments) {
+  check_simulated(arguments, "--lumigraph", {3, 7, 8, 9, 10, 11, 12, 14});
+  install_stop_signals();
+  FigurePage page(arguments.out, "lumigraph_results.md", arguments.only, arguments.json);
+  const auto rig_of = [&](int lights, int side, double gloss) {
+    LightRigOptions rig{.lights = lights, .columns = side, .rows = side, .gloss = gloss};
+    if (arguments.quick) rig.columns = rig.rows = 3, rig.width = 160, rig.height = 120;
+    return rig;
+  };
+  OnDemand<StillLife> simple([&] { return StillLife(rig_of(7, 5, 0), nullptr); }),
+      toys([&] { return StillLife(rig_of(7, 17, 0), nullptr); }),
+      glossy([&] { return StillLife(rig_of(10, 16, 0.3), nullptr); });
+  OnDemand<ShadowRow> row([&] { return shadows_between(simple.get(), 2); });
+  page.make({{3, [&] { return figure_merged_depth(depths_by_light(LightRig(rig_of(9, 9, 0)))); }},
+             {7, [&] { return figure_moved_masks(row.get()); }},
+             {8, [&] { return figure_depth_shadows(simple.get()); }},
+             {9, [&] { return figure_shadow_shapes(row.get()); }},
+             {10, [&] { return figure_shadow_difference(row.get()); }},
+             {11, [&] { return figure_light_between(toys.get(), 11); }},
+             {12, [&] { return figure_light_between(glossy.get(), 12); }},
+             {14, [&] { return figure_error_maps(toys.get()); }}},
+            "# The intrinsic lumigraph's experiments, run again\n");
 }
 
 void figures(const FiguresArguments& arguments) {
+  if (arguments.light && arguments.lumigraph)
+    throw ConfigError("--light and --lumigraph are two papers; give one of them");
   if (arguments.light) return light_figures(arguments);
+  if (arguments.lumigraph) return lumigraph_figures(arguments);
   for (const int number : arguments.only)
-    if (number == 3 || number == 7) throw ConfigError("--only: figures 3 and 7 are of --light");
+    if (number < 4 || number == 7 || number > 11)
+      throw ConfigError("--only: figures 3, 7, 12 and 14 are of --light and --lumigraph");
   if (arguments.dataset.empty() != arguments.mesh.empty())
     throw ConfigError("a data set needs its --mesh; without both, the simulated rig is used");
   install_stop_signals();
-  ReportFile report(arguments.json);
-  const std::filesystem::path out = arguments.out;
-  check_writable_folder(out);
-  make_folder(out / "images");
+  FigurePage page(arguments.out, "paper_results.md", arguments.only, arguments.json);
   const bool simulated = arguments.dataset.empty();
   const std::filesystem::path dataset =
       simulated ? simulated_dataset(arguments) : std::filesystem::path(arguments.dataset);
@@ -187,10 +174,8 @@ void figures(const FiguresArguments& arguments) {
       {10, [&] { return figure_view_choice(experiment, options); }},
       {11, [&] { return figure_orders(experiment, batch_run(), options); }},
   };
-  make_figures(all, arguments,
-               format("# The paper's experiments, run again\n\n%zu training images, %zu held-out views, rank %d.\n",
-                      experiment.training.size(), experiment.held_out.size(), options.rank),
-               "paper_results.md", report);
+  page.make(all, format("# The paper's experiments, run again\n\n%zu training images, %zu held-out views, rank %d.\n",
+                        experiment.training.size(), experiment.held_out.size(), options.rank));
 }
 
 }  // namespace
@@ -206,9 +191,11 @@ void add_figures_command(Command& program) {
   command.option("--rig", arguments->rig, "where the simulated rig is kept between runs; default: OUT/rig");
   command.option("--only", arguments->only, "numbers of the figures to make, as in the paper")
       .delimiter(',')
-      .check(one_of({3, 4, 5, 7, 8, 9, 10, 11}));
+      .check(one_of({3, 4, 5, 7, 8, 9, 10, 11, 12, 14}));
   command.flag("--light", arguments->light,
                "those of the irradiance field's paper instead: a lamp moves over the simulated object");
+  command.flag("--lumigraph", arguments->lumigraph,
+               "those of the intrinsic lumigraph's paper instead: a simulated still life in several lights");
   command.flag("--quick", arguments->quick, "fewer orders, ranks and images, coarser maps");
   command.option("--json", arguments->json, "report to write; - for standard output");
   add_study_options(command, arguments->study);

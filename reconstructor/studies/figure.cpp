@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/studies/figure.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "common/base/format.h"
@@ -17,6 +18,20 @@ std::string joined(const std::vector<std::string>& cells, const char* separator)
 }
 
 }  // namespace
+
+ImageU8 mosaic(const std::vector<std::vector<ImageU8>>& rows) {
+  const int w = rows.front().front().width(), h = rows.front().front().height();
+  ImageU8 all(w * static_cast<int>(rows.front().size()), h * static_cast<int>(rows.size()), 3);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    for (std::size_t c = 0; c < rows[r].size(); ++c) {
+      const ImageU8& image = rows[r][c];
+      const int left = static_cast<int>(c) * w, top = static_cast<int>(r) * h, last = image.channels() - 1;
+      for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x)
+          for (int k = 0; k < 3; ++k) all.at(left + x, top + y, k) = image.at(x, y, std::min(k, last));
+    }
+  return all;
+}
 
 std::string table_csv(const Figure::Table& table) {
   std::string text;

@@ -13,7 +13,7 @@
 
 namespace sheen {
 
-/// One of the paper's experiments (000 sec. 5), run again.
+/// One of the papers' experiments, run again.
 struct Figure {
   int number = 0;  ///< in the paper
   std::string title;
@@ -38,6 +38,9 @@ struct Figure {
   };
   std::vector<Table> tables;
 };
+
+/// Pictures one beside the other, row by row; all of one size, of 3 channels or of 1.
+ImageU8 mosaic(const std::vector<std::vector<ImageU8>>& rows);
 
 std::string table_csv(const Figure::Table& table);
 std::string table_markdown(const Figure::Table& table);

@@ -82,17 +82,6 @@ class Stage {
   float white_ = 1;  ///< of the lamp: the brightest surface that can be is 1
 };
 
-/// Pictures one beside the other, row by row; all of one size.
-ImageU8 mosaic(const std::vector<std::vector<ImageU8>>& rows) {
-  const int w = rows.front().front().width(), h = rows.front().front().height();
-  ImageU8 all(w * static_cast<int>(rows.front().size()), h * static_cast<int>(rows.size()), 3);
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    for (std::size_t c = 0; c < rows[r].size(); ++c)
-      for (int y = 0; y < h; ++y)
-        std::copy_n(rows[r][c].row(y), 3 * w, all.pixel(static_cast<int>(c) * w, static_cast<int>(r) * h + y));
-  return all;
-}
-
 /// What bilinear interpolation misses in the middle of a cell, where it misses most.
 struct CellError {
   ImageF interpolated, error;  ///< exposure; grey levels, 1 channel

@@ -12,16 +12,16 @@
 
 #include "common/base/files.h"
 #include "common/base/order_statistics.h"
+#include "common/image/color.h"
 #include "common/image/image_io.h"
 #include "common/image/image_metrics.h"
 #include "common/simulation/light_rig.h"
 #include "reconstructor/models/intrinsic_lumigraph/image_geometry.h"
 #include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph.h"
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_painter.h"
-#include "reconstructor/radiance/radiance_image.h"
 #include "reconstructor/studies/depth_merging.h"
+#include "reconstructor/studies/still_life.h"
 #include "tests/bench/goal_rows.h"
-#include "tests/support/light_rig_captures.h"
 
 namespace sheen {
 namespace {
@@ -32,24 +32,6 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Intersection over union of two masks.
-struct Overlap {
-  std::size_t both = 0, either = 0;
-  void add(bool a, bool b) {
-    both += a && b;
-    either += a || b;
-  }
-  double iou() const { return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 1; }
-};
-
-std::vector<Capture> captures_of(const LightRig& rig) {
-  std::vector<Capture> captures;
-  for (const PosedCamera& from : rig.cameras())
-    for (const LightState& light : rig.lights())
-      captures.push_back(rig_capture(from, light, rig.picture(from, light).radiance, captures.size() + 1));
-  return captures;
-}
-
 /// `seconds`: from images to the model.
 Model build(const std::vector<Capture>& captures, const Mesh& mesh, double& seconds) {
   const auto begin = std::chrono::steady_clock::now();
@@ -58,25 +40,6 @@ Model build(const std::vector<Capture>& captures, const Mesh& mesh, double& seco
   auto snapshot = std::dynamic_pointer_cast<const IntrinsicLumigraphSnapshot>(model.snapshot());
   seconds = seconds_since(begin);
   return snapshot;
-}
-
-/// Linear interpolation of true pictures from there: what everything is compared with.
-struct Linear {
-  ImageF radiance;
-  ImageF arrives;
-};
-Linear interpolated(const LightRig& rig, const PosedCamera& from, std::size_t midway) {
-  Linear out;
-  for (const std::size_t l : {midway, midway + 1}) {
-    const SimulatedPicture picture = rig.picture(from, rig.lights()[l]);
-    if (out.radiance.empty()) {
-      out.radiance = ImageF(picture.radiance.width(), picture.radiance.height(), 3);
-      out.arrives = ImageF(picture.radiance.width(), picture.radiance.height(), 1);
-    }
-    for (std::size_t i = 0; i < out.radiance.size(); ++i) out.radiance.data()[i] += 0.5f * picture.radiance.data()[i];
-    for (std::size_t i = 0; i < out.arrives.size(); ++i) out.arrives.data()[i] += picture.shadow.data()[i] ? 0 : 0.5f;
-  }
-  return out;
 }
 
 /// Figures of pictures in midway lights; the means over them.
@@ -116,7 +79,7 @@ Midway judge_midway(const LightRig& rig, const PosedCamera& from, LumigraphPaint
     const LightState& light = rig.midway_lights()[m];
     const SimulatedPicture truth = rig.picture(from, light);
     const ImageU8 expected = to_srgb8(truth.radiance), picture = to_srgb8(painter.paint(from, light));
-    const Linear linear_parts = interpolated(rig, from, m);
+    const LinearPicture linear_parts = interpolated_truth(rig, from, static_cast<double>(m) + 0.5);
     const ImageU8 linear = to_srgb8(linear_parts.radiance);
     const double db = squared_error(picture, expected, {}).psnr_db();
     result.psnr_db += db;
@@ -170,58 +133,16 @@ void report_midway(GoalReport& report, const std::string& name, const Midway& mi
                       {{"linear interpolation", midway.linear_shadow.iou()}}));
 }
 
-/// Mean absolute error over the pixels that show a surface, metres.
-double depth_error(const ImageF& depth, const ImageF& truth) {
-  double sum = 0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < truth.size(); ++i)
-    if (truth.data()[i] > 0) {
-      sum += std::abs(depth.data()[i] - truth.data()[i]);
-      ++count;
-    }
-  return sum / static_cast<double>(count);
-}
-
-/// The views in one of their lights.
-std::vector<CapturedView> in_light(const std::vector<CapturedView>& views, std::size_t light) {
-  std::vector<CapturedView> alone;
-  for (const CapturedView& view : views)
-    alone.push_back({.from = view.from, .lights = {view.lights[light]}, .radiance = {view.radiance[light]}});
-  return alone;
-}
-
 /// 001 figure 3: depth of the central view in each light, merged over lights in three ways.
-void report_depth(GoalReport& report, const LightRig& rig, const std::vector<Capture>& captures) {
-  std::vector<CapturedView> views;
-  for (std::size_t v = 0; v < rig.cameras().size(); ++v) {
-    CapturedView& view = views.emplace_back(CapturedView{.from = rig.cameras()[v]});
-    for (std::size_t l = 0; l < rig.lights().size(); ++l) {
-      view.lights.push_back(static_cast<int>(l));
-      view.radiance.push_back(level_radiance(captures[v * rig.lights().size() + l], 1));
-    }
-  }
-  const std::size_t centre = views.size() / 2;
-  const ImageF truth = rig.picture(rig.cameras()[centre], rig.lights()[0]).depth;
-  std::vector<ImageF> depths, confidences, textures;
-  std::vector<double> errors, refined;  // of each light, on the planes and between them
-  for (std::size_t l = 0; l < rig.lights().size(); ++l) {
-    refined.push_back(depth_error(swept_depth(in_light(views, l), centre), truth));
-    DepthInLight swept = swept_depth_in_light(views, centre, static_cast<int>(l));
-    errors.push_back(depth_error(swept.depth, truth));
-    ImageF grey(truth.width(), truth.height(), 1);
-    for (std::size_t i = 0; i < grey.size(); ++i) grey.data()[i] = luminance(views[centre].radiance[l].data() + 3 * i);
-    textures.push_back(texture_confidence(grey));
-    depths.push_back(std::move(swept.depth));
-    confidences.push_back(std::move(swept.confidence));
-  }
-  const double best = *std::min_element(errors.begin(), errors.end());
-  const double all = depth_error(swept_depth(views, centre), truth);
-  report.add(at_most(0.5, {}, "no mesh: depth error over that of the best light", all / best, "",
-                     {{"eq. 1, variance", depth_error(merge_depths(depths, confidences), truth) / best},
-                      {"eq. 2-4, Hessian", depth_error(merge_depths(depths, textures), truth) / best},
-                      {"over that of the best light, found between planes too",
-                       all / *std::min_element(refined.begin(), refined.end())},
-                      {"best light, mm", 1e3 * best}}));
+void report_depth(GoalReport& report, const LightRig& rig) {
+  const DepthsByLight depths = depths_by_light(rig);
+  const double best = depths.least_error(depths.on_planes), all = depths.error(depths.by_all);
+  report.add(
+      at_most(0.5, {}, "no mesh: depth error over that of the best light", all / best, "",
+              {{"eq. 1, variance", depths.error(depths.by_variance) / best},
+               {"eq. 2-4, Hessian", depths.error(depths.by_texture) / best},
+               {"over that of the best light, found between planes too", all / depths.least_error(depths.refined)},
+               {"best light, mm", 1e3 * best}}));
 }
 
 /// How well Otsu's masks of the captured images agree with their shadows.
@@ -242,14 +163,14 @@ void measure(GoalReport& report) {
   for (const double gloss : {0.0, 0.3}) {
     const LightRig rig({.lights = 7, .columns = 5, .rows = 5, .width = 320, .height = 240, .gloss = gloss});
     const std::string scene = gloss > 0 ? "glossy" : "matt";
-    const std::vector<Capture> captures = captures_of(rig);
+    const std::vector<Capture> captures = rig_captures(rig);
     const Model known = build(captures, rig.scene().mesh, seconds);
     LumigraphPainter painter(known);
     report_midway(report, scene + ", mesh", judge_midway(rig, rig.central_camera(), painter, scene + "_mesh", out),
                   45.0, {}, 0.98);
     report_midway(report, scene + ", mesh, between views",
                   judge_midway(rig, rig.camera_at(2.5, 2.5), painter, scene + "_mesh_between", out), {}, 6.0, 0.98);
-    if (gloss == 0) report_depth(report, rig, captures);
+    if (gloss == 0) report_depth(report, rig);
     const Model images = build(captures, view_plane(rig.central_camera()), seconds);
     report.add({scene + ", no mesh: images to model, 7 x 5x5 of 320x240", seconds, "s", {}});
     if (gloss == 0) report_masks(report, rig, images);
@@ -260,7 +181,7 @@ void measure(GoalReport& report) {
                   judge_midway(rig, rig.camera_at(2.5, 2.5), without, scene + "_images_between", out), {}, 6.0, 0.80);
   }
   const LightRig large({.lights = 7, .columns = 2, .rows = 2, .width = 640, .height = 480});
-  const Model model = build(captures_of(large), large.scene().mesh, seconds);
+  const Model model = build(rig_captures(large), large.scene().mesh, seconds);
   report.add(at_most(60, {}, "mesh: 7 x 17x17 views of 640x480, from the time of 2x2", seconds / 4 * 17 * 17, "s"));
   report_speed(report, large, model, "mesh");
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/errors.h"
+#include "common/image/color.h"
 #include "common/image/image_metrics.h"
 #include "reconstructor/models/intrinsic_lumigraph/image_geometry.h"
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_painter.h"

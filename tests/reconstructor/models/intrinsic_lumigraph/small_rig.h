@@ -3,8 +3,9 @@
 
 #include <memory>
 
+#include "common/simulation/light_rig.h"
+#include "common/simulation/light_rig_capture.h"
 #include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph.h"
-#include "tests/support/light_rig_captures.h"
 
 namespace sheen {
 

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#pragma once
+#include "common/simulation/light_rig_capture.h"
 
-#include "common/capture/capture.h"
+#include <string>
+
 #include "common/image/color.h"
-#include "common/simulation/light_rig.h"
 
 namespace sheen {
 
-/// An image of the simulated rig as a data set has it: 8-bit sRGB.
-inline Capture rig_capture(const PosedCamera& from, const LightState& light, const ImageF& radiance,
-                           std::uint64_t sequence, Purpose purpose = Purpose::kTraining) {
+Capture rig_capture(const PosedCamera& from, const LightState& light, const ImageF& radiance, std::uint64_t sequence,
+                    Purpose purpose) {
   const ImageU8 bytes = to_srgb8(radiance);
   Capture capture{.source_session = "rig", .sequence = sequence, .name = "image " + std::to_string(sequence)};
   capture.camera = from.camera;

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/studies/shadow_warp.h"
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <optional>
+
+#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
+
+namespace sheen {
+namespace {
+
+constexpr float kTear = 6;     // sizes of a pixel on the surface, in depth
+constexpr int kSmallest = 12;  // pixels of a blob that is followed
+constexpr int kReach = 3;      // pixels round a geometric blob that belong to it
+constexpr int kSteps = 40;     // of a registration
+constexpr double kEnough = 1e-4;
+constexpr int kBlur = 7;  // pixels, of the masks that are registered
+
+cv::Mat matrix_of(const ImageU8& image) {
+  return {image.height(), image.width(), CV_8UC1, const_cast<std::uint8_t*>(image.data())};
+}
+
+struct Blob {
+  cv::Mat mask;  ///< 255 within, of the whole picture's size
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Identity();  ///< second central moments, square pixels
+};
+
+std::vector<Blob> blobs_of(const cv::Mat& mask) {
+  cv::Mat labels, numbers, centroids;
+  const int count = cv::connectedComponentsWithStats(mask, labels, numbers, centroids);
+  std::vector<Blob> blobs;
+  for (int i = 1; i < count; ++i) {
+    if (numbers.at<int>(i, cv::CC_STAT_AREA) < kSmallest) continue;
+    Blob& blob = blobs.emplace_back(Blob{.mask = labels == i});
+    const cv::Moments m = cv::moments(blob.mask, /*binaryImage=*/true);
+    constexpr double kPixel = 1.0 / 12;  // the spread of a pixel itself: a line has one as well
+    blob.centroid = {m.m10 / m.m00, m.m01 / m.m00};
+    blob.spread << m.mu20 / m.m00 + kPixel, m.mu11 / m.m00, m.mu11 / m.m00, m.mu02 / m.m00 + kPixel;
+  }
+  return blobs;
+}
+
+/// An affine map of the picture's plane.
+using Affine = Eigen::Matrix<double, 2, 3>;
+Affine after(const Affine& second, const Affine& first) {
+  Affine both;
+  both.leftCols<2>() = second.leftCols<2>() * first.leftCols<2>();
+  both.col(2) = second.leftCols<2>() * first.col(2) + second.col(2);
+  return both;
+}
+
+cv::Mat moved(const cv::Mat& mask, const Affine& map) {
+  cv::Mat matrix(2, 3, CV_64F), out;
+  for (int r = 0; r < 2; ++r)
+    for (int c = 0; c < 3; ++c) matrix.at<double>(r, c) = map(r, c);
+  cv::warpAffine(mask, out, matrix, mask.size(), cv::INTER_LINEAR);
+  return out;
+}
+
+double overlap(const cv::Mat& a, const cv::Mat& b) {
+  cv::Mat both, either;
+  cv::min(a, b, both);
+  cv::max(a, b, either);
+  const double all = cv::sum(either)[0];
+  return all > 0 ? cv::sum(both)[0] / all : 0;
+}
+
+/// Brings the moments of one blob to those of the other, without a turn that they do not tell of.
+Affine by_moments(const Blob& from, const Blob& to) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> a(from.spread), b(to.spread);
+  Affine map;
+  map.leftCols<2>() = b.operatorSqrt() * a.operatorInverseSqrt();
+  map.col(2) = to.centroid - map.leftCols<2>() * from.centroid;
+  return map;
+}
+
+/// The same refined by correlation; nothing where it does not converge.
+std::optional<Affine> by_correlation(const Blob& from, const Blob& to, const Affine& start) {
+  cv::Mat target, source;
+  to.mask.convertTo(target, CV_32F, 1 / 255.0);
+  from.mask.convertTo(source, CV_32F, 1 / 255.0);
+  // The library looks for the map from the target's pixels to the source's.
+  const Eigen::Matrix2d inverse = start.leftCols<2>().inverse();
+  const Eigen::Vector2d shift = -inverse * start.col(2);
+  cv::Mat map(2, 3, CV_32F);
+  for (int r = 0; r < 2; ++r) {
+    for (int c = 0; c < 2; ++c) map.at<float>(r, c) = static_cast<float>(inverse(r, c));
+    map.at<float>(r, 2) = static_cast<float>(shift[r]);
+  }
+  try {
+    cv::findTransformECC(target, source, map, cv::MOTION_AFFINE,
+                         cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kSteps, kEnough), {}, kBlur);
+  } catch (const cv::Exception&) {
+    return std::nullopt;
+  }
+  Eigen::Matrix2d found;
+  Eigen::Vector2d at;
+  for (int r = 0; r < 2; ++r) {
+    for (int c = 0; c < 2; ++c) found(r, c) = map.at<float>(r, c);
+    at[r] = map.at<float>(r, 2);
+  }
+  if (!found.allFinite() || std::abs(found.determinant()) < 1e-3) return std::nullopt;
+  Affine out;
+  out.leftCols<2>() = found.inverse();
+  out.col(2) = -out.leftCols<2>() * at;
+  return out;
+}
+
+Affine registered(const Blob& from, const Blob& to) {
+  const Affine moments = by_moments(from, to);
+  const std::optional<Affine> refined = by_correlation(from, to, moments);
+  return refined && overlap(moved(from.mask, *refined), to.mask) > overlap(moved(from.mask, moments), to.mask)
+             ? *refined
+             : moments;
+}
+
+/// What a blob becomes among those of the next light; none where there are none.
+const Blob* next_of(const Blob& blob, const std::vector<Blob>& blobs) {
+  const Blob* best = nullptr;
+  double most = 0, nearest = 1e30;
+  for (const Blob& other : blobs) {
+    const double shared = overlap(blob.mask, other.mask), distance = (blob.centroid - other.centroid).norm();
+    if (shared > most || (most == 0 && shared == 0 && distance < nearest)) best = &other;
+    most = std::max(most, shared);
+    nearest = std::min(nearest, distance);
+  }
+  return best;
+}
+
+/// Shadows of the image in the first light of a row, as they are in each of its lights.
+std::vector<cv::Mat> followed(const std::vector<std::vector<Blob>>& row, const cv::Mat& image_mask) {
+  std::vector<cv::Mat> shadows;
+  for (std::size_t k = 0; k < row.size(); ++k) shadows.push_back(cv::Mat::zeros(image_mask.size(), CV_8UC1));
+  const cv::Mat reach = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kReach + 1, 2 * kReach + 1});
+  for (const Blob& blob : row.front()) {
+    cv::Mat attached;
+    cv::dilate(blob.mask, attached, reach);
+    cv::min(attached, image_mask, attached);
+    Affine map = Affine::Identity();
+    const Blob* at = &blob;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      if (k > 0) {
+        const Blob* next = next_of(*at, row[k]);
+        if (!next) break;
+        map = after(registered(*at, *next), map);
+        at = next;
+      }
+      cv::max(shadows[k], moved(attached, map), shadows[k]);
+    }
+  }
+  return shadows;
+}
+
+}  // namespace
+
+Mesh depth_surface(const PosedCamera& from, const ImageF& depth) {
+  const DepthPoints points(from);
+  const int w = depth.width(), h = depth.height();
+  Mesh mesh;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) mesh.vertices.push_back(points.at(x, y, depth.at(x, y)));
+  const float pixel = static_cast<float>(1 / std::min(from.camera.fx, from.camera.fy));  // per metre of depth
+  const auto joined = [&](const std::array<Eigen::Vector2i, 3>& corners) {
+    float near = 1e30f, far = 0;
+    for (const Eigen::Vector2i& corner : corners) {
+      near = std::min(near, depth.at(corner.x(), corner.y()));
+      far = std::max(far, depth.at(corner.x(), corner.y()));
+    }
+    return near > 0 && far - near < kTear * pixel * near;
+  };
+  const auto add = [&](const std::array<Eigen::Vector2i, 3>& corners) {
+    if (!joined(corners)) return;
+    Triangle triangle;
+    for (std::size_t c = 0; c < 3; ++c) triangle[c] = static_cast<std::uint32_t>(corners[c].y() * w + corners[c].x());
+    mesh.triangles.push_back(triangle);
+  };
+  for (int y = 0; y + 1 < h; ++y)
+    for (int x = 0; x + 1 < w; ++x) {
+      add({{{x, y}, {x, y + 1}, {x + 1, y}}});
+      add({{{x + 1, y}, {x, y + 1}, {x + 1, y + 1}}});
+    }
+  return mesh;
+}
+
+ShadowWarp::ShadowWarp(std::span<const ImageU8> geometric, const ImageU8& first, const ImageU8& last) {
+  std::vector<std::vector<Blob>> row;
+  for (const ImageU8& mask : geometric) row.push_back(blobs_of(matrix_of(mask) >= 128));
+  const std::vector<cv::Mat> forward = followed(row, matrix_of(first));
+  std::reverse(row.begin(), row.end());
+  std::vector<cv::Mat> backward = followed(row, matrix_of(last));
+  std::reverse(backward.begin(), backward.end());
+  for (std::size_t k = 0; k < forward.size(); ++k) {
+    const double part = static_cast<double>(k) / static_cast<double>(forward.size() - 1);
+    ImageU8& shadow = shadows_.emplace_back(first.width(), first.height(), 1);
+    cv::Mat out = matrix_of(shadow);
+    cv::addWeighted(forward[k], 1 - part, backward[k], part, 0, out);
+  }
+}
+
+}  // namespace sheen
