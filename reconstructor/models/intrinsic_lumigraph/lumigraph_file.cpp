@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr ChunkFormat kFormat{.magic = "sheenILG", .version = 1, .title = "intrinsic lumigraph"};
+constexpr ChunkFormat kFormat{.magic = "sheenILG", .version = 2, .title = "intrinsic lumigraph"};
 constexpr const char *kViewsFile = "views.ilg", *kMeshFile = "mesh.ply";
 // More than anybody honest asks for.
 constexpr std::size_t kMostViews = 100000, kMostLights = 4096;
@@ -131,21 +131,18 @@ bool all_finite(const ImageHalf& image) {
                      [](Eigen::half v) { return std::isfinite(static_cast<float>(v)); });
 }
 
-/// Eight cells a byte, the first in the lowest bit.
-std::string bits_of(const ShadowHull& hull) {
-  std::string out((hull.cells().size() + 7) / 8, '\0');
-  for (std::size_t i = 0; i < hull.cells().size(); ++i)
-    if (hull.cells()[i]) out[i / 8] = static_cast<char>(out[i / 8] | 1 << i % 8);
-  return out;
+std::string bytes_of(const ShadowHull& hull) {
+  return {hull.cells().begin(), hull.cells().end()};
 }
 
 /// `hull` has its place and size as the description says them, and no cells.
 ShadowHull read_hull(std::string_view packed_bytes, const ShadowHull& hull) {
-  const std::string bits = unpacked(packed_bytes);
-  const std::size_t count = cells_in(hull.size());
-  if (bits.size() != (count + 7) / 8) throw std::invalid_argument("has not as many cells as its description says");
-  std::vector<std::uint8_t> cells(count);
-  for (std::size_t i = 0; i < count; ++i) cells[i] = static_cast<unsigned char>(bits[i / 8]) >> i % 8 & 1;
+  const std::string bytes = unpacked(packed_bytes);
+  if (bytes.size() != cells_in(hull.size()))
+    throw std::invalid_argument("has not as many cells as its description says");
+  std::vector<std::uint8_t> cells(bytes.begin(), bytes.end());
+  if (std::any_of(cells.begin(), cells.end(), [](std::uint8_t cell) { return cell > ShadowHull::kSolid; }))
+    throw std::invalid_argument("has a cell that is more than solid");
   return {hull.origin(), hull.cell(), hull.size(), std::move(cells)};
 }
 
@@ -197,7 +194,7 @@ void read_planes_of_light(std::string_view packed_bytes, IntrinsicView& view) {
 std::string encode_lumigraph(const LumigraphData& data, const StepsDone& progress) {
   std::string out = start_of_file(kFormat, {});
   append_chunk(out, "DESC", packed(describe(data).dump()));
-  append_chunk(out, "HULL", packed(bits_of(data.hull), kQuickPacking));
+  append_chunk(out, "HULL", packed(bytes_of(data.hull), kQuickPacking));
   for (std::size_t v = 0; v < data.views.size(); ++v) {
     const IntrinsicView& view = *data.views[v];
     append_chunk(out, "VIEW", packed(planes_of(view), kQuickPacking));

@@ -24,9 +24,10 @@ constexpr float kPixelsPerCell = 1.2f;
 constexpr double kOutliers = 0.002;  // of the points along each axis, on either side, that do not stretch the grid
 constexpr float kBefore = 0.016f;    // of the depth: a cell this far before a camera's surface is looked through
 constexpr double kLookers = 0.12;    // of the cameras that a cell is before: one depth map alone may be wrong
-// A cell is empty if, of the ways of a lamp's light through it, this part ends at a pixel that is lit: about none do
-// through a cell that casts a shadow, and the edge of a shadow lies within a cell.
-constexpr double kLitPart = 0.2;
+// A cell is empty if, of the ways of a lamp's light through it, this part ends at pixels that are lit. Of about none
+// that do the cell is solid: it casts a shadow, and the edge of that lies within the cells between.
+constexpr float kEmptyPart = 0.4f;
+constexpr float kHiding = 0.25f * ShadowHull::kSolid;  // what is more solid hides the lamp
 constexpr std::uint16_t kLeastLit = 2, kMostWays = 60000;
 constexpr std::uint8_t kLit = 220;     // of what arrives: from here on light has passed
 constexpr std::uint8_t kShadow = 128;  // up to here it has not
@@ -34,9 +35,9 @@ constexpr float kLeastCosine = 0.3f;   // of light that is seen to arrive; what 
 constexpr float kLeastBright = 0.5f;   // of its surroundings: darker, a pixel may be in the shadow of all lamps
 constexpr double kSurroundings = 0.1;  // of the picture's width
 constexpr int kSpeck = 3;              // pixels: smaller spots of light or shadow are noise
-constexpr int kEdge = 5;               // pixels: over which edges are smoothed, as wrong as they are
+constexpr int kEdge = 3;               // pixels: over which edges are smoothed, as wrong as they are
 constexpr float kClearance = 5.5f;     // cells: what a way to a lamp begins with, which is not asked
-constexpr int kLayer = 2;              // cells that a surface may be thicker than that, where depth is wrong
+constexpr int kLayer = 3;              // cells that a surface may be thicker than that, where depth is wrong
 
 /// Pixels that are not much darker than what is round them. One that no lamp reaches looks like a dark one that all
 /// reach; the light that seems to arrive there would pass through what hides it.
@@ -80,8 +81,11 @@ ShadowHull::ShadowHull(std::span<const IntrinsicView* const> views, const LightS
   for (int light = 0; light < static_cast<int>(lights.places.cols()); ++light) {
     LightWays ways(cells_.size());
     for (std::size_t v = 0; v < views.size(); ++v) shine_through(*views[v], bright[v], lights, light, ways);
-    for (std::size_t i = 0; i < cells_.size(); ++i)
-      if (ways.lit[i] >= kLeastLit && ways.lit[i] > kLitPart * ways.all[i]) cells_[i] = 0;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (ways.lit[i] < kLeastLit) continue;
+      const float lit = static_cast<float>(ways.lit[i]) / static_cast<float>(ways.all[i]);
+      cells_[i] = std::min(cells_[i], static_cast<std::uint8_t>(kSolid * std::max(0.0f, 1 - lit / kEmptyPart)));
+    }
   }
 }
 
@@ -146,7 +150,7 @@ void ShadowHull::place_grid(std::span<const IntrinsicView* const> views) {
   size_ = ((high - low) / cell_).array().ceil().cast<int>() + 2;
   cells_.assign(
       static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()),
-      1);
+      kSolid);
 }
 
 void ShadowHull::look_through(std::span<const IntrinsicView* const> views) {
@@ -197,16 +201,34 @@ void ShadowHull::walk_to_lamp(const Vector3f& point, const Lamp& lamp, const Vis
   walk(point + skip * towards, towards, lamp.kind == LightKind::kPoint ? 1 - skip : 1e30f, visit);
 }
 
+float ShadowHull::solidity(const Vector3f& place) const {
+  const Vector3f at = (place - origin_) / cell_ - Vector3f::Constant(0.5f);
+  const Vector3i first = at.array().floor().cast<int>();
+  if ((first.array() < 0).any() || (first.array() + 1 >= size_.array()).any()) return -1;
+  const Vector3f part = at - first.cast<float>();
+  const std::size_t row = static_cast<std::size_t>(size_.x()), sheet = row * static_cast<std::size_t>(size_.y());
+  const std::uint8_t* cell = cells_.data() + static_cast<std::size_t>(first.x()) +
+                             row * static_cast<std::size_t>(first.y()) + sheet * static_cast<std::size_t>(first.z());
+  const auto between = [](float a, float b, float t) { return a + t * (b - a); };
+  const auto along_x = [&](const std::uint8_t* c) { return between(c[0], c[1], part.x()); };
+  const auto on_sheet = [&](const std::uint8_t* c) { return between(along_x(c), along_x(c + row), part.y()); };
+  return between(on_sheet(cell), on_sheet(cell + sheet), part.z());
+}
+
 bool ShadowHull::hides(const Vector3f& point, const Lamp& lamp) const {
-  bool hidden = false;
+  if (empty()) return false;
+  const Vector3f towards = lamp.towards(point);
+  const float distance = lamp.kind == LightKind::kPoint ? towards.norm() / cell_ : std::numeric_limits<float>::max();
+  const Vector3f step = cell_ * towards.normalized();
   int layer = kLayer;
-  walk_to_lamp(point, lamp, [&](std::size_t cell) {
-    const bool solid = cells_[cell] != 0;
-    hidden = solid && layer == 0;
-    layer = solid ? std::max(0, layer - 1) : 0;
-    return !hidden;
-  });
-  return hidden;
+  for (float passed = kClearance; passed < distance; ++passed) {
+    const float found = solidity(point + passed * step);
+    if (found < 0) return false;  // outside
+    const bool solid = found > kHiding;
+    if (solid && layer == 0) return true;
+    layer = solid ? layer - 1 : 0;
+  }
+  return false;
 }
 
 namespace {

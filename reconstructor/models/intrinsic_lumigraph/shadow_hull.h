@@ -11,18 +11,20 @@
 namespace sheen {
 
 /// The space that can hide a lamp, where no mesh is known: cells that neither a camera looks through (its depth map
-/// lies behind them) nor the light of any lamp passes through. Light passes where enough of its ways through a cell end
-/// at pixels that are seen to be lit. What is left holds all that
-/// casts the shadows of all captured lights together, and so the shadows of the lights between.
+/// lies behind them) nor the light of any lamp passes through. The more of a lamp's ways through a cell end at pixels
+/// that are seen to be lit, the less solid it is; between the cells' centres solidity is interpolated. What is left
+/// holds all that casts the shadows of all captured lights together, and so the shadows of the lights between.
 class ShadowHull {
  public:
+  static constexpr std::uint8_t kSolid = 15;  ///< of a cell through which no light is seen to pass
+
   ShadowHull() = default;
   /// Of views with depth and masks of where each light arrives.
   ShadowHull(std::span<const IntrinsicView* const> views, const LightSet& lights);
-  /// As it was stored. `cells`: one byte each, x fastest; 1 where it is solid.
+  /// As it was stored. `cells`: solidity, 0 to `kSolid`, x fastest.
   ShadowHull(const Eigen::Vector3f& origin, float cell, const Eigen::Vector3i& size, std::vector<std::uint8_t> cells);
 
-  /// Whether a cell on the way from a point to a lamp is solid, but for those that belong to the point's surface.
+  /// Whether something on the way from a point to a lamp is solid, but for what belongs to the point's surface.
   bool hides(const Eigen::Vector3f& point, const Lamp& lamp) const;
 
   bool empty() const { return cells_.empty(); }
@@ -35,6 +37,8 @@ class ShadowHull {
   /// Calls `visit(cell)` along the way until it says false or the way leaves the grid.
   template <typename Visit>
   void walk(const Eigen::Vector3f& from, const Eigen::Vector3f& direction, float length, const Visit& visit) const;
+  /// Interpolated between the centres of cells; negative outside.
+  float solidity(const Eigen::Vector3f& place) const;
   void place_grid(std::span<const IntrinsicView* const> views);
   void look_through(std::span<const IntrinsicView* const> views);
   /// Along the way from a point to a lamp, but for where it begins: the surface itself.

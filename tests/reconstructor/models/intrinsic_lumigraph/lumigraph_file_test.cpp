@@ -42,7 +42,7 @@ TEST_F(LumigraphFileTest, AReopenedModelIsTheSameToTheBit) {
 TEST_F(LumigraphFileTest, AModelOfImagesKeepsItsHull) {
   LumigraphData data = *saved_->data();
   data.of_images = true;
-  data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {3, 2, 2}, {1, 0, 0, 1, 1, 0, 1, 0, 1, 0, 0, 1});
+  data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {3, 2, 2}, {15, 0, 3, 1, 1, 0, 7, 0, 15, 0, 0, 14});
   const LumigraphData again = decode_lumigraph(encode_lumigraph(data), "views.ilg");
   EXPECT_TRUE(again.of_images);
   EXPECT_EQ(again.hull.cells(), data.hull.cells());
@@ -52,6 +52,8 @@ TEST_F(LumigraphFileTest, AModelOfImagesKeepsItsHull) {
 
   data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {30, 2, 2}, {1, 0, 0, 1});
   EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "fewer cells than it says";
+  data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {2, 2, 1}, {1, 0, 16, 1});
+  EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "more than solid";
   data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {1 << 13, 1 << 13, 1 << 13}, {});
   EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "more than any honest file";
 }
