@@ -65,12 +65,11 @@ void CaptureEnd::fold_in_the_journal() {
   show(EndStage::kFinishing, 0, 0);
   loop_.finish();
   for (; !loop_.finished(); std::this_thread::sleep_for(kPoll)) {
-    if (const auto look = refinement_ ? refinement_->last_look() : std::nullopt) {
-      show(EndStage::kRefining, look->first, look->second);
-      continue;
-    }
     const LoopStatus status = loop_.status();
-    show(EndStage::kFinishing, status.ingested, std::max(status.rebuild_until, status.journaled));
+    if (status.mesh_look && status.no_more_captures)
+      show(EndStage::kRefining, status.mesh_look->done, status.mesh_look->steps);
+    else
+      show(EndStage::kFinishing, status.ingested, std::max(status.rebuild_until, status.journaled));
   }
   loop_.stop();
   if (const std::string error = loop_.status().error; !error.empty()) throw Error(error);

@@ -248,6 +248,11 @@ void CaptureLoop::no_other_mesh_follows() {
   mesh_is_final_ = true;
 }
 
+void CaptureLoop::tell(std::optional<MeshLook> look) {
+  const std::lock_guard lock(mutex_);
+  status_.mesh_look = look;
+}
+
 bool CaptureLoop::mesh_to_come() const {
   const std::lock_guard lock(mutex_);
   return next_mesh_ || (options_.awaits_last_mesh && !mesh_is_final_);

@@ -35,13 +35,20 @@ struct Latencies {
   RunningStatistics to_picture;  ///< of these: in a snapshot that whoever watches has
 };
 
+/// How far the refinement of a mesh against the captures so far has come.
+struct MeshLook {
+  std::uint64_t captures = 0;
+  std::size_t done = 0, steps = 0;
+};
+
 struct LoopStatus {
   FrameCounts counts;
-  std::uint64_t journaled = 0;      ///< captures that are durable
-  std::uint64_t ingested = 0;       ///< of these, how many the model has seen or left out
-  std::uint64_t rebuild_until = 0;  ///< while the model is being rebuilt: of how many captures; else 0
-  bool on_another_mesh = false;     ///< why: another mesh; else a withdrawal
-  bool no_more_captures = false;    ///< all that will come are durable
+  std::uint64_t journaled = 0;        ///< captures that are durable
+  std::uint64_t ingested = 0;         ///< of these, how many the model has seen or left out
+  std::uint64_t rebuild_until = 0;    ///< while the model is being rebuilt: of how many captures; else 0
+  bool on_another_mesh = false;       ///< why: another mesh; else a withdrawal
+  std::optional<MeshLook> mesh_look;  ///< while there is one
+  bool no_more_captures = false;      ///< all that will come are durable
   /// Captures that are durable and not in the model yet: journaled = accepted + held out + refused + withdrawn + these.
   std::uint64_t waiting() const { return journaled - std::min(journaled, ingested); }
   /// False from a withdrawal until the model is, to the bit, one that never saw the image.
@@ -104,6 +111,8 @@ class CaptureLoop {
   /// The model is rebuilt on another mesh with the same triangles, while the last snapshot stays. From any thread.
   void go_over_to(std::shared_ptr<const Mesh> mesh);
   void no_other_mesh_follows();
+  /// What `LoopStatus::mesh_look` says; nothing when it is over.
+  void tell(std::optional<MeshLook> look);
   LoopStatus status() const;
   /// Withdraws the last capture of the journal that is not withdrawn, and returns its index; nothing where there is
   /// none. Throws FileError.

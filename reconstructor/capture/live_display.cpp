@@ -66,6 +66,11 @@ std::string message_of(const LoopStatus& status, const ReceiverStats& link, cons
   return link.last_error;
 }
 
+std::string text_of(const MeshLook& look) {
+  return "refining the mesh with " + std::to_string(look.captures) + " images: step " + std::to_string(look.done) +
+         " of " + std::to_string(look.steps);
+}
+
 /// What the tracker finds wrong with what the camera sees now.
 std::string trouble_of(const ReceiverStats& link, const EndProgress& end) {
   const bool running = link.connected && !link.ended && end.stage == EndStage::kCapturing;
@@ -218,6 +223,7 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
   const bool capturing = end.stage == EndStage::kCapturing;
   std::string message = message_of(status, stats, capturing ? commands_for_missing(names_.trackers, status.links) : "");
   if (message.empty() && !now.warnings.empty()) message = now.warnings.front();
+  if (message.empty() && status.mesh_look) message = text_of(*status.mesh_look);
   feed_.publish({.snapshot = now.snapshot,
                  .capture = now.capture,
                  .figures = figures,

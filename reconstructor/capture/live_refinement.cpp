@@ -78,11 +78,6 @@ void LiveRefinement::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
-std::optional<std::pair<std::size_t, std::size_t>> LiveRefinement::last_look() const {
-  const std::lock_guard lock(mutex_);
-  return last_look_;
-}
-
 nlohmann::json LiveRefinement::report() const {
   const std::lock_guard lock(mutex_);
   return *looks_;
@@ -97,10 +92,7 @@ void LiveRefinement::run(const std::stop_token& stop) {
   } catch (const std::exception& error) {
     log_error("mesh", std::string("it is not refined any more: ") + error.what());
   }
-  {
-    const std::lock_guard lock(mutex_);
-    last_look_.reset();
-  }
+  loop_.tell(std::nullopt);
   loop_.no_other_mesh_follows();
 }
 
@@ -115,6 +107,7 @@ void LiveRefinement::look_until_over(const std::stop_token& stop) {
       looked_at = status.journaled;
     } catch (const Overtaken&) {
     }
+    loop_.tell(std::nullopt);
     next = static_cast<std::uint64_t>(std::ceil(options_.growth * static_cast<double>(status.journaled)));
   }
 }
@@ -135,11 +128,9 @@ LoopStatus LiveRefinement::wait_for(std::uint64_t captures, const std::stop_toke
 StepsDone LiveRefinement::steps_of(std::uint64_t captures, const std::stop_token& stop) {
   return [this, captures, stop](std::size_t done, std::size_t steps) {
     if (stop.stop_requested() || loop_.finished()) throw Stopped();
+    loop_.tell(MeshLook{captures, done, steps});
     const LoopStatus status = loop_.status();
-    if (!status.no_more_captures) return;
-    if (many_more(status.journaled, captures)) throw Overtaken();
-    const std::lock_guard lock(mutex_);
-    last_look_ = {done, steps};
+    if (status.no_more_captures && many_more(status.journaled, captures)) throw Overtaken();
   };
 }
 

@@ -33,7 +33,8 @@ struct LiveRefinementOptions {
 /// Refines the mesh of a running capture against the images in its journal, on a thread of its own that lets every
 /// other one go first, again and again as they become more. Each time it begins at the mesh that was given, and the
 /// model goes over to the new mesh only where images that were left out are predicted better than by the one it has
-/// (`refine_and_judge`). The mesh that it went over to stands in the session's folder.
+/// (`refine_and_judge`). The mesh that it went over to stands in the session's folder. The loop's status says how far a
+/// look has come.
 class LiveRefinement {
  public:
   /// The loop awaits its last mesh. `given`: as the user gave it; `present`: the one that the model has.
@@ -42,8 +43,6 @@ class LiveRefinement {
   ~LiveRefinement();
 
   void start();
-  /// Of a look after all images have come: steps done, of how many. Nothing before and after.
-  std::optional<std::pair<std::size_t, std::size_t>> last_look() const;
   /// Each look: {"images", "gain_db", "standard_error_db", "seconds", "mesh": "refined", "as before" or "given"}.
   nlohmann::json report() const;
 
@@ -60,7 +59,6 @@ class LiveRefinement {
   std::shared_ptr<const Mesh> given_, present_;
   LiveRefinementOptions options_;
   mutable std::mutex mutex_;
-  std::optional<std::pair<std::size_t, std::size_t>> last_look_;
   std::unique_ptr<nlohmann::json> looks_;
   std::jthread thread_;
 };

@@ -55,6 +55,9 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   EXPECT_EQ(display.feed().latest()->trouble, "too fast: motion blur");
   EXPECT_EQ(display.feed().latest()->figures->tracker_judged, 56u);
   EXPECT_EQ(display.feed().latest()->message, "");
+  status.mesh_look = MeshLook{24, 3, 12};
+  display.publish_to_window(status);
+  EXPECT_EQ(display.feed().latest()->message, "refining the mesh with 24 images: step 3 of 12");
   display.warn("the mesh stands elsewhere; run `sheen-tracker register`");
   display.publish_to_window(status);
   EXPECT_EQ(display.feed().latest()->message, "the mesh stands elsewhere; run `sheen-tracker register`");
