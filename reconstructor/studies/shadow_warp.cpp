@@ -15,10 +15,11 @@
 namespace sheen {
 namespace {
 
-constexpr float kTear = 6;     // sizes of a pixel on the surface, in depth
-constexpr int kSmallest = 12;  // pixels of a blob that is followed
-constexpr int kReach = 3;      // pixels round a geometric blob that belong to it
-constexpr int kSteps = 40;     // of a registration
+constexpr float kTear = 6;       // sizes of a pixel on the surface, in depth
+constexpr int kSmallest = 12;    // pixels of a blob that is followed
+constexpr int kReach = 3;        // pixels round a geometric blob that belong to it
+constexpr double kJoined = 1.4;  // times as large, or as small: the blob was joined to another, or came apart
+constexpr int kSteps = 40;       // of a registration
 constexpr double kEnough = 1e-4;
 constexpr int kBlur = 7;  // pixels, of the masks that are registered
 
@@ -27,7 +28,8 @@ cv::Mat matrix_of(const ImageU8& image) {
 }
 
 struct Blob {
-  cv::Mat mask;  ///< 255 within, of the whole picture's size
+  cv::Mat mask;     ///< 255 within, of the whole picture's size
+  double area = 0;  ///< pixels
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
   Eigen::Matrix2d spread = Eigen::Matrix2d::Identity();  ///< second central moments, square pixels
 };
@@ -40,6 +42,7 @@ std::vector<Blob> blobs_of(const cv::Mat& mask) {
     if (numbers.at<int>(i, cv::CC_STAT_AREA) < kSmallest) continue;
     Blob& blob = blobs.emplace_back(Blob{.mask = labels == i});
     const cv::Moments m = cv::moments(blob.mask, /*binaryImage=*/true);
+    blob.area = m.m00;
     constexpr double kPixel = 1.0 / 12;  // the spread of a pixel itself: a line has one as well
     blob.centroid = {m.m10 / m.m00, m.m01 / m.m00};
     blob.spread << m.mu20 / m.m00 + kPixel, m.mu11 / m.m00, m.mu11 / m.m00, m.mu02 / m.m00 + kPixel;
@@ -113,7 +116,9 @@ std::optional<Affine> by_correlation(const Blob& from, const Blob& to, const Aff
   return out;
 }
 
+/// One that is joined to another on this step, or comes apart, has no affine map: it stays where it is.
 Affine registered(const Blob& from, const Blob& to) {
+  if (std::max(from.area / to.area, to.area / from.area) > kJoined) return Affine::Identity();
   const Affine moments = by_moments(from, to);
   const std::optional<Affine> refined = by_correlation(from, to, moments);
   return refined && overlap(moved(from.mask, *refined), to.mask) > overlap(moved(from.mask, moments), to.mask)

@@ -22,7 +22,8 @@ Mesh depth_surface(const PosedCamera& from, const ImageF& depth);
 /// registered to the blob that it becomes, one light after the other, by an affine map: by moments, then by correlation
 /// of the blurred masks (Evangelidis and Psarakis 2008) where that converges. What the images' masks have there is
 /// moved by the same maps, from both captured lights, and blended. A blob becomes the one that it overlaps most, else
-/// the one with the nearest centroid. All masks have one size and one channel; 255 is full shadow.
+/// the one with the nearest centroid; one that is joined to another, or comes apart, stays as it is for that step. All
+/// masks have one size and one channel; 255 is full shadow.
 class ShadowWarp {
  public:
   /// `geometric`: in each light of the row, two at least. `first`, `last`: of the images in the captured lights, which
