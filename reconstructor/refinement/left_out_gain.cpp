@@ -113,8 +113,8 @@ LeftOutGain mean_gain(const std::vector<std::size_t>& left_out,
   double squares = 0;
   std::size_t done = 0;
   for (const std::size_t i : left_out) {
-    if (progress) progress(done++, left_out.size());
     const std::optional<double> of_image = gain(i);
+    if (progress) progress(++done, left_out.size());
     if (!of_image) continue;
     ++mean.images;
     mean.gain_db += *of_image;

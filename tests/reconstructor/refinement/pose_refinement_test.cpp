@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -105,7 +106,13 @@ TEST(JudgePoses, WhatGainsIsKeptAndWhatDoesNotIsNot) {
   EXPECT_TRUE(right.kept_given()) << right.judgement.gain_db;
   const RefinementImages off = with_poses_off(photographs.images(), 1.5);
   const std::vector<std::size_t> held_out{3, 11, 27};
-  const JudgedPoses judged = refine_and_judge_poses(mesh, off, held_out);
+  std::vector<std::size_t> steps;
+  const JudgedPoses judged = refine_and_judge_poses(mesh, off, held_out, [&](std::size_t done, std::size_t of) {
+    steps.push_back(done);
+    EXPECT_EQ(of, (50u + 60u) + (50u + 7u) + 7u) << "images: 50 lead, 60 move, 7 judge";
+  });
+  EXPECT_TRUE(std::is_sorted(steps.begin(), steps.end()));
+  EXPECT_EQ(steps.back(), 174u) << "judging is the last part of the work";
   EXPECT_EQ(judged.judgement.images, 7u) << "of the 57 that are not held out";
   EXPECT_FALSE(judged.kept_given());
   EXPECT_GT(judged.judgement.gain_db, 2);
