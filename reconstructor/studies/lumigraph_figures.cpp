@@ -17,28 +17,10 @@
 namespace sheen {
 namespace {
 
-constexpr double kDepthGoal = 0.5;         // of the best light's error: Sheen's own
-constexpr float kWhiteDepthError = 0.02f;  // metres that an error map shows as white
-constexpr int kRedError = 150;             // sum of the three channels' errors that a map shows as red
-constexpr int kVisibleError = 30;          // of the same sum
-constexpr int kGridStep = 40;              // pixels
+constexpr int kRedError = 150;     // sum of the three channels' errors that a map shows as red
+constexpr int kVisibleError = 30;  // of the same sum
+constexpr int kGridStep = 40;      // pixels
 constexpr int kMagnified = 3;
-
-const IntrinsicView& central_view(const StillLife& scene) {
-  return *scene.model->data()->views[scene.rig.cameras().size() / 2];
-}
-
-ImageU8 inverse(const ImageU8& arrives) {
-  ImageU8 shadow = arrives;
-  for (std::size_t i = 0; i < shadow.size(); ++i) shadow.data()[i] = static_cast<std::uint8_t>(255 - shadow.data()[i]);
-  return shadow;
-}
-
-double iou(const ImageU8& shadow, const ImageU8& truth) {
-  Overlap overlap;
-  for (std::size_t i = 0; i < truth.size(); ++i) overlap.add(shadow.data()[i] >= 128, truth.data()[i] >= 128);
-  return overlap.iou();
-}
 
 /// The view's colours as the lumigraph knows them, under other shadows.
 ImageU8 lit_under(const StillLife& scene, const LightState& light, const ImageU8& shadow) {
@@ -46,30 +28,6 @@ ImageU8 lit_under(const StillLife& scene, const LightState& light, const ImageU8
   RelitView relit = relight(central_view(scene), data.lights, scene.model->light_place(light));
   scale(relit, light.rgb);
   return to_srgb8(shadowed(relit, inverse(shadow)));
-}
-
-ImageU8 shown_depth_error(const ImageF& depth, const ImageF& truth) {
-  ImageU8 shown(depth.width(), depth.height(), 1);
-  for (std::size_t i = 0; i < shown.size(); ++i)
-    if (truth.data()[i] > 0)
-      shown.data()[i] = static_cast<std::uint8_t>(
-          std::min(255.0f, 255 * std::abs(depth.data()[i] - truth.data()[i]) / kWhiteDepthError));
-  return shown;
-}
-
-ImageU8 shown_depth(const ImageF& depth, const ImageF& truth) {
-  float near = 1e30f, far = 0;
-  for (std::size_t i = 0; i < truth.size(); ++i)
-    if (truth.data()[i] > 0) {
-      near = std::min(near, truth.data()[i]);
-      far = std::max(far, truth.data()[i]);
-    }
-  ImageU8 shown(depth.width(), depth.height(), 1);
-  for (std::size_t i = 0; i < shown.size(); ++i)
-    if (truth.data()[i] > 0)
-      shown.data()[i] =
-          static_cast<std::uint8_t>(std::clamp(255 * (far - depth.data()[i]) / (far - near), 0.0f, 255.0f));
-  return shown;
 }
 
 /// Lines that make a movement visible.
@@ -160,66 +118,6 @@ std::string size_of(const LightRig& rig) {
 }
 
 }  // namespace
-
-ShadowRow shadows_between(const StillLife& scene, std::size_t first_light) {
-  const PosedCamera from = scene.rig.central_camera();
-  const IntrinsicView& view = central_view(scene);
-  const Occluders surface(depth_surface(from, view.depth));
-  const SeenSurface seen(surface, from);
-  LumigraphPainter painter(scene.model);
-  ShadowRow row;
-  for (int k = 0; k <= ShadowRow::kSteps; ++k) {
-    row.places.push_back(static_cast<double>(first_light) + static_cast<double>(k) / ShadowRow::kSteps);
-    const LightState light = scene.rig.light_at(row.places.back());
-    row.truth.push_back(scene.rig.picture(from, light).shadow);
-    row.geometric.push_back(inverse(seen.reached(scene.model->data()->lights.lamp(scene.model->light_place(light)))));
-    row.lumigraph.push_back(inverse(painter.arrives(from, light)));
-    const ImageF arrives = interpolated_truth(scene.rig, from, row.places.back()).arrives;
-    ImageU8& linear = row.linear.emplace_back(arrives.width(), arrives.height(), 1);
-    for (std::size_t i = 0; i < linear.size(); ++i)
-      linear.data()[i] = static_cast<std::uint8_t>(std::lround(255 * (1 - arrives.data()[i])));
-  }
-  row.warped = ShadowWarp(row.geometric, row.lumigraph.front(), row.lumigraph.back()).shadows();
-  return row;
-}
-
-Figure figure_merged_depth(const DepthsByLight& depths) {
-  const double best = depths.least_error(depths.on_planes), variance = depths.error(depths.by_variance),
-               texture = depths.error(depths.by_texture), all = depths.error(depths.by_all);
-  Figure figure{.number = 3,
-                .title = "depth merged over lights",
-                .paper =
-                    "confidences by variance and by the Hessian are alike, and significantly better than any one "
-                    "light",
-                .ours = format("%.2f times the error of the best light by variance, %.2f by the Hessian; costs of all "
-                               "lights added, and found between planes, %.2f",
-                               variance / best, texture / best, all / best),
-                .holds = std::max(variance, texture) < best && std::abs(variance / texture - 1) < 0.1 &&
-                         all <= kDepthGoal * best};
-  Figure::Table table{"lumigraph_depth",
-                      "Mean error of the depth of the central view",
-                      {"depth", "on planes, mm", "found between planes, mm"},
-                      {}};
-  for (std::size_t l = 0; l < depths.on_planes.size(); ++l)
-    table.rows.push_back({format("light %zu", l + 1), two(1e3 * depths.error(depths.on_planes[l])),
-                          two(1e3 * depths.error(depths.refined[l]))});
-  table.rows.push_back({"merged by variance (eq. 1)", two(1e3 * variance), ""});
-  table.rows.push_back({"merged by the Hessian (eq. 2-4)", two(1e3 * texture), ""});
-  table.rows.push_back({"costs of all lights added", "", two(1e3 * all)});
-  figure.tables.push_back(std::move(table));
-  const std::size_t middle = depths.on_planes.size() / 2;
-  std::vector<std::vector<ImageU8>> rows(2);
-  for (const ImageF* depth :
-       {&depths.truth, &depths.on_planes[middle], &depths.by_variance, &depths.by_texture, &depths.by_all}) {
-    rows[0].push_back(shown_depth(*depth, depths.truth));
-    rows[1].push_back(shown_depth_error(*depth, depths.truth));
-  }
-  figure.pictures.push_back({"lumigraph_depth",
-                             "depth: the truth, one light, merged by variance, by the Hessian, costs of all lights "
-                             "added; below, errors: 20 mm are white",
-                             mosaic(rows)});
-  return figure;
-}
 
 Figure figure_moved_masks(const ShadowRow& row) {
   const std::size_t last = row.places.size() - 1, middle = last / 2;

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
-
-#include "common/image/image.h"
 #include "reconstructor/studies/depth_merging.h"
 #include "reconstructor/studies/figure.h"
+#include "reconstructor/studies/shadow_row.h"
 #include "reconstructor/studies/still_life.h"
 
 namespace sheen {
@@ -13,20 +11,6 @@ namespace sheen {
 // The experiments of intrinsic lumigraphs (001) on a simulated still life, seen by the central camera. No mesh is
 // known. Beside each other stand the exact truth, an intrinsic lumigraph, the paper's own way (`ShadowWarp`), and
 // linear interpolation of exact pictures. Shadow is where less than half of a lamp's light arrives.
-
-/// A scene in lights between two captured ones, in equal steps; both ends are captured lights.
-struct ShadowRow {
-  static constexpr int kSteps = 8;  ///< from one captured light to the next
-
-  std::vector<double> places;  ///< of the lights in the rig's row (`LightRig::light_at`)
-  // Shadow per light, 255 in full.
-  std::vector<ImageU8> truth;
-  std::vector<ImageU8> geometric;  ///< of the view's depth map alone
-  std::vector<ImageU8> warped;     ///< the paper's
-  std::vector<ImageU8> lumigraph;
-  std::vector<ImageU8> linear;
-};
-ShadowRow shadows_between(const StillLife& scene, std::size_t first_light);
 
 /// Figure 3: depth of the central view in each light, merged over lights in three ways.
 Figure figure_merged_depth(const DepthsByLight& depths);
