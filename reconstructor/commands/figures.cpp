@@ -60,6 +60,21 @@ std::vector<NamedMesh> meshes_for_timing(bool simulated, const std::shared_ptr<c
   return meshes;
 }
 
+/// Made when it is first asked for.
+template <typename T>
+class OnDemand {
+ public:
+  explicit OnDemand(std::function<T()> make) : make_(std::move(make)) {}
+  const T& get() {
+    if (!made_) made_ = std::make_unique<T>(make_());
+    return *made_;
+  }
+
+ private:
+  std::function<T()> make_;
+  std::unique_ptr<T> made_;
+};
+
 /// Before experiments of simulated scenes alone. `numbers`: of the figures that there are.
 void check_simulated(const FiguresArguments& arguments, const std::string& option, const std::vector<int>& numbers) {
   if (!arguments.dataset.empty() || !arguments.mesh.empty())
@@ -84,21 +99,6 @@ void light_figures(const FiguresArguments& arguments) {
              {7, [&] { return figure_brushed_metals(options); }}},
             "# The irradiance field's experiments, run again\n");
 }
-
-/// Made when it is first asked for.
-template <typename T>
-class OnDemand {
- public:
-  explicit OnDemand(std::function<T()> make) : make_(std::move(make)) {}
-  const T& get() {
-    if (!made_) made_ = std::make_unique<T>(make_());
-    return *made_;
-  }
-
- private:
-  std::function<T()> make_;
-  std::unique_ptr<T> made_;
-};
 
 /// Those of the intrinsic lumigraph (001), with as many lights and views as the paper's.
 void lumigraph_figures(const FiguresArguments& arguments) {
@@ -159,20 +159,15 @@ void figures(const FiguresArguments& arguments) {
   options.model.patch.factor = {.max_rank = options.rank, .tolerance = 0};
   arguments.study.apply(options.model);
 
-  std::unique_ptr<BatchRun> batch;
-  const auto batch_run = [&]() -> const BatchRun& {
-    if (!batch)
-      batch = std::make_unique<BatchRun>(
-          build_batch(experiment, options, BatchFactorization::reference(options.model.patch.factor)));
-    return *batch;
-  };
+  OnDemand<BatchRun> batch(
+      [&] { return build_batch(experiment, options, BatchFactorization::reference(options.model.patch.factor)); });
   const Figures all{
-      {4, [&] { return figure_rank_error(batch_run(), options); }},
+      {4, [&] { return figure_rank_error(batch.get(), options); }},
       {5, [&] { return figure_imputation(experiment, options); }},
-      {8, [&] { return figure_online_and_batch(experiment, batch_run(), options); }},
+      {8, [&] { return figure_online_and_batch(experiment, batch.get(), options); }},
       {9, [&] { return figure_time(experiment, meshes_for_timing(simulated, mesh, arguments.quick), options); }},
       {10, [&] { return figure_view_choice(experiment, options); }},
-      {11, [&] { return figure_orders(experiment, batch_run(), options); }},
+      {11, [&] { return figure_orders(experiment, batch.get(), options); }},
   };
   page.make(all, format("# The paper's experiments, run again\n\n%zu training images, %zu held-out views, rank %d.\n",
                         experiment.training.size(), experiment.held_out.size(), options.rank));

@@ -1,36 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/refinement/pose_judgement.h"
 
-#include <numeric>
-#include <utility>
-
 #include "common/geometry/ray_scene.h"
 #include "common/registration/silhouette.h"
 
 namespace sheen {
-namespace {
-
-/// Tells of parts of a work, one after the other, as of one. A part is as long as images are read for it.
-class ProgressOfParts {
- public:
-  ProgressOfParts(std::vector<std::size_t> images, const StepsDone& progress)
-      : images_(std::move(images)), progress_(progress) {}
-  StepsDone part(std::size_t number) const {
-    return [this, number](std::size_t done, std::size_t steps) {
-      if (!progress_) return;
-      const auto before =
-          std::accumulate(images_.begin(), images_.begin() + static_cast<std::ptrdiff_t>(number), std::size_t{0});
-      progress_(before + images_[number] * done / steps,
-                std::accumulate(images_.begin(), images_.end(), std::size_t{0}));
-    };
-  }
-
- private:
-  std::vector<std::size_t> images_;  ///< per part
-  const StepsDone& progress_;
-};
-
-}  // namespace
 
 JudgedPoses refine_and_judge_poses(const Mesh& mesh, const RefinementImages& images,
                                    const std::vector<std::size_t>& held_out, const StepsDone& progress) {
@@ -45,10 +19,18 @@ JudgedPoses refine_and_judge_poses(const Mesh& mesh, const RefinementImages& ima
   for (std::vector<std::size_t>* part : {&split.left_out, &split.others})
     for (std::size_t& number : *part) number = training[number];
 
-  const std::size_t others = split.others.size(), left_out = split.left_out.size();
-  const ProgressOfParts parts({others + all.size(), others + left_out, left_out}, progress);
-  JudgedPoses judged{.refined = refine_poses(mesh, images, split.others, all, parts.part(0)), .judgement = {}};
-  const std::vector<RefinedPose> fitted = refine_poses(mesh, images, split.others, split.left_out, parts.part(1));
+  // Each part of the work is as long as images are read for it.
+  const std::size_t refine_all = split.others.size() + all.size(), fit = split.others.size() + split.left_out.size(),
+                    judge = split.left_out.size();
+  const auto part = [&](std::size_t before, std::size_t read) -> StepsDone {
+    if (!progress) return {};
+    return [&progress, before, read, total = refine_all + fit + judge](std::size_t done, std::size_t steps) {
+      progress(before + read * done / steps, total);
+    };
+  };
+  JudgedPoses judged{.refined = refine_poses(mesh, images, split.others, all, part(0, refine_all)), .judgement = {}};
+  const std::vector<RefinedPose> fitted =
+      refine_poses(mesh, images, split.others, split.left_out, part(refine_all, fit));
   const RayScene scene(mesh);
   const Eigen::Vector3d centre = bounding_sphere(mesh).centre;
   SilhouetteCaster caster;
@@ -62,7 +44,7 @@ JudgedPoses refine_and_judge_poses(const Mesh& mesh, const RefinementImages& ima
     return gain_at(images.read(i), inside, {scene, {view.camera, fitted[i].camera_from_object}, given},
                    {scene, {view.camera, judged.refined[i].camera_from_object}, moved});
   };
-  judged.judgement = mean_gain(split.left_out, gain, parts.part(2));
+  judged.judgement = mean_gain(split.left_out, gain, part(refine_all + fit, judge));
   return judged;
 }
 

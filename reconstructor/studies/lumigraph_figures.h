@@ -9,8 +9,8 @@
 namespace sheen {
 
 // The experiments of intrinsic lumigraphs (001) on a simulated still life, seen by the central camera. No mesh is
-// known. Beside each other stand the exact truth, an intrinsic lumigraph, the paper's own way (`ShadowWarp`), and
-// linear interpolation of exact pictures. Shadow is where less than half of a lamp's light arrives.
+// known. Beside each other stand the exact truth, an intrinsic lumigraph, the paper's own way (`warped_shadows`), and
+// linear interpolation of exact pictures. Shadow is where at most half of a lamp's light arrives.
 
 /// Figure 3: depth of the central view in each light, merged over lights in three ways.
 Figure figure_merged_depth(const DepthsByLight& depths);

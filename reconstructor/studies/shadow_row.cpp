@@ -37,12 +37,15 @@ ShadowRow shadows_between(const StillLife& scene, std::size_t first_light) {
     row.truth.push_back(scene.rig.picture(from, light).shadow);
     row.geometric.push_back(inverse(seen.reached(scene.model->data()->lights.lamp(scene.model->light_place(light)))));
     row.lumigraph.push_back(inverse(painter.arrives(from, light)));
-    const ImageF arrives = interpolated_truth(scene.rig, from, row.places.back()).arrives;
-    ImageU8& linear = row.linear.emplace_back(arrives.width(), arrives.height(), 1);
-    for (std::size_t i = 0; i < linear.size(); ++i)
-      linear.data()[i] = static_cast<std::uint8_t>(std::lround(255 * (1 - arrives.data()[i])));
   }
-  row.warped = ShadowWarp(row.geometric, row.lumigraph.front(), row.lumigraph.back()).shadows();
+  for (const double place : row.places) {
+    const double part = place - row.places.front();
+    ImageU8& linear = row.linear.emplace_back(row.truth.front());
+    for (std::size_t i = 0; i < linear.size(); ++i)
+      linear.data()[i] = static_cast<std::uint8_t>(
+          std::lround(std::lerp(double(row.truth.front().data()[i]), double(row.truth.back().data()[i]), part)));
+  }
+  row.warped = warped_shadows(row.geometric, row.lumigraph.front(), row.lumigraph.back());
   return row;
 }
 

@@ -15,7 +15,7 @@ const IntrinsicView& central_view(const StillLife& scene);
 /// 255 less each value: shadow for what arrives, and back.
 ImageU8 inverse(ImageU8 image);
 
-/// Of shadows: where less than half of a lamp's light arrives.
+/// Of shadows: where at most half of a lamp's light arrives.
 double iou(const ImageU8& shadow, const ImageU8& truth);
 
 /// A scene in lights between two captured ones, in equal steps; both ends are captured lights.

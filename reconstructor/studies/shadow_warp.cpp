@@ -3,9 +3,10 @@
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 #include <optional>
@@ -50,19 +51,11 @@ std::vector<Blob> blobs_of(const cv::Mat& mask) {
   return blobs;
 }
 
-/// An affine map of the picture's plane.
-using Affine = Eigen::Matrix<double, 2, 3>;
-Affine after(const Affine& second, const Affine& first) {
-  Affine both;
-  both.leftCols<2>() = second.leftCols<2>() * first.leftCols<2>();
-  both.col(2) = second.leftCols<2>() * first.col(2) + second.col(2);
-  return both;
-}
+using Eigen::Affine2d;  // of the picture's plane
 
-cv::Mat moved(const cv::Mat& mask, const Affine& map) {
-  cv::Mat matrix(2, 3, CV_64F), out;
-  for (int r = 0; r < 2; ++r)
-    for (int c = 0; c < 3; ++c) matrix.at<double>(r, c) = map(r, c);
+cv::Mat moved(const cv::Mat& mask, const Affine2d& map) {
+  cv::Mat matrix, out;
+  cv::eigen2cv(Eigen::Matrix<double, 2, 3>(map.affine()), matrix);
   cv::warpAffine(mask, out, matrix, mask.size(), cv::INTER_LINEAR);
   return out;
 }
@@ -76,51 +69,40 @@ double overlap(const cv::Mat& a, const cv::Mat& b) {
 }
 
 /// Brings the moments of one blob to those of the other, without a turn that they do not tell of.
-Affine by_moments(const Blob& from, const Blob& to) {
+Affine2d by_moments(const Blob& from, const Blob& to) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> a(from.spread), b(to.spread);
-  Affine map;
-  map.leftCols<2>() = b.operatorSqrt() * a.operatorInverseSqrt();
-  map.col(2) = to.centroid - map.leftCols<2>() * from.centroid;
+  Affine2d map = Affine2d::Identity();
+  map.linear() = b.operatorSqrt() * a.operatorInverseSqrt();
+  map.translation() = to.centroid - map.linear() * from.centroid;
   return map;
 }
 
 /// The same refined by correlation; nothing where it does not converge.
-std::optional<Affine> by_correlation(const Blob& from, const Blob& to, const Affine& start) {
-  cv::Mat target, source;
+std::optional<Affine2d> by_correlation(const Blob& from, const Blob& to, const Affine2d& start) {
+  cv::Mat target, source, matrix;
   to.mask.convertTo(target, CV_32F, 1 / 255.0);
   from.mask.convertTo(source, CV_32F, 1 / 255.0);
   // The library looks for the map from the target's pixels to the source's.
-  const Eigen::Matrix2d inverse = start.leftCols<2>().inverse();
-  const Eigen::Vector2d shift = -inverse * start.col(2);
-  cv::Mat map(2, 3, CV_32F);
-  for (int r = 0; r < 2; ++r) {
-    for (int c = 0; c < 2; ++c) map.at<float>(r, c) = static_cast<float>(inverse(r, c));
-    map.at<float>(r, 2) = static_cast<float>(shift[r]);
-  }
+  cv::eigen2cv(Eigen::Matrix<float, 2, 3>(start.inverse().affine().cast<float>()), matrix);
   try {
-    cv::findTransformECC(target, source, map, cv::MOTION_AFFINE,
+    cv::findTransformECC(target, source, matrix, cv::MOTION_AFFINE,
                          cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kSteps, kEnough), {}, kBlur);
   } catch (const cv::Exception&) {
     return std::nullopt;
   }
-  Eigen::Matrix2d found;
-  Eigen::Vector2d at;
-  for (int r = 0; r < 2; ++r) {
-    for (int c = 0; c < 2; ++c) found(r, c) = map.at<float>(r, c);
-    at[r] = map.at<float>(r, 2);
-  }
-  if (!found.allFinite() || std::abs(found.determinant()) < 1e-3) return std::nullopt;
-  Affine out;
-  out.leftCols<2>() = found.inverse();
-  out.col(2) = -out.leftCols<2>() * at;
-  return out;
+  Eigen::Matrix<double, 2, 3> numbers;
+  cv::cv2eigen(matrix, numbers);
+  Affine2d found = Affine2d::Identity();
+  found.affine() = numbers;
+  if (!numbers.allFinite() || std::abs(found.linear().determinant()) < 1e-3) return std::nullopt;
+  return found.inverse();
 }
 
 /// One that is joined to another on this step, or comes apart, has no affine map: it stays where it is.
-Affine registered(const Blob& from, const Blob& to) {
-  if (std::max(from.area / to.area, to.area / from.area) > kJoined) return Affine::Identity();
-  const Affine moments = by_moments(from, to);
-  const std::optional<Affine> refined = by_correlation(from, to, moments);
+Affine2d registered(const Blob& from, const Blob& to) {
+  if (std::max(from.area / to.area, to.area / from.area) > kJoined) return Affine2d::Identity();
+  const Affine2d moments = by_moments(from, to);
+  const std::optional<Affine2d> refined = by_correlation(from, to, moments);
   return refined && overlap(moved(from.mask, *refined), to.mask) > overlap(moved(from.mask, moments), to.mask)
              ? *refined
              : moments;
@@ -148,13 +130,13 @@ std::vector<cv::Mat> followed(const std::vector<std::vector<Blob>>& row, const c
     cv::Mat attached;
     cv::dilate(blob.mask, attached, reach);
     cv::min(attached, image_mask, attached);
-    Affine map = Affine::Identity();
+    Affine2d map = Affine2d::Identity();
     const Blob* at = &blob;
     for (std::size_t k = 0; k < row.size(); ++k) {
       if (k > 0) {
         const Blob* next = next_of(*at, row[k]);
         if (!next) break;
-        map = after(registered(*at, *next), map);
+        map = registered(*at, *next) * map;
         at = next;
       }
       cv::max(shadows[k], moved(attached, map), shadows[k]);
@@ -194,19 +176,21 @@ Mesh depth_surface(const PosedCamera& from, const ImageF& depth) {
   return mesh;
 }
 
-ShadowWarp::ShadowWarp(std::span<const ImageU8> geometric, const ImageU8& first, const ImageU8& last) {
+std::vector<ImageU8> warped_shadows(std::span<const ImageU8> geometric, const ImageU8& first, const ImageU8& last) {
   std::vector<std::vector<Blob>> row;
   for (const ImageU8& mask : geometric) row.push_back(blobs_of(matrix_of(mask) >= 128));
   const std::vector<cv::Mat> forward = followed(row, matrix_of(first));
   std::reverse(row.begin(), row.end());
   std::vector<cv::Mat> backward = followed(row, matrix_of(last));
   std::reverse(backward.begin(), backward.end());
+  std::vector<ImageU8> shadows;
   for (std::size_t k = 0; k < forward.size(); ++k) {
     const double part = static_cast<double>(k) / static_cast<double>(forward.size() - 1);
-    ImageU8& shadow = shadows_.emplace_back(first.width(), first.height(), 1);
+    ImageU8& shadow = shadows.emplace_back(first.width(), first.height(), 1);
     cv::Mat out = matrix_of(shadow);
     cv::addWeighted(forward[k], 1 - part, backward[k], part, 0, out);
   }
+  return shadows;
 }
 
 }  // namespace sheen

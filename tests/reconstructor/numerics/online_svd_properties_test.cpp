@@ -71,11 +71,14 @@ RC_GTEST_PROP(OnlineSvdProperties, TheErrorIsWhatItSays, ()) {
   RC_ASSERT(std::abs(factor.energy() / columns.squaredNorm() - 1) < 1e-5);
   // Parts of a column that are lost at different times need not be orthogonal: on matrices as hostile as these the sum
   // is off by up to a quarter below and twice above; on patches it is exact to a few percent. That is no bound: of a
-  // million such matrices 16 were beyond it. So one of those drawn here may be, and two hardly ever are.
+  // million such matrices 16 were beyond it. So one of those drawn here may be, and two hardly ever are. None of
+  // 650,000 had an error 1.6 times as large as it said.
   const double error = model_error(factor, data);
   const bool as_it_says = error <= 1.25 * factor.relative_error() + kBlockDigits &&
                           displayed_model_error(factor, data) <= 1.25 * factor.displayed_error() + kBlockDigits &&
                           factor.relative_error() <= 2.5 * error + kBlockDigits;
+  RC_ASSERT(error <= 1.6 * factor.relative_error() + kBlockDigits);
+  RC_ASSERT(displayed_model_error(factor, data) <= 1.6 * factor.displayed_error() + kBlockDigits);
   static int beyond = 0;
   beyond += as_it_says ? 0 : 1;
   RC_ASSERT(beyond <= 1);
