@@ -100,6 +100,14 @@ void FoldedViews<Scalar>::multiply(const MatrixXd& factor) {
 }
 
 template <typename Scalar>
+void FoldedViews<Scalar>::rows_replaced(double share) {
+  for (View& view : views_) {
+    view.lost *= share;
+    view.scatter *= share;
+  }
+}
+
+template <typename Scalar>
 void FoldedViews<Scalar>::merge(int kept, int removed, std::shared_ptr<const Shown> shown) {
   View& a = views_[kept];
   const View& b = views_[removed];

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "reconstructor/numerics/shown_rows.h"
@@ -52,6 +53,9 @@ class FoldedViews {
   void follow(const BasisRotation& rotation);
   /// Y <- factor Y.
   void multiply(const Eigen::MatrixXd& factor);
+  /// The rows are others, `share` times as many: what was lost is as much for each of them.
+  void rows_replaced(double share);
+  void set_shown(int view, std::shared_ptr<const Shown> shown) { views_[view].shown = std::move(shown); }
 
   /// Replaces two views by their weighted mean; `shown` is what the mean shows.
   void merge(int kept, int removed, std::shared_ptr<const Shown> shown);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "reconstructor/numerics/imputation.h"
@@ -287,6 +288,44 @@ std::shared_ptr<const ShownRows> MissingRows<Scalar>::shown_without(const Views&
   const double fraction = weight / (views.weight(view) - weight);
   return std::make_shared<const Shown>(sheen::shown_without<Scalar>(
       witnesses_, *views.shown(view), [&](int row) { return column[row]; }, static_cast<Scalar>(fraction)));
+}
+
+/// Whether all old rows that a new one lies between were.
+template <typename Scalar>
+bool MissingRows<Scalar>::was_seen(const RowResampling& by, int row) const {
+  const int channels = witnesses_.channels();
+  const auto& between = by.between[static_cast<std::size_t>(row / channels)];
+  return std::all_of(between.begin(), between.end(),
+                     [&](int group) { return seen_.has(group * channels + row % channels); });
+}
+
+template <typename Scalar>
+void MissingRows<Scalar>::clear_unseen(const RowResampling& by, Matrix& rows) const {
+  if (seen_.unseen() == 0) return;
+  for (int row = 0; row < by.rows; ++row)
+    if (!was_seen(by, row)) rows.row(row).setZero();
+}
+
+template <typename Scalar>
+void MissingRows<Scalar>::resample(const RowResampling& by, const Basis& basis, Views& views,
+                                   const OnlineSvdOptions& options) {
+  const int channels = options.channels;
+  SeenRows seen(by.rows);
+  for (int row = 0; row < by.rows; ++row)
+    if (was_seen(by, row)) seen.add(row);
+  seen_ = std::move(seen);
+  witnesses_ = WitnessRows(by.rows, channels, options.witnesses(by.rows));
+  for (int v = 0; v < views.count(); ++v) {
+    const Shown* const before = views.shown(v);
+    if (!before) continue;
+    RowBits hidden(words_of(by.rows), 0);
+    for (int row = 0; row < by.rows; ++row)
+      for (const int group : by.between[static_cast<std::size_t>(row / channels)])
+        if (has_row(before->hidden, group * channels + row % channels)) set_row(hidden, row);
+    const Vector y = views.coefficients().col(v);
+    views.set_shown(v, std::make_shared<const Shown>(shown_rows<Scalar>(
+                           witnesses_, hidden, [&](int row) { return basis.dot(row, y); })));
+  }
 }
 
 template class MissingRows<float>;

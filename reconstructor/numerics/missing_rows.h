@@ -10,6 +10,7 @@
 #include "reconstructor/numerics/online_svd_options.h"
 #include "reconstructor/numerics/pending_columns.h"
 #include "reconstructor/numerics/row_bits.h"
+#include "reconstructor/numerics/row_resampling.h"
 #include "reconstructor/numerics/shown_rows.h"
 #include "reconstructor/numerics/svd_basis.h"
 
@@ -88,9 +89,16 @@ class MissingRows {
   std::shared_ptr<const Shown> shown_without(const Views& views, int view, const ConstVectorRef& column,
                                              double weight) const;
 
+  /// Basis and views have the new rows, and `basis` is the new one. Of what views that hide rows showed, what the basis
+  /// explains of it is remembered.
+  void resample(const RowResampling& by, const Basis& basis, Views& views, const OnlineSvdOptions& options);
+  /// Sets new rows that lie beside one that no column showed to zero.
+  void clear_unseen(const RowResampling& by, Matrix& rows) const;
+
   std::size_t bytes() const { return seen_.bytes(); }
 
  private:
+  bool was_seen(const RowResampling& by, int row) const;
   Matrix missed_projections(const Basis& basis, const Views& views, std::span<const int> of) const;
   template <typename Visit>
   void visit_masked_views(const Basis& basis, const Views& views, Visit visit) const;

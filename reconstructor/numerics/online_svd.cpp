@@ -130,6 +130,20 @@ typename BasicOnlineSvd<Scalar>::Reports BasicOnlineSvd<Scalar>::limit(int max_r
 }
 
 template <typename Scalar>
+void BasicOnlineSvd<Scalar>::resample(const RowResampling& by) {
+  require(pending_.empty(), "online SVD: no column may be pending when its rows are replaced");
+  basis_.open();
+  const double share = static_cast<double>(by.rows) / rows();
+  Matrix resampled = by.columns(basis_.leading(rank()).template cast<float>()).template cast<Scalar>();
+  missing_.clear_unseen(by, resampled);
+  views_.multiply(basis_.replace_rows(resampled));
+  views_.rows_replaced(share);
+  missing_.resample(by, basis_, views_, options_);
+  pending_ = PendingColumns<Scalar>(by.rows, options_.sensor_variance > 0);
+  turn_to_singular_order();
+}
+
+template <typename Scalar>
 BasicOnlineSvd<Scalar> BasicOnlineSvd<Scalar>::settled() const {
   BasicOnlineSvd copy = *this;
   copy.fold();

@@ -12,6 +12,7 @@
 #include "reconstructor/numerics/missing_rows.h"
 #include "reconstructor/numerics/online_svd_options.h"
 #include "reconstructor/numerics/pending_columns.h"
+#include "reconstructor/numerics/row_resampling.h"
 #include "reconstructor/numerics/svd_basis.h"
 
 namespace sheen {
@@ -132,6 +133,10 @@ class BasicOnlineSvd {
   /// ||c_known - B_known y||^2 / noise + y^T (G / n)^-1 y; `noise` is the variance of a known row. Stays finite however
   /// few rows are known; with all rows known it is the projection.
   Vector estimate(const ConstVectorRef& column, std::span<const std::uint8_t> known, double noise) const;
+
+  /// Other rows in place of those that the factor has; no column may be pending. Coefficients, weights and order of the
+  /// views stay, as far as the new rows show them.
+  void resample(const RowResampling& by);
 
   /// Replaces two folded views by their mean, weighted by their weights; views behind `removed` move up by one. The
   /// basis, G and the energy stay.

@@ -378,6 +378,24 @@ std::vector<MatrixXd> SvdBasis<Scalar>::restore_orthonormality() {
   return steps;
 }
 
+template <typename Scalar>
+MatrixXd SvdBasis<Scalar>::replace_rows(const Matrix& rows) {
+  lost_ *= static_cast<double>(rows.rows()) / rows_;
+  rows_ = static_cast<int>(rows.rows());
+  basis_ = Matrix::Zero(row_panels::padded(rows_), rank_);
+  basis_.topRows(rows_) = rows;
+  if (rank_ == 0) return MatrixXd::Zero(0, 0);
+  const MatrixXd gram = row_panels::gram(columns(), basis_.rows());
+  const Orthonormalised orthonormal = orthonormalise(gram, gram.diagonal().cwiseMax(0), kSmallestPivot<Scalar>);
+  basis_ = (basis_ * orthonormal.to_directions.template cast<Scalar>()).eval();
+  gram_ = (orthonormal.coefficients * gram_ * orthonormal.coefficients.transpose()).eval();
+  rank_ = static_cast<int>(basis_.cols());
+  displayed_ = std::min(displayed_, rank_);
+  MatrixXd factor = orthonormal.coefficients;
+  for (const MatrixXd& step : restore_orthonormality()) factor = (step * factor).eval();
+  return factor;
+}
+
 template class SvdBasis<float>;
 template class SvdBasis<double>;
 

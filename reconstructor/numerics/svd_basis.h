@@ -107,6 +107,10 @@ class SvdBasis {
   }
   std::vector<Eigen::MatrixXd> restore_orthonormality();
 
+  /// Other rows in place of those of B, which need not be orthonormal; B then is. Returns what coefficients are to be
+  /// multiplied by: new rank x old. What was lost is taken to be as much for each row as before.
+  Eigen::MatrixXd replace_rows(const Matrix& rows);
+
   void set_gram(Eigen::MatrixXd gram) {
     gram_ = std::move(gram);
     packed_gram_ = {};

@@ -51,6 +51,7 @@ std::vector<Setting> tradeoff_settings(const SurfaceLightFieldOptions& base, boo
        [](Options& o, double v) { o.patch.factor.tolerance = v; });
   vary("surface map", "surface_map", std::vector{4, 6, 8, 12, 16}, [](Options& o, int v) { o.surface_map = v; });
   vary("surface map", "map_scale", std::vector{0.5, 0.7, 1.4}, [](Options& o, double v) { o.map_scale = v; });
+  vary("surface map", "map_detail", std::vector{0.0, 0.2, 0.1}, [](Options& o, double v) { o.map_detail = v; });
   vary("sampling", "sampling = linear, map_scale", std::vector{1.0, 0.7}, [](Options& o, double v) {
     o.sampling = Sampling::kLinear;
     o.map_scale = v;

@@ -21,7 +21,8 @@ LatticeStencil lattice_stencil(int n, float u, float v) {
           {a + b - 1, 1 - a, 1 - b}};
 }
 
-MapLayout::MapLayout(std::vector<std::uint8_t> resolution) : resolution_(std::move(resolution)) {
+MapLayout::MapLayout(std::vector<std::uint8_t> resolution, std::vector<std::uint8_t> filter_resolution)
+    : resolution_(std::move(resolution)), filter_resolution_(std::move(filter_resolution)) {
   first_.reserve(resolution_.size() + 1);
   first_.push_back(0);
   for (const std::uint8_t n : resolution_)
@@ -29,7 +30,7 @@ MapLayout::MapLayout(std::vector<std::uint8_t> resolution) : resolution_(std::mo
 }
 
 std::size_t MapLayout::bytes() const {
-  return resolution_.size() * sizeof(std::uint8_t) + first_.size() * sizeof(std::size_t);
+  return (resolution_.size() + filter_resolution_.size()) * sizeof(std::uint8_t) + first_.size() * sizeof(std::size_t);
 }
 
 }  // namespace sheen

@@ -31,18 +31,23 @@ LatticeStencil lattice_stencil(int resolution, float u, float v);
 /// points in order. What an image shows and the colours that it gives are listed by sample in this order.
 class MapLayout {
  public:
-  /// `resolution[t]` >= 2 is the lattice resolution of triangle t.
-  explicit MapLayout(std::vector<std::uint8_t> resolution);
+  /// `resolution[t]` >= 2 is the lattice resolution of triangle t. `filter_resolution[t]` is that for which images are
+  /// prefiltered; empty: the same.
+  explicit MapLayout(std::vector<std::uint8_t> resolution, std::vector<std::uint8_t> filter_resolution = {});
 
   std::size_t triangles() const { return resolution_.size(); }
   int resolution(std::size_t triangle) const { return resolution_[triangle]; }
+  /// Of samples that stand for what is at their place, and not for all that is nearer to them than to others.
+  int filter_resolution(std::size_t triangle) const {
+    return filter_resolution_.empty() ? resolution_[triangle] : filter_resolution_[triangle];
+  }
   /// Index of the triangle's first sample; of `triangles()`: the number of all samples.
   std::size_t first_sample(std::size_t triangle) const { return first_[triangle]; }
   std::size_t total_samples() const { return first_.back(); }
   std::size_t bytes() const;  ///< of memory
 
  private:
-  std::vector<std::uint8_t> resolution_;
+  std::vector<std::uint8_t> resolution_, filter_resolution_;
   std::vector<std::size_t> first_;
 };
 

@@ -16,6 +16,9 @@ struct MapResolutionOptions {
   double scale = 1;                ///< of the side, fixed or chosen
 };
 
+/// Of an image from this camera, at its distance to the middle of the mesh.
+double pixels_per_metre(const Mesh& mesh, const Camera& camera, const Rigid3& camera_from_object);
+
 /// Side of each triangle's surface map: as many samples along its longest edge as it has pixels in an image from this
 /// camera's distance to the mesh.
 std::vector<std::uint8_t> map_resolution(const Mesh& mesh, const Camera& camera, const Rigid3& camera_from_object,

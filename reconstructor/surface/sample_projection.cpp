@@ -5,7 +5,12 @@
 
 namespace sheen {
 
-SampleProjection::SampleProjection(const Mesh& mesh, const MapLayout& maps) : mesh_(mesh), maps_(maps) {
+SampleProjection::SampleProjection(const Mesh& mesh, const MapLayout& maps) : mesh_(mesh) {
+  use(maps);
+}
+
+void SampleProjection::use(const MapLayout& maps) {
+  maps_ = &maps;
   for (std::size_t t = 0; t < maps.triangles(); ++t) {
     const int n = maps.resolution(t);
     Lattice& lattice = lattices_[static_cast<std::size_t>(n)];
@@ -27,7 +32,7 @@ SampleProjection::Places SampleProjection::of(std::size_t t) const {
   const Eigen::Vector3d corner = camera_from_object_ * mesh_.corner(t, 0).cast<double>();
   const Eigen::Vector3d along_u = camera_from_object_ * mesh_.corner(t, 1).cast<double>() - corner;
   const Eigen::Vector3d along_v = camera_from_object_ * mesh_.corner(t, 2).cast<double>() - corner;
-  const Lattice& lattice = lattices_[static_cast<std::size_t>(maps_.resolution(t))];
+  const Lattice& lattice = lattices_[static_cast<std::size_t>(maps_->resolution(t))];
   const std::size_t samples = lattice.u.size();
   thread_local std::vector<float> buffer;
   buffer.resize(5 * samples);

@@ -20,6 +20,7 @@ class SampleProjection {
  public:
   /// Keeps both, which must outlive it.
   SampleProjection(const Mesh& mesh, const MapLayout& maps);
+  void use(const MapLayout& maps);  ///< others, which it keeps too
 
   void use(const Camera& camera, const Rigid3& camera_from_object);
 
@@ -38,7 +39,7 @@ class SampleProjection {
   };
 
   const Mesh& mesh_;
-  const MapLayout& maps_;
+  const MapLayout* maps_ = nullptr;
   std::array<Lattice, 256> lattices_;  ///< of the resolutions that triangles have
   Camera camera_;
   Rigid3 camera_from_object_;

@@ -15,7 +15,7 @@ namespace sheen {
 SampleVisibility::SampleVisibility(const Mesh& mesh, const MapLayout& maps, const VisibilityOptions& options,
                                    std::shared_ptr<const RayScene> scene)
     : mesh_(mesh),
-      maps_(maps),
+      maps_(&maps),
       options_(options),
       scene_(scene ? std::move(scene) : std::make_shared<const RayScene>(mesh)),
       projection_(mesh, maps) {
@@ -24,6 +24,12 @@ SampleVisibility::SampleVisibility(const Mesh& mesh, const MapLayout& maps, cons
   view_.visible_in_triangle.resize(mesh.triangles.size());
   view_.cosine.resize(mesh.triangles.size());
   view_.step_px.resize(mesh.triangles.size());
+}
+
+void SampleVisibility::use(const MapLayout& maps) {
+  maps_ = &maps;
+  projection_.use(maps);
+  view_.visible.resize(maps.total_samples());
 }
 
 const SurfaceView& SampleVisibility::look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
@@ -156,8 +162,8 @@ void SampleVisibility::test_samples(const Camera& camera) {
   const auto largest_x = static_cast<float>(camera.width - 2), largest_y = static_cast<float>(camera.height - 2);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 64), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
-      const std::size_t first = maps_.first_sample(t);
-      const int n = maps_.resolution(t);
+      const std::size_t first = maps_->first_sample(t);
+      const int n = maps_->resolution(t);
       const std::size_t samples = lattice_samples(n);
       view_.visible_in_triangle[t] = 0;
       view_.step_px[t] = 0;
@@ -178,7 +184,7 @@ void SampleVisibility::test_samples(const Camera& camera) {
       if (visible > 0) {
         const double f = std::sqrt(camera.fx * camera.fy), depth = (z[0] + z[n - 1] + z[samples - 1]) / 3;
         const double area_px = 0.5 * mesh_.area_normal(t).norm() * view_.cosine[t] * f * f / (depth * depth);
-        view_.step_px[t] = static_cast<float>(std::sqrt(2 * area_px) / (n - 1));
+        view_.step_px[t] = static_cast<float>(std::sqrt(2 * area_px) / (maps_->filter_resolution(t) - 1));
       }
     }
   });

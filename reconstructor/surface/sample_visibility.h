@@ -32,7 +32,7 @@ struct SurfaceView {
   std::vector<std::uint8_t> visible;     ///< per sample
   std::vector<int> visible_in_triangle;  ///< per triangle: how many of its samples are visible
   std::vector<float> cosine;             ///< per triangle: towards the camera; <= 0 when it faces away
-  std::vector<float> step_px;            ///< per triangle: mean distance of neighbouring samples in the image
+  std::vector<float> step_px;            ///< per triangle: what samples stand for in the image, across
   std::size_t visible_samples = 0;
   /// Per pixel of the image: z of the first hit in the camera's frame where it lies on a front face and safely inside a
   /// surface, away from every edge; else 0. Only there may anything be sampled.
@@ -51,6 +51,8 @@ class SampleVisibility {
   SampleVisibility(const Mesh& mesh, const MapLayout& maps, const VisibilityOptions& options,
                    std::shared_ptr<const RayScene> scene = nullptr);
 
+  void use(const MapLayout& maps);  ///< others
+
   /// `mask`: empty, or the image's size with 0 where pixels are to be ignored. Not thread-safe (buffers are reused).
   const SurfaceView& look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
 
@@ -63,7 +65,7 @@ class SampleVisibility {
   void test_samples(const Camera& camera);
 
   const Mesh& mesh_;
-  const MapLayout& maps_;
+  const MapLayout* maps_;
   VisibilityOptions options_;
   std::shared_ptr<const RayScene> scene_;
   SampleProjection projection_;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/order_statistics.h"
@@ -94,6 +95,7 @@ void measure(GoalReport& report) {
   options.surface_map = 16;
   options.patch.factor.max_rank = 6;
   options.patch.factor.tolerance = 0;
+  const double map_detail = std::exchange(options.map_detail, 0);  // the paper's maps are all alike, and stay
 
   const Run paper = ingest(object.mesh, options, captures, {});
   nlohmann::json details = paper.stage_ms;
@@ -108,7 +110,9 @@ void measure(GoalReport& report) {
   report.add(at_most(400, {}, "state of a patch", paper.bytes_per_patch / 1e3, "kB"));
   report.add({.name = "view coefficients of all patches for an eye", .value = paper.eye_ms, .unit = "ms"});
 
-  const Run hurried = ingest(object.mesh, options, captures, {.image_ms = kBudgetMs});
+  SurfaceLightFieldOptions adapting = options;
+  adapting.map_detail = map_detail;
+  const Run hurried = ingest(object.mesh, adapting, captures, {.image_ms = kBudgetMs});
   report.add(at_least(30, {}, "ingest, --budget 33ms", hurried.rate(), "images/s",
                       {{"paper_images_per_s", paper.rate()},
                        {"effort_level", hurried.effort.level},

@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/image/color.h"
+#include "reconstructor/surface/lattice_resampling.h"
 #include "reconstructor/surface/nearest_seen.h"
 
 namespace sheen {
@@ -96,8 +98,13 @@ void fill_unseen(ConstantColourSnapshot& snapshot) {
 ConstantColour::ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps)
     : mesh_(std::move(mesh)),
       maps_(std::move(maps)),
-      samples_(maps_->total_samples()),
+      samples_(maps_->triangles()),
       exponent_(maps_->triangles(), 0) {}
+
+std::span<ConstantColour::Sample> ConstantColour::samples(std::size_t triangle) const {
+  if (!samples_[triangle]) return {};
+  return {samples_[triangle].get(), static_cast<std::size_t>(lattice_samples(maps_->resolution(triangle)))};
+}
 
 float ConstantColour::scale(std::size_t triangle) const {
   return std::ldexp(1.0f / kMostCode, exponent_[triangle]);
@@ -109,8 +116,8 @@ void ConstantColour::make_room(std::size_t triangle, float brightest) {
     ++halvings;
   if (halvings == 0) return;
   exponent_[triangle] = static_cast<std::int8_t>(exponent_[triangle] + halvings);
-  for (std::size_t s = maps_->first_sample(triangle); s < maps_->first_sample(triangle + 1); ++s)
-    for (std::uint16_t& code : samples_[s].code)
+  for (Sample& sample : samples(triangle))
+    for (std::uint16_t& code : sample.code)
       code = static_cast<std::uint16_t>(halvings < 16 ? code >> halvings : 0);
 }
 
@@ -119,9 +126,10 @@ void ConstantColour::add(std::size_t triangle, std::span<const std::uint8_t> vis
   float brightest = 0;
   for (Eigen::Index s = 0; s < encoded.cols(); ++s)
     if (visible[s]) brightest = std::max(brightest, encoded.col(s).maxCoeff());
+  if (!samples_[triangle]) samples_[triangle] = std::make_unique<Sample[]>(static_cast<std::size_t>(encoded.cols()));
   make_room(triangle, brightest);
   const float step = scale(triangle);
-  Sample* sample = samples_.data() + maps_->first_sample(triangle);
+  Sample* sample = samples_[triangle].get();
   for (Eigen::Index s = 0; s < encoded.cols(); ++s, ++sample) {
     if (!visible[s]) continue;
     if (sample->images < kMostImages) ++sample->images;
@@ -158,18 +166,48 @@ void ConstantColour::remove(const PatchShape& patch, const PatchColumn& column) 
   for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
     const std::uint32_t t = patch.triangles[i];
     const float step = scale(t);
-    Sample* sample = samples_.data() + maps_->first_sample(t);
-    for (int s = 0; s < lattice_samples(maps_->resolution(t)); ++s, ++sample) {
-      const Eigen::Index from = patch.first_sample[i] + s;
-      if (!column.visible[static_cast<std::size_t>(from)] || sample->images == 0) continue;
-      const auto left = static_cast<float>(--sample->images);
+    Eigen::Index from = patch.first_sample[i] - Eigen::Index{1};
+    for (Sample& sample : samples(t)) {
+      ++from;
+      if (!column.visible[static_cast<std::size_t>(from)] || sample.images == 0) continue;
+      const auto left = static_cast<float>(--sample.images);
       for (int c = 0; c < 3; ++c) {
-        const auto code = static_cast<float>(sample->code[c]);
-        sample->code[c] =
+        const auto code = static_cast<float>(sample.code[c]);
+        sample.code[c] =
             left > 0 ? to_code(code + (code - column.values[3 * from + c] / step) / left) : std::uint16_t{0};
       }
     }
   }
+}
+
+/// A sample was seen in as many images as those round it were.
+std::unique_ptr<ConstantColour::Sample[]> ConstantColour::carried(std::span<const Sample> from, int side, int to_side) {
+  const LatticeResampling& resampling = lattice_resampling(side, to_side);
+  Eigen::Matrix3Xf codes(3, static_cast<Eigen::Index>(from.size()));
+  for (std::size_t s = 0; s < from.size(); ++s)
+    for (int c = 0; c < 3; ++c) codes(c, static_cast<Eigen::Index>(s)) = from[s].code[c];
+  const Eigen::Matrix3Xf carried = resampling.of(codes);
+  auto samples = std::make_unique<Sample[]>(static_cast<std::size_t>(carried.cols()));
+  for (Eigen::Index s = 0; s < carried.cols(); ++s) {
+    const LatticeStencil& round = resampling.round(static_cast<int>(s));
+    Sample& sample = samples[static_cast<std::size_t>(s)];
+    sample.images = kMostImages;
+    for (int k = 0; k < 3; ++k)
+      if (round.weight[k] > 0)
+        sample.images = std::min(sample.images, from[static_cast<std::size_t>(round.index[k])].images);
+    if (sample.images == 0) continue;
+    for (int c = 0; c < 3; ++c) sample.code[c] = to_code(carried(c, s));
+  }
+  return samples;
+}
+
+void ConstantColour::use(std::shared_ptr<const MapLayout> maps) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, maps->triangles(), 128), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t)
+      if (const int side = maps_->resolution(t), to_side = maps->resolution(t); samples_[t] && side != to_side)
+        samples_[t] = carried(samples(t), side, to_side);
+  });
+  maps_ = std::move(maps);
 }
 
 std::vector<float> ConstantColour::log_ratios(const SurfaceImage& image) const {
@@ -178,7 +216,7 @@ std::vector<float> ConstantColour::log_ratios(const SurfaceImage& image) const {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ratios.size(), 128), [&](const auto& range) {
     Eigen::Matrix3Xf encoded;
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
-      if (view.visible_in_triangle[t] == 0) continue;
+      if (view.visible_in_triangle[t] == 0 || !samples_[t]) continue;
       encoded.resize(3, lattice_samples(maps_->resolution(t)));
       resample(image, t, encoded);
       float seen = 0, expected = 0;
@@ -186,7 +224,7 @@ std::vector<float> ConstantColour::log_ratios(const SurfaceImage& image) const {
       const std::size_t first = maps_->first_sample(t);
       const float step = scale(t);
       for (Eigen::Index s = 0; s < encoded.cols(); ++s) {
-        const Sample& sample = samples_[first + s];
+        const Sample& sample = samples_[t][static_cast<std::size_t>(s)];
         if (!view.visible[first + s] || sample.images == 0) continue;
         seen += encoded.col(s).sum();
         expected += step * static_cast<float>(sample.code[0] + sample.code[1] + sample.code[2]);
@@ -203,14 +241,17 @@ std::shared_ptr<const Appearance> ConstantColour::snapshot(ExposureField exposur
   snapshot->shape = mesh_;
   snapshot->maps = maps_;
   snapshot->exposure = std::move(exposure);
-  snapshot->colour.resize(3, static_cast<Eigen::Index>(samples_.size()));
-  snapshot->known.resize(samples_.size());
-  for (std::size_t t = 0; t < maps_->triangles(); ++t)
-    for (std::size_t s = maps_->first_sample(t); s < maps_->first_sample(t + 1); ++s) {
-      snapshot->known[s] = samples_[s].images > 0;
+  snapshot->colour.setZero(3, static_cast<Eigen::Index>(maps_->total_samples()));
+  snapshot->known.assign(maps_->total_samples(), 0);
+  for (std::size_t t = 0; t < maps_->triangles(); ++t) {
+    std::size_t to = maps_->first_sample(t);
+    for (const Sample& sample : samples(t)) {
+      snapshot->known[to] = sample.images > 0;
       for (int c = 0; c < 3; ++c)
-        snapshot->colour(c, static_cast<Eigen::Index>(s)) = scale(t) * static_cast<float>(samples_[s].code[c]);
+        snapshot->colour(c, static_cast<Eigen::Index>(to)) = scale(t) * static_cast<float>(sample.code[c]);
+      ++to;
     }
+  }
   fill_unseen(*snapshot);
   return snapshot;
 }

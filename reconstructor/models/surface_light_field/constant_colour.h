@@ -28,6 +28,8 @@ class ConstantColour {
   /// What an image showed of a patch. Different patches may be added and removed at the same time.
   void add(const PatchShape& patch, const PatchColumn& column);
   void remove(const PatchShape& patch, const PatchColumn& column);
+  /// Means stand on these maps from now on.
+  void use(std::shared_ptr<const MapLayout> maps);
   std::shared_ptr<const Appearance> snapshot(ExposureField exposure = {}) const;
 
  private:
@@ -37,6 +39,8 @@ class ConstantColour {
   };
 
   float scale(std::size_t triangle) const;
+  std::span<Sample> samples(std::size_t triangle) const;
+  static std::unique_ptr<Sample[]> carried(std::span<const Sample> from, int side, int to_side);
   /// Codes of brighter colours, where there is one.
   void make_room(std::size_t triangle, float brightest);
   void add(std::size_t triangle, std::span<const std::uint8_t> visible,
@@ -44,7 +48,7 @@ class ConstantColour {
 
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const MapLayout> maps_;
-  std::vector<Sample> samples_;
+  std::vector<std::unique_ptr<Sample[]>> samples_;  ///< per triangle; null where no image showed it
   std::vector<std::int8_t> exponent_;  ///< per triangle: codes are of 2^exponent
 };
 

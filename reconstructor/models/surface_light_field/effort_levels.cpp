@@ -33,6 +33,11 @@ SurfaceLightFieldOptions at_effort_level(const SurfaceLightFieldOptions& options
   return out;
 }
 
+std::span<const double> memory_details() {
+  static constexpr std::array<double, 2> kDetails{0.1, 0.2};
+  return kDetails;
+}
+
 std::span<const TermLimit> memory_steps() {
   static constexpr std::array<TermLimit, 6> kSteps{
       {{16, 24, 12}, {12, 18, 8}, {8, 12, 6}, {6, 8, 4}, {4, 5, 3}, {2, 3, 2}}};

@@ -21,7 +21,10 @@ std::span<const EffortLevel> all_effort_levels();
 /// The options with an effort level's limits laid on them.
 SurfaceLightFieldOptions at_effort_level(const SurfaceLightFieldOptions& options, int level);
 
-/// What patches are cut down to, step by step, when they outgrow the memory that they may take.
+/// `SurfaceLightFieldOptions::map_detail`, step by step, when patches outgrow the memory that they may take: maps become
+/// coarser where that shows least.
+std::span<const double> memory_details();
+/// What patches are cut down to, step by step, when that is not enough.
 struct TermLimit {
   int max_rank, internal_rank, block;  ///< as in OnlineSvdOptions
 };

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/patch_model.h"
@@ -23,6 +24,12 @@ class InterpolationUpkeep {
 
   InterpolationUpkeep(std::shared_ptr<const PatchShapes> shapes, const ViewInterpolationOptions& options)
       : shapes_(std::move(shapes)), options_(options), choice_(shapes_, options), chosen_(choice_.vertices()) {}
+
+  /// The same patches on other maps.
+  void use(std::shared_ptr<const PatchShapes> shapes) {
+    shapes_ = std::move(shapes);
+    choice_.use(shapes_);
+  }
 
   /// How a vertex now interpolates.
   SharedInterpolation of(std::uint32_t vertex) const { return {chosen_[vertex], reflection_}; }

@@ -125,15 +125,39 @@ std::vector<std::shared_ptr<const PatchSnapshot>> interpolated(
   return snapshots;
 }
 
-Eigen::VectorXf interpolated(const SiteViews& views, const Eigen::MatrixXf& coefficients,
-                             const SharedInterpolation& interpolation, const Eigen::Vector3f& normal,
-                             const Eigen::Vector3f& direction) {
-  const ViewInterpolant interpolant =
-      krige(views.directions, coefficients, views.reliability, interpolation.chosen.kernel,
-            drift_of(views.directions, drift_function(interpolation), normal));
+namespace {
+
+ViewInterpolant interpolant_of(const SiteViews& views, const Eigen::MatrixXf& coefficients,
+                               const SharedInterpolation& interpolation, const Eigen::Vector3f& normal) {
+  return krige(views.directions, coefficients, views.reliability, interpolation.chosen.kernel,
+               drift_of(views.directions, drift_function(interpolation), normal));
+}
+
+Eigen::VectorXf from_direction(const ViewInterpolant& interpolant, const SiteViews& views,
+                               const SharedInterpolation& interpolation, const Eigen::Vector3f& normal,
+                               const Eigen::Vector3f& direction) {
   Eigen::VectorXf h = interpolate(interpolant, views.directions, interpolation.chosen.kernel, direction);
   if (interpolant.drift.size() > 0) h += interpolation.reflection->at(direction, normal) * interpolant.drift;
   return h;
+}
+
+}  // namespace
+
+Eigen::VectorXf interpolated(const SiteViews& views, const Eigen::MatrixXf& coefficients,
+                             const SharedInterpolation& interpolation, const Eigen::Vector3f& normal,
+                             const Eigen::Vector3f& direction) {
+  const ViewInterpolant interpolant = interpolant_of(views, coefficients, interpolation, normal);
+  return from_direction(interpolant, views, interpolation, normal, direction);
+}
+
+SmoothedViews smoothed(const SiteViews& views, const Eigen::MatrixXf& coefficients,
+                         const SharedInterpolation& interpolation, const Eigen::Vector3f& normal) {
+  const ViewInterpolant interpolant = interpolant_of(views, coefficients, interpolation, normal);
+  SmoothedViews smooth{Eigen::MatrixXf(coefficients.rows(), coefficients.cols()),
+                       interpolant.leave_one_out / static_cast<double>(views.reliability.sum())};
+  for (Eigen::Index v = 0; v < coefficients.cols(); ++v)
+    smooth.coefficients.col(v) = from_direction(interpolant, views, interpolation, normal, views.directions.col(v));
+  return smooth;
 }
 
 InterpolationErrors interpolation_errors(const SiteViews& views, const Eigen::MatrixXf& coefficients,

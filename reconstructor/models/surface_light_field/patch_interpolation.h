@@ -52,6 +52,14 @@ Eigen::VectorXf interpolated(const SiteViews& views, const Eigen::MatrixXf& coef
                              const SharedInterpolation& interpolation, const Eigen::Vector3f& normal,
                              const Eigen::Vector3f& direction);
 
+/// The views of a patch as they are displayed.
+struct SmoothedViews {
+  Eigen::MatrixXf coefficients;  ///< rank x views: interpolated from each, smoothed by what the kernel takes for noise
+  double squared_error = 0;      ///< of the coefficients of a view, as predicted from the others; mean over views
+};
+SmoothedViews smoothed(const SiteViews& views, const Eigen::MatrixXf& coefficients,
+                         const SharedInterpolation& interpolation, const Eigen::Vector3f& normal);
+
 /// Errors with the drift are infinite without a reflection, and with too few views.
 InterpolationErrors interpolation_errors(const SiteViews& views, const Eigen::MatrixXf& coefficients,
                                          const ReflectionDrift* reflection, const Eigen::Vector3f& normal);

@@ -14,6 +14,8 @@ constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
 // A repetition differs by its own noise and by that of the view it repeats, of which a basis has averaged a part.
 constexpr double kRepeatedNoise = 1.5, kRepeatedColumn = 2;
 constexpr float kSensorVariance = 2e-5f;  // about one grey level of 255, encoded
+constexpr int kFirstMapChoice = 4;  // images; with fewer, all that differs is displayed
+constexpr int kDifferently = 2;     // samples that so many times fewer images show are imputed, and say so
 constexpr std::size_t kPackedValue = sizeof(std::int16_t), kPackedScale = sizeof(double);  // as PackedColumns has them
 
 /// Of a patch's snapshot, beside its vertices.
@@ -80,6 +82,7 @@ PatchModel::Absorbed PatchModel::absorb(const Eigen::VectorXf& column, std::span
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
   views_.add(eye, reliability);
   ++images_;
+  maps_due_ = maps_due_ || images_ == kFirstMapChoice;
   follow(folded, result);
   snapshot_.reset();
   result.wants_interpolation = can_choose_interpolation() && schedule_.due(images_);
@@ -166,6 +169,29 @@ void PatchModel::thin_views() {
                  static_cast<float>(factor_.weight_of(removed)));
     factor_.merge_views(kept, removed);
   }
+}
+
+MapSides PatchModel::sufficient_sides(const MapSides& sides, double detail, double error,
+                                      const SharedInterpolation& interpolation) {
+  maps_due_ = false;
+  const auto [least, most] = std::minmax_element(shown_.begin(), shown_.end());
+  if (rank() == 0 || *least == 0 || kDifferently * *least < *most) return sides;
+  const SmoothedViews displayed =
+      smoothed(views_.seen_from_centre(), known_coefficients(), interpolation, centre_.normal);
+  const double own_error = std::sqrt(displayed.squared_error / factor_.rows());
+  return sheen::sufficient_sides(sides, factor_.displayed_basis(), displayed.coefficients,
+                                 static_cast<float>(detail * std::min(error, own_error)));
+}
+
+void PatchModel::resample(const MapSides& from, const MapSides& to) {
+  fold_pending();
+  const RowResampling by = resampled_maps(from, to);
+  factor_.resample(by);
+  std::vector<std::uint16_t> shown;
+  shown.reserve(by.between.size());
+  for (const auto& [a, b, c] : by.between) shown.push_back(std::min({shown_[a], shown_[b], shown_[c]}));
+  shown_ = std::move(shown);
+  snapshot_.reset();
 }
 
 void PatchModel::limit_terms(int max_rank, int internal_rank, int block) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/choice_schedule.h"
+#include "reconstructor/models/surface_light_field/map_detail.h"
 #include "reconstructor/models/surface_light_field/patch_interpolation.h"
 #include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/view_set.h"
@@ -86,7 +87,26 @@ class PatchModel {
   bool can_choose_interpolation() const;  ///< there are views enough to say how fast the patch varies
   /// At its centre. Errors with the drift are infinite without a reflection, and with too few views.
   InterpolationErrors interpolation_errors(const ReflectionDrift* reflection) const;
-  void interpolation_chosen() { schedule_.chosen_at(images_); }
+  void interpolation_chosen() {
+    schedule_.chosen_at(images_);
+    maps_due_ = true;
+  }
+
+  /// Whether it is time to ask which sides are enough for its maps: how it interpolates was chosen since, and no column
+  /// waits to be folded. Where some samples are shown by less than half of the images that show others, each is
+  /// left to say for itself how it is known.
+  bool maps_due() const { return maps_due_ && factor_.pending() == 0; }
+  /// Makes it so.
+  void settle_maps() {
+    fold_pending();
+    maps_due_ = true;
+  }
+  /// `sides`: of its maps; `detail`: of the error, of all patches or its own, whichever is less, that coarser maps may
+  /// miss. `error`: with which images are predicted, RMS, encoded.
+  MapSides sufficient_sides(const MapSides& sides, double detail, double error,
+                            const SharedInterpolation& interpolation);
+  /// Its maps get other sides; columns that wait are folded first.
+  void resample(const MapSides& from, const MapSides& to);
   PatchLevels levels() const;
 
   int rank() const { return factor_.displayed_rank(); }
@@ -122,6 +142,7 @@ class PatchModel {
   ChoiceSchedule schedule_;
   std::vector<std::uint16_t> shown_;  ///< for each sample: images that showed it, as far as the type counts
   int images_ = 0;                    ///< ingested
+  bool maps_due_ = false;
   float residual_ = 1;
   std::shared_ptr<const PatchSnapshot> snapshot_;
 };

@@ -11,6 +11,9 @@
 namespace sheen {
 namespace {
 
+// Images from a little nearer show hardly more: maps are made for one that is nearer by this factor.
+constexpr double kFiner = 1.5;
+
 std::vector<SurfaceSite> centres_of(const Mesh& mesh, const PatchShapes& shapes) {
   std::vector<SurfaceSite> centres;
   centres.reserve(shapes.patches.size());
@@ -38,7 +41,7 @@ SurfaceSite centre_of(const Mesh& mesh, const PatchShape& patch) {
 }
 
 PatchSet::PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps,
-                   std::span<const Eigen::Matrix3f> frames, const PatchModelOptions& options)
+                   std::span<const Eigen::Matrix3f> frames, const PatchModelOptions& options, double pixels_per_metre)
     : mesh_(std::move(mesh)),
       maps_(std::move(maps)),
       shapes_(std::make_shared<const PatchShapes>(cut_into_patches(*mesh_, *maps_, options.size))),
@@ -46,7 +49,8 @@ PatchSet::PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLa
       options_(options),
       centres_(centres_of(*mesh_, *shapes_)),
       models_(shapes_->patches.size()),
-      interpolation_(shapes_, options.interpolation) {}
+      interpolation_(shapes_, options.interpolation),
+      pixels_per_metre_(shapes_->patches.size(), static_cast<float>(pixels_per_metre)) {}
 
 std::vector<std::uint32_t> PatchSet::shown_by(const SurfaceView& view) const {
   std::vector<std::uint32_t> shown;
@@ -164,6 +168,81 @@ void PatchSet::withdraw(const SurfaceImage& image, const std::vector<bool>& take
       }
   });
   interpolation_.rebuild(images, models_);
+}
+
+MapSides PatchSet::sides_of(std::uint32_t patch) const {
+  MapSides sides;
+  for (const std::uint32_t t : shapes_->patches[patch].triangles)
+    sides.push_back(static_cast<std::uint8_t>(maps_->resolution(t)));
+  return sides;
+}
+
+std::shared_ptr<const MapLayout> PatchSet::coarsen_maps(Indices asked, double detail, double error) {
+  std::vector<NewSides> sufficient(asked.size());
+  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
+    const std::uint32_t p = asked[i];
+    if (models_[p] && models_[p]->maps_due())
+      sufficient[i] = {p, models_[p]->sufficient_sides(sides_of(p), detail, error,
+                                                       interpolation_.of(shapes_->patches[p].vertices.front()))};
+  });
+  std::erase_if(sufficient, [&](const NewSides& s) { return s.sides.empty() || s.sides == sides_of(s.patch); });
+  return lay_out(sufficient, filter_sides());
+}
+
+void PatchSet::settle_maps() {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, models_.size(), 8), [&](const auto& range) {
+    for (std::size_t p = range.begin(); p < range.end(); ++p)
+      if (models_[p]) models_[p]->settle_maps();
+  });
+}
+
+bool PatchSet::may_refine(double pixels_per_metre) const {
+  return std::any_of(pixels_per_metre_.begin(), pixels_per_metre_.end(),
+                     [&](float before) { return pixels_per_metre > kFiner * before; });
+}
+
+std::shared_ptr<const MapLayout> PatchSet::refine_maps(const SurfaceView& view, double pixels_per_metre,
+                                                       const MapSides& sides) {
+  std::vector<NewSides> refined;
+  MapSides filter = filter_sides();
+  for (const std::uint32_t p : shown_by(view)) {
+    if (pixels_per_metre <= kFiner * pixels_per_metre_[p]) continue;
+    pixels_per_metre_[p] = static_cast<float>(pixels_per_metre);
+    const MapSides before = sides_of(p);
+    MapSides after;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const std::uint32_t t = shapes_->patches[p].triangles[i];
+      after.push_back(std::max(before[i], sides[t]));
+      filter[t] = std::max(filter[t], sides[t]);
+    }
+    if (after != before) refined.push_back({p, std::move(after)});
+  }
+  return lay_out(refined, std::move(filter));
+}
+
+MapSides PatchSet::filter_sides() const {
+  MapSides sides;
+  sides.reserve(maps_->triangles());
+  for (std::size_t t = 0; t < maps_->triangles(); ++t)
+    sides.push_back(static_cast<std::uint8_t>(maps_->filter_resolution(t)));
+  return sides;
+}
+
+std::shared_ptr<const MapLayout> PatchSet::lay_out(const std::vector<NewSides>& changed, MapSides filter) {
+  if (changed.empty()) return nullptr;
+  tbb::parallel_for(std::size_t{0}, changed.size(), [&](std::size_t i) {
+    const auto& [p, sides] = changed[i];
+    if (models_[p]) models_[p]->resample(sides_of(p), sides);
+  });
+  MapSides all;
+  all.reserve(maps_->triangles());
+  for (std::size_t t = 0; t < maps_->triangles(); ++t) all.push_back(static_cast<std::uint8_t>(maps_->resolution(t)));
+  for (const auto& [p, sides] : changed)
+    for (std::size_t i = 0; i < sides.size(); ++i) all[shapes_->patches[p].triangles[i]] = sides[i];
+  maps_ = std::make_shared<const MapLayout>(std::move(all), std::move(filter));
+  shapes_ = std::make_shared<const PatchShapes>(with_maps(*shapes_, *maps_));
+  interpolation_.use(shapes_);
+  return maps_;
 }
 
 void PatchSet::limit_terms(int max_rank, int internal_rank, int block) {

@@ -27,9 +27,9 @@ class PatchSet {
  public:
   using Indices = std::span<const std::uint32_t>;  ///< of patches, ascending
 
-  /// `frames`: of the vertices' hemispheres.
+  /// `frames`: of the vertices' hemispheres; `pixels_per_metre`: of the image that the maps are made for.
   PatchSet(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps,
-           std::span<const Eigen::Matrix3f> frames, const PatchModelOptions& options);
+           std::span<const Eigen::Matrix3f> frames, const PatchModelOptions& options, double pixels_per_metre);
 
   const std::shared_ptr<const PatchShapes>& shapes() const { return shapes_; }
   bool reached(std::uint32_t patch) const { return models_[patch] != nullptr; }  ///< by an image that shows enough
@@ -56,6 +56,17 @@ class PatchSet {
   void withdraw(const SurfaceImage& image, const std::vector<bool>& taken, std::size_t images,
                 ConstantColour& constant);
 
+  /// Of the patches that are due to be asked (PatchModel::maps_due), those whose maps are finer than what is displayed
+  /// needs get coarser ones (PatchModel::sufficient_sides). The layout is null when none did.
+  std::shared_ptr<const MapLayout> coarsen_maps(Indices asked, double detail, double error);
+  /// All patches are due to be asked, and have folded the images that wait.
+  void settle_maps();
+  /// Patches that an image of so many pixels per metre shows finer than the images before it get maps of these sides,
+  /// where they are larger. `sides`: per triangle. The layout is null when none did.
+  std::shared_ptr<const MapLayout> refine_maps(const SurfaceView& view, double pixels_per_metre, const MapSides& sides);
+  /// Whether an image may show a patch that much finer.
+  bool may_refine(double pixels_per_metre) const;
+
   /// In all patches at once.
   void limit_terms(int max_rank, int internal_rank, int block);
   std::vector<std::shared_ptr<const PatchSnapshot>> snapshots();
@@ -69,6 +80,14 @@ class PatchSet {
   std::vector<std::size_t> rank_histogram() const;
 
  private:
+  struct NewSides {
+    std::uint32_t patch;
+    MapSides sides;
+  };
+  /// `filter`: per triangle (MapLayout::filter_resolution).
+  std::shared_ptr<const MapLayout> lay_out(const std::vector<NewSides>& changed, MapSides filter);
+  MapSides filter_sides() const;
+  MapSides sides_of(std::uint32_t patch) const;
   void add_left_out(Indices chosen, const SurfaceImage& image, ConstantColour& constant) const;
   bool is_latest(std::uint32_t patch) const;
   InterpolatedVertex at_vertex(std::uint32_t vertex) const {
@@ -83,6 +102,7 @@ class PatchSet {
   std::vector<SurfaceSite> centres_;  ///< per patch
   std::vector<std::unique_ptr<PatchModel>> models_;
   InterpolationUpkeep interpolation_;
+  std::vector<float> pixels_per_metre_;  ///< per patch: of the finest image that its maps were made for
 };
 
 }  // namespace sheen

@@ -72,6 +72,18 @@ PatchShapes patch_shapes(const Mesh& mesh, const MapLayout& maps, std::vector<st
   return shapes;
 }
 
+PatchShapes with_maps(PatchShapes shapes, const MapLayout& maps) {
+  for (PatchShape& shape : shapes.patches) {
+    shape.samples = 0;
+    for (std::size_t i = 0; i < shape.triangles.size(); ++i) {
+      const std::uint32_t t = shape.triangles[i];
+      shapes.first_sample[t] = shape.first_sample[i] = shape.samples;
+      shape.samples += static_cast<std::uint32_t>(lattice_samples(maps.resolution(t)));
+    }
+  }
+  return shapes;
+}
+
 /// From triangle to triangle: a patch takes the free neighbour that has most corners in it already, the earliest of
 /// equals. What is left over, less than a quarter of a patch, goes to the smallest patch beside it.
 PatchShapes cut_into_patches(const Mesh& mesh, const MapLayout& maps, const PatchSize& size) {

@@ -58,6 +58,9 @@ struct PatchShapes {
 /// `patch_of`: for each triangle its patch; of 0 .. n - 1, each must have a triangle.
 PatchShapes patch_shapes(const Mesh& mesh, const MapLayout& maps, std::vector<std::uint32_t> patch_of);
 
+/// The same patches on maps of other resolutions.
+PatchShapes with_maps(PatchShapes shapes, const MapLayout& maps);
+
 /// How many triangles a patch has, where its surroundings have them; of fine triangles it has more, until it has so
 /// many samples.
 struct PatchSize {

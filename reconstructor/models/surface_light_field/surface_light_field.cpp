@@ -75,6 +75,7 @@ struct SurfaceLightField::Pipeline {
 
   RadianceImage image;
   FoldedImages folded;
+  double squared_error = 0;  ///< with which images are predicted, encoded: a running mean; 0: none was
   std::uint64_t version = 0;
 
   /// What the patches leave behind.
@@ -89,6 +90,11 @@ struct SurfaceLightField::Pipeline {
   IngestReport ingest(const Capture& capture);
   bool withdraw(const Capture& capture);
 
+  MapSides map_sides(const Camera& camera, const Rigid3& camera_from_object) const;
+  bool use(std::shared_ptr<const MapLayout> maps);
+  bool refine_maps(const SurfaceView& view, const Beginning& here);
+  void coarsen_maps(const std::vector<std::uint32_t>& asked);
+  void follow_error(double predicted_psnr_db);
   const SurfaceView& look(const Capture& capture);
   SurfaceImage divided_by(float gain, const SurfaceView& view) const {
     return {image, view, *shape, gain, options.sampling};
@@ -104,12 +110,48 @@ struct SurfaceLightField::Pipeline {
 };
 
 void SurfaceLightField::Pipeline::start(const Beginning& first) {
-  shape = std::make_shared<MapLayout>(
-      map_resolution(*mesh, first.camera, first.camera_from_object,
-                     {options.surface_map, options.min_surface_map, options.max_surface_map, options.map_scale}));
+  shape = std::make_shared<MapLayout>(map_sides(first.camera, first.camera_from_object));
   visibility = std::make_unique<SampleVisibility>(*mesh, *shape, options.visibility, scene);
   constant_colour = std::make_unique<ConstantColour>(mesh, shape);
-  patches.emplace(mesh, shape, frames, options.patch);
+  patches.emplace(mesh, shape, frames, options.patch,
+                  pixels_per_metre(*mesh, first.camera, first.camera_from_object));
+}
+
+/// Of the surface maps, for an image of such a camera.
+MapSides SurfaceLightField::Pipeline::map_sides(const Camera& camera, const Rigid3& camera_from_object) const {
+  return map_resolution(*mesh, camera, camera_from_object,
+                        {options.surface_map, options.min_surface_map, options.max_surface_map, options.map_scale});
+}
+
+/// From now on the maps have these sides; none: they stay. What was looked at before is seen on the old ones.
+bool SurfaceLightField::Pipeline::use(std::shared_ptr<const MapLayout> maps) {
+  if (!maps) return false;
+  visibility->use(*maps);
+  constant_colour->use(maps);
+  shape = std::move(maps);
+  return true;
+}
+
+/// Surfaces that the image shows finer than any before it get finer maps. Whether any did: then one must look again.
+bool SurfaceLightField::Pipeline::refine_maps(const SurfaceView& view, const Beginning& here) {
+  if (options.map_detail == 0 || options.surface_map > 0) return false;
+  const double finer = pixels_per_metre(*mesh, here.camera, here.camera_from_object);
+  return patches->may_refine(finer) &&
+         use(patches->refine_maps(view, finer, map_sides(here.camera, here.camera_from_object)));
+}
+
+/// Patches of which nothing fine is displayed get coarser maps. Fine is what is not lost in
+/// the error with which images were predicted lately.
+void SurfaceLightField::Pipeline::coarsen_maps(const std::vector<std::uint32_t>& asked) {
+  if (options.map_detail == 0 || squared_error == 0) return;
+  use(patches->coarsen_maps(asked, options.map_detail, std::sqrt(squared_error)));
+}
+
+void SurfaceLightField::Pipeline::follow_error(double predicted_psnr_db) {
+  constexpr double kMemory = 0.8;
+  if (!std::isfinite(predicted_psnr_db)) return;
+  const double error = std::pow(10, -predicted_psnr_db / 10);
+  squared_error = squared_error > 0 ? std::lerp(error, squared_error, kMemory) : error;
 }
 
 const SurfaceView& SurfaceLightField::Pipeline::look(const Capture& capture) {
@@ -133,6 +175,8 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
 
   StageClock clock(report.stage_ms);
   const SurfaceView& view = look(capture);
+  if (view.visible_samples > 0 && !is_held_out(capture, options.hold_out_every) && refine_maps(view, here))
+    look(capture);
   clock.done("visibility");
   if (view.visible_samples == 0) return refuse("object_not_in_view");
 
@@ -150,13 +194,15 @@ IngestReport SurfaceLightField::Pipeline::ingest(const Capture& capture) {
   if (gain != 1) report.exposure_gain = gain;
   clock.done("exposure");
   std::vector<bool> taken = factorize(view, report);
-  clock.done("factorize");
   folded.add({name_of(capture),
               report.exposure_gain,
               std::log(gain),
               view.eye,
               {capture.camera, capture.pose.camera_from_object},
               std::move(taken)});
+  follow_error(report.predicted_psnr_db);
+  coarsen_maps(patches->shown_by(view));
+  clock.done("factorize");
   return done(IngestStatus::kAccepted);
 }
 
@@ -294,8 +340,14 @@ int SurfaceLightField::effort_level_within(const Capture& first, int from, doubl
 }
 
 bool SurfaceLightField::reduce_memory() {
-  if (memory_step_ == memory_steps().size()) return false;
-  const TermLimit& limit = memory_steps()[memory_step_++];
+  const std::size_t details = memory_details().size();
+  if (memory_step_ == details + memory_steps().size()) return false;
+  const std::size_t step = memory_step_++;
+  if (step < details) {
+    limit_detail(memory_details()[step]);
+    return true;
+  }
+  const TermLimit& limit = memory_steps()[step - details];
   limit_terms(limit.max_rank, limit.internal_rank, limit.block);
   return true;
 }
@@ -306,6 +358,18 @@ const SurfaceLightFieldOptions& SurfaceLightField::settings() const {
 
 void SurfaceLightField::set_update_fraction(double fraction) {
   pipeline_->update_fraction = std::clamp(fraction, 0.01, 1.0);
+}
+
+/// Maps that shall stay as they are do.
+void SurfaceLightField::limit_detail(double map_detail) {
+  Pipeline& p = *pipeline_;
+  if (p.options.map_detail == 0 || p.options.map_detail >= map_detail) return;
+  p.options.map_detail = map_detail;
+  if (!p.patches) return;
+  p.patches->settle_maps();
+  std::vector<std::uint32_t> all(p.patches->size());
+  std::iota(all.begin(), all.end(), 0u);
+  p.coarsen_maps(all);
 }
 
 void SurfaceLightField::limit_terms(int max_rank, int internal_rank, int block) {

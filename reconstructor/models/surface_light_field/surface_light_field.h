@@ -32,6 +32,8 @@ class SurfaceLightField : public AppearanceModel {
   int effort_level_within(const Capture& first, int from, double bytes, std::size_t images) const override;
   bool reduce_memory() override;
   void set_update_fraction(double fraction) override;
+  /// All maps become as coarse as this `SurfaceLightFieldOptions::map_detail` lets them, and so from now on.
+  void limit_detail(double map_detail);
   /// Lets go of terms beyond lower limits, in all patches at once. They hold from now on.
   void limit_terms(int max_rank, int internal_rank, int block);
 
@@ -55,7 +57,7 @@ class SurfaceLightField : public AppearanceModel {
   void begin(const SurfaceLightFieldOptions& options);
 
   SurfaceLightFieldOptions asked_;  ///< before any effort level's limits
-  std::size_t memory_step_ = 0;     ///< how many of `memory_steps` have been taken
+  std::size_t memory_step_ = 0;     ///< how many of `memory_details`, then of `memory_steps` have been taken
   std::unique_ptr<Pipeline> pipeline_;
 };
 

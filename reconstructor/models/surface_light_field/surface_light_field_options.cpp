@@ -19,6 +19,7 @@ std::vector<SettingKey> SurfaceLightFieldOptions::keys() {
       setting("max_rank", patch.factor.max_rank),
       setting("tolerance", patch.factor.tolerance),
       setting("map_scale", map_scale, SettingTable::kAdvanced),
+      setting("map_detail", map_detail, SettingTable::kAdvanced),
       setting("internal_rank", patch.factor.internal_rank, SettingTable::kAdvanced),
       setting("block", patch.factor.block, SettingTable::kAdvanced),
       setting("max_views", patch.max_views, SettingTable::kAdvanced),
@@ -37,6 +38,7 @@ void SurfaceLightFieldOptions::require_valid() const {
   require(surface_map == 0 || (surface_map >= 2 && surface_map <= 64),
           "surface_map must be 0 (chosen from the footprint) or 2..64");
   require(map_scale >= 0.05 && map_scale <= 4, "map_scale must be in [0.05, 4]");
+  require(map_detail >= 0 && map_detail <= 1, "map_detail must be in [0, 1]");
   require(patch.repeat_angle >= 0 && patch.repeat_angle < 0.5, "repeat_angle must be in [0, 0.5) rad");
   require(patch.factor.max_rank >= 1 && patch.factor.max_rank <= 64, "max_rank must be 1..64");
   require(patch.factor.internal_rank == 0 ||

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "reconstructor/models/surface_light_field/patch_shapes.h"
@@ -57,6 +58,7 @@ class InterpolationChoice {
   /// The vertex must be able to.
   ViewInterpolation choose(std::uint32_t vertex) const;
   void clear();
+  void use(std::shared_ptr<const PatchShapes> shapes) { shapes_ = std::move(shapes); }  ///< the same, on other maps
 
  private:
   std::shared_ptr<const PatchShapes> shapes_;

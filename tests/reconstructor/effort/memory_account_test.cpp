@@ -24,6 +24,7 @@ class ResidentMemoryTest : public ::testing::Test {
   ResidentMemoryTest() {
     options_.hold_out_every = 4;
     options_.surface_map = 18;
+    options_.map_detail = 0;  // so that there is much to be counted
     options_.patch.factor.tolerance = 0;
     images_ = captures({analytic::sphere(0.09), analytic::two_terms(0.02)}, analytic::eyes(40, 0.5, -0.9));
     malloc_trim(0);  // what earlier tests have left would be taken again, and nothing would grow

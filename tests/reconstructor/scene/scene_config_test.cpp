@@ -151,6 +151,7 @@ const std::vector<KeyCase>& all_keys() {
   static const std::vector<KeyCase> cases{
       {kModel, "surface_map", "12", {"1", "-4", "65"}},
       {kAdvanced, "map_scale", "0.5", {"0", "-1", "1e-300", "4.1", "nan", "inf"}},
+      {kAdvanced, "map_detail", "0.1", {"-0.01", "1.1", "nan", "inf"}},
       {kImages, "sampling", "\"linear\"", {"\"\"", "\"nearest\"", "1"}},
       {kModel, "max_rank", "5", {"0", "-1", "65"}},
       {kAdvanced, "internal_rank", "40", {"3", "-1", "65"}},
@@ -234,6 +235,7 @@ TEST(SceneConfig, EveryKeyChangesTheModel) {
       // key: the rest of the scene, its value
       {"surface_map", {"", "7"}},
       {"map_scale", {"", "0.5"}},
+      {"map_detail", {"", "0.5"}},
       {"sampling", {"", "\"linear\""}},
       {"max_rank", {"", "1"}},
       {"internal_rank", {"[surface_light_field]\nmax_rank = 2\n", "2"}},

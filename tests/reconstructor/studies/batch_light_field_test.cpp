@@ -17,6 +17,7 @@ using analytic::Scene;
 SurfaceLightFieldOptions exact_options(int rank) {
   SurfaceLightFieldOptions options = plain_options();
   options.patch.factor = {.max_rank = rank, .tolerance = 0};
+  options.map_detail = 0;  // the batch has the maps of the first image
   return options;
 }
 

@@ -14,6 +14,7 @@
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/numerics/symmetric_eigen.h"
 #include "reconstructor/numerics/view_kriging.h"
+#include "reconstructor/surface/lattice_resampling.h"
 #include "reconstructor/surface/nearest_seen.h"
 
 namespace sheen {
@@ -22,10 +23,11 @@ namespace {
 constexpr float kGreyLevels = 255;
 constexpr float kMoved = 2e-3f;  // rad: further from all cameras a view is one that others were merged into
 
+/// Those before maps became coarser: smooth maps cost the file nothing, and a sample has the same weight in all of them.
 std::vector<std::uint8_t> resolutions(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical) {
   std::vector<std::uint8_t> resolution;
   for (const std::uint32_t old : canonical.old_triangle)
-    resolution.push_back(static_cast<std::uint8_t>(snapshot.maps().resolution(old)));
+    resolution.push_back(static_cast<std::uint8_t>(snapshot.maps().filter_resolution(old)));
   return resolution;
 }
 
@@ -221,9 +223,11 @@ class PatchFit {
     const std::uint32_t p = shapes.patch_of[old];
     const PatchSnapshot& patch = *filled_->patches()[p];
     const int n = model_.maps->resolution(triangle), samples = lattice_samples(n);
+    const LatticeResampling& finer = lattice_resampling(filled_->maps().resolution(old), n);
     const auto first = static_cast<int>(shapes.first_sample[old]);
     const std::vector<int> old_sample = rotated_samples(n, canonical_.first_corner[triangle]);
-    for (std::size_t s = 0; s < old_sample.size(); ++s) state[s] = patch.state(first + old_sample[s]);
+    for (std::size_t s = 0; s < old_sample.size(); ++s)
+      state[s] = patch.state(first + finer.nearest(old_sample[s]));
 
     const std::vector<std::uint16_t>& known = grown_[p];
     const Eigen::MatrixXf of_known = known.empty() ? Eigen::MatrixXf() : view_coefficients(patch.vertices.front());
@@ -234,9 +238,13 @@ class PatchFit {
       coefficients.col(i) =
           view != known.end() ? Eigen::VectorXf(of_known.col(view - known.begin())) : expected(old, patch, image);
     }
-    const Eigen::MatrixXf values = patch.basis.unpacked(3 * first, 3 * samples, patch.rank()) * coefficients;
-    for (int s = 0; s < samples; ++s)
-      columns.middleRows<3>(3 * s) = values.middleRows<3>(3 * old_sample[static_cast<std::size_t>(s)]);
+    const int own_samples = lattice_samples(filled_->maps().resolution(old));
+    const Eigen::MatrixXf values = patch.basis.unpacked(3 * first, 3 * own_samples, patch.rank()) * coefficients;
+    for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+      const Eigen::Matrix3Xf on_n = finer.of(Eigen::Map<const Eigen::Matrix3Xf>(values.col(i).data(), 3, own_samples));
+      for (int s = 0; s < samples; ++s)
+        columns.col(i).segment<3>(3 * s) = on_n.col(old_sample[static_cast<std::size_t>(s)]);
+    }
   }
 
   /// Coefficients of a patch as a triangle of it is seen from a camera: the mean over its corners.

@@ -79,7 +79,8 @@ bool LightFieldRenderer::update(const std::shared_ptr<const ModelSnapshot>& mode
   if (!model) return true;
   const auto snapshot = std::dynamic_pointer_cast<const LightFieldSnapshot>(model);
   if (!snapshot) throw Error("what is to be drawn is not a surface light field");
-  if (snapshot->shared_mesh() != mesh_ || snapshot->shared_maps() != maps_) upload_mesh(*snapshot);
+  const bool same_mesh = snapshot->shared_mesh() == mesh_;
+  if (!same_mesh || (snapshot->shared_maps() != maps_ && !follow_maps(*snapshot))) upload_mesh(*snapshot);
   const bool complete = upload_patches(*snapshot);
   exposure_ = snapshot->exposure();
   check_gl("uploading surface maps");
@@ -93,9 +94,26 @@ std::vector<std::string> LightFieldRenderer::notes() const {
 
 void LightFieldRenderer::upload_mesh(const LightFieldSnapshot& snapshot) {
   const Mesh& mesh = snapshot.mesh();
-  const MapLayout& maps = snapshot.maps();
   std::vector<Eigen::Vector4f> positions;
   for (const Eigen::Vector3f& p : mesh.vertices) positions.push_back(p.homogeneous());
+  positions_.assign(positions.size(), positions.data());
+  for (const BasisSlot& slot : patch_slots_) store_.release(slot);
+  uploaded_.assign(snapshot.patch_count(), nullptr);
+  patch_slots_.assign(snapshot.patch_count(), {});
+  other_maps_.assign(snapshot.patch_count(), 0);
+  patch_of_.clear();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) patch_of_.push_back(snapshot.place(t).patch);
+  shortened_patches_ = 0;
+  triangle_count_ = mesh.triangles.size();
+  mesh_ = snapshot.shared_mesh();
+  shown_.reset();
+  order_eye_.reset();
+  upload_maps(snapshot);
+}
+
+void LightFieldRenderer::upload_maps(const LightFieldSnapshot& snapshot) {
+  const Mesh& mesh = snapshot.mesh();
+  const MapLayout& maps = snapshot.maps();
   std::vector<std::uint32_t> corners;
   std::vector<std::uint8_t> resolutions;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -104,19 +122,19 @@ void LightFieldRenderer::upload_mesh(const LightFieldSnapshot& snapshot) {
       corners.insert(corners.end(), {mesh.triangles[t][c], place.patch, place.first_sample, place.columns[c]});
     resolutions.push_back(static_cast<std::uint8_t>(maps.resolution(t)));
   }
-  positions_.assign(positions.size(), positions.data());
   corners_.assign(corners.size() / 4, corners.data());
   resolutions_.assign(resolutions.size(), resolutions.data());
-
-  for (const BasisSlot& slot : patch_slots_) store_.release(slot);
-  uploaded_.assign(snapshot.patch_count(), nullptr);
-  patch_slots_.assign(snapshot.patch_count(), {});
-  shortened_patches_ = 0;
-  triangle_count_ = mesh.triangles.size();
-  mesh_ = snapshot.shared_mesh();
   maps_ = snapshot.shared_maps();
-  shown_.reset();
-  order_eye_.reset();
+}
+
+bool LightFieldRenderer::follow_maps(const LightFieldSnapshot& snapshot) {
+  if (snapshot.patch_count() != uploaded_.size()) return false;
+  for (std::size_t t = 0; t < triangle_count_; ++t)
+    if (snapshot.place(t).patch != patch_of_[t]) return false;
+  for (std::size_t t = 0; t < triangle_count_; ++t)
+    if (snapshot.maps().resolution(t) != maps_->resolution(t)) other_maps_[patch_of_[t]] = 1;
+  upload_maps(snapshot);
+  return true;
 }
 
 bool LightFieldRenderer::upload_patches(const LightFieldSnapshot& snapshot) {
@@ -134,15 +152,18 @@ bool LightFieldRenderer::upload_patches(const LightFieldSnapshot& snapshot) {
   if (changed.empty() && shown_) return true;
 
   std::stable_partition(changed.begin(), changed.end(), [&](std::size_t v) { return !uploaded_[v]; });
+  std::stable_partition(changed.begin(), changed.end(), [&](std::size_t v) { return other_maps_[v] != 0; });
   store_.reserve(growth);
   std::size_t texels = 0, done = 0;
-  for (; done < changed.size() && (done == 0 || texels < options_.texels_per_update); ++done) {
+  const auto can_wait = [&](std::size_t v) { return other_maps_[v] == 0 && texels >= options_.texels_per_update; };
+  for (; done < changed.size() && (done == 0 || !can_wait(changed[done])); ++done) {
     const std::size_t v = changed[done];
     if (uploaded_[v] && patch_slots_[v].rank < uploaded_[v]->rank()) --shortened_patches_;
     store_.release(patch_slots_[v]);
     patch_slots_[v] = wanted[v] ? store_.store(*wanted[v]) : BasisSlot{};
     if (wanted[v] && patch_slots_[v].rank < wanted[v]->rank()) ++shortened_patches_;
     uploaded_[v] = wanted[v];
+    other_maps_[v] = 0;
     texels += patch_slots_[v].texels;
   }
 

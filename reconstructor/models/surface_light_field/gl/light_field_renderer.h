@@ -38,6 +38,9 @@ class LightFieldRenderer : public ModelDrawer {
   /// Makes the program for what is on the GPU, where it is not that already.
   void make_program();
   void upload_mesh(const LightFieldSnapshot& snapshot);
+  void upload_maps(const LightFieldSnapshot& snapshot);
+  /// The same patches, of which some have other maps now. False when they are not the same.
+  bool follow_maps(const LightFieldSnapshot& snapshot);
   bool upload_patches(const LightFieldSnapshot& snapshot);
   void upload_coefficients(const Eigen::Vector3d& eye);
   void upload_quality(const Eigen::Vector3d& eye);
@@ -61,6 +64,8 @@ class LightFieldRenderer : public ModelDrawer {
   std::shared_ptr<const MapLayout> maps_;
   std::vector<std::shared_ptr<const SurfacePatch>> uploaded_;  ///< per patch: what the GPU holds
   std::vector<BasisSlot> patch_slots_;
+  std::vector<std::uint32_t> patch_of_;    ///< per triangle
+  std::vector<std::uint8_t> other_maps_;   ///< per patch: what the GPU holds of it does not fit its maps
   std::size_t shortened_patches_ = 0;
   std::size_t triangle_count_ = 0;
 

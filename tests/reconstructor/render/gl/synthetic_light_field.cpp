@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/reconstructor/render/gl/synthetic_light_field.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "reconstructor/models/surface_light_field/map_detail.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
@@ -160,6 +162,37 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_other
     patch = other;
   }
   return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, maps_, shapes_, std::move(data), snapshot_->version() + 1);
+}
+
+std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_finer_maps(std::uint32_t stride) const {
+  auto data = with_other_bases()->patches();
+  const auto chosen = [&](std::uint32_t p) {
+    if (p % stride != 0 || !data[p]) return false;
+    const auto& shown = data[p]->shown;
+    return std::all_of(shown.begin(), shown.end(), [&](std::uint8_t share) { return share == shown[0]; });
+  };
+  MapSides sides;
+  for (std::size_t t = 0; t < mesh_->triangles.size(); ++t) {
+    const int side = maps_->resolution(t);
+    sides.push_back(static_cast<std::uint8_t>(chosen(shapes_->patch_of[t]) ? 2 * side - 1 : side));
+  }
+  auto maps = std::make_shared<MapLayout>(sides);
+  for (std::uint32_t p = 0; p < data.size(); ++p) {
+    if (!chosen(p)) continue;
+    MapSides before, after;
+    for (const std::uint32_t t : shapes_->patches[p].triangles) {
+      before.push_back(static_cast<std::uint8_t>(maps_->resolution(t)));
+      after.push_back(sides[t]);
+    }
+    const RowResampling finer = resampled_maps(before, after);
+    auto other = std::make_shared<PatchSnapshot>(*data[p]);
+    other->basis = finer.columns(data[p]->basis.unpacked());
+    other->shown.assign(finer.between.size(), data[p]->shown[0]);
+    data[p] = other;
+  }
+  auto shapes = std::make_shared<PatchShapes>(with_maps(*shapes_, *maps));
+  return std::make_shared<SurfaceLightFieldSnapshot>(mesh_, std::move(maps), std::move(shapes), std::move(data),
+                                                     snapshot_->version() + 2);
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_exposure(float factor) const {

@@ -29,6 +29,9 @@ class SyntheticLightField {
   std::shared_ptr<const SurfaceLightFieldSnapshot> with_changed_patches(int stride, int max_rank) const;
   /// The same light field in other bases: the terms of every patch in reverse order, every other one negated.
   std::shared_ptr<const SurfaceLightFieldSnapshot> with_other_bases() const;
+  /// That, and every `stride`-th patch on maps with twice the intervals, which draw the same; not those of which some
+  /// samples are known in other ways than others.
+  std::shared_ptr<const SurfaceLightFieldSnapshot> with_finer_maps(std::uint32_t stride) const;
   /// The same light field, as much brighter from everywhere.
   std::shared_ptr<const SurfaceLightFieldSnapshot> with_exposure(float factor) const;
 

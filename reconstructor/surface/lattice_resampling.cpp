@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/surface/lattice_resampling.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+namespace sheen {
+namespace {
+
+/// Of a lattice, at the places of another's samples.
+std::vector<LatticeStencil> stencils(int of, int at) {
+  std::vector<LatticeStencil> stencils;
+  stencils.reserve(static_cast<std::size_t>(lattice_samples(at)));
+  const auto last = static_cast<float>(at - 1);
+  for (int i = 0; i < at; ++i)
+    for (int j = 0; i + j < at; ++j)
+      stencils.push_back(lattice_stencil(of, static_cast<float>(i) / last, static_cast<float>(j) / last));
+  return stencils;
+}
+
+Eigen::Matrix3Xf interpolated(const Eigen::Ref<const Eigen::Matrix3Xf>& values,
+                              const std::vector<LatticeStencil>& at) {
+  Eigen::Matrix3Xf out(3, static_cast<Eigen::Index>(at.size()));
+  for (Eigen::Index s = 0; s < out.cols(); ++s) {
+    const LatticeStencil& stencil = at[static_cast<std::size_t>(s)];
+    out.col(s) = stencil.weight[0] * values.col(stencil.index[0]) + stencil.weight[1] * values.col(stencil.index[1]) +
+                 stencil.weight[2] * values.col(stencil.index[2]);
+  }
+  return out;
+}
+
+}  // namespace
+
+LatticeResampling::LatticeResampling(int from, int to) : at_new_(stencils(from, to)), at_old_(stencils(to, from)) {}
+
+Eigen::Matrix3Xf LatticeResampling::of(const Eigen::Ref<const Eigen::Matrix3Xf>& values) const {
+  return interpolated(values, at_new_);
+}
+
+Eigen::Matrix3Xf LatticeResampling::missed(const Eigen::Ref<const Eigen::Matrix3Xf>& values) const {
+  return values - interpolated(of(values), at_old_);
+}
+
+int LatticeResampling::nearest(int sample) const {
+  const LatticeStencil& stencil = round(sample);
+  return stencil.index[std::max_element(stencil.weight, stencil.weight + 3) - stencil.weight];
+}
+
+const LatticeResampling& lattice_resampling(int from, int to) {
+  static std::mutex mutex;
+  static std::map<std::pair<int, int>, std::unique_ptr<const LatticeResampling>> known;
+  const std::lock_guard lock(mutex);
+  auto& resampling = known[{from, to}];
+  if (!resampling) resampling = std::make_unique<const LatticeResampling>(from, to);
+  return *resampling;
+}
+
+}  // namespace sheen
