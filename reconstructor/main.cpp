@@ -1,24 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <malloc.h>
-
 #include "common/base/command_line.h"
 #include "common/base/log.h"
 #include "reconstructor/commands/commands.h"
 
-namespace {
-
-/// Arrays as large as an image go back to the system when they are let go of. Else, with the first that does, the
-/// allocator takes others of that size for common and keeps them, in pieces, between what is small and stays.
-void return_large_arrays() {
-  constexpr int kLargeArray = 1 << 20;
-  mallopt(M_MMAP_THRESHOLD, kLargeArray);
-  mallopt(M_TRIM_THRESHOLD, kLargeArray);
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
-  return_large_arrays();
   sheen::CommandLine program("sheen-reconstructor",
                              "Makes a model of how an object looks from images with poses, live or from files.");
   program.require_subcommand();

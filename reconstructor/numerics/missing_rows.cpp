@@ -323,8 +323,8 @@ void MissingRows<Scalar>::resample(const RowResampling& by, const Basis& basis, 
       for (const int group : by.between[static_cast<std::size_t>(row / channels)])
         if (has_row(before->hidden, group * channels + row % channels)) set_row(hidden, row);
     const Vector y = views.coefficients().col(v);
-    views.set_shown(v, std::make_shared<const Shown>(shown_rows<Scalar>(
-                           witnesses_, hidden, [&](int row) { return basis.dot(row, y); })));
+    views.set_shown(v, std::make_shared<const Shown>(
+                           shown_rows<Scalar>(witnesses_, hidden, [&](int row) { return basis.dot(row, y); })));
   }
 }
 

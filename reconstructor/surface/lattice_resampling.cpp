@@ -21,8 +21,7 @@ std::vector<LatticeStencil> stencils(int of, int at) {
   return stencils;
 }
 
-Eigen::Matrix3Xf interpolated(const Eigen::Ref<const Eigen::Matrix3Xf>& values,
-                              const std::vector<LatticeStencil>& at) {
+Eigen::Matrix3Xf interpolated(const Eigen::Ref<const Eigen::Matrix3Xf>& values, const std::vector<LatticeStencil>& at) {
   Eigen::Matrix3Xf out(3, static_cast<Eigen::Index>(at.size()));
   for (Eigen::Index s = 0; s < out.cols(); ++s) {
     const LatticeStencil& stencil = at[static_cast<std::size_t>(s)];

@@ -8,8 +8,9 @@
 
 namespace sheen {
 
-/// Carries values from a triangle's lattice of one resolution to one of another, by linear interpolation. So what stands
-/// on more samples draws the same surface, and what stands on fewer is right at each of them, whatever lies between.
+/// Carries values from a triangle's lattice of one resolution to one of another, by linear interpolation. So what
+/// stands on more samples draws the same surface, and what stands on fewer is right at each of them, whatever lies
+/// between.
 class LatticeResampling {
  public:
   LatticeResampling(int from, int to);

@@ -96,10 +96,7 @@ void fill_unseen(ConstantColourSnapshot& snapshot) {
 }  // namespace
 
 ConstantColour::ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps)
-    : mesh_(std::move(mesh)),
-      maps_(std::move(maps)),
-      samples_(maps_->triangles()),
-      exponent_(maps_->triangles(), 0) {}
+    : mesh_(std::move(mesh)), maps_(std::move(maps)), samples_(maps_->triangles()), exponent_(maps_->triangles(), 0) {}
 
 std::span<ConstantColour::Sample> ConstantColour::samples(std::size_t triangle) const {
   if (!samples_[triangle]) return {};
@@ -117,8 +114,7 @@ void ConstantColour::make_room(std::size_t triangle, float brightest) {
   if (halvings == 0) return;
   exponent_[triangle] = static_cast<std::int8_t>(exponent_[triangle] + halvings);
   for (Sample& sample : samples(triangle))
-    for (std::uint16_t& code : sample.code)
-      code = static_cast<std::uint16_t>(halvings < 16 ? code >> halvings : 0);
+    for (std::uint16_t& code : sample.code) code = static_cast<std::uint16_t>(halvings < 16 ? code >> halvings : 0);
 }
 
 void ConstantColour::add(std::size_t triangle, std::span<const std::uint8_t> visible,

@@ -49,7 +49,7 @@ class ConstantColour {
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const MapLayout> maps_;
   std::vector<std::unique_ptr<Sample[]>> samples_;  ///< per triangle; null where no image showed it
-  std::vector<std::int8_t> exponent_;  ///< per triangle: codes are of 2^exponent
+  std::vector<std::int8_t> exponent_;               ///< per triangle: codes are of 2^exponent
 };
 
 }  // namespace sheen

@@ -21,8 +21,8 @@ std::span<const EffortLevel> all_effort_levels();
 /// The options with an effort level's limits laid on them.
 SurfaceLightFieldOptions at_effort_level(const SurfaceLightFieldOptions& options, int level);
 
-/// `SurfaceLightFieldOptions::map_detail`, step by step, when patches outgrow the memory that they may take: maps become
-/// coarser where that shows least.
+/// `SurfaceLightFieldOptions::map_detail`, step by step, when patches outgrow the memory that they may take: maps
+/// become coarser where that shows least.
 std::span<const double> memory_details();
 /// What patches are cut down to, step by step, when that is not enough.
 struct TermLimit {

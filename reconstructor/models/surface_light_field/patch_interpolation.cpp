@@ -151,7 +151,7 @@ Eigen::VectorXf interpolated(const SiteViews& views, const Eigen::MatrixXf& coef
 }
 
 SmoothedViews smoothed(const SiteViews& views, const Eigen::MatrixXf& coefficients,
-                         const SharedInterpolation& interpolation, const Eigen::Vector3f& normal) {
+                       const SharedInterpolation& interpolation, const Eigen::Vector3f& normal) {
   const ViewInterpolant interpolant = interpolant_of(views, coefficients, interpolation, normal);
   SmoothedViews smooth{Eigen::MatrixXf(coefficients.rows(), coefficients.cols()),
                        interpolant.leave_one_out / static_cast<double>(views.reliability.sum())};

@@ -58,7 +58,7 @@ struct SmoothedViews {
   double squared_error = 0;      ///< of the coefficients of a view, as predicted from the others; mean over views
 };
 SmoothedViews smoothed(const SiteViews& views, const Eigen::MatrixXf& coefficients,
-                         const SharedInterpolation& interpolation, const Eigen::Vector3f& normal);
+                       const SharedInterpolation& interpolation, const Eigen::Vector3f& normal);
 
 /// Errors with the drift are infinite without a reflection, and with too few views.
 InterpolationErrors interpolation_errors(const SiteViews& views, const Eigen::MatrixXf& coefficients,

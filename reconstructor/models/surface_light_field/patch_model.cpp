@@ -14,8 +14,8 @@ constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
 // A repetition differs by its own noise and by that of the view it repeats, of which a basis has averaged a part.
 constexpr double kRepeatedNoise = 1.5, kRepeatedColumn = 2;
 constexpr float kSensorVariance = 2e-5f;  // about one grey level of 255, encoded
-constexpr int kFirstMapChoice = 4;  // images; with fewer, all that differs is displayed
-constexpr int kDifferently = 2;     // samples that so many times fewer images show are imputed, and say so
+constexpr int kFirstMapChoice = 4;        // images; with fewer, all that differs is displayed
+constexpr int kDifferently = 2;           // samples that so many times fewer images show are imputed, and say so
 constexpr std::size_t kPackedValue = sizeof(std::int16_t), kPackedScale = sizeof(double);  // as PackedColumns has them
 
 /// Of a patch's snapshot, beside its vertices.

@@ -113,8 +113,7 @@ void SurfaceLightField::Pipeline::start(const Beginning& first) {
   shape = std::make_shared<MapLayout>(map_sides(first.camera, first.camera_from_object));
   visibility = std::make_unique<SampleVisibility>(*mesh, *shape, options.visibility, scene);
   constant_colour = std::make_unique<ConstantColour>(mesh, shape);
-  patches.emplace(mesh, shape, frames, options.patch,
-                  pixels_per_metre(*mesh, first.camera, first.camera_from_object));
+  patches.emplace(mesh, shape, frames, options.patch, pixels_per_metre(*mesh, first.camera, first.camera_from_object));
 }
 
 /// Of the surface maps, for an image of such a camera.

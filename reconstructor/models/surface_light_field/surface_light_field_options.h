@@ -16,10 +16,10 @@ struct SurfaceLightFieldOptions : ModelSettings {
   int surface_map = 0;
   int min_surface_map = 4, max_surface_map = 24;  ///< bounds of the choice by footprint (MapResolutionOptions)
   double map_scale = 1;                           ///< of the side, given or chosen
-  /// What coarser maps may miss of what is displayed, over the error with which the patch predicts each of its views from
-  /// the others, or all patches the images, whichever is less: where half or a quarter of the side is enough, maps get
-  /// it. 0: all maps keep the sides that the first image gives them.
-  double map_detail = 0.05;
+  /// What coarser maps may miss of what is displayed, over the error with which the patch predicts each of its views
+  /// from the others, or all patches the images, whichever is less: where half or a quarter of the side is enough, maps
+  /// get it. 0: all maps keep the sides that the first image gives them.
+  double map_detail = 0.04;
   PatchModelOptions patch;
 
   const char* kind() const override { return kName; }

@@ -46,11 +46,9 @@ RowResampling twice_as_many(int rows) {
 }
 
 OnlineSvd factor_of(const Eigen::MatrixXf& data, double sensor_variance = 0) {
-  OnlineSvd factor(static_cast<int>(data.rows()), {.max_rank = 8,
-                                                   .block = 6,
-                                                   .tolerance = 1e-4,
-                                                   .channels = kChannels,
-                                                   .sensor_variance = sensor_variance});
+  OnlineSvd factor(
+      static_cast<int>(data.rows()),
+      {.max_rank = 8, .block = 6, .tolerance = 1e-4, .channels = kChannels, .sensor_variance = sensor_variance});
   for (Eigen::Index j = 0; j < data.cols(); ++j) factor.add(data.col(j));
   factor.fold();
   return factor;

@@ -233,20 +233,13 @@ TEST(SceneConfig, EveryKeyChangesTheModel) {
   }
   const std::map<std::string, std::pair<std::string, std::string>> cases{
       // key: the rest of the scene, its value
-      {"surface_map", {"", "7"}},
-      {"map_scale", {"", "0.5"}},
-      {"map_detail", {"", "0.5"}},
-      {"sampling", {"", "\"linear\""}},
-      {"max_rank", {"", "1"}},
-      {"internal_rank", {"[surface_light_field]\nmax_rank = 2\n", "2"}},
-      {"block", {"", "3"}},
-      {"tolerance", {"", "0.3"}},
-      {"max_views", {"", "8"}},
-      {"repeat_angle", {"", "0.4"}},
-      {"min_visible", {"", "1"}},
-      {"hold_out_every", {"", "4"}},
-      {"exposure", {"", "\"off\""}},
-      {"erosion_px", {"", "6"}},
+      {"surface_map", {"", "7"}},    {"map_scale", {"", "0.5"}},
+      {"map_detail", {"", "0.5"}},   {"sampling", {"", "\"linear\""}},
+      {"max_rank", {"", "1"}},       {"internal_rank", {"[surface_light_field]\nmax_rank = 2\n", "2"}},
+      {"block", {"", "3"}},          {"tolerance", {"", "0.3"}},
+      {"max_views", {"", "8"}},      {"repeat_angle", {"", "0.4"}},
+      {"min_visible", {"", "1"}},    {"hold_out_every", {"", "4"}},
+      {"exposure", {"", "\"off\""}}, {"erosion_px", {"", "6"}},
   };
   ASSERT_EQ(cases.size(), all_keys().size());
   for (const KeyCase& c : all_keys()) {

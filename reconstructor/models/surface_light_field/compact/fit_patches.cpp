@@ -23,7 +23,8 @@ namespace {
 constexpr float kGreyLevels = 255;
 constexpr float kMoved = 2e-3f;  // rad: further from all cameras a view is one that others were merged into
 
-/// Those before maps became coarser: smooth maps cost the file nothing, and a sample has the same weight in all of them.
+/// Those before maps became coarser: smooth maps cost the file nothing, and a sample has the same weight in all of
+/// them.
 std::vector<std::uint8_t> resolutions(const SurfaceLightFieldSnapshot& snapshot, const CanonicalMesh& canonical) {
   std::vector<std::uint8_t> resolution;
   for (const std::uint32_t old : canonical.old_triangle)
@@ -226,8 +227,7 @@ class PatchFit {
     const LatticeResampling& finer = lattice_resampling(filled_->maps().resolution(old), n);
     const auto first = static_cast<int>(shapes.first_sample[old]);
     const std::vector<int> old_sample = rotated_samples(n, canonical_.first_corner[triangle]);
-    for (std::size_t s = 0; s < old_sample.size(); ++s)
-      state[s] = patch.state(first + finer.nearest(old_sample[s]));
+    for (std::size_t s = 0; s < old_sample.size(); ++s) state[s] = patch.state(first + finer.nearest(old_sample[s]));
 
     const std::vector<std::uint16_t>& known = grown_[p];
     const Eigen::MatrixXf of_known = known.empty() ? Eigen::MatrixXf() : view_coefficients(patch.vertices.front());

@@ -111,15 +111,19 @@ std::shared_ptr<const Mesh> read_mesh(const Description& description, const fs::
 }
 
 std::shared_ptr<const MapLayout> read_maps(const Description& description, const Mesh& mesh) {
-  auto resolution =
-      description.list<std::uint8_t>(description.json(), "lattice_resolution", mesh.triangles.size(), 2, 255);
-  constexpr std::int64_t kMostSamples = std::int64_t{1} << 28;  // values of a patch's samples are counted in 32 bits
-  std::int64_t samples = 0;
-  for (const std::uint8_t side : resolution) samples += 3 * std::int64_t{lattice_samples(side)};
-  if (samples > kMostSamples)
-    description.fail("lattice_resolution", "asks for " + std::to_string(samples) + " samples, more than " +
-                                               std::to_string(kMostSamples) + " that a model may have");
-  return std::make_shared<MapLayout>(std::move(resolution));
+  const auto read = [&](const char* field) {
+    auto resolution = description.list<std::uint8_t>(description.json(), field, mesh.triangles.size(), 2, 255);
+    constexpr std::int64_t kMostSamples = std::int64_t{1} << 28;  // values of a patch's samples are counted in 32 bits
+    std::int64_t samples = 0;
+    for (const std::uint8_t side : resolution) samples += 3 * std::int64_t{lattice_samples(side)};
+    if (samples > kMostSamples)
+      description.fail(field, "asks for " + std::to_string(samples) + " samples, more than " +
+                                  std::to_string(kMostSamples) + " that a model may have");
+    return resolution;
+  };
+  const bool filtered_for_others = description.json().contains("filter_resolution");
+  return std::make_shared<MapLayout>(read("lattice_resolution"),
+                                     filtered_for_others ? read("filter_resolution") : std::vector<std::uint8_t>());
 }
 
 /// A field that `from_json` reads.

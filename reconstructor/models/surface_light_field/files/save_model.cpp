@@ -84,8 +84,12 @@ Json description_of(const Snapshot& model, const ModelLayout& layout, const std:
   json["cameras"] = cameras_to_json(model.cameras());
   json["exposure"] = exposure_to_json(model.exposure());
   json["reflection"] = reflection_to_json(reflection_of(model));
-  Json resolution = Json::array();
-  for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) resolution.push_back(model.maps().resolution(t));
+  Json resolution = Json::array(), filter = Json::array();
+  for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) {
+    resolution.push_back(model.maps().resolution(t));
+    filter.push_back(model.maps().filter_resolution(t));
+  }
+  if (filter != resolution) json["filter_resolution"] = std::move(filter);
   json["lattice_resolution"] = std::move(resolution);
   json["patch_of_triangle"] = model.shapes().patch_of;
   Json& patches = json["patches"];

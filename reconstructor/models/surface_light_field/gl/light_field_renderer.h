@@ -64,8 +64,8 @@ class LightFieldRenderer : public ModelDrawer {
   std::shared_ptr<const MapLayout> maps_;
   std::vector<std::shared_ptr<const SurfacePatch>> uploaded_;  ///< per patch: what the GPU holds
   std::vector<BasisSlot> patch_slots_;
-  std::vector<std::uint32_t> patch_of_;    ///< per triangle
-  std::vector<std::uint8_t> other_maps_;   ///< per patch: what the GPU holds of it does not fit its maps
+  std::vector<std::uint32_t> patch_of_;   ///< per triangle
+  std::vector<std::uint8_t> other_maps_;  ///< per patch: what the GPU holds of it does not fit its maps
   std::size_t shortened_patches_ = 0;
   std::size_t triangle_count_ = 0;
 

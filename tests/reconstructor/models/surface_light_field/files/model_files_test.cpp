@@ -128,6 +128,21 @@ TEST(ModelFiles, AReopenedModelIsTheSameBitForBit) {
             (ModelMetadata{{"source", "a rig"}, {"löcher", "keine"}}));
 }
 
+TEST(ModelFiles, MapsThatHaveBecomeCoarserAreReopenedAsSuch) {
+  const TempFolder folder;
+  const auto model = random_model(1);
+  std::vector<std::uint8_t> sides, filter;
+  for (std::size_t t = 0; t < model->mesh().triangles.size(); ++t) {
+    sides.push_back(static_cast<std::uint8_t>(model->maps().resolution(t)));
+    filter.push_back(static_cast<std::uint8_t>(t % 2 == 0 ? sides[t] : 2 * sides[t] - 1));
+  }
+  const auto maps = std::make_shared<MapLayout>(sides, filter);
+  save_model({model->shared_mesh(), maps, model->shared_shapes(), model->patches(), 1}, folder.path());
+  const auto again = load_model(folder.path());
+  for (std::size_t t = 0; t < filter.size(); ++t) EXPECT_EQ(again->maps().filter_resolution(t), filter[t]);
+  expect_same_pictures(*model, *again);
+}
+
 TEST(ModelFiles, SavingAgainReplacesTheModel) {
   const TempFolder folder;
   save_model(*random_model(1), folder.path());
@@ -256,6 +271,9 @@ TEST(ModelFiles, EveryWrongFieldIsNamed) {
   expect_refused([](Json& json) { json["lattice_resolution"][3] = 1; }, {"lattice_resolution", "entry 3"});
   expect_refused([](Json& json) { json["lattice_resolution"][3] = 256; }, {"lattice_resolution", "entry 3"});
   expect_refused([](Json& json) { json["lattice_resolution"][3] = 4; }, {"maps.exr", "pixels instead of"});
+  expect_refused([](Json& json) { json["filter_resolution"] = {4, 4}; }, {"filter_resolution", "2", "8"});
+  expect_refused([](Json& json) { json["filter_resolution"] = Json(8, 1); }, {"filter_resolution", "entry 0"});
+  expect_refused([](Json& json) { json["filter_resolution"] = 9; }, {"filter_resolution"});
   expect_refused([](Json& json) { json["patches"]["patch"][0] = 4; }, {"patch", "entry 0"});
   expect_refused([](Json& json) { json["patches"]["patch"][1] = 0; }, {"patch", "rise"});
   expect_refused([](Json& json) { json["patches"]["rank"].push_back(1); }, {"rank", "4", "3"});
