@@ -186,7 +186,7 @@ std::shared_ptr<const MapLayout> PatchSet::coarsen_maps(Indices asked, double de
                                                        interpolation_.of(shapes_->patches[p].vertices.front()))};
   });
   std::erase_if(sufficient, [&](const NewSides& s) { return s.sides.empty() || s.sides == sides_of(s.patch); });
-  return lay_out(sufficient, filter_sides());
+  return sufficient.empty() ? nullptr : lay_out(sufficient, filter_sides());
 }
 
 void PatchSet::settle_maps() {

@@ -139,8 +139,7 @@ bool SurfaceLightField::Pipeline::refine_maps(const SurfaceView& view, const Beg
          use(patches->refine_maps(view, finer, map_sides(here.camera, here.camera_from_object)));
 }
 
-/// Patches of which nothing fine is displayed get coarser maps. Fine is what is not lost in
-/// the error with which images were predicted lately.
+/// Patches of which nothing fine is displayed get coarser maps.
 void SurfaceLightField::Pipeline::coarsen_maps(const std::vector<std::uint32_t>& asked) {
   if (options.map_detail == 0 || squared_error == 0) return;
   use(patches->coarsen_maps(asked, options.map_detail, std::sqrt(squared_error)));
