@@ -17,10 +17,6 @@ using analytic::Scene;
 
 constexpr double kDistance = 0.5, kLowest = 0.55;
 
-std::vector<Eigen::Vector3d> unseen_eyes() {
-  return eyes(5, kDistance, kLowest + 0.08, 0.95);
-}
-
 /// Masks the pixels whose place on the plane z = 0 is hidden, and spoils their colour.
 Capture hide(Capture capture, const std::function<bool(double x, double y)>& hidden) {
   const Rigid3 object_from_camera = capture.pose.camera_from_object.inverse();

@@ -36,6 +36,11 @@ inline SurfaceLightFieldOptions plain_options() {
   return options;
 }
 
+/// Between the eyes that lie 0.5 from the origin and 0.55 of that above it at least.
+inline std::vector<Eigen::Vector3d> unseen_eyes() {
+  return analytic::eyes(5, 0.5, 0.63, 0.95);
+}
+
 inline std::vector<Capture> captures(const analytic::Scene& scene, const std::vector<Eigen::Vector3d>& eyes) {
   std::vector<Capture> result;
   for (const Eigen::Vector3d& eye : eyes) {

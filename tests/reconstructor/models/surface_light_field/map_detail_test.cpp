@@ -19,10 +19,6 @@ using analytic::Scene;
 
 constexpr double kDistance = 0.5, kLowest = 0.55;
 
-std::vector<Eigen::Vector3d> unseen_eyes() {
-  return eyes(5, kDistance, kLowest + 0.08, 0.95);
-}
-
 /// A map whose samples are waves of so many samples along i, by a root mean square of 1, alike in all channels.
 Eigen::VectorXf wave(int side, double samples) {
   Eigen::VectorXf map(3 * lattice_samples(side));

@@ -25,10 +25,6 @@ std::vector<Eigen::Vector3d> training_eyes(int count = 24) {
   return eyes(count, kDistance, kLowest);
 }
 /// Elsewhere than the training eyes, and inside what they span.
-std::vector<Eigen::Vector3d> unseen_eyes() {
-  return eyes(5, kDistance, kLowest + 0.08, 0.95);
-}
-
 TEST(SurfaceLightField, ADiffuseSquareHasRankOneAndIsReproduced) {
   const Object object = square_object();
   const Scene scene{object.surface, analytic::diffuse(0.06)};

@@ -13,10 +13,6 @@ using analytic::Scene;
 
 constexpr double kDistance = 0.5, kLowest = 0.55;
 
-std::vector<Eigen::Vector3d> unseen_eyes() {
-  return eyes(5, kDistance, kLowest + 0.08, 0.95);
-}
-
 /// As if a green hand had covered the lens.
 void spoil(Capture& capture) {
   ImageF pixels = to_linear_rgb(capture.image);
