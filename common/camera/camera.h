@@ -23,6 +23,7 @@ struct Camera {
   std::array<double, 5> distortion{};
 
   bool has_distortion() const;
+  bool is_pinhole() const { return lens == LensModel::kOpenCv && !has_distortion(); }  ///< its rays are straight lines
 
   /// Pixel of a point in camera coordinates, through the lens. Empty behind the camera and where the distortion
   /// polynomial has folded over (no real ray lands there).

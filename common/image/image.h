@@ -16,12 +16,14 @@ class Image {
   Image(int width, int height, int channels, T value = T{})
       : width_(width), height_(height), channels_(channels), data_(std::size_t(width) * height * channels, value) {}
 
-  /// Another size; the storage is kept, what the pixels hold is unspecified.
+  /// Another size; the storage is kept where it will do, what the pixels hold is unspecified.
   void resize(int width, int height, int channels) {
     width_ = width;
     height_ = height;
     channels_ = channels;
-    data_.resize(std::size_t(width) * height * channels);
+    const std::size_t size = std::size_t(width) * height * channels;
+    if (size > data_.capacity()) data_ = {};  // or it would grow to twice of what it was, and both be there at once
+    data_.resize(size);
   }
 
   int width() const { return width_; }

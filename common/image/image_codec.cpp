@@ -19,34 +19,6 @@ namespace {
 // more.
 constexpr int kZstdLevel = -20;
 
-/// What is used again from image to image.
-class Packer {
- public:
-  Packer() {
-    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kZstdLevel);
-    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_literalCompressionMode, ZSTD_ps_enable);
-  }
-
-  std::uint8_t* plain(std::size_t bytes) {
-    plain_.resize(bytes);
-    return plain_.data();
-  }
-  std::vector<std::uint8_t> pack() {
-    packed_.resize(ZSTD_compressBound(plain_.size()));
-    const std::size_t size =
-        ZSTD_compress2(context_.get(), packed_.data(), packed_.size(), plain_.data(), plain_.size());
-    if (ZSTD_isError(size)) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size));
-    return {packed_.begin(), packed_.begin() + static_cast<std::ptrdiff_t>(size)};
-  }
-
- private:
-  struct Free {
-    void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
-  };
-  std::unique_ptr<ZSTD_CCtx, Free> context_{ZSTD_createCCtx()};
-  std::vector<std::uint8_t> plain_, packed_;
-};
-
 /// Rows of `stride` bytes, of which the first `row_bytes` are pixels whose left neighbour of the same colour site lies
 /// `step` bytes before.
 struct Layout {
@@ -88,7 +60,22 @@ void add_left_neighbours(std::uint8_t* bytes, const Layout& layout) {
 
 }  // namespace
 
-std::vector<std::uint8_t> pack_pixels(const RawImage& image, const ImageU8& mask, Codec codec) {
+struct PixelPacker::Buffers {
+  struct Free {
+    void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+  };
+  std::unique_ptr<ZSTD_CCtx, Free> context{ZSTD_createCCtx()};
+  std::vector<std::uint8_t> plain, packed;
+};
+
+PixelPacker::PixelPacker() : buffers_(std::make_unique<Buffers>()) {
+  ZSTD_CCtx_setParameter(buffers_->context.get(), ZSTD_c_compressionLevel, kZstdLevel);
+  ZSTD_CCtx_setParameter(buffers_->context.get(), ZSTD_c_literalCompressionMode, ZSTD_ps_enable);
+}
+
+PixelPacker::~PixelPacker() = default;
+
+std::vector<std::uint8_t> PixelPacker::pack(const RawImage& image, const ImageU8& mask, Codec codec) {
   const std::size_t bytes = image.bytes.size() + mask.size();
   if (codec == Codec::kRaw) {
     std::vector<std::uint8_t> plain;
@@ -97,11 +84,14 @@ std::vector<std::uint8_t> pack_pixels(const RawImage& image, const ImageU8& mask
     plain.insert(plain.end(), mask.data(), mask.data() + mask.size());
     return plain;
   }
-  thread_local Packer packer;
-  std::uint8_t* const plain = packer.plain(bytes);
-  subtract_left_neighbours(image.bytes.data(), layout_of(image), plain);
-  subtract_left_neighbours(mask.data(), layout_of(mask), plain + image.bytes.size());
-  return packer.pack();
+  auto& [context, plain, packed] = *buffers_;
+  plain.resize(bytes);
+  subtract_left_neighbours(image.bytes.data(), layout_of(image), plain.data());
+  subtract_left_neighbours(mask.data(), layout_of(mask), plain.data() + image.bytes.size());
+  packed.resize(ZSTD_compressBound(bytes));
+  const std::size_t size = ZSTD_compress2(context.get(), packed.data(), packed.size(), plain.data(), bytes);
+  if (ZSTD_isError(size)) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size));
+  return {packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size)};
 }
 
 void require_unpacked_size(std::span<const std::uint8_t> blob, Codec codec, std::size_t bytes) {

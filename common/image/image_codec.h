@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,14 +17,25 @@ enum class Codec : std::uint8_t {
   kDeltaZstd = 2,  ///< difference to the left neighbour of the same colour site, then zstd: lossless
 };
 
-/// The pixels (every byte of every row, padding included), then the mask row by row, as `codec` packs them. Lossless.
-std::vector<std::uint8_t> pack_pixels(const RawImage& image, const ImageU8& mask, Codec codec);
+/// Packs image after image in the same buffers, which are as large as the largest of them.
+class PixelPacker {
+ public:
+  PixelPacker();
+  ~PixelPacker();
+
+  /// The pixels (every byte of every row, padding included), then the mask row by row, as `codec` packs them. Lossless.
+  std::vector<std::uint8_t> pack(const RawImage& image, const ImageU8& mask, Codec codec);
+
+ private:
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
+};
 
 /// Unpacks nothing. Throws ProtocolError unless the blob says of itself that it holds exactly so many bytes.
 void require_unpacked_size(std::span<const std::uint8_t> blob, Codec codec, std::size_t bytes);
 
-/// Inverse of `pack_pixels`: fills `image.bytes` and `mask`, whose formats and sizes are already set and sane. Throws
-/// ProtocolError when the blob does not hold exactly that much.
+/// Inverse of `PixelPacker::pack`: fills `image.bytes` and `mask`, whose formats and sizes are already set and sane.
+/// Throws ProtocolError when the blob does not hold exactly that much.
 void unpack_pixels(std::span<const std::uint8_t> blob, Codec codec, RawImage& image, ImageU8& mask);
 
 }  // namespace sheen

@@ -251,7 +251,8 @@ EncodedCapture encode_capture(const Capture& capture, MessageType type, Codec co
   EncodedCapture out;
   const auto envelope = encode_envelope(type);
   out.envelope.assign(envelope.begin(), envelope.end());
-  out.blob = pack_pixels(capture.image, capture.mask, codec);
+  thread_local PixelPacker packer;
+  out.blob = packer.pack(capture.image, capture.mask, codec);
   v1::Capture header = to_proto(capture);
   header.mutable_blob()->set_codec(static_cast<v1::Codec>(codec));
   header.mutable_blob()->set_bytes(out.blob.size());

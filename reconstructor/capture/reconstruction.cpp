@@ -67,7 +67,8 @@ IngestReport Reconstruction::ingest(const Capture& capture) {
 /// True when the model has started again, with coarser maps.
 bool Reconstruction::fit_memory(const Capture& first) {
   const int before = effort_.level();
-  const int level = model_->effort_level_within(first, before, *effort_.limits().bytes, most_captures_);
+  const int level =
+      model_->effort_level_within(first, before, {*effort_.limits().bytes, most_captures_, effort_.limits().shown});
   effort_.set_memory_level(level);
   if (level == before) return false;
   log_info("memory", "a model with these maps would not fit: coarser ones are used", {{"effort_level", level}});
@@ -93,6 +94,7 @@ void Reconstruction::stay_within_memory() {
 
 MemoryAccount Reconstruction::memory() const {
   MemoryAccount account = model_->memory(image_size_.value_or(CaptureSize{}));
+  if (!effort_.limits().shown) account.snapshots = 0;
   account.held_out = held_out_bytes_;
   account.probe = probe_.bytes();
   return account;

@@ -128,7 +128,8 @@ void build(BuildArguments arguments) {
   }
   ModelSettings& settings = *scene.settings;
   if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
-  const Limits limits = arguments.limits.apply(settings);
+  Limits limits = arguments.limits.apply(settings);
+  limits.shown = false;  // before it is finished
   const std::optional<double> tolerance = arguments.limits.between_lights(settings);
   const std::optional<CompressionTarget> size = arguments.size.target(*scene.kind);
   if (arguments.out.empty())

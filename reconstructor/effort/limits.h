@@ -9,8 +9,9 @@ namespace sheen {
 /// What a user asks of a model; what is absent does not matter.
 struct Limits {
   std::optional<double> image_ms;  ///< at most: wall time of folding one image in
-  std::optional<double> bytes;     ///< at most: of the model's memory
+  std::optional<double> bytes;     ///< at most: of the memory that is counted (`MemoryAccount`)
   std::optional<double> psnr_db;   ///< at least: of held-out views
+  bool shown = true;               ///< pictures are shown while the model grows, from snapshots that take memory too
 
   bool empty() const { return !image_ms && !bytes && !psnr_db; }
 };

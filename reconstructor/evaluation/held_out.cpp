@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/base/errors.h"
+#include "common/capture/linear_capture.h"
 #include "common/image/color.h"
 #include "common/image/exr.h"
 #include "common/image/image_codec.h"
@@ -23,10 +24,22 @@ ImageF scaled(const ImageF& linear, float gain) {
   return out;
 }
 
+/// The pixels of the mask in a row.
+template <typename T>
+Image<T> in_a_row(const Image<T>& image, const ImageU8& mask) {
+  const auto count = std::count_if(mask.data(), mask.data() + mask.size(), [](std::uint8_t m) { return m != 0; });
+  Image<T> row(static_cast<int>(count), 1, image.channels());
+  T* to = row.data();
+  for (int y = 0; y < mask.height(); ++y)
+    for (int x = 0; x < mask.width(); ++x)
+      if (mask.at(x, y) != 0) to = std::copy_n(image.pixel(x, y), image.channels(), to);
+  return row;
+}
+
 /// Best PSNR over one scalar gain: golden-section search on the log of the gain, within a factor of four.
-double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth, const ImageU8& object) {
+double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth) {
   const auto psnr = [&](double log_gain) {
-    return squared_error(to_srgb8(scaled(painted, static_cast<float>(std::exp(log_gain)))), truth, object).psnr_db();
+    return squared_error(to_srgb8(scaled(painted, static_cast<float>(std::exp(log_gain)))), truth, {}).psnr_db();
   };
   constexpr double kGolden = 0.6180339887498949;
   double low = -std::log(4.0), high = std::log(4.0);
@@ -53,6 +66,22 @@ double gain_aligned_psnr(const ImageF& painted, const ImageU8& truth, const Imag
 void keep_within(const ImageU8& mask, ImageU8& pixels) {
   for (std::size_t i = 0; i < mask.size(); ++i)
     if (mask.data()[i] == 0) pixels.data()[i] = 0;
+}
+
+/// The capture, divided by `gain`, as it would be shown; some rows at a time, of which few are there in floating point.
+ImageU8 shown(const Capture& capture, float gain) {
+  constexpr int kStrip = 128;  // rows
+  const LinearReader reader = linear_reader(capture);
+  const int width = capture.image.width, height = capture.image.height;
+  ImageU8 picture(width, height, 3);
+  for (int y = 0; y < height; y += kStrip) {
+    const int rows = std::min(kStrip, height - y);
+    ImageF strip(width, rows, 3);
+    reader.read({0, y, width, y + rows}, 3, strip.data(), 3 * static_cast<std::size_t>(width));
+    const ImageU8 encoded = to_srgb8(scaled(strip, 1 / gain));
+    std::copy_n(encoded.data(), encoded.size(), picture.row(y));
+  }
+  return picture;
 }
 
 constexpr std::uint8_t kObject = 1, kInside = 2;  // bits of what is packed as a mask
@@ -89,8 +118,7 @@ void HeldOutView::pack(const JudgedPixels& pixels) {
   for (std::size_t i = 0; i < bits.size(); ++i)
     bits.data()[i] =
         static_cast<std::uint8_t>((pixels.object.data()[i] ? kObject : 0) | (pixels.inside.data()[i] ? kInside : 0));
-  packed = pack_pixels(image, bits, Codec::kDeltaZstd);
-  packed.shrink_to_fit();
+  packed = PixelPacker().pack(image, bits, Codec::kDeltaZstd);
 }
 
 HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPainter& painter) {
@@ -101,7 +129,7 @@ HeldOutView make_held_out_view(const Capture& capture, float gain, const RayPain
                    .camera_from_object = capture.pose.camera_from_object,
                    .light = capture.light};
   JudgedPixels pixels;
-  pixels.truth = to_srgb8(level_radiance(capture, gain));
+  pixels.truth = shown(capture, gain);
   pixels.object = painter.silhouette(view.camera, view.camera_from_object);
   if (capture.mask.empty())
     pixels.object = erode(pixels.object, kEdge);
@@ -153,7 +181,7 @@ ViewScore score(const HeldOutView& view, const Appearance& model, const RayPaint
   score.ssim = ssim(picture, truth, object);
   score.psnr_inside_db = squared_error(picture, truth, inside).psnr_db();
   score.predicted_inside_db = predicted_psnr_db(painted, inside);
-  score.psnr_gain_aligned_db = gain_aligned_psnr(painted.beauty, truth, object);
+  score.psnr_gain_aligned_db = gain_aligned_psnr(in_a_row(painted.beauty, object), in_a_row(truth, object));
   score.full_psnr_db = squared_error(picture, truth, {}).psnr_db();
   score.full_ssim = ssim(picture, truth, {});
   std::size_t pixels = 0, uncovered = 0;

@@ -66,10 +66,10 @@ class AppearanceModel {
   virtual void restart(int effort_level) = 0;
   /// The same, but for what the first image that showed something has decided, whether it comes again or not.
   virtual void rebuild(int effort_level) { restart(effort_level); }
-  /// The finest effort level, `from` or a quicker one, whose model the memory can hold whatever images come, at most so
-  /// many (held-out views apart); the quickest where it can hold none.
-  virtual int effort_level_within([[maybe_unused]] const Capture& first, int from, [[maybe_unused]] double bytes,
-                                  [[maybe_unused]] std::size_t images) const {
+  /// The finest effort level, `from` or a quicker one, whose model the memory can hold whatever images come (held-out
+  /// views apart); the quickest where it can hold none.
+  virtual int effort_level_within([[maybe_unused]] const Capture& first, int from,
+                                  [[maybe_unused]] const MemoryLimit& limit) const {
     return from;
   }
   /// Lets go of detail, one step of a few, in all patches at once: frees memory. It holds from now on, until a restart.

@@ -63,7 +63,7 @@ template <typename Scalar>
 typename BasicOnlineSvd<Scalar>::Reports BasicOnlineSvd<Scalar>::fold() {
   Reports reports;
   if (pending_.empty()) return reports;
-  basis_.open();
+  open_basis();
   missing_.impute_again_when_due(basis_, views_, columns_folded_, row_noise());
   const Eigen::VectorXd weights = pending_.scaled_weights();
   const HiddenPatterns hidden = pending_.hidden_patterns();
@@ -132,7 +132,7 @@ typename BasicOnlineSvd<Scalar>::Reports BasicOnlineSvd<Scalar>::limit(int max_r
 template <typename Scalar>
 void BasicOnlineSvd<Scalar>::resample(const RowResampling& by) {
   require(pending_.empty(), "online SVD: no column may be pending when its rows are replaced");
-  basis_.open();
+  open_basis();
   const double share = static_cast<double>(by.rows) / rows();
   Matrix resampled = by.columns(basis_.leading(rank()).template cast<float>()).template cast<Scalar>();
   missing_.clear_unseen(by, resampled);
@@ -160,17 +160,19 @@ Scalar BasicOnlineSvd<Scalar>::pending_value(int column, int row) const {
 template <typename Scalar>
 typename BasicOnlineSvd<Scalar>::Matrix BasicOnlineSvd<Scalar>::pending_coefficients() const {
   if (pending_.empty()) return Matrix(rank(), 0);
+  const Opened open = opened();
   Eigen::MatrixXd y =
-      missing_.project(basis_.opened(), views_, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
+      missing_.project(open.basis, open.views, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
   for (int j = 0; j < pending(); ++j) y.col(j) *= std::ldexp(1.0, pending_.exponent(j));
-  return stored<Scalar>(y);
+  return open.closed(stored<Scalar>(y));
 }
 
 template <typename Scalar>
 typename BasicOnlineSvd<Scalar>::Vector BasicOnlineSvd<Scalar>::estimate(const ConstVectorRef& column,
                                                                          std::span<const std::uint8_t> known,
                                                                          double noise) const {
-  return missing_.estimate(basis_.opened(), views_, column, known, noise);
+  const Opened open = opened();
+  return open.closed(missing_.estimate(open.basis, open.views, column, known, noise));
 }
 
 template <typename Scalar>
@@ -213,14 +215,39 @@ void BasicOnlineSvd<Scalar>::rediagonalise() {
 
 template <typename Scalar>
 void BasicOnlineSvd<Scalar>::turn_to_singular_order() {
-  basis_.open();
+  open_basis();
   views_.follow(basis_.restore_order(options_));
   close_basis();
 }
 
 template <typename Scalar>
+void BasicOnlineSvd<Scalar>::open_basis() {
+  const Eigen::MatrixXd factor = basis_.open();
+  if (factor.size() > 0) views_.multiply(factor);
+}
+
+template <typename Scalar>
+typename BasicOnlineSvd<Scalar>::Opened BasicOnlineSvd<Scalar>::opened() const {
+  Opened open{basis_, views_, {}};
+  open.factor = open.basis.open();
+  if (open.factor.size() > 0) open.views.multiply(open.factor);
+  return open;
+}
+
+template <typename Scalar>
+typename BasicOnlineSvd<Scalar>::Matrix BasicOnlineSvd<Scalar>::Opened::closed(const Matrix& y) const {
+  if (factor.size() == 0) return y;
+  const Eigen::Index terms = y.rows();
+  const Eigen::MatrixXd exact = y.template cast<double>();
+  return factor.topLeftCorner(terms, terms)
+      .template triangularView<Eigen::Upper>()
+      .solve(exact)
+      .template cast<Scalar>();
+}
+
+template <typename Scalar>
 void BasicOnlineSvd<Scalar>::close_basis() {
-  if (options_.sensor_variance > 0) basis_.close();
+  if (options_.sensor_variance > 0) basis_.close(options_.tolerance);
 }
 
 template <typename Scalar>

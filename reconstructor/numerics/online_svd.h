@@ -91,7 +91,8 @@ class BasicOnlineSvd {
   /// displayed_rank() x folded_views(). A view that hides rows has the coefficients that are most probable given what
   /// it showed and that only these terms will explain it: the terms behind the displayed ones are noise then.
   Matrix displayed_coefficients() const {
-    return missing_.displayed_coefficients(basis_.opened(), views_, row_noise());
+    const Opened open = opened();
+    return open.closed(missing_.displayed_coefficients(open.basis, open.views, row_noise()));
   }
   Eigen::MatrixXd gram() const { return basis_.gram(); }
   /// Squared singular values of the folded columns (each times the root of its weight), descending.
@@ -104,7 +105,8 @@ class BasicOnlineSvd {
   double displayed_error() const { return basis_.displayed_error(); }
   /// Variance of a known row that the basis leaves unexplained: a running mean, not less than the sensor's.
   double row_noise() const { return std::max(row_noise_, options_.sensor_variance); }
-  std::size_t bytes() const;  ///< of heap memory held
+  std::size_t bytes() const;                                                      ///< of heap memory held
+  std::size_t displayed_bytes() const { return basis_.bytes(displayed_rank()); }  ///< of `packed_displayed_basis`
   /// Upper bound of `bytes` for a factor of so many rows that holds so many terms, so many columns in its buffer and so
   /// many views, whatever columns come. Fractions are means over factors. `sketched`: rows of which views that hide
   /// rows remember what they showed (OnlineSvdOptions::witnesses). `packed`: whether the options name a sensor's noise.
@@ -155,6 +157,17 @@ class BasicOnlineSvd {
   }
 
  private:
+  /// Basis and views as a fold finds them.
+  struct Opened {
+    SvdBasis<Scalar> basis;
+    FoldedViews<Scalar> views;
+    Eigen::MatrixXd factor;  ///< SvdBasis::open
+
+    /// Of coefficients of the first terms: what they are of these as they are packed.
+    Matrix closed(const Matrix& y) const;
+  };
+  Opened opened() const;
+  void open_basis();
   int block_size() const;
   ColumnReport report(const Fold& fold, int column, bool first) const;
   void follow_noise(double unexplained);

@@ -121,9 +121,11 @@ PackedColumns<Scalar> PackedColumns<Scalar>::leading(Eigen::Index rows, Eigen::I
 }
 
 template <typename Scalar>
-std::size_t PackedColumns<Scalar>::bytes() const {
-  return sizeof(Scalar) * static_cast<std::size_t>(exact_.size()) + sizeof(double) * steps_.capacity() +
-         sizeof(std::int16_t) * codes_.capacity() + coarse_codes_.capacity();
+std::size_t PackedColumns<Scalar>::bytes(Eigen::Index columns) const {
+  const auto rows = static_cast<std::size_t>(rows_), count = static_cast<std::size_t>(columns);
+  if (steps_.empty()) return sizeof(Scalar) * rows * count;
+  const auto fine = static_cast<std::size_t>(std::min(columns, fine_));
+  return count * sizeof(double) + rows * (sizeof(std::int16_t) * fine + sizeof(std::int8_t) * (count - fine));
 }
 
 template class PackedColumns<float>;

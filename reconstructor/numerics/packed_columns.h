@@ -29,6 +29,7 @@ class PackedColumns {
 
   Eigen::Index rows() const { return rows_; }
   Eigen::Index cols() const { return exact_.cols() + static_cast<Eigen::Index>(steps_.size()); }
+  Eigen::Index fine() const { return exact_.cols() + fine_; }  ///< columns that do not take 8 bits
   bool empty() const { return cols() == 0; }
 
   Scalar at(Eigen::Index row, Eigen::Index column) const;
@@ -42,7 +43,8 @@ class PackedColumns {
   Matrix unpacked(Eigen::Index first_row, Eigen::Index rows, Eigen::Index columns) const;
   /// The same, packed as they are.
   PackedColumns leading(Eigen::Index rows, Eigen::Index columns) const;
-  std::size_t bytes() const;
+  std::size_t bytes() const { return bytes(cols()); }
+  std::size_t bytes(Eigen::Index columns) const;  ///< of so many of its columns, the first
 
  private:
   double step(Eigen::Index column) const { return steps_[static_cast<std::size_t>(column)]; }

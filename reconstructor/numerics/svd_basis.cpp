@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "reconstructor/numerics/fixed_point.h"
 #include "reconstructor/numerics/orthonormal.h"
 #include "reconstructor/numerics/symmetric_eigen.h"
 
@@ -35,6 +36,8 @@ constexpr int kMostPasses = 3;
 constexpr int kTurnsBetweenPolishes = 4;
 // What is dropped on the way may be missed later: it takes this fraction of the budget, the displayed rank the whole.
 constexpr double kFractionOfBudgetOnTheWay = 0.5;
+// What packing terms in 8 bits may lose; it is lost at each fold that rotates them.
+constexpr double kFractionOfBudgetRounded = 1e-3;
 
 /// What of each column's energy its coordinates do not hold.
 template <typename Block>
@@ -87,6 +90,11 @@ std::size_t SvdBasis<Scalar>::bytes() const {
 }
 
 template <typename Scalar>
+std::size_t SvdBasis<Scalar>::bytes(int terms) const {
+  return packed_.empty() ? sizeof(Scalar) * static_cast<std::size_t>(rows_ * terms) : packed_.bytes(terms);
+}
+
+template <typename Scalar>
 typename SvdBasis<Scalar>::Matrix SvdBasis<Scalar>::leading(int terms) const {
   if (packed_.empty()) return basis_.topLeftCorner(rows_, terms);
   return packed_.unpacked(0, rows_, terms);
@@ -106,28 +114,54 @@ Scalar SvdBasis<Scalar>::dot(int row, const Eigen::Ref<const Eigen::Matrix<Scala
   return sum;
 }
 
+/// Those that take 16 bits a value.
 template <typename Scalar>
-void SvdBasis<Scalar>::close() {
+Eigen::Index SvdBasis<Scalar>::fine_terms(double tolerance) const {
+  double left = kFractionOfBudgetRounded * tolerance * tolerance * energy();
+  Eigen::Index fine = rank_;
+  for (; fine > 0; --fine) {
+    const double step = step_to_reach<std::int8_t>(largest_magnitude(basis_.col(fine - 1).data(), rows_));
+    left -= gram_(fine - 1, fine - 1) * rows_ * step * step / 12;  // rounding, evenly spread over a step
+    if (left < 0) break;
+  }
+  return fine;
+}
+
+template <typename Scalar>
+void SvdBasis<Scalar>::close(double tolerance) {
   if (rank_ == 0) return;
-  packed_ = PackedColumns<Scalar>::fixed_point(basis_);
+  packed_ = PackedColumns<Scalar>::fixed_point(basis_, fine_terms(tolerance));
   basis_ = Matrix();
   packed_gram_ = PackedGram(gram(), displayed_);
   gram_ = Eigen::MatrixXd();
 }
 
 template <typename Scalar>
-void SvdBasis<Scalar>::open() {
-  if (packed_.empty()) return;
+MatrixXd SvdBasis<Scalar>::open() {
+  if (packed_.empty()) return {};
+  const Eigen::Index fine = packed_.fine();
   basis_ = packed_.unpacked();
   packed_ = {};
   set_gram(gram());
+  return fine < rank_ ? orthonormalise_behind(static_cast<int>(fine)) : MatrixXd();
 }
 
+/// The terms behind the first: [B R] <- [B R] T^-1, Y <- T Y with T = [I X; 0 U], X = B^T R and U^T U = R^T R - X^T X.
 template <typename Scalar>
-SvdBasis<Scalar> SvdBasis<Scalar>::opened() const {
-  SvdBasis copy = *this;
-  copy.open();
-  return copy;
+MatrixXd SvdBasis<Scalar>::orthonormalise_behind(int first) {
+  const Columns all{basis_.data(), basis_.rows(), rank_}, behind = all.from(first);
+  const MatrixXd products = row_panels::inner_products<Scalar>(all, behind, basis_.rows());
+  const MatrixXd x = products.topRows(first);
+  const Eigen::LLT<MatrixXd> cholesky(products.bottomRows(behind.count) - x.transpose() * x);
+  if (cholesky.info() != Eigen::Success) return {};
+  MatrixXd factor = MatrixXd::Identity(rank_, rank_), from_all(rank_, behind.count);
+  factor.topRightCorner(first, behind.count) = x;
+  factor.bottomRightCorner(behind.count, behind.count) = cholesky.matrixU();
+  const MatrixXd inverse = cholesky.matrixU().solve(MatrixXd::Identity(behind.count, behind.count));
+  from_all << -x * inverse, inverse;
+  row_panels::combine<Scalar>(all, {}, from_all.template cast<Scalar>(), basis_.rows(), behind);
+  gram_ = (factor * gram_ * factor.transpose()).eval();
+  return factor;
 }
 
 template <typename Scalar>

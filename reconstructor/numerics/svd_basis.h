@@ -83,10 +83,14 @@ class SvdBasis {
   double energy() const { return gram_diagonal().sum() + lost_; }
   double displayed_error() const;  ///< root of the fraction of the energy that the displayed terms do not hold
   std::size_t bytes() const;
+  std::size_t bytes(int terms) const;  ///< of `packed`, with rows that pad it
 
-  void close();  ///< packs it
-  void open();   ///< unpacks it
-  SvdBasis opened() const;
+  /// Packs it: 16 bits a value, and 8 in the last terms as far as these are off by far less than the tolerance allows.
+  /// Such terms are no longer quite orthonormal.
+  void close(double tolerance);
+  /// Unpacks it, orthonormal. Returns what coefficients are to be multiplied by: r x r, upper triangular; empty where
+  /// they stay.
+  Eigen::MatrixXd open();
 
   /// B^T of columns that are as long as the padded rows: rank x columns.
   Eigen::MatrixXd project(const row_panels::Columns<const Scalar>& columns) const;
@@ -125,6 +129,8 @@ class SvdBasis {
   Eigen::VectorXd gram_diagonal() const {
     return packed_gram_.empty() ? Eigen::VectorXd(gram_.diagonal()) : packed_gram_.diagonal();
   }
+  Eigen::Index fine_terms(double tolerance) const;
+  Eigen::MatrixXd orthonormalise_behind(int first);
   void split_residuals(const Columns& columns, Block& block, const OnlineSvdOptions& options) const;
   Eigen::VectorXd orthonormalise_again(const Columns& columns, Block& block) const;
   void choose_rank(const Eigen::VectorXd& descending, double lost, const OnlineSvdOptions& options,

@@ -11,7 +11,7 @@ void PixelRays::use(const Camera& camera) {
   if (camera == camera_) return;
   camera_ = camera;
   bent_ = {};
-  if (camera.lens == LensModel::kOpenCv && !camera.has_distortion()) return;
+  if (camera.is_pinhole()) return;
   bent_.resize(static_cast<std::size_t>(camera.width) * camera.height);
   tbb::parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {

@@ -21,7 +21,7 @@ class DepthPoints {
   Eigen::Vector3f at(double x, double y, float depth) const { return eye_ + depth * direction(x, y); }
   /// Of the ray through a place of the picture, z in camera coordinates being 1; object frame.
   Eigen::Vector3f direction(double x, double y) const {
-    if (!camera_.has_distortion() && camera_.lens == LensModel::kOpenCv)
+    if (camera_.is_pinhole())
       return object_from_camera_ * Eigen::Vector3f(static_cast<float>((x - camera_.cx) / camera_.fx),
                                                    static_cast<float>((y - camera_.cy) / camera_.fy), 1);
     const auto ray = camera_.ray({x, y});

@@ -95,7 +95,7 @@ std::vector<const IntrinsicView*> some_views(const LumigraphData& data) {
 }  // namespace
 
 Mesh view_plane(const PosedCamera& camera) {
-  if (camera.camera.has_distortion() || camera.camera.lens != LensModel::kOpenCv)
+  if (!camera.camera.is_pinhole())
     throw ConfigError(
         "an intrinsic lumigraph without a mesh needs images without lens distortion; undistort them, or "
         "give --mesh");

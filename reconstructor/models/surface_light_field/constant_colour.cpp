@@ -150,19 +150,19 @@ void ConstantColour::add(const SurfaceImage& image) {
 }
 
 void ConstantColour::add(const PatchShape& patch, const PatchColumn& column) {
-  for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
-    const std::uint32_t t = patch.triangles[i], from = patch.first_sample[i];
+  std::size_t from = 0;
+  for (const std::uint32_t t : patch.triangles) {
+    const int count = lattice_samples(maps_->resolution(t));
     add(t, std::span(column.visible).subspan(from),
-        Eigen::Map<const Eigen::Matrix3Xf>(column.values.data() + 3 * std::size_t{from}, 3,
-                                           lattice_samples(maps_->resolution(t))));
+        Eigen::Map<const Eigen::Matrix3Xf>(column.values.data() + 3 * from, 3, count));
+    from += static_cast<std::size_t>(count);
   }
 }
 
 void ConstantColour::remove(const PatchShape& patch, const PatchColumn& column) {
-  for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
-    const std::uint32_t t = patch.triangles[i];
+  Eigen::Index from = -1;
+  for (const std::uint32_t t : patch.triangles) {
     const float step = scale(t);
-    Eigen::Index from = patch.first_sample[i] - Eigen::Index{1};
     for (Sample& sample : samples(t)) {
       ++from;
       if (!column.visible[static_cast<std::size_t>(from)] || sample.images == 0) continue;

@@ -45,7 +45,7 @@ std::span<const TermLimit> memory_steps() {
 }
 
 int finest_level(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
-                 double bytes) {
+                 const MemoryLimit& limit) {
   const TermLimit& fewest = memory_steps().back();
   const int last = static_cast<int>(all_effort_levels().size()) - 1;
   int level = first;
@@ -53,7 +53,9 @@ int finest_level(const Mesh& mesh, const Capture& first_capture, const SurfaceLi
     SurfaceLightFieldOptions limited = at_effort_level(options, level);
     OnlineSvdOptions& factor = limited.patch.factor;
     factor = factor.limited_to(fewest.max_rank, fewest.internal_rank, fewest.block);
-    if (largest_account(mesh, first_capture, limited).total() <= bytes) break;
+    MemoryAccount account = largest_account(mesh, first_capture, limited);
+    if (!limit.shown) account.snapshots = 0;
+    if (account.total() <= limit.bytes) break;
   }
   return level;
 }

@@ -5,6 +5,7 @@
 
 #include "common/capture/capture.h"
 #include "common/geometry/mesh.h"
+#include "reconstructor/models/memory_account.h"
 #include "reconstructor/models/surface_light_field/surface_light_field_options.h"
 
 namespace sheen {
@@ -32,6 +33,6 @@ std::span<const TermLimit> memory_steps();
 /// The effort level, `first` or a coarser one, with the finest maps of which the memory can hold the fewest terms that
 /// patches are ever cut down to, whatever images come, held-out views apart; the last one when it can of none.
 int finest_level(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
-                 double bytes);
+                 const MemoryLimit& limit);
 
 }  // namespace sheen

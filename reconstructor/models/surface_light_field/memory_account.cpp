@@ -14,11 +14,13 @@ namespace {
 // memory_account_test).
 constexpr double kRaySceneTriangle = 200;
 constexpr double kRayScenes = 2;
-// A surface sample: where it falls in the current image, which about half of them face, and whether it shows; its mean
-// colour.
-constexpr double kIngestSample = 8 * 0.5 + 1 + 12 + 4;
-// A pixel of the current image: ray, depth, safe depth, three bytes of edges; radiance and its coarser levels.
-constexpr double kIngestPixel = 12 + 4 + 4 + 3 + 16 * 4 / 3.0;
+// A triangle elsewhere: its patch, and where images show it.
+constexpr double kIngestTriangle = 300;
+// A surface sample: whether the current image shows it; its mean colour.
+constexpr double kIngestSample = 1 + 8;
+// A pixel of the current image: safe depth, three bytes of edges; radiance and its coarser levels. Its ray, if the lens
+// bends it.
+constexpr double kIngestPixel = 4 + 3 + 16 * 4 / 3.0, kBentRay = 8;
 constexpr double kImageCopies = 2;  // of an image: as the file has it, and decoded
 constexpr double kSnapshots = 2;
 constexpr double kFixedPerTriangle = 600;  // mesh, ray scene, and what an image shows of them
@@ -50,7 +52,8 @@ MemoryAccount fixed_account(const Mesh& mesh, const MapLayout& maps, const Captu
   account.mesh = vertices * (sizeof(Eigen::Vector3f) + sizeof(Eigen::Matrix3f)) + triangles * sizeof(Triangle) +
                  static_cast<double>(maps.bytes());
   account.ray_scene = kRayScenes * kRaySceneTriangle * triangles;
-  account.ingest = kIngestSample * samples + kIngestPixel * image.pixels + kImageCopies * image.bytes;
+  account.ingest = kIngestTriangle * triangles + kIngestSample * samples + kIngestPixel * image.pixels +
+                   (image.lens_bends ? kBentRay * image.pixels : 0) + kImageCopies * image.bytes;
   return account;
 }
 

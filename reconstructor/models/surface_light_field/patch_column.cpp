@@ -15,12 +15,13 @@ bool gather(const PatchShape& patch, const SurfaceImage& image, PatchColumn& col
   column.visible.resize(patch.samples);
   column.values.resize(3 * Eigen::Index{patch.samples});
   column.values.setZero();
-  for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
-    const std::uint32_t t = patch.triangles[i], to = patch.first_sample[i];
+  std::ptrdiff_t to = 0;
+  for (const std::uint32_t t : patch.triangles) {
     const int count = lattice_samples(image.maps.resolution(t));
     std::copy_n(image.view.visible.begin() + static_cast<std::ptrdiff_t>(image.maps.first_sample(t)), count,
                 column.visible.begin() + to);
-    resample(image, t, Eigen::Map<Eigen::Matrix3Xf>(column.values.data() + 3 * std::size_t{to}, 3, count));
+    resample(image, t, Eigen::Map<Eigen::Matrix3Xf>(column.values.data() + 3 * to, 3, count));
+    to += count;
   }
   return true;
 }

@@ -263,7 +263,7 @@ std::size_t PatchModel::snapshot_bytes(std::size_t vertices) const {
   if (images_ == 0) return 0;
   const auto rank = static_cast<std::size_t>(factor_.displayed_rank()),
              views = static_cast<std::size_t>(factor_.views());
-  return sizeof(PatchSnapshot) + map_bytes(shown_.size(), rank) + vertices * vertex_bytes(views, rank);
+  return sizeof(PatchSnapshot) + shown_.size() + factor_.displayed_bytes() + vertices * vertex_bytes(views, rank);
 }
 
 double PatchModel::largest_bytes(double samples, double vertices, const PatchModelOptions& options) {

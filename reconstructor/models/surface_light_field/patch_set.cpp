@@ -257,7 +257,7 @@ void PatchSet::limit_terms(int max_rank, int internal_rank, int block) {
 bool PatchSet::is_latest(std::uint32_t patch) const {
   const PatchSnapshot* const snapshot = models_[patch]->snapshot().get();
   if (!snapshot) return false;
-  const std::vector<std::uint32_t>& vertices = shapes_->patches[patch].vertices;
+  const auto vertices = shapes_->patches[patch].vertices;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const VertexInterpolant& shown = snapshot->vertices[i];
     const auto [chosen, reflection] = interpolation_.of(vertices[i]);

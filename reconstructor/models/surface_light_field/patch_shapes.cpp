@@ -51,33 +51,45 @@ void number_vertices(const Mesh& mesh, PatchShapes& shapes) {
 }  // namespace
 
 PatchShapes patch_shapes(const Mesh& mesh, const MapLayout& maps, std::vector<std::uint32_t> patch_of) {
+  const auto last = std::max_element(patch_of.begin(), patch_of.end());
+  const std::size_t patches = last == patch_of.end() ? 0 : *last + std::size_t{1};
+  std::vector<std::size_t> next(patches + 1, 0);
+  for (const std::uint32_t patch : patch_of) ++next[patch + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  const std::vector<std::size_t> first = next;
+  auto members = std::make_shared<PatchMembers>();
+  members->triangles.resize(patch_of.size());
+  for (std::uint32_t t = 0; t < patch_of.size(); ++t) members->triangles[next[patch_of[t]]++] = t;
+
   PatchShapes shapes;
+  std::vector<std::uint32_t> corners;
+  std::vector<std::size_t> first_vertex{0};
+  for (std::size_t p = 0; p < patches; ++p) {
+    corners.clear();
+    const auto& triangles = shapes.patches.emplace_back().triangles =
+        std::span(members->triangles).subspan(first[p], first[p + 1] - first[p]);
+    for (const std::uint32_t t : triangles)
+      corners.insert(corners.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    members->vertices.insert(members->vertices.end(), corners.begin(), corners.end());
+    first_vertex.push_back(members->vertices.size());
+  }
+  for (std::size_t p = 0; p < patches; ++p)
+    shapes.patches[p].vertices =
+        std::span(members->vertices).subspan(first_vertex[p], first_vertex[p + 1] - first_vertex[p]);
+  shapes.members = std::move(members);
   shapes.patch_of = std::move(patch_of);
   shapes.first_sample.resize(mesh.triangles.size());
-  const auto last = std::max_element(shapes.patch_of.begin(), shapes.patch_of.end());
-  if (last != shapes.patch_of.end()) shapes.patches.resize(*last + std::size_t{1});
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    PatchShape& shape = shapes.patches[shapes.patch_of[t]];
-    shapes.first_sample[t] = shape.samples;
-    shape.triangles.push_back(t);
-    shape.first_sample.push_back(shape.samples);
-    shape.samples += static_cast<std::uint32_t>(lattice_samples(maps.resolution(t)));
-    shape.vertices.insert(shape.vertices.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
-  }
-  for (PatchShape& shape : shapes.patches) {
-    std::sort(shape.vertices.begin(), shape.vertices.end());
-    shape.vertices.erase(std::unique(shape.vertices.begin(), shape.vertices.end()), shape.vertices.end());
-  }
   number_vertices(mesh, shapes);
-  return shapes;
+  return with_maps(std::move(shapes), maps);
 }
 
 PatchShapes with_maps(PatchShapes shapes, const MapLayout& maps) {
   for (PatchShape& shape : shapes.patches) {
     shape.samples = 0;
-    for (std::size_t i = 0; i < shape.triangles.size(); ++i) {
-      const std::uint32_t t = shape.triangles[i];
-      shapes.first_sample[t] = shape.first_sample[i] = shape.samples;
+    for (const std::uint32_t t : shape.triangles) {
+      shapes.first_sample[t] = shape.samples;
       shape.samples += static_cast<std::uint32_t>(lattice_samples(maps.resolution(t)));
     }
   }

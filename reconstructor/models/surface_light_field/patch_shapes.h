@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -13,10 +14,9 @@ namespace sheen {
 
 /// Triangles that share one basis.
 struct PatchShape {
-  std::vector<std::uint32_t> triangles;
-  std::vector<std::uint32_t> first_sample;  ///< of each triangle among the patch's
+  std::span<const std::uint32_t> triangles;  ///< ascending; its samples are theirs, one triangle after the other
+  std::span<const std::uint32_t> vertices;   ///< corners of the triangles, ascending
   std::uint32_t samples = 0;
-  std::vector<std::uint32_t> vertices;  ///< corners of the triangles, ascending
 };
 
 /// A vertex of a patch: the patch, and which of `PatchShape::vertices`.
@@ -32,11 +32,17 @@ struct TrianglePlace {
   std::array<std::uint32_t, 3> columns;  ///< of `LightFieldSnapshot::coefficients_for`, for its corners
 };
 
+/// The triangles of all patches, and their vertices, a patch after the other: the same on any maps.
+struct PatchMembers {
+  std::vector<std::uint32_t> triangles, vertices;
+};
+
 /// A mesh cut into patches.
 struct PatchShapes {
   std::vector<PatchShape> patches;
-  std::vector<std::uint32_t> patch_of;      ///< per triangle
-  std::vector<std::uint32_t> first_sample;  ///< per triangle, in its patch
+  std::shared_ptr<const PatchMembers> members;  ///< what the patches refer to
+  std::vector<std::uint32_t> patch_of;          ///< per triangle
+  std::vector<std::uint32_t> first_sample;      ///< per triangle, in its patch
 
   /// The vertices of all patches in a row, a patch after the other: what view coefficients are numbered by.
   std::vector<std::uint32_t> first_column;   ///< per patch, and behind the last: of its vertices

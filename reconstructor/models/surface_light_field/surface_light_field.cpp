@@ -330,11 +330,11 @@ void SurfaceLightField::rebuild(int effort_level) {
   if (pipeline_->beginning) pipeline_->start(*pipeline_->beginning);
 }
 
-int SurfaceLightField::effort_level_within(const Capture& first, int from, double bytes, std::size_t images) const {
+int SurfaceLightField::effort_level_within(const Capture& first, int from, const MemoryLimit& limit) const {
   SurfaceLightFieldOptions seen = asked_;
   seen.patch.max_views =
-      static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(seen.patch.max_views), images));
-  return finest_level(*pipeline_->mesh, first, seen, from, bytes);
+      static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(seen.patch.max_views), limit.images));
+  return finest_level(*pipeline_->mesh, first, seen, from, limit);
 }
 
 bool SurfaceLightField::reduce_memory() {

@@ -29,7 +29,7 @@ class SurfaceLightField : public AppearanceModel {
 
   void restart(int effort_level) override;
   void rebuild(int effort_level) override;
-  int effort_level_within(const Capture& first, int from, double bytes, std::size_t images) const override;
+  int effort_level_within(const Capture& first, int from, const MemoryLimit& limit) const override;
   bool reduce_memory() override;
   void set_update_fraction(double fraction) override;
   /// All maps become as coarse as this `SurfaceLightFieldOptions::map_detail` lets them, and so from now on.

@@ -44,7 +44,7 @@ TEST(BatchLightField, IsTheOnlineOneWhereNothingIsMissingAndTheRankIsFull) {
     const auto away_from_the_rim = [](std::uint32_t v) {
       return std::min(v % 9, v / 9) >= 2 && std::max(v % 9, v / 9) <= 6;
     };
-    const std::vector<std::uint32_t>& of_patch = online->shapes().patches[p].vertices;
+    const auto of_patch = online->shapes().patches[p].vertices;
     if (!std::all_of(of_patch.begin(), of_patch.end(), away_from_the_rim)) continue;  // all images show all of it
     const PatchSnapshot &a = *online->patches()[p], &b = *batch->patches()[p];
     for (std::size_t i = 0; i < of_patch.size(); ++i) {

@@ -191,10 +191,10 @@ class PatchFit {
     if (images.empty()) return;
     const auto count = static_cast<Eigen::Index>(images.size());
     Eigen::MatrixXf columns(3 * Eigen::Index{shape.samples}, count);
-    for (std::size_t i = 0; i < shape.triangles.size(); ++i) {
-      const std::uint32_t first = shape.first_sample[i];
-      const int samples = lattice_samples(model_.maps->resolution(shape.triangles[i]));
-      gather(shape.triangles[i], images, columns.middleRows(3 * Eigen::Index{first}, 3 * samples),
+    for (const std::uint32_t t : shape.triangles) {
+      const std::uint32_t first = model_.shapes.first_sample[t];
+      const int samples = lattice_samples(model_.maps->resolution(t));
+      gather(t, images, columns.middleRows(3 * Eigen::Index{first}, 3 * samples),
              std::span(patch.state).subspan(first, static_cast<std::size_t>(samples)));
     }
     patch.mean = columns.rowwise().mean();

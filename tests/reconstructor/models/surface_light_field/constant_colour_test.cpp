@@ -32,7 +32,8 @@ class ConstantColourTest : public testing::Test {
 
   std::shared_ptr<const Mesh> mesh_ = std::make_shared<Mesh>(square_mesh(0.1f, 0, 1));
   std::shared_ptr<const MapLayout> maps_ = std::make_shared<MapLayout>(std::vector<std::uint8_t>{3, 3});
-  const PatchShape patch_{.triangles = {0, 1}, .first_sample = {0, 6}, .samples = 12, .vertices = {0, 1, 2, 3}};
+  const std::vector<std::uint32_t> triangles_{0, 1}, vertices_{0, 1, 2, 3};
+  const PatchShape patch_{.triangles = triangles_, .vertices = vertices_, .samples = 12};
   ConstantColour colour_{mesh_, maps_};
 };
 

@@ -80,14 +80,13 @@ std::shared_ptr<const PatchSnapshot> SyntheticLightField::make_patch(std::size_t
   auto patch = std::make_shared<PatchSnapshot>();
   Eigen::MatrixXf basis(3 * Eigen::Index{shape.samples}, rank);
   patch->shown.resize(shape.samples);
-  for (std::size_t k = 0; k < shape.triangles.size(); ++k) {
-    const std::uint32_t t = shape.triangles[k];
+  for (const std::uint32_t t : shape.triangles) {
     const int n = maps_->resolution(t);
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j) {
         const float u = static_cast<float>(i) / (n - 1), v = static_cast<float>(j) / (n - 1);
         const Eigen::Vector3f p = (1 - u - v) * mesh_->corner(t, 0) + u * mesh_->corner(t, 1) + v * mesh_->corner(t, 2);
-        const int row = 3 * (static_cast<int>(shape.first_sample[k]) + lattice_index(n, i, j));
+        const int row = 3 * (static_cast<int>(shapes_->first_sample[t]) + lattice_index(n, i, j));
         Eigen::Vector3f left = brightness * surface(p);
         for (int r = 0; r + 1 < rank; ++r) {
           basis.block<3, 1>(row, r) = pattern(p, r) / fraction(r);

@@ -74,9 +74,11 @@ TEST(PatchShapes, EachTriangleIsInOnePatch) {
       const PatchShape& patch = shapes.patches[p];
       EXPECT_LE(patch.triangles.size(), most + most / 2 + 1) << "what is left over goes to a neighbour";
       EXPECT_EQ(patch.samples, patch.triangles.size() * static_cast<std::size_t>(lattice_samples(5)));
-      for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
-        EXPECT_EQ(shapes.patch_of[patch.triangles[i]], p);
-        EXPECT_EQ(shapes.first_sample[patch.triangles[i]], patch.first_sample[i]);
+      std::uint32_t before = 0;
+      for (const std::uint32_t t : patch.triangles) {
+        EXPECT_EQ(shapes.patch_of[t], p);
+        EXPECT_EQ(shapes.first_sample[t], before);
+        before += static_cast<std::uint32_t>(lattice_samples(5));
       }
       triangles += patch.triangles.size();
     }
