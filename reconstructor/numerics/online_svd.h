@@ -50,8 +50,8 @@ struct ColumnReport {
 /// that no column showed so far is zero in B; the first columns that show it give it its channel's mean row, scaled to
 /// their values: a surface point seen late is taken to have varied like its patch.
 ///
-/// Where the options name a sensor's noise, basis and pending columns are kept in fixed point of 16 bits between folds
-/// (packed_columns.h), half of the memory: what that adds is far below the noise.
+/// Where the options name a sensor's noise, basis and pending columns are kept in fixed point of 16 bits between folds,
+/// faint terms of 8 (SvdBasis::close), half of the memory: what that adds is far below the noise.
 ///
 /// Views are numbered 0 .. views() - 1, in the order of their arrival: first the folded, then the pending ones. Folds
 /// depend on how many columns were added and on nothing else: looking (`settled`, `pending_coefficients`) never changes
