@@ -82,8 +82,9 @@ class BasicOnlineSvd {
   int pending() const { return pending_.count(); }
   std::int64_t columns_added() const { return columns_added_; }
 
-  Matrix basis() const { return basis_.leading(rank()); }
-  const Matrix& coefficients() const { return views_.coefficients(); }  ///< rank x folded_views()
+  Matrix basis() const { return basis_.leading(rank()); }                      ///< as it is kept
+  Matrix orthonormal_basis() const { return opened().basis.leading(rank()); }  ///< as a fold finds it (SvdBasis::open)
+  const Matrix& coefficients() const { return views_.coefficients(); }         ///< rank x folded_views()
   Matrix displayed_basis() const { return basis_.leading(displayed_rank()); }
   PackedColumns<Scalar> packed_displayed_basis() const { return basis_.packed(displayed_rank()); }  ///< as it is kept
   /// What the basis explains of a row of a folded view.

@@ -88,8 +88,8 @@ class SvdBasis {
   /// Packs it: 16 bits a value, and 8 in the last terms as far as these are off by far less than the tolerance allows.
   /// Such terms are no longer quite orthonormal.
   void close(double tolerance);
-  /// Unpacks it, orthonormal. Returns what coefficients are to be multiplied by: r x r, upper triangular; empty where
-  /// they stay.
+  /// Unpacks it, orthonormal (as it was packed where rounding left its terms dependent). Returns what coefficients are
+  /// to be multiplied by: r x r, upper triangular; empty where they stay.
   Eigen::MatrixXd open();
 
   /// B^T of columns that are as long as the padded rows: rank x columns.

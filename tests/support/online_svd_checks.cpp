@@ -47,12 +47,9 @@ std::string broken_invariants(const BasicOnlineSvd<Scalar>& factor, std::int64_t
   demand(factor.row_noise() >= 0 && std::isfinite(factor.row_noise()), "row noise", factor.row_noise());
   if (rank == 0) return broken.str();
 
-  // Of 16 bits, the largest of 320 rows and four folds between two polishes. Of 8 bits, whose rounding a fold mends
-  // first: where all rows are off by half a step, and their column by as much in its own direction.
-  constexpr double kFixedPoint = 2e-3;
-  const double rounding = options.tolerance > 0 ? std::sqrt(factor.rows()) / 127 : kFixedPoint;
-  const double precision = options.sensor_variance > 0 ? rounding : std::is_same_v<Scalar, float> ? 1e-6 : 1e-12;
-  const double loss = orthogonality_loss(factor.basis());
+  constexpr double kFixedPoint = 2e-3;  // of 16 bits, the largest of 320 rows and four folds between two polishes
+  const double precision = options.sensor_variance > 0 ? kFixedPoint : std::is_same_v<Scalar, float> ? 1e-6 : 1e-12;
+  const double loss = orthogonality_loss(factor.orthonormal_basis());
   demand(loss <= precision, "orthogonality lost", loss);
   const double off_trace = std::abs(factor.spectrum().sum() - factor.gram().trace());
   demand(off_trace <= 1e-9 * energy, "spectrum and trace of G differ by", off_trace / energy);

@@ -66,8 +66,8 @@ PatchShapes patch_shapes(const Mesh& mesh, const MapLayout& maps, std::vector<st
   std::vector<std::size_t> first_vertex{0};
   for (std::size_t p = 0; p < patches; ++p) {
     corners.clear();
-    const auto& triangles = shapes.patches.emplace_back().triangles =
-        std::span(members->triangles).subspan(first[p], first[p + 1] - first[p]);
+    const auto triangles = std::span(members->triangles).subspan(first[p], first[p + 1] - first[p]);
+    shapes.patches.push_back({.triangles = triangles});
     for (const std::uint32_t t : triangles)
       corners.insert(corners.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
     std::sort(corners.begin(), corners.end());
