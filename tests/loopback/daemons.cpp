@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -85,6 +86,13 @@ std::vector<std::pair<std::string, std::uint64_t>> captures_of(const fs::path& f
 
 std::uint64_t captures_so_far(const fs::path& folder) {
   return Session::exists(folder) ? Session::open_read_only(folder).size() : 0;
+}
+
+bool wait_for_captures(const fs::path& session, std::uint64_t count) {
+  for (const auto end = std::chrono::steady_clock::now() + kPatience; std::chrono::steady_clock::now() < end;
+       std::this_thread::sleep_for(std::chrono::milliseconds(5)))
+    if (captures_so_far(session) >= count) return true;
+  return false;
 }
 
 void expect_same_model(const fs::path& a, const fs::path& b) {

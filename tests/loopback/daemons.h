@@ -54,6 +54,8 @@ void expect_outcome(const Outcome& outcome, int status, const Words& words);
 std::vector<std::pair<std::string, std::uint64_t>> captures_of(const std::filesystem::path& session);
 /// The number of captures so far, also while a daemon writes to it; 0 where there is no session yet.
 std::uint64_t captures_so_far(const std::filesystem::path& session);
+/// Whether there are `count` captures before `kPatience` is over.
+bool wait_for_captures(const std::filesystem::path& session, std::uint64_t count);
 
 /// Two saved models are the same to the bit: maps, mesh, and all of model.json but what it says about their origin.
 void expect_same_model(const std::filesystem::path& a, const std::filesystem::path& b);
