@@ -91,7 +91,6 @@ class CameraOnTheWire : public ::testing::Test {
     }
     return rig;
   }
-  /// False when nothing comes any more.
   /// Every capture is what the camera sent under its number, to the byte, and its pose is about the true one.
   void expect_true_captures(std::size_t first, std::size_t end) const {
     const auto sent = sent_frames();
@@ -288,7 +287,7 @@ TEST(ALampOnTheWire, EachFrameHasTheLightThatItWasTakenIn) {
   Process rig(patient_run({"--config", folder / "rig.toml", "--endpoint", address}));
   EXPECT_TRUE(wait_for_captures(session, 12)) << rig.output();
   rig.signal(SIGINT);
-  expect_outcome(wait_to_end(rig), 0, {"frames"});
+  expect_outcome(wait_to_end(rig), 0, {"keyframes sent"});
   expect_outcome(wait_to_end(desk), 0, {"chosen: irradiance_field", "images added to the model"});
   camera.signal(SIGINT);
   wait_to_end(camera);
@@ -300,16 +299,19 @@ TEST(ALampOnTheWire, EachFrameHasTheLightThatItWasTakenIn) {
   for (std::uint64_t id = 0; log >> id >> comma >> index;) sent[id] = index;
   const std::vector<LitView> truth = load_lights(folder / "lights.lp");
   const Session recorded = Session::open_read_only(session);
-  ASSERT_GE(recorded.size(), 12u);
+  ASSERT_GT(recorded.size(), 0u);
   const Rigid3 pose = recorded.read(0).pose.camera_from_object;
   EXPECT_LT((camera_centre(pose) - camera_centre(recording.frames[0].camera_from_object)).norm(), 0.01);
+  std::set<std::size_t> lights;
   for (std::uint64_t i = 0; i < recorded.size(); ++i) {
     const Capture capture = recorded.read(i);
     ASSERT_TRUE(sent.contains(capture.camera_frame_id)) << i;
+    lights.insert(sent[capture.camera_frame_id]);
     EXPECT_EQ(capture.light.kind, LightKind::kPoint);
     EXPECT_EQ(capture.light.position, truth.at(sent[capture.camera_frame_id]).light.position) << i;
     EXPECT_EQ(capture.pose.camera_from_object.matrix(), pose.matrix()) << i;
   }
+  EXPECT_GE(lights.size(), 12u);
   const auto json = nlohmann::json::parse(read_file(report));
   EXPECT_EQ(json["model_choice"]["why"], "the camera stands still and the light moves");
   EXPECT_EQ(json["frames"]["accepted"], recorded.size());
