@@ -17,8 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using row_panels::columns;
 
-/// Rows of a patch that was dim where it is now bright say little about each other: a channel's mean row is scaled only
-/// where it predicts at least this fraction of a typical value.
+/// Rows of a patch that was dim where it is now bright say little about each other: a quantity's mean row is scaled
+/// only where it predicts at least this fraction of a typical value.
 constexpr double kDim = 0.04;
 
 /// A revealed row that outshines all others of the patch together as much as this is an event, and starts at zero.
@@ -51,8 +51,11 @@ bool SeenRows::any_but(const RowBits& hidden) const {
 }
 
 template <typename Scalar>
-MissingRows<Scalar>::MissingRows(int rows, const OnlineSvdOptions& options)
-    : imputation_(options.imputation), witnesses_(rows, options.channels, options.witnesses(rows)), seen_(rows) {}
+MissingRows<Scalar>::MissingRows(const RowPlanes& rows, const OnlineSvdOptions& options)
+    : planes_(rows),
+      imputation_(options.imputation),
+      witnesses_(rows.rows(), options.channels, options.witnesses(rows.rows())),
+      seen_(rows.rows()) {}
 
 /// B_known^T r of views that hide rows, a column each, where r is what B y misses of the witness rows that they showed.
 template <typename Scalar>
@@ -183,24 +186,23 @@ typename MissingRows<Scalar>::Matrix MissingRows<Scalar>::displayed_coefficients
   return y;
 }
 
-/// Of each channel, over the rows that were seen: channels x rank.
+/// Of each quantity, over the rows that were seen: quantities x rank.
 template <typename Scalar>
 MatrixXd MissingRows<Scalar>::mean_rows(const Basis& basis) const {
-  const int channels = witnesses_.channels();
-  MatrixXd level = MatrixXd::Zero(channels, basis.rank());
-  std::vector<double> rows_of_channel(channels, 0);
+  MatrixXd level = MatrixXd::Zero(quantities(), basis.rank());
+  VectorXd count = VectorXd::Zero(quantities());
   for (int row = 0; row < basis.rows(); ++row) {
     if (!seen_.has(row)) continue;
-    level.row(row % channels) += basis.row(row).template cast<double>();
-    rows_of_channel[row % channels] += 1;
+    level.row(quantity_of(row)) += basis.row(row).template cast<double>();
+    count[quantity_of(row)] += 1;
   }
-  for (int c = 0; c < channels; ++c) level.row(c) /= std::max(rows_of_channel[c], 1.0);
+  for (int q = 0; q < quantities(); ++q) level.row(q) /= std::max(count[q], 1.0);
   return level;
 }
 
 /// What the block's columns look like as far as rows that were seen before tell: rank x columns. A column that shows
 /// none of those looks like the mean of the views, where these are alike and their rows are: taken for black, it would
-/// be a term of its own, and what lies between it and the views would be dark. `level`: mean row of each channel.
+/// be a term of its own, and what lies between it and the views would be dark. `level`: mean row of each quantity.
 template <typename Scalar>
 MatrixXd MissingRows<Scalar>::foreseen(const Basis& basis, const Views& views, const Pending& pending,
                                        const Gathered& gathered, const HiddenPatterns& hidden, const MatrixXd& level,
@@ -234,14 +236,14 @@ std::uint64_t MissingRows<Scalar>::reveal(Basis& basis, Views& views, const Pend
     const double rows_seen = basis.rows() - seen_.unseen();
     const MatrixXd level = mean_rows(basis);
     const MatrixXd y = foreseen(basis, views, pending, gathered, hidden, level, noise, guessed);
-    const MatrixXd expected = level * y;  // channels x columns
+    const MatrixXd expected = level * y;  // quantities x columns
     for (const int row : revealed) {
-      const int channel = row % witnesses_.channels();
+      const int quantity = quantity_of(row);
       double value_expected = 0, expected2 = 0, typical2 = 0, y2 = 0;
       VectorXd value_y = VectorXd::Zero(basis.rank());
       for (int j = 0; j < pending.count(); ++j) {
         if (!hidden.empty() && (hidden[row] >> j & 1)) continue;
-        const double value = gathered.column(j)[row], e = expected(channel, j), w = weights[j];
+        const double value = gathered.column(j)[row], e = expected(quantity, j), w = weights[j];
         value_expected += w * value * e;
         expected2 += w * e * e;
         typical2 += w * y.col(j).squaredNorm() / std::max(rows_seen, 1.0);
@@ -250,7 +252,7 @@ std::uint64_t MissingRows<Scalar>::reveal(Basis& basis, Views& views, const Pend
       }
       VectorXd revealed_row = VectorXd::Zero(basis.rank());
       if (expected2 > kDim * kDim * typical2)
-        revealed_row = value_expected / expected2 * level.row(channel).transpose();
+        revealed_row = value_expected / expected2 * level.row(quantity).transpose();
       else if (y2 > 0)
         revealed_row = value_y / y2;
       if (revealed_row.norm() < kBrightest) basis.set_row(row, revealed_row);
@@ -302,24 +304,25 @@ bool MissingRows<Scalar>::was_seen(const RowResampling& by, int row) const {
 template <typename Scalar>
 void MissingRows<Scalar>::clear_unseen(const RowResampling& by, Matrix& rows) const {
   if (seen_.unseen() == 0) return;
-  for (int row = 0; row < by.rows; ++row)
+  for (int row = 0; row < by.rows.rows(); ++row)
     if (!was_seen(by, row)) rows.row(row).setZero();
 }
 
 template <typename Scalar>
 void MissingRows<Scalar>::resample(const RowResampling& by, const Basis& basis, Views& views,
                                    const OnlineSvdOptions& options) {
-  const int channels = options.channels;
-  SeenRows seen(by.rows);
-  for (int row = 0; row < by.rows; ++row)
+  const int channels = options.channels, rows = by.rows.rows();
+  SeenRows seen(rows);
+  for (int row = 0; row < rows; ++row)
     if (was_seen(by, row)) seen.add(row);
   seen_ = std::move(seen);
-  witnesses_ = WitnessRows(by.rows, channels, options.witnesses(by.rows));
+  planes_ = by.rows;
+  witnesses_ = WitnessRows(rows, channels, options.witnesses(rows));
   for (int v = 0; v < views.count(); ++v) {
     const Shown* const before = views.shown(v);
     if (!before) continue;
-    RowBits hidden(words_of(by.rows), 0);
-    for (int row = 0; row < by.rows; ++row)
+    RowBits hidden(words_of(rows), 0);
+    for (int row = 0; row < rows; ++row)
       for (const int group : by.between[static_cast<std::size_t>(row / channels)])
         if (has_row(before->hidden, group * channels + row % channels)) set_row(hidden, row);
     const Vector y = views.coefficients().col(v);

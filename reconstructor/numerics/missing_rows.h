@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -56,7 +57,7 @@ class MissingRows {
   using Gathered = row_panels::Columns<Scalar>;
   using Shown = ShownRows;
 
-  MissingRows(int rows, const OnlineSvdOptions& options);
+  MissingRows(const RowPlanes& rows, const OnlineSvdOptions& options);
 
   /// B^T c of each pending column, hidden rows imputed: rank x columns. `gathered`: these columns; `hidden`: their
   /// patterns.
@@ -73,9 +74,9 @@ class MissingRows {
   /// by a tenth since the last time: one step of expectation maximisation. Coefficients, G and the lost energy change.
   void impute_again_when_due(Basis& basis, Views& views, std::int64_t columns_folded, double noise);
 
-  /// Gives rows that the basis has never seen, and that the pending columns show, the mean row of their channel, scaled
-  /// to what these show: a surface point seen late is taken to have varied like its patch. Returns the columns that
-  /// showed no row seen before and were taken for the mean of the views, a bit each. `weights`: of the gathered
+  /// Gives rows that the basis has never seen, and that the pending columns show, the mean row of their quantity,
+  /// scaled to what these show: a surface point seen late is taken to have varied like its patch. Returns the columns
+  /// that showed no row seen before and were taken for the mean of the views, a bit each. `weights`: of the gathered
   /// columns.
   std::uint64_t reveal(Basis& basis, Views& views, const Pending& pending, const Gathered& gathered,
                        const Eigen::VectorXd& weights, const HiddenPatterns& hidden, double noise);
@@ -95,9 +96,12 @@ class MissingRows {
   /// Sets new rows that lie beside one that no column showed to zero.
   void clear_unseen(const RowResampling& by, Matrix& rows) const;
 
+  bool seen(int row) const { return seen_.has(row); }
   std::size_t bytes() const { return seen_.bytes(); }
 
  private:
+  int quantities() const { return std::max(planes_.count(), witnesses_.channels()); }
+  int quantity_of(int row) const { return planes_.count() > 1 ? planes_.of(row) : row % witnesses_.channels(); }
   bool was_seen(const RowResampling& by, int row) const;
   Matrix missed_projections(const Basis& basis, const Views& views, std::span<const int> of) const;
   template <typename Visit>
@@ -108,6 +112,7 @@ class MissingRows {
                            const HiddenPatterns& hidden, const Eigen::MatrixXd& level, double noise,
                            std::uint64_t& guessed) const;
 
+  RowPlanes planes_;
   Imputation imputation_;
   WitnessRows witnesses_;
   SeenRows seen_;

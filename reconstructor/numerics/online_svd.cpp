@@ -24,12 +24,12 @@ const OnlineSvdOptions& valid(const OnlineSvdOptions& options, int rows) {
 }  // namespace
 
 template <typename Scalar>
-BasicOnlineSvd<Scalar>::BasicOnlineSvd(int rows, const OnlineSvdOptions& options, unsigned phase)
-    : options_(valid(options, rows)),
+BasicOnlineSvd<Scalar>::BasicOnlineSvd(const RowPlanes& rows, const OnlineSvdOptions& options, unsigned phase)
+    : options_(valid(options, rows.rows())),
       phase_(phase),
-      basis_(rows),
+      basis_(rows.rows()),
       missing_(rows, options),
-      pending_(rows, options.sensor_variance > 0) {}
+      pending_(rows.rows(), options.sensor_variance > 0) {}
 
 /// Single columns at first, for what is imputed leans on the columns before; then folds a block apart, at counts that
 /// differ with the phase.
@@ -133,13 +133,13 @@ template <typename Scalar>
 void BasicOnlineSvd<Scalar>::resample(const RowResampling& by) {
   require(pending_.empty(), "online SVD: no column may be pending when its rows are replaced");
   open_basis();
-  const double share = static_cast<double>(by.rows) / rows();
+  const double share = static_cast<double>(by.rows.rows()) / rows();
   Matrix resampled = by.columns(basis_.leading(rank()).template cast<float>()).template cast<Scalar>();
   missing_.clear_unseen(by, resampled);
   views_.multiply(basis_.replace_rows(resampled));
   views_.rows_replaced(share);
   missing_.resample(by, basis_, views_, options_);
-  pending_ = PendingColumns<Scalar>(by.rows, options_.sensor_variance > 0);
+  pending_ = PendingColumns<Scalar>(by.rows.rows(), options_.sensor_variance > 0);
   turn_to_singular_order();
 }
 

@@ -47,8 +47,8 @@ struct ColumnReport {
 /// Rows that a column does not show (`known` = 0) are imputed when its block is folded, with the basis before the block
 /// (see imputation.h), and again each time that the columns have grown by a tenth: early guesses do not stay. What such
 /// a column showed of some rows (`sketch`) is remembered for it, so that the basis may find more in it later. A row
-/// that no column showed so far is zero in B; the first columns that show it give it its channel's mean row, scaled to
-/// their values: a surface point seen late is taken to have varied like its patch.
+/// that no column showed so far is zero in B; the first columns that show it give it its quantity's mean row, scaled
+/// to their values: a surface point seen late is taken to have varied like its patch.
 ///
 /// Where the options name a sensor's noise, basis and pending columns are kept in fixed point of 16 bits between folds,
 /// faint terms of 8 (SvdBasis::close), half of the memory: what that adds is far below the noise.
@@ -71,11 +71,12 @@ class BasicOnlineSvd {
   using Reports = std::vector<ColumnReport>;
 
   /// `phase`: factors of differing phase fold at different columns, which spreads the work evenly over images.
-  BasicOnlineSvd(int rows, const OnlineSvdOptions& options, unsigned phase = 0);
+  BasicOnlineSvd(const RowPlanes& rows, const OnlineSvdOptions& options, unsigned phase = 0);
 
   const OnlineSvdOptions& options() const { return options_; }
   int rows() const { return basis_.rows(); }
   int rank() const { return basis_.rank(); }
+  bool seen(int row) const { return missing_.seen(row); }    ///< some folded column showed it
   int displayed_rank() const { return basis_.displayed(); }  ///< terms that the tolerance asks for, at most max_rank
   int views() const { return folded_views() + pending(); }
   int folded_views() const { return views_.count(); }

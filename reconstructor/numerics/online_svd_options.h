@@ -15,7 +15,7 @@ struct OnlineSvdOptions {
   int internal_rank = 0;       ///< terms kept, >= max_rank; 0 = 2 * max_rank, at least max_rank + 8, at most 32 (Brand)
   int block = 12;              ///< columns buffered between folds, 1..32; fewer while there are few
   double tolerance = 0.01;     ///< Frobenius norm of what may be lost, relative to that of all columns: eps
-  int channels = 1;            ///< rows i, i + channels, ... hold the same quantity at different places
+  int channels = 1;            ///< of a plane: rows i, i + channels, ... hold the same quantity at different places
   double sensor_variance = 0;  ///< of a known row, in squared units of the columns: imputation never trusts one more
   Imputation imputation = Imputation::kMostProbable;
   double residual_memory = 0.8;  ///< of the running mean of what the basis leaves unexplained per row (`row_noise`)

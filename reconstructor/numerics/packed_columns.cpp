@@ -51,20 +51,6 @@ Scalar PackedColumns<Scalar>::at(Eigen::Index row, Eigen::Index k) const {
 }
 
 template <typename Scalar>
-typename PackedColumns<Scalar>::ThreeRows PackedColumns<Scalar>::three_rows_times(
-    Eigen::Index first, const Eigen::Ref<const Vector>& y) const {
-  if (steps_.empty()) return exact_.template middleRows<3>(first).leftCols(y.size()) * y;
-  ThreeRows sum = ThreeRows::Zero();
-  const auto add = [&](Eigen::Index k, const auto* codes) {
-    const auto value = [&](Eigen::Index row) { return fixed_value<Scalar>(codes[first + row], step(k)); };
-    sum += y[k] * ThreeRows(value(0), value(1), value(2));
-  };
-  for (Eigen::Index k = 0; k < std::min(y.size(), fine_); ++k) add(k, codes_.data() + k * rows_);
-  for (Eigen::Index k = fine_; k < y.size(); ++k) add(k, coarse_codes_.data() + (k - fine_) * rows_);
-  return sum;
-}
-
-template <typename Scalar>
 void PackedColumns<Scalar>::inner_products(const Eigen::Ref<const Vector>& y, Eigen::Ref<Vector> products) const {
   if (steps_.empty()) {
     products.noalias() = exact_.transpose() * y;

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "reconstructor/numerics/fixed_point.h"
+
 namespace sheen {
 
 /// The columns of a matrix as they are, or in fixed point: 16 bits a value, a column in whole multiples of a 32767th of
@@ -15,7 +17,6 @@ class PackedColumns {
  public:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
-  using ThreeRows = Eigen::Matrix<Scalar, 3, 1>;
 
   PackedColumns() = default;
   PackedColumns(Matrix exact);  // NOLINT(google-explicit-constructor): it is that matrix
@@ -33,8 +34,18 @@ class PackedColumns {
   bool empty() const { return cols() == 0; }
 
   Scalar at(Eigen::Index row, Eigen::Index column) const;
-  /// Rows `first` to `first` + 2 times y.
-  ThreeRows three_rows_times(Eigen::Index first, const Eigen::Ref<const Vector>& y) const;
+  /// Calls use(column, value) for so many columns, the first; value(row) is what the column holds.
+  template <typename Use>
+  void visit(Eigen::Index columns, const Use& use) const {
+    for (Eigen::Index k = 0; k < columns; ++k) {
+      if (steps_.empty())
+        use(k, [values = exact_.col(k).data()](Eigen::Index row) { return values[row]; });
+      else
+        with_codes(k, [&](const auto* codes) {
+          use(k, [codes, step = step(k)](Eigen::Index row) { return fixed_value<Scalar>(codes[row], step); });
+        });
+    }
+  }
   /// Of each column with y, which has as many rows, into room for `cols`.
   void inner_products(const Eigen::Ref<const Vector>& y, Eigen::Ref<Vector> products) const;
   Vector column(Eigen::Index column) const;

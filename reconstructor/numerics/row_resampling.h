@@ -6,11 +6,13 @@
 #include <functional>
 #include <vector>
 
+#include "reconstructor/numerics/row_planes.h"
+
 namespace sheen {
 
 /// Rows of a factor that shall stand closer together or further apart: other rows for those that it has.
 struct RowResampling {
-  int rows = 0;  ///< new
+  RowPlanes rows = 0;  ///< new
   /// What columns are in the new rows: old rows x k to new rows x k. Linear.
   std::function<Eigen::MatrixXf(const Eigen::MatrixXf&)> columns;
   /// For each new group of `OnlineSvdOptions::channels` rows: the old groups that it lies between, some of them twice

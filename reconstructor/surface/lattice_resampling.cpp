@@ -21,8 +21,13 @@ std::vector<LatticeStencil> stencils(int of, int at) {
   return stencils;
 }
 
-Eigen::Matrix3Xf interpolated(const Eigen::Ref<const Eigen::Matrix3Xf>& values, const std::vector<LatticeStencil>& at) {
-  Eigen::Matrix3Xf out(3, static_cast<Eigen::Index>(at.size()));
+template <int kValues>
+using Values = Eigen::Matrix<float, kValues, Eigen::Dynamic>;
+
+/// Of so many values for each sample.
+template <int kValues>
+Values<kValues> interpolated(const Eigen::Ref<const Values<kValues>>& values, const std::vector<LatticeStencil>& at) {
+  Values<kValues> out(kValues, static_cast<Eigen::Index>(at.size()));
   for (Eigen::Index s = 0; s < out.cols(); ++s) {
     const LatticeStencil& stencil = at[static_cast<std::size_t>(s)];
     out.col(s) = stencil.weight[0] * values.col(stencil.index[0]) + stencil.weight[1] * values.col(stencil.index[1]) +
@@ -36,11 +41,19 @@ Eigen::Matrix3Xf interpolated(const Eigen::Ref<const Eigen::Matrix3Xf>& values, 
 LatticeResampling::LatticeResampling(int from, int to) : at_new_(stencils(from, to)), at_old_(stencils(to, from)) {}
 
 Eigen::Matrix3Xf LatticeResampling::of(const Eigen::Ref<const Eigen::Matrix3Xf>& values) const {
-  return interpolated(values, at_new_);
+  return interpolated<3>(values, at_new_);
 }
 
 Eigen::Matrix3Xf LatticeResampling::missed(const Eigen::Ref<const Eigen::Matrix3Xf>& values) const {
-  return values - interpolated(of(values), at_old_);
+  return values - interpolated<3>(of(values), at_old_);
+}
+
+Eigen::VectorXf LatticeResampling::of_plane(const Eigen::Ref<const Eigen::VectorXf>& values) const {
+  return interpolated<1>(values.transpose(), at_new_).transpose();
+}
+
+Eigen::VectorXf LatticeResampling::missed_of_plane(const Eigen::Ref<const Eigen::VectorXf>& values) const {
+  return values - interpolated<1>(of_plane(values).transpose(), at_old_).transpose();
 }
 
 int LatticeResampling::nearest(int sample) const {

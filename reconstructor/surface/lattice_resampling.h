@@ -19,6 +19,9 @@ class LatticeResampling {
   Eigen::Matrix3Xf of(const Eigen::Ref<const Eigen::Matrix3Xf>& values) const;
   /// What linear interpolation between the carried values misses of those they come from.
   Eigen::Matrix3Xf missed(const Eigen::Ref<const Eigen::Matrix3Xf>& values) const;
+  /// The same of one value for each sample.
+  Eigen::VectorXf of_plane(const Eigen::Ref<const Eigen::VectorXf>& values) const;
+  Eigen::VectorXf missed_of_plane(const Eigen::Ref<const Eigen::VectorXf>& values) const;
   /// The old samples round a new one, with their weights.
   const LatticeStencil& round(int sample) const { return at_new_[static_cast<std::size_t>(sample)]; }
 

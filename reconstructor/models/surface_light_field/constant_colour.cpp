@@ -23,29 +23,55 @@ std::uint16_t to_code(float value) {
   return static_cast<std::uint16_t>(std::clamp(value, 0.0f, kMostCode) + 0.5f);
 }
 
-struct ConstantColourSnapshot : public Appearance {
-  std::shared_ptr<const Mesh> shape;
-  std::shared_ptr<const MapLayout> maps;
-  Eigen::Matrix3Xf colour;  ///< encoded; a sample
-  std::vector<std::uint8_t> known;
+/// Where no image showed the surface, per triangle: the mean of its seen samples, or, where it has none, that of the
+/// triangles round the seen vertex that is nearest to its first corner. 3 x triangles; 0 where no image shows anything.
+Eigen::Matrix3Xf unseen_colours(const ConstantColour& means) {
+  const Mesh& mesh = *means.shared_mesh();
+  const auto triangles = static_cast<Eigen::Index>(mesh.triangles.size());
+  Eigen::Matrix4Xf in_triangle = Eigen::Matrix4Xf::Zero(4, triangles);  // sum, seen samples
+  Eigen::Matrix4Xf round_vertex = Eigen::Matrix4Xf::Zero(4, static_cast<Eigen::Index>(mesh.vertices.size()));
+  for (Eigen::Index t = 0; t < triangles; ++t) {
+    auto sum = in_triangle.col(t);
+    for (int s = 0; s < lattice_samples(means.maps().resolution(t)); ++s)
+      if (means.seen(t, s)) sum += means.colour(t, s).homogeneous();
+    for (const std::uint32_t v : mesh.triangles[t]) round_vertex.col(v) += sum;
+  }
+  std::vector<std::uint8_t> seen(mesh.vertices.size());
+  for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = round_vertex(3, static_cast<Eigen::Index>(v)) > 0;
+  const std::vector<std::uint32_t> source = nearest_seen(mesh, seen);
+  Eigen::Matrix3Xf unseen = Eigen::Matrix3Xf::Zero(3, triangles);
+  for (Eigen::Index t = 0; t < triangles; ++t) {
+    const std::uint32_t nearest = source[mesh.triangles[t][0]];
+    if (nearest == kNoVertex) break;
+    const Eigen::Vector4f sum = in_triangle(3, t) > 0 ? in_triangle.col(t) : round_vertex.col(nearest);
+    unseen.col(t) = sum.head<3>() / sum[3];
+  }
+  return unseen;
+}
+
+struct ConstantColourAppearance : public Appearance {
+  std::shared_ptr<const ConstantColour> means;
+  Eigen::Matrix3Xf unseen;
   ExposureField exposure;
 
-  const Mesh& mesh() const override { return *shape; }
+  const Mesh& mesh() const override { return *means->shared_mesh(); }
   std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
 };
 
 class ConstantColourShader : public ViewShader {
  public:
-  ConstantColourShader(const ConstantColourSnapshot& model, float exposure) : model_(model), exposure_(exposure) {}
+  ConstantColourShader(const ConstantColourAppearance& model, float exposure) : model_(model), exposure_(exposure) {}
 
   SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
-    const LatticeStencil stencil = lattice_stencil(model_.maps->resolution(triangle), u, v);
+    const ConstantColour& means = *model_.means;
+    const LatticeStencil stencil = lattice_stencil(means.maps().resolution(triangle), u, v);
     Eigen::Vector3f encoded = Eigen::Vector3f::Zero();
     bool measured = false;
     for (int k = 0; k < 3; ++k) {
-      const auto s = static_cast<Eigen::Index>(model_.maps->first_sample(triangle) + stencil.index[k]);
-      encoded += stencil.weight[k] * model_.colour.col(s);
-      measured |= stencil.weight[k] > 0.25f && model_.known[s];
+      const int s = stencil.index[k];
+      const bool seen = means.seen(triangle, s);
+      encoded += stencil.weight[k] * (seen ? means.colour(triangle, s) : Eigen::Vector3f(model_.unseen.col(triangle)));
+      measured |= stencil.weight[k] > 0.25f && seen;
     }
     const Eigen::Vector3f radiance(srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z()));
     return {exposure_ * radiance, measured ? SampleState::kMeasured : SampleState::kUnseen};
@@ -53,11 +79,11 @@ class ConstantColourShader : public ViewShader {
   SurfaceQuality quality(std::uint32_t) const override { return {true, 0, 1, 1}; }  // it claims nothing
 
  private:
-  const ConstantColourSnapshot& model_;
+  const ConstantColourAppearance& model_;
   float exposure_;
 };
 
-std::unique_ptr<ViewShader> ConstantColourSnapshot::shader_for(const ViewQuery& query) const {
+std::unique_ptr<ViewShader> ConstantColourAppearance::shader_for(const ViewQuery& query) const {
   return std::make_unique<ConstantColourShader>(*this, exposure.at(query.eye));
 }
 
@@ -67,40 +93,14 @@ float log_ratio(float encoded_seen, float encoded_expected) {
   return std::log(srgb_decode(encoded_seen) / srgb_decode(encoded_expected));
 }
 
-/// Where no image showed the surface: the mean of the triangle's seen samples, or, where it has none, that of the
-/// triangles round the seen vertex that is nearest to its first corner.
-void fill_unseen(ConstantColourSnapshot& snapshot) {
-  const std::size_t triangles = snapshot.shape->triangles.size();
-  Eigen::Matrix4Xf in_triangle = Eigen::Matrix4Xf::Zero(4, static_cast<Eigen::Index>(triangles));  // sum, seen samples
-  Eigen::Matrix4Xf round_vertex = Eigen::Matrix4Xf::Zero(4, static_cast<Eigen::Index>(snapshot.shape->vertices.size()));
-  for (std::size_t t = 0; t < triangles; ++t) {
-    auto sum = in_triangle.col(static_cast<Eigen::Index>(t));
-    for (std::size_t s = snapshot.maps->first_sample(t); s < snapshot.maps->first_sample(t + 1); ++s)
-      if (snapshot.known[s]) sum += snapshot.colour.col(static_cast<Eigen::Index>(s)).homogeneous();
-    for (const std::uint32_t v : snapshot.shape->triangles[t]) round_vertex.col(v) += sum;
-  }
-  std::vector<std::uint8_t> seen(snapshot.shape->vertices.size());
-  for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = round_vertex(3, static_cast<Eigen::Index>(v)) > 0;
-  const std::vector<std::uint32_t> source = nearest_seen(*snapshot.shape, seen);
-  for (std::size_t t = 0; t < triangles; ++t) {
-    const std::uint32_t nearest = source[snapshot.shape->triangles[t][0]];
-    if (nearest == kNoVertex) return;  // no image shows anything
-    const Eigen::Vector4f sum = in_triangle(3, static_cast<Eigen::Index>(t)) > 0
-                                    ? in_triangle.col(static_cast<Eigen::Index>(t))
-                                    : round_vertex.col(nearest);
-    for (std::size_t s = snapshot.maps->first_sample(t); s < snapshot.maps->first_sample(t + 1); ++s)
-      if (!snapshot.known[s]) snapshot.colour.col(static_cast<Eigen::Index>(s)) = sum.head<3>() / sum[3];
-  }
-}
-
 }  // namespace
 
 ConstantColour::ConstantColour(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps)
     : mesh_(std::move(mesh)), maps_(std::move(maps)), samples_(maps_->triangles()), exponent_(maps_->triangles(), 0) {}
 
-std::span<ConstantColour::Sample> ConstantColour::samples(std::size_t triangle) const {
-  if (!samples_[triangle]) return {};
-  return {samples_[triangle].get(), static_cast<std::size_t>(lattice_samples(maps_->resolution(triangle)))};
+Eigen::Vector3f ConstantColour::colour(std::size_t triangle, int sample) const {
+  const auto& code = samples_[triangle][static_cast<std::size_t>(sample)].code;
+  return scale(triangle) * Eigen::Vector3f(code[0], code[1], code[2]);
 }
 
 float ConstantColour::scale(std::size_t triangle) const {
@@ -113,7 +113,7 @@ void ConstantColour::make_room(std::size_t triangle, float brightest) {
     ++halvings;
   if (halvings == 0) return;
   exponent_[triangle] = static_cast<std::int8_t>(exponent_[triangle] + halvings);
-  for (Sample& sample : samples(triangle))
+  for (Sample& sample : samples_[triangle])
     for (std::uint16_t& code : sample.code) code = static_cast<std::uint16_t>(halvings < 16 ? code >> halvings : 0);
 }
 
@@ -122,10 +122,10 @@ void ConstantColour::add(std::size_t triangle, std::span<const std::uint8_t> vis
   float brightest = 0;
   for (Eigen::Index s = 0; s < encoded.cols(); ++s)
     if (visible[s]) brightest = std::max(brightest, encoded.col(s).maxCoeff());
-  if (!samples_[triangle]) samples_[triangle] = std::make_unique<Sample[]>(static_cast<std::size_t>(encoded.cols()));
+  if (samples_[triangle].empty()) samples_[triangle].resize(static_cast<std::size_t>(encoded.cols()));
   make_room(triangle, brightest);
   const float step = scale(triangle);
-  Sample* sample = samples_[triangle].get();
+  Sample* sample = samples_[triangle].data();
   for (Eigen::Index s = 0; s < encoded.cols(); ++s, ++sample) {
     if (!visible[s]) continue;
     if (sample->images < kMostImages) ++sample->images;
@@ -163,7 +163,7 @@ void ConstantColour::remove(const PatchShape& patch, const PatchColumn& column) 
   Eigen::Index from = -1;
   for (const std::uint32_t t : patch.triangles) {
     const float step = scale(t);
-    for (Sample& sample : samples(t)) {
+    for (Sample& sample : samples_[t]) {
       ++from;
       if (!column.visible[static_cast<std::size_t>(from)] || sample.images == 0) continue;
       const auto left = static_cast<float>(--sample.images);
@@ -177,13 +177,13 @@ void ConstantColour::remove(const PatchShape& patch, const PatchColumn& column) 
 }
 
 /// A sample was seen in as many images as those round it were.
-std::unique_ptr<ConstantColour::Sample[]> ConstantColour::carried(std::span<const Sample> from, int side, int to_side) {
+std::vector<ConstantColour::Sample> ConstantColour::carried(std::span<const Sample> from, int side, int to_side) {
   const LatticeResampling& resampling = lattice_resampling(side, to_side);
   Eigen::Matrix3Xf codes(3, static_cast<Eigen::Index>(from.size()));
   for (std::size_t s = 0; s < from.size(); ++s)
     for (int c = 0; c < 3; ++c) codes(c, static_cast<Eigen::Index>(s)) = from[s].code[c];
   const Eigen::Matrix3Xf carried = resampling.of(codes);
-  auto samples = std::make_unique<Sample[]>(static_cast<std::size_t>(carried.cols()));
+  std::vector<Sample> samples(static_cast<std::size_t>(carried.cols()));
   for (Eigen::Index s = 0; s < carried.cols(); ++s) {
     const LatticeStencil& round = resampling.round(static_cast<int>(s));
     Sample& sample = samples[static_cast<std::size_t>(s)];
@@ -200,8 +200,8 @@ std::unique_ptr<ConstantColour::Sample[]> ConstantColour::carried(std::span<cons
 void ConstantColour::use(std::shared_ptr<const MapLayout> maps) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, maps->triangles(), 128), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t)
-      if (const int side = maps_->resolution(t), to_side = maps->resolution(t); samples_[t] && side != to_side)
-        samples_[t] = carried(samples(t), side, to_side);
+      if (const int side = maps_->resolution(t), to_side = maps->resolution(t); !samples_[t].empty() && side != to_side)
+        samples_[t] = carried(samples_[t], side, to_side);
   });
   maps_ = std::move(maps);
 }
@@ -212,7 +212,7 @@ std::vector<float> ConstantColour::log_ratios(const SurfaceImage& image) const {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ratios.size(), 128), [&](const auto& range) {
     Eigen::Matrix3Xf encoded;
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
-      if (view.visible_in_triangle[t] == 0 || !samples_[t]) continue;
+      if (view.visible_in_triangle[t] == 0 || samples_[t].empty()) continue;
       encoded.resize(3, lattice_samples(maps_->resolution(t)));
       resample(image, t, encoded);
       float seen = 0, expected = 0;
@@ -232,24 +232,12 @@ std::vector<float> ConstantColour::log_ratios(const SurfaceImage& image) const {
   return ratios;
 }
 
-std::shared_ptr<const Appearance> ConstantColour::snapshot(ExposureField exposure) const {
-  auto snapshot = std::make_shared<ConstantColourSnapshot>();
-  snapshot->shape = mesh_;
-  snapshot->maps = maps_;
-  snapshot->exposure = std::move(exposure);
-  snapshot->colour.setZero(3, static_cast<Eigen::Index>(maps_->total_samples()));
-  snapshot->known.assign(maps_->total_samples(), 0);
-  for (std::size_t t = 0; t < maps_->triangles(); ++t) {
-    std::size_t to = maps_->first_sample(t);
-    for (const Sample& sample : samples(t)) {
-      snapshot->known[to] = sample.images > 0;
-      for (int c = 0; c < 3; ++c)
-        snapshot->colour(c, static_cast<Eigen::Index>(to)) = scale(t) * static_cast<float>(sample.code[c]);
-      ++to;
-    }
-  }
-  fill_unseen(*snapshot);
-  return snapshot;
+std::shared_ptr<const Appearance> appearance_of(std::shared_ptr<const ConstantColour> means, ExposureField exposure) {
+  auto appearance = std::make_shared<ConstantColourAppearance>();
+  appearance->unseen = unseen_colours(*means);
+  appearance->means = std::move(means);
+  appearance->exposure = std::move(exposure);
+  return appearance;
 }
 
 }  // namespace sheen

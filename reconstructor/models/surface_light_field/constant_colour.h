@@ -30,7 +30,14 @@ class ConstantColour {
   void remove(const PatchShape& patch, const PatchColumn& column);
   /// Means stand on these maps from now on.
   void use(std::shared_ptr<const MapLayout> maps);
-  std::shared_ptr<const Appearance> snapshot(ExposureField exposure = {}) const;
+
+  const std::shared_ptr<const Mesh>& shared_mesh() const { return mesh_; }
+  const MapLayout& maps() const { return *maps_; }
+  bool seen(std::size_t triangle, int sample) const {
+    return !samples_[triangle].empty() && samples_[triangle][static_cast<std::size_t>(sample)].images > 0;
+  }
+  /// Encoded, of a sample that was seen.
+  Eigen::Vector3f colour(std::size_t triangle, int sample) const;
 
  private:
   struct Sample {
@@ -39,8 +46,7 @@ class ConstantColour {
   };
 
   float scale(std::size_t triangle) const;
-  std::span<Sample> samples(std::size_t triangle) const;
-  static std::unique_ptr<Sample[]> carried(std::span<const Sample> from, int side, int to_side);
+  static std::vector<Sample> carried(std::span<const Sample> from, int side, int to_side);
   /// Codes of brighter colours, where there is one.
   void make_room(std::size_t triangle, float brightest);
   void add(std::size_t triangle, std::span<const std::uint8_t> visible,
@@ -48,8 +54,12 @@ class ConstantColour {
 
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const MapLayout> maps_;
-  std::vector<std::unique_ptr<Sample[]>> samples_;  ///< per triangle; null where no image showed it
-  std::vector<std::int8_t> exponent_;               ///< per triangle: codes are of 2^exponent
+  std::vector<std::vector<Sample>> samples_;  ///< per triangle; empty where no image showed it
+  std::vector<std::int8_t> exponent_;         ///< per triangle: codes are of 2^exponent
 };
+
+/// The means as a picture has them, which must stay as they are: they are not copied.
+std::shared_ptr<const Appearance> appearance_of(std::shared_ptr<const ConstantColour> means,
+                                                ExposureField exposure = {});
 
 }  // namespace sheen

@@ -10,46 +10,57 @@ namespace {
 
 constexpr int kLatticeNeighbours[6][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, -1}, {-1, 1}};
 
-}  // namespace
-
-Eigen::MatrixXf mean_seen_rows(const SurfacePatch& patch) {
-  const Eigen::MatrixXf basis = patch.basis.unpacked();
-  Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, patch.rank());
-  int seen = 0;
-  for (std::size_t s = 0; s < patch.shown.size(); ++s)
-    if (patch.shown[s]) {
-      mean += basis.middleRows<3>(static_cast<Eigen::Index>(3 * s));
-      ++seen;
+/// Rows of the samples of a lattice, so many for each, from `first_row` on. `seen`: per sample. Those that were not are
+/// given the mean of those beside them that were, farther off `mean`, per row of a sample.
+void fill(Eigen::MatrixXf& basis, int first_row, int rows_each, int side, std::span<const std::uint8_t> seen,
+          const Eigen::Ref<const Eigen::MatrixXf>& mean) {
+  const auto rows_of = [&](int sample) { return basis.middleRows(first_row + rows_each * sample, rows_each); };
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; i + j < side; ++j) {
+      const int sample = lattice_index(side, i, j);
+      if (seen[static_cast<std::size_t>(sample)]) continue;
+      Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(rows_each, basis.cols());
+      int count = 0;
+      for (const auto& [di, dj] : kLatticeNeighbours) {
+        const int a = i + di, b = j + dj;
+        if (a < 0 || b < 0 || a + b >= side) continue;
+        const int neighbour = lattice_index(side, a, b);
+        if (!seen[static_cast<std::size_t>(neighbour)]) continue;
+        sum += rows_of(neighbour);
+        ++count;
+      }
+      if (count > 0)
+        rows_of(sample) = sum / static_cast<float>(count);
+      else
+        rows_of(sample) = mean;
     }
-  return mean / static_cast<float>(std::max(seen, 1));
 }
+
+}  // namespace
 
 void fill_unseen_samples(SurfacePatch& patch, std::span<const int> resolution) {
   if (patch.rank() == 0 || std::find(patch.shown.begin(), patch.shown.end(), 0) == patch.shown.end()) return;
-  const Eigen::MatrixXf mean = mean_seen_rows(patch);
+  const Eigen::MatrixXf mean = patch.mean_seen_colours();
   Eigen::MatrixXf basis = patch.basis.unpacked();
-  int first = 0;
-  for (const int n : resolution) {
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; i + j < n; ++j) {
-        const int sample = first + lattice_index(n, i, j);
-        if (patch.shown[sample]) continue;
-        Eigen::MatrixXf sum = Eigen::MatrixXf::Zero(3, patch.rank());
-        int seen = 0;
-        for (const auto& [di, dj] : kLatticeNeighbours) {
-          const int a = i + di, b = j + dj;
-          if (a < 0 || b < 0 || a + b >= n) continue;
-          const int neighbour = first + lattice_index(n, a, b);
-          if (!patch.shown[neighbour]) continue;
-          sum += basis.middleRows<3>(3 * neighbour);
-          ++seen;
-        }
-        if (seen > 0)
-          basis.middleRows<3>(3 * sample) = sum / static_cast<float>(seen);
-        else
-          basis.middleRows<3>(3 * sample) = mean;
-      }
-    first += lattice_samples(n);
+  if (patch.planes) {
+    const ColourPlanes& planes = *patch.planes;
+    const Eigen::MatrixXf mean_of = opponent_colours() * mean;
+    const std::vector<std::uint8_t> known = planes.guessed_places(patch.shown);
+    for (const ColourPlanes::Triangle& triangle : planes.triangles()) {
+      const auto first = static_cast<std::size_t>(triangle.first_sample);
+      fill(basis, triangle.first_sample, 1, triangle.side, std::span(known).subspan(first), mean_of.row(0));
+      const int first_chroma = planes.samples() + triangle.first_chroma;
+      const auto chroma_known = std::span(known).subspan(static_cast<std::size_t>(first_chroma));
+      fill(basis, first_chroma, 1, triangle.chroma_side, chroma_known, triangle.chroma_weight * mean_of.row(1));
+      fill(basis, first_chroma + planes.chroma_samples(), 1, triangle.chroma_side, chroma_known,
+           triangle.chroma_weight * mean_of.row(2));
+    }
+  } else {
+    int first = 0;
+    for (const int side : resolution) {
+      fill(basis, 3 * first, 3, side, std::span(patch.shown).subspan(static_cast<std::size_t>(first)), mean);
+      first += lattice_samples(side);
+    }
   }
   patch.basis = patch.basis.alike(std::move(basis));
 }
@@ -81,7 +92,7 @@ std::shared_ptr<const PatchSnapshot> guess(const SurfaceLightFieldSnapshot& snap
   for (const std::uint32_t v : shape.vertices) {
     if (nearest[v] == kNoVertex) return nullptr;
     const Source source = source_at(snapshot, nearest[v]);
-    const Eigen::MatrixXf mean = mean_seen_rows(*source.patch);
+    const Eigen::MatrixXf mean = source.patch->mean_seen_colours();
     VertexInterpolant& at = guess->vertices.emplace_back(*source.at);
     at.weights = at.weights.alike(at.weights.unpacked() * mean.transpose());
     at.mean = mean * at.mean;

@@ -8,9 +8,6 @@
 
 namespace sheen {
 
-/// Mean basis row of the samples that were seen, per channel: 3 x rank.
-Eigen::MatrixXf mean_seen_rows(const SurfacePatch& patch);
-
 /// Gives basis rows to the samples of a patch that no image showed, so that nothing that is interpolated between seen
 /// and unseen samples goes dark: beside seen samples the mean of these, farther off the patch's mean, per channel.
 /// `resolution`: of the patch's triangles, in its order. `shown` stays.

@@ -10,7 +10,7 @@ LightFieldBaselines::LightFieldBaselines(std::shared_ptr<const LightFieldSnapsho
     : model_(std::move(model)),
       sampling_(options.sampling),
       visibility_(model_->mesh(), model_->maps(), options.visibility),
-      mean_(model_->shared_mesh(), model_->shared_maps()) {
+      mean_(std::make_shared<ConstantColour>(model_->shared_mesh(), model_->shared_maps())) {
   if (photographs) photographs_ = std::make_shared<PhotographSet>(model_->shared_mesh(), options.visibility);
 }
 
@@ -18,7 +18,7 @@ void LightFieldBaselines::add(const Capture& capture, float exposure_gain, bool 
   const SurfaceView& view = visibility_.look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
   if (!repeated) {
     image_.load(capture, view);
-    mean_.add({image_, view, model_->maps(), exposure_gain, sampling_});
+    mean_->add({image_, view, model_->maps(), exposure_gain, sampling_});
   }
   if (photographs_) photographs_->add(capture, level_radiance(capture, exposure_gain), view);
 }

@@ -23,7 +23,9 @@ class LightFieldBaselines : public Baselines {
                       bool photographs);
 
   void add(const Capture& capture, float exposure_gain, bool repeated) override;
-  std::shared_ptr<const Appearance> constant_colour() const override { return mean_.snapshot(model_->exposure()); }
+  std::shared_ptr<const Appearance> constant_colour() const override {
+    return appearance_of(mean_, model_->exposure());
+  }
   std::vector<Baseline> from_photographs(std::size_t model_bytes) const override;
   BaselineHeuristic heuristic() const override;
 
@@ -31,7 +33,7 @@ class LightFieldBaselines : public Baselines {
   std::shared_ptr<const LightFieldSnapshot> model_;
   Sampling sampling_;
   SampleVisibility visibility_;
-  ConstantColour mean_;
+  std::shared_ptr<ConstantColour> mean_;
   std::shared_ptr<PhotographSet> photographs_;  ///< null where they are not asked for
   RadianceImage image_;
 };

@@ -37,13 +37,11 @@ class LightFieldShader : public ViewShader {
     const auto corner = [&](std::size_t c) { return coefficients_.col(place.columns[c]).head(patch->rank()); };
     const Eigen::VectorXf h = (1 - u - v) * corner(0) + u * corner(1) + v * corner(2);
     const LatticeStencil stencil = lattice_stencil(maps_->resolution(triangle), u, v);
-    Eigen::Vector3f encoded = Eigen::Vector3f::Zero();
+    const auto first = static_cast<int>(place.first_sample);
+    const Eigen::Vector3f encoded = patch->colour(first, stencil, h);
     SampleState state = SampleState::kUnseen;
-    for (int k = 0; k < 3; ++k) {
-      const int sample = static_cast<int>(place.first_sample) + stencil.index[k];
-      encoded += stencil.weight[k] * patch->basis.three_rows_times(3 * Eigen::Index{sample}, h);
-      if (stencil.weight[k] > 0.25f) state = std::max(state, patch->state(sample));
-    }
+    for (int k = 0; k < 3; ++k)
+      if (stencil.weight[k] > 0.25f) state = std::max(state, patch->state(first + stencil.index[k]));
     const Eigen::Vector3f radiance(srgb_decode(encoded.x()), srgb_decode(encoded.y()), srgb_decode(encoded.z()));
     return {exposure_ * radiance, state};
   }
@@ -60,17 +58,6 @@ class LightFieldShader : public ViewShader {
 };
 
 }  // namespace
-
-std::uint8_t shown_fraction(int showed_it, int images) {
-  if (showed_it <= 0) return 0;
-  return static_cast<std::uint8_t>(std::clamp(std::lround(255.0 * showed_it / std::max(images, 1)), 1L, 255L));
-}
-
-SampleState sample_state(std::uint8_t shown) {
-  constexpr int kHalf = 128;
-  if (shown == 0) return SampleState::kUnseen;
-  return shown < kHalf ? SampleState::kImputed : SampleState::kMeasured;
-}
 
 std::unique_ptr<ViewShader> LightFieldSnapshot::shader_for(const ViewQuery& query) const {
   return std::make_unique<LightFieldShader>(*this, query.eye);

@@ -9,27 +9,12 @@
 #include "reconstructor/models/model_snapshot.h"
 #include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
-#include "reconstructor/numerics/packed_columns.h"
+#include "reconstructor/models/surface_light_field/surface_patch.h"
 #include "reconstructor/numerics/view_kernel.h"
 #include "reconstructor/radiance/exposure_field.h"
 #include "reconstructor/surface/map_layout.h"
 
 namespace sheen {
-
-/// Fraction of a patch's images that showed a sample, in 255ths; 0 only where none did, and no more than 255.
-std::uint8_t shown_fraction(int showed_it, int images);
-/// What such a fraction says of the sample. The one place where the states are told apart.
-SampleState sample_state(std::uint8_t shown);
-
-/// Surface maps of a part of the surface: encoded value of row i = sum_r basis(i, r) * h_r, with coefficients h of the
-/// eye. Values are sRGB-encoded (`srgb_encode`); the sum over a triangle's corners is decoded once, at the end.
-struct SurfacePatch {
-  PackedColumns<float> basis;       ///< rows (3 * samples) x rank
-  std::vector<std::uint8_t> shown;  ///< per sample: fraction of the images that showed it (`shown_fraction`)
-
-  int rank() const { return static_cast<int>(basis.cols()); }
-  SampleState state(int sample) const { return sample_state(shown[sample]); }
-};
 
 /// From where triangles round a vertex were seen, and how what lies between is interpolated. Patches of which the same
 /// images showed something share it.

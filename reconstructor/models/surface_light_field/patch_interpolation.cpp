@@ -38,6 +38,7 @@ Begun begun(FactorizedPatch patch, std::size_t vertices) {
   Begun begun{std::make_shared<PatchSnapshot>(), std::move(patch.coefficients), std::move(patch.views), 0};
   PatchSnapshot& snapshot = *begun.snapshot;
   snapshot.basis = std::move(patch.basis);
+  snapshot.planes = std::move(patch.planes);
   snapshot.shown = std::move(patch.shown);
   begun.shown_samples = snapshot.shown_samples();
   snapshot.vertices.resize(vertices);

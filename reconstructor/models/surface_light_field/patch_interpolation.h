@@ -30,11 +30,12 @@ struct InterpolatedVertex {
 
 /// A patch of which everything is known but what lies between its views.
 struct FactorizedPatch {
-  PackedColumns<float> basis;       ///< rows x rank
-  Eigen::MatrixXf coefficients;     ///< rank x views
-  std::vector<std::uint8_t> shown;  ///< `SurfacePatch::shown`
-  float residual = 0;               ///< `SeenVertex::residual`
-  int images = 0;                   ///< ingested
+  PackedColumns<float> basis;  ///< as `SurfacePatch` has it, and the following
+  std::shared_ptr<const ColourPlanes> planes;
+  Eigen::MatrixXf coefficients;  ///< rank x views
+  std::vector<std::uint8_t> shown;
+  float residual = 0;  ///< `SeenVertex::residual`
+  int images = 0;      ///< ingested
   ViewSet views;
 };
 

@@ -15,6 +15,7 @@ constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
 constexpr double kRepeatedNoise = 1.5, kRepeatedColumn = 2;
 constexpr float kSensorVariance = 2e-5f;  // about one grey level of 255, encoded
 constexpr int kFirstMapChoice = 4;        // images; with fewer, all that differs is displayed
+constexpr int kFineChromaImages = 3;      // may ask for chroma as fine as luma; then what is displayed decides
 constexpr int kDifferently = 2;           // samples that so many times fewer images show are imputed, and say so
 constexpr std::size_t kPackedValue = sizeof(std::int16_t), kPackedScale = sizeof(double);  // as PackedColumns has them
 
@@ -31,12 +32,15 @@ Count vertex_bytes(Count views, Count rank) {
          rank * (kPackedScale + kPackedValue * views + 2 * sizeof(float));
 }
 
-/// For each row of the column, whether it is known; empty when all are.
-std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std::size_t shown) {
-  if (shown == visible.size()) return {};
-  std::vector<std::uint8_t> known(3 * visible.size());
-  for (std::size_t row = 0; row < known.size(); ++row) known[row] = visible[row / 3];
-  return known;
+/// Rows of a plane lie side by side.
+OnlineSvdOptions plane_factor_options(const OnlineSvdOptions& options) {
+  OnlineSvdOptions of_planes = patch_factor_options(options);
+  of_planes.channels = 1;
+  return of_planes;
+}
+
+std::shared_ptr<const ColourPlanes> first_planes(const MapSides& sides, bool coarse_chroma) {
+  return std::make_shared<const ColourPlanes>(sides, coarse_chroma ? half_sides(sides) : sides);
 }
 
 }  // namespace
@@ -51,14 +55,16 @@ double image_weight(const OnlineSvdOptions& options, double fraction_shown) {
   return options.imputation == Imputation::kLeastSquares ? 1 : fraction_shown * fraction_shown;
 }
 
-PatchModel::PatchModel(int samples, std::size_t vertices, const SurfaceSite& centre, const PatchModelOptions& options,
-                       unsigned phase)
+PatchModel::PatchModel(const MapSides& sides, std::size_t vertices, const SurfaceSite& centre,
+                       const PatchModelOptions& options, unsigned phase)
     : options_(options),
       centre_(centre),
-      factor_(3 * samples, patch_factor_options(options.factor), phase),
+      planes_(first_planes(sides, options.coarse_chroma)),
+      factor_(planes_->row_planes(), plane_factor_options(options.factor), phase),
       views_(centre.place, vertices),
       schedule_(phase),
-      shown_(static_cast<std::size_t>(samples), 0) {}
+      shown_(static_cast<std::size_t>(planes_->samples()), 0),
+      fine_chroma_until_(kFineChromaImages) {}
 
 /// The paper's imputation takes images that show part of a patch only with half of it visible, and when the basis rests
 /// on some that show all (000 sec. 3.2: after 8 to 10).
@@ -75,9 +81,10 @@ PatchModel::Absorbed PatchModel::absorb(const Eigen::VectorXf& column, std::span
   const auto shown = static_cast<std::size_t>(std::count(visible.begin(), visible.end(), 1));
   if (!shows_enough(shown, visible.size())) return result;
   result.used = true;
+  if (images_ < fine_chroma_until_) keep_fine_chroma(column, visible);
   const float fraction = static_cast<float>(shown) / static_cast<float>(visible.size());
-  const OnlineSvd::Reports folded =
-      factor_.add(column, known_rows(visible, shown), image_weight(options_.factor, fraction));
+  const OnlineSvd::Reports folded = factor_.add(planes_->rows_of(column, visible), known_rows(visible, shown),
+                                                image_weight(options_.factor, fraction));
   for (std::size_t s = 0; s < visible.size(); ++s)
     if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
   views_.add(eye, reliability);
@@ -102,7 +109,7 @@ void PatchModel::withdraw(const Eigen::VectorXf& column, std::span<const std::ui
   if (view < folded) {
     const float fraction = static_cast<float>(shown) / static_cast<float>(visible.size());
     const double weight = factor_.weight_of(view), taken = image_weight(options_.factor, fraction);
-    factor_.take_from(view, column, known_rows(visible, shown), taken);
+    factor_.take_from(view, planes_->rows_of(column, visible), known_rows(visible, shown), taken);
     if (factor_.folded_views() < folded)
       views_.remove(view);
     else  // it was merged: the view moves back to where the others are
@@ -134,17 +141,24 @@ bool PatchModel::repeats(const Eigen::VectorXf& column, std::span<const std::uin
     return waiting < 0 ? factor_.explained(view, static_cast<int>(row))
                        : factor_.pending_value(waiting, static_cast<int>(row));
   };
+  const Eigen::VectorXf values = planes_->rows_of(column, visible);
+  const std::vector<std::uint8_t> known = planes_->known_places(visible);
   double unexplained = 0;
   int rows = 0;
-  for (std::size_t run = 0; run < visible.size(); run += kTestedEvery)
-    for (std::size_t s = run; s < std::min(run + kTestedRun, visible.size()); ++s) {
-      if (!visible[s]) continue;
-      if (shown_[s] == 0) return false;
-      const auto row = static_cast<Eigen::Index>(3 * s);
-      const Eigen::Vector3f known(kept(row), kept(row + 1), kept(row + 2));
-      unexplained += (column.segment<3>(row) - known).squaredNorm();
-      rows += 3;
-    }
+  const auto compare = [&](std::size_t at) {
+    const auto row = static_cast<Eigen::Index>(at);
+    unexplained += (values[row] - kept(row)) * (values[row] - kept(row));
+    ++rows;
+  };
+  const std::size_t samples = visible.size(), chroma_samples = known.size() - samples;
+  for (const auto& [first, behind] : {std::pair(std::size_t{0}, samples), std::pair(samples, known.size())})
+    for (std::size_t run = first; run < behind; run += kTestedEvery)
+      for (std::size_t place = run; place < std::min(run + kTestedRun, behind); ++place) {
+        if (!known[place]) continue;
+        if (place < samples && shown_[place] == 0) return false;
+        compare(place);
+        if (place >= samples) compare(place + chroma_samples);
+      }
   return rows > 0 && unexplained <= (waiting < 0 ? kRepeatedNoise : kRepeatedColumn) * factor_.row_noise() * rows;
 }
 
@@ -171,27 +185,66 @@ void PatchModel::thin_views() {
   }
 }
 
-MapSides PatchModel::sufficient_sides(const MapSides& sides, double detail, double error,
-                                      const SharedInterpolation& interpolation) {
+MapSides PatchModel::sufficient_sides(double detail, double error, const SharedInterpolation& interpolation) {
   maps_due_ = false;
+  const MapSides sides = planes_->sides(), chroma_sides = planes_->chroma_sides();
   const auto [least, most] = std::minmax_element(shown_.begin(), shown_.end());
   if (rank() == 0 || *least == 0 || kDifferently * *least < *most) return sides;
   const SmoothedViews displayed =
       smoothed(views_.seen_from_centre(), known_coefficients(), interpolation, centre_.normal);
-  const double own_error = std::sqrt(displayed.squared_error / factor_.rows());
-  return sheen::sufficient_sides(sides, factor_.displayed_basis(), displayed.coefficients,
-                                 static_cast<float>(detail * std::min(error, own_error)));
+  const double own_error = std::sqrt(displayed.squared_error / (3.0 * planes_->samples()));
+  const auto missed = static_cast<float>(detail * std::min(error, own_error));
+  const Eigen::MatrixXf basis = factor_.displayed_basis();
+  if (options_.coarse_chroma) {
+    const MapSides enough =
+        sheen::sufficient_sides(chroma_sides, planes_->chroma_of(basis), displayed.coefficients, missed);
+    if (enough != chroma_sides) use(std::make_shared<const ColourPlanes>(sides, enough));
+  }
+  return sheen::sufficient_sides(sides, basis.topRows(planes_->samples()), displayed.coefficients, missed);
 }
 
-void PatchModel::resample(const MapSides& from, const MapSides& to) {
+/// Chroma keeps its sides, but is no finer than luma. In triangles that become finer so does chroma, and the next images
+/// may ask for all of it.
+void PatchModel::resample(const MapSides& to) {
+  const MapSides from = planes_->sides();
+  MapSides chroma = planes_->chroma_sides();
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    if (to[i] > from[i]) {
+      fine_chroma_until_ = images_ + kFineChromaImages;
+      chroma[i] = chroma[i] == from[i] ? to[i] : std::max(chroma[i], static_cast<std::uint8_t>(half_side(to[i])));
+    }
+    chroma[i] = std::min(chroma[i], to[i]);
+  }
+  use(std::make_shared<const ColourPlanes>(to, chroma));
+}
+
+void PatchModel::use(std::shared_ptr<const ColourPlanes> planes) {
   fold_pending();
-  const RowResampling by = resampled_maps(from, to);
+  const RowResampling by = resampled_planes(*planes_, *planes);
   factor_.resample(by);
-  std::vector<std::uint16_t> shown;
-  shown.reserve(by.between.size());
-  for (const auto& [a, b, c] : by.between) shown.push_back(std::min({shown_[a], shown_[b], shown_[c]}));
+  std::vector<std::uint16_t> shown(static_cast<std::size_t>(planes->samples()));
+  for (std::size_t s = 0; s < shown.size(); ++s) {
+    const auto& [a, b, c] = by.between[s];
+    shown[s] = std::min({shown_[a], shown_[b], shown_[c]});
+  }
   shown_ = std::move(shown);
+  planes_ = std::move(planes);
   snapshot_.reset();
+}
+
+/// For each row of a column; empty when all are known. Guesses of chroma count where nothing better has come.
+std::vector<std::uint8_t> PatchModel::known_rows(std::span<const std::uint8_t> visible, std::size_t shown) const {
+  if (shown == visible.size()) return {};
+  std::vector<std::uint8_t> known = planes_->known_places(visible);
+  const std::vector<std::uint8_t> guessed = planes_->guessed_places(visible);
+  for (std::size_t place = visible.size(); place < known.size(); ++place)
+    if (guessed[place] && !factor_.seen(static_cast<int>(place))) known[place] = 1;
+  return planes_->known_rows(known);
+}
+
+void PatchModel::keep_fine_chroma(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible) {
+  const MapSides chroma = planes_->sides_for_chroma_of(column, visible, std::sqrt(kSensorVariance));
+  if (chroma != planes_->chroma_sides()) use(std::make_shared<const ColourPlanes>(planes_->sides(), chroma));
 }
 
 void PatchModel::limit_terms(int max_rank, int internal_rank, int block) {
@@ -207,12 +260,18 @@ PatchModel::Prediction PatchModel::predict(const Eigen::VectorXf& column, std::s
   const Eigen::VectorXf h = interpolated(views_.seen_from_centre(), with_pending(factor_.displayed_coefficients()),
                                          interpolation, centre_.normal, (eye - centre_.place).normalized());
   const Eigen::MatrixXf displayed = factor_.displayed_basis();
-  for (std::size_t s = 0; s < visible.size(); ++s) {
-    const auto row = static_cast<Eigen::Index>(3 * s);
-    const auto basis = displayed.middleRows<3>(row);
-    if (!visible[s] || basis.isZero(0)) continue;
-    predicted.squared_error += (column.segment<3>(row) - basis * h).squaredNorm();
+  const Eigen::VectorXf missed = planes_->rows_of(column, visible) - displayed * h;
+  const std::vector<std::uint8_t> known = planes_->known_places(visible);
+  const int samples = planes_->samples(), chroma = planes_->chroma_samples();
+  for (int s = 0; s < samples; ++s) {
+    if (!known[s] || displayed.row(s).isZero(0)) continue;
+    predicted.squared_error += missed[s] * missed[s];
     predicted.values += 3;
+  }
+  for (int row = samples; row < samples + chroma; ++row) {
+    const int other = row + chroma;
+    if (!known[row] || (displayed.row(row).isZero(0) && displayed.row(other).isZero(0))) continue;
+    predicted.squared_error += missed[row] * missed[row] + missed[other] * missed[other];
   }
   return predicted;
 }
@@ -238,25 +297,20 @@ InterpolationErrors PatchModel::interpolation_errors(const ReflectionDrift* refl
   return sheen::interpolation_errors(views_.seen_from_centre(), known_coefficients(), reflection, centre_.normal);
 }
 
-/// Of the displayed basis, per channel: 3 x rank.
-Eigen::MatrixXf PatchModel::mean_shown_rows() const {
-  Eigen::MatrixXf mean = Eigen::MatrixXf::Zero(3, rank());
-  const Eigen::MatrixXf displayed = factor_.displayed_basis();
-  int seen = 0;
-  for (std::size_t s = 0; s < shown_.size(); ++s)
-    if (shown_[s] > 0) {
-      mean += displayed.middleRows<3>(static_cast<Eigen::Index>(3 * s));
-      ++seen;
-    }
-  return mean / static_cast<float>(std::max(seen, 1));
+/// Of the displayed basis: 3 x rank.
+Eigen::MatrixXf PatchModel::mean_shown_colours() const {
+  std::vector<std::uint8_t> seen;
+  seen.reserve(shown_.size());
+  for (const std::uint16_t images : shown_) seen.push_back(images > 0);
+  return planes_->mean_colours(factor_.displayed_basis(), planes_->guessed_places(seen));
 }
 
 PatchLevels PatchModel::levels() const {
-  return patch_levels(views_.seen_from_centre(), mean_shown_rows(), known_coefficients(), centre_.normal);
+  return patch_levels(views_.seen_from_centre(), mean_shown_colours(), known_coefficients(), centre_.normal);
 }
 
 std::size_t PatchModel::bytes() const {
-  return sizeof(*this) + factor_.bytes() + shown_.size() * sizeof(shown_[0]) + views_.bytes();
+  return sizeof(*this) + planes_->bytes() + factor_.bytes() + shown_.size() * sizeof(shown_[0]) + views_.bytes();
 }
 
 std::size_t PatchModel::snapshot_bytes(std::size_t vertices) const {
@@ -269,7 +323,8 @@ std::size_t PatchModel::snapshot_bytes(std::size_t vertices) const {
 double PatchModel::largest_bytes(double samples, double vertices, const PatchModelOptions& options) {
   const OnlineSvdOptions& factor = options.factor;
   const double rows = 3 * samples, views = options.max_views + factor.block;
-  return sizeof(PatchModel) + sizeof(std::uint16_t) * samples +
+  return sizeof(PatchModel) + sizeof(ColourPlanes) + vertices * sizeof(ColourPlanes::Triangle) +
+         sizeof(std::uint16_t) * samples +
          views * static_cast<double>(ViewSet::bytes_for(1, static_cast<std::size_t>(vertices))) +
          OnlineSvd::bytes_for(rows, factor.terms_kept(), factor.block, views, factor.witnesses(static_cast<int>(rows)),
                               kSensorVariance > 0);
@@ -290,6 +345,7 @@ std::optional<FactorizedPatch> PatchModel::factorized() const {
 
 FactorizedPatch PatchModel::settled() const {
   FactorizedPatch patch{.basis = factor_.packed_displayed_basis(),
+                        .planes = planes_,
                         .coefficients = factor_.displayed_coefficients(),
                         .shown = {},
                         .residual = residual_,

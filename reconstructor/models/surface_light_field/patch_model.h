@@ -26,9 +26,10 @@ struct PatchModelOptions {
   double repeat_angle = 0.0175;  ///< rad from a kept view within which an image may be a repetition of it; 0 = none is
   ViewInterpolationOptions interpolation;
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
+  bool coarse_chroma = true;     ///< where it is no finer than a camera's noise; else it stands at every sample
 };
 
-/// As the factor of a patch takes them: three channels, and the noise of a camera.
+/// As the factor of a patch takes them whose rows are 3 * sample + channel: with the noise of a camera.
 OnlineSvdOptions patch_factor_options(OnlineSvdOptions options);
 
 /// Weight of an image in a patch's factor: what it does not show is a guess that only repeats the basis, so it counts
@@ -37,11 +38,15 @@ double image_weight(const OnlineSvdOptions& options, double fraction_shown);
 
 /// The surface light field of one patch as it grows: the online SVD of what was seen (OnlineSvd) and from where
 /// (ViewSet), in the same numbering. How it varies between the views is the vertices' own (InterpolationUpkeep).
+///
+/// The factor's rows are luma and chroma (ColourPlanes). Chroma gets half of luma's side, and all of it in triangles of
+/// which one of the first images shows colours that vary more finely; then what is displayed decides
+/// (docs/decisions/surface_maps.md).
 class PatchModel {
  public:
-  /// `centre`: of the patch. Patches of differing `phase` fold their columns and want to choose their interpolation at
-  /// different images, which spreads the work.
-  PatchModel(int samples, std::size_t vertices, const SurfaceSite& centre, const PatchModelOptions& options,
+  /// `sides`: of its maps. `centre`: of the patch. Patches of differing `phase` fold their columns and want to choose
+  /// their interpolation at different images, which spreads the work.
+  PatchModel(const MapSides& sides, std::size_t vertices, const SurfaceSite& centre, const PatchModelOptions& options,
              unsigned phase = 0);
 
   struct Absorbed {
@@ -51,9 +56,9 @@ class PatchModel {
     double residual_energy = 0;        ///< of the same: ||p||^2, what the patch's basis did not predict of them
   };
 
-  /// Ingests what one image shows. `column`: encoded values of all rows; values of samples that are not `visible` mean
-  /// nothing, here and below. `eye`: object frame. `reliability` in (0, 1], at each vertex, weighs the image in the
-  /// interpolation between views.
+  /// Ingests what one image shows. `column`: encoded colours, 3 x samples values; those of samples that are not
+  /// `visible` mean nothing, here and below. `eye`: object frame. `reliability` in (0, 1], at each vertex, weighs the
+  /// image in the interpolation between views.
   Absorbed absorb(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& eye,
                   std::span<const float> reliability);
 
@@ -101,12 +106,11 @@ class PatchModel {
     fold_pending();
     maps_due_ = true;
   }
-  /// `sides`: of its maps; `detail`: of the error, of all patches or its own, whichever is less, that coarser maps may
-  /// miss. `error`: with which images are predicted, RMS, encoded.
-  MapSides sufficient_sides(const MapSides& sides, double detail, double error,
-                            const SharedInterpolation& interpolation);
+  /// Of its maps. `detail`: of the error, of all patches or its own, whichever is less, that coarser maps may miss.
+  /// `error`: with which images are predicted, RMS, encoded. Maps of chroma get the sides that are enough for them.
+  MapSides sufficient_sides(double detail, double error, const SharedInterpolation& interpolation);
   /// Its maps get other sides; columns that wait are folded first.
-  void resample(const MapSides& from, const MapSides& to);
+  void resample(const MapSides& to);
   PatchLevels levels() const;
 
   int rank() const { return factor_.displayed_rank(); }
@@ -128,20 +132,25 @@ class PatchModel {
 
  private:
   FactorizedPatch settled() const;
-  Eigen::MatrixXf mean_shown_rows() const;
+  Eigen::MatrixXf mean_shown_colours() const;
   Eigen::MatrixXf with_pending(const Eigen::Ref<const Eigen::MatrixXf>& folded) const;
   Eigen::MatrixXf known_coefficients() const;
   void follow(const OnlineSvd::Reports& reports, Absorbed& result);
   bool shows_enough(std::size_t shown, std::size_t samples) const;
+  std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> visible, std::size_t shown) const;
+  void keep_fine_chroma(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible);
+  void use(std::shared_ptr<const ColourPlanes> planes);
   void thin_views();
 
   PatchModelOptions options_;
   SurfaceSite centre_;
+  std::shared_ptr<const ColourPlanes> planes_;
   OnlineSvd factor_;
   ViewSet views_;
   ChoiceSchedule schedule_;
   std::vector<std::uint16_t> shown_;  ///< for each sample: images that showed it, as far as the type counts
   int images_ = 0;                    ///< ingested
+  int fine_chroma_until_;             ///< from so many images on, none may ask for chroma as fine as luma
   bool maps_due_ = false;
   float residual_ = 1;
   std::shared_ptr<const PatchSnapshot> snapshot_;

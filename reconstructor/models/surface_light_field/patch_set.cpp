@@ -112,8 +112,8 @@ PatchSet::Update PatchSet::absorb(Indices chosen, const SurfaceImage& image, std
       const std::uint32_t p = chosen[i];
       std::unique_ptr<PatchModel>& patch = models_[p];
       if (!patch)
-        patch = std::make_unique<PatchModel>(static_cast<int>(shapes_->patches[p].samples),
-                                             shapes_->patches[p].vertices.size(), centres_[p], options_, p);
+        patch =
+            std::make_unique<PatchModel>(sides_of(p), shapes_->patches[p].vertices.size(), centres_[p], options_, p);
       gather(shapes_->patches[p], image, column);
       constant.add(shapes_->patches[p], column);
       update.repeated[i] = patch->repeats(column.values, column.visible, eye);
@@ -182,8 +182,8 @@ std::shared_ptr<const MapLayout> PatchSet::coarsen_maps(Indices asked, double de
   tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
     const std::uint32_t p = asked[i];
     if (models_[p] && models_[p]->maps_due())
-      sufficient[i] = {p, models_[p]->sufficient_sides(sides_of(p), detail, error,
-                                                       interpolation_.of(shapes_->patches[p].vertices.front()))};
+      sufficient[i] = {
+          p, models_[p]->sufficient_sides(detail, error, interpolation_.of(shapes_->patches[p].vertices.front()))};
   });
   std::erase_if(sufficient, [&](const NewSides& s) { return s.sides.empty() || s.sides == sides_of(s.patch); });
   return sufficient.empty() ? nullptr : lay_out(sufficient, filter_sides());
@@ -232,7 +232,7 @@ std::shared_ptr<const MapLayout> PatchSet::lay_out(const std::vector<NewSides>& 
   if (changed.empty()) return nullptr;
   tbb::parallel_for(std::size_t{0}, changed.size(), [&](std::size_t i) {
     const auto& [p, sides] = changed[i];
-    if (models_[p]) models_[p]->resample(sides_of(p), sides);
+    if (models_[p]) models_[p]->resample(sides);
   });
   MapSides all;
   all.reserve(maps_->triangles());

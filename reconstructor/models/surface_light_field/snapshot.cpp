@@ -85,7 +85,8 @@ double SurfaceLightFieldSnapshot::vertex_variation(std::size_t vertex) const {
     const double unexplained = at->residual * at->residual * h.squaredNorm();
     sum += (h - at->mean).squaredNorm() + unexplained;
   }
-  return sum / (static_cast<double>(patch->basis.rows()) * static_cast<double>(directions.cols()));
+  const double values = 3 * static_cast<double>(patch->shown.size());
+  return sum / (values * static_cast<double>(directions.cols()));
 }
 
 int SurfaceLightFieldSnapshot::max_rank() const {

@@ -69,7 +69,7 @@ struct SurfaceLightField::Pipeline {
   // From the first image on:
   std::shared_ptr<const MapLayout> shape;
   std::unique_ptr<SampleVisibility> visibility;
-  std::unique_ptr<ConstantColour> constant_colour;
+  std::shared_ptr<ConstantColour> constant_colour;
   std::optional<PatchSet> patches;
   double update_fraction = 1;  ///< of the patches that an image shows: those that it updates
 
@@ -112,8 +112,10 @@ struct SurfaceLightField::Pipeline {
 void SurfaceLightField::Pipeline::start(const Beginning& first) {
   shape = std::make_shared<MapLayout>(map_sides(first.camera, first.camera_from_object));
   visibility = std::make_unique<SampleVisibility>(*mesh, *shape, options.visibility, scene);
-  constant_colour = std::make_unique<ConstantColour>(mesh, shape);
-  patches.emplace(mesh, shape, frames, options.patch, pixels_per_metre(*mesh, first.camera, first.camera_from_object));
+  constant_colour = std::make_shared<ConstantColour>(mesh, shape);
+  PatchModelOptions patch = options.patch;
+  patch.coarse_chroma = options.map_detail > 0;
+  patches.emplace(mesh, shape, frames, patch, pixels_per_metre(*mesh, first.camera, first.camera_from_object));
 }
 
 /// Of the surface maps, for an image of such a camera.
@@ -414,9 +416,12 @@ std::shared_ptr<const ModelSnapshot> SurfaceLightField::give_snapshot() {
 }
 
 std::shared_ptr<const Appearance> SurfaceLightField::constant_colour() const {
-  if (pipeline_->constant_colour) return pipeline_->constant_colour->snapshot(pipeline_->exposure_field());
-  const std::vector<std::uint8_t> coarse(pipeline_->mesh->triangles.size(), 2);
-  return ConstantColour(pipeline_->mesh, std::make_shared<MapLayout>(coarse)).snapshot();
+  const Pipeline& p = *pipeline_;
+  if (p.finished) return appearance_of(p.constant_colour, p.exposure_field());  // which no image changes any more
+  if (p.constant_colour)
+    return appearance_of(std::make_shared<const ConstantColour>(*p.constant_colour), p.exposure_field());
+  const std::vector<std::uint8_t> coarse(p.mesh->triangles.size(), 2);
+  return appearance_of(std::make_shared<const ConstantColour>(p.mesh, std::make_shared<MapLayout>(coarse)));
 }
 
 ModelFigures SurfaceLightField::figures() const {

@@ -19,7 +19,7 @@ RowResampling every(int step, int rows) {
   const int groups = (rows / kChannels + step - 1) / step;
   by.rows = kChannels * groups;
   for (int g = 0; g < groups; ++g) by.between.push_back({step * g, step * g, step * g});
-  by.columns = [step, fewer = by.rows](const Eigen::MatrixXf& columns) {
+  by.columns = [step, fewer = by.rows.rows()](const Eigen::MatrixXf& columns) {
     Eigen::MatrixXf out(fewer, columns.cols());
     for (int row = 0; row < fewer; row += kChannels)
       out.middleRows<kChannels>(row) = columns.middleRows<kChannels>(step * row);
@@ -34,7 +34,7 @@ RowResampling twice_as_many(int rows) {
   RowResampling by;
   by.rows = kChannels * (2 * groups - 1);
   for (int g = 0; g < 2 * groups - 1; ++g) by.between.push_back({g / 2, (g + 1) / 2, (g + 1) / 2});
-  by.columns = [more = by.rows](const Eigen::MatrixXf& columns) {
+  by.columns = [more = by.rows.rows()](const Eigen::MatrixXf& columns) {
     Eigen::MatrixXf out(more, columns.cols());
     for (int g = 0; g < more / kChannels; ++g)
       out.middleRows<kChannels>(kChannels * g) = (columns.middleRows<kChannels>(kChannels * (g / 2)) +
@@ -65,7 +65,7 @@ TEST(RowResampling, AFactorOfFewerRowsIsThatOfTheColumnsOnTheseRows) {
     OnlineSvd factor = factor_of(data, sensor_variance);
     factor.resample(by);
     const Eigen::MatrixXf expected = by.columns(data);
-    EXPECT_EQ(factor.rows(), by.rows);
+    EXPECT_EQ(factor.rows(), by.rows.rows());
     EXPECT_EQ(factor.rank(), 5);
     EXPECT_EQ(factor.displayed_rank(), 5);
     EXPECT_LT((factor.basis() * factor.coefficients() - expected).norm(), 2e-4 * expected.norm());
@@ -134,7 +134,7 @@ TEST(RowResampling, WhatColumnsHideStaysHiddenAndRowsThatNoneShowedStayUnseen) {
   const RowResampling by = every(2, kRows);
   factor.resample(by);
   EXPECT_EQ(factor.basis().topRows(kUnseen / 2), Eigen::MatrixXf::Zero(kUnseen / 2, factor.rank()));
-  const Eigen::MatrixXf expected = by.columns(data).bottomRows(by.rows - kUnseen / 2);
+  const Eigen::MatrixXf expected = by.columns(data).bottomRows(by.rows.rows() - kUnseen / 2);
   const auto error = [&] {
     const Eigen::MatrixXf all = factor.displayed_basis() * factor.displayed_coefficients();
     return (all.leftCols(kColumns).bottomRows(expected.rows()) - expected).norm() / expected.norm();

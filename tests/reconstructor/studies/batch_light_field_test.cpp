@@ -53,8 +53,8 @@ TEST(BatchLightField, IsTheOnlineOneWhereNothingIsMissingAndTheRankIsFull) {
       ++same_kernel;
       for (const Eigen::Vector3d& eye : eyes(4, 0.5, 0.63, 0.95)) {
         const Eigen::Vector3f direction = (eye.cast<float>() - object.mesh->vertices[of_patch[i]]).normalized();
-        const Eigen::VectorXf difference = a.basis.unpacked() * a.vertices[i].coefficients(direction) -
-                                           b.basis.unpacked() * b.vertices[i].coefficients(direction);
+        const Eigen::VectorXf difference =
+            a.colours() * a.vertices[i].coefficients(direction) - b.colours() * b.vertices[i].coefficients(direction);
         EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-4) << "patch " << p << ", vertex " << of_patch[i];
       }
     }

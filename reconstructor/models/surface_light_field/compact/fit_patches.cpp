@@ -239,7 +239,7 @@ class PatchFit {
           view != known.end() ? Eigen::VectorXf(of_known.col(view - known.begin())) : expected(old, patch, image);
     }
     const int own_samples = lattice_samples(filled_->maps().resolution(old));
-    const Eigen::MatrixXf values = patch.basis.unpacked(3 * first, 3 * own_samples, patch.rank()) * coefficients;
+    const Eigen::MatrixXf values = patch.colours(first, own_samples) * coefficients;
     for (Eigen::Index i = 0; i < columns.cols(); ++i) {
       const Eigen::Matrix3Xf on_n = finer.of(Eigen::Map<const Eigen::Matrix3Xf>(values.col(i).data(), 3, own_samples));
       for (int s = 0; s < samples; ++s)

@@ -8,6 +8,7 @@
 
 #include "reconstructor/models/surface_light_field/compact/band_rounding.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
+#include "reconstructor/surface/colour_planes.h"
 
 namespace sheen {
 namespace {
@@ -24,15 +25,6 @@ float coefficient_step(float step, Eigen::Index images, Eigen::Index rows) {
 
 // Terms of which next to nothing is left keep their coefficients.
 constexpr double kRidge = 0.02;
-
-/// Luma and two differences of a colour, orthonormal.
-Eigen::Matrix3f opponent() {
-  Eigen::Matrix3f m;
-  m << 1 / std::sqrt(3.0f), 1 / std::sqrt(3.0f), 1 / std::sqrt(3.0f),  //
-      1 / std::sqrt(2.0f), 0, -1 / std::sqrt(2.0f),                    //
-      1 / std::sqrt(6.0f), -2 / std::sqrt(6.0f), 1 / std::sqrt(6.0f);
-  return m;
-}
 
 /// The levels of a map's tiles, their first frequencies, differ little: joined two and two again and again, by the
 /// unbalanced Haar transform, most of them is in one number. levels, weights: a row per tile; `weights` are the roots
@@ -78,7 +70,7 @@ struct MapFrequencies {
 /// values: rows 3 * sample + channel.
 QuantisedMap quantise_map(const Eigen::Ref<const Eigen::VectorXf>& values, const std::vector<int>& resolutions,
                           float step, float bit_price) {
-  static const Eigen::Matrix3f colours = opponent();
+  const Eigen::Matrix3f& colours = opponent_colours();
   MapFrequencies frequencies;
   const float* first = values.data();
   for (const int resolution : resolutions) {
@@ -105,7 +97,7 @@ QuantisedMap quantise_map(const Eigen::Ref<const Eigen::VectorXf>& values, const
 
 void dequantise_map(const QuantisedMap& map, const std::vector<int>& resolutions, float step,
                     Eigen::Ref<Eigen::VectorXf> values) {
-  static const Eigen::Matrix3f to_rgb = opponent().transpose();
+  const Eigen::Matrix3f to_rgb = opponent_colours().transpose();
   MapFrequencies frequencies;
   std::size_t first_band = 0;
   for (const int resolution : resolutions)

@@ -126,7 +126,7 @@ std::string id_of(const Json& description, const Snapshot& model) {
   };
   for (const auto& patch : model.patches()) {
     if (!patch) continue;
-    add(patch->basis.unpacked());
+    add(patch->colours());
     add(patch->shown);
     for (const VertexInterpolant& vertex : patch->vertices) {
       add(vertex.views->directions);
@@ -150,7 +150,7 @@ ImageF surface_image(const Snapshot& model, const ModelLayout& layout, int rank)
   for (const PatchEntry& entry : layout.patches)
     if (rank < entry.rank)
       Eigen::Map<Eigen::VectorXf>(image.data() + 3 * entry.first_sample, 3 * entry.samples) =
-          patch_of(model, entry).basis.column(rank);
+          patch_of(model, entry).colours_of_term(rank);
   return image;
 }
 

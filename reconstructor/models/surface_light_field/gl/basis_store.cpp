@@ -11,13 +11,13 @@ namespace {
 
 constexpr std::size_t kFirstTexels = std::size_t(1) << 16;  // what OpenGL 3.3 promises at least
 
-/// Texels (sample, term), the terms of a sample side by side, out of a basis whose rows are 3 * sample + channel.
+/// Texels (sample, term), the terms of a sample side by side.
 void pack(const SurfacePatch& patch, int rank, std::vector<std::uint16_t>& texels) {
   const auto bits = [](float value) { return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(value)); };
-  const std::size_t samples = static_cast<std::size_t>(patch.basis.rows() / 3);
+  const std::size_t samples = patch.shown.size();
   texels.resize(samples * rank * 4);
   for (int r = 0; r < rank; ++r) {
-    const Eigen::VectorXf values = patch.basis.column(r);
+    const Eigen::VectorXf values = patch.colours_of_term(r);
     const float* value = values.data();
     std::uint16_t* texel = texels.data() + 4 * r;
     for (std::size_t s = 0; s < samples; ++s, texel += 4 * rank, value += 3) {
@@ -69,7 +69,7 @@ BasisSlot BasisStore::place(std::size_t texels) {
 }
 
 BasisSlot BasisStore::store(const SurfacePatch& patch) {
-  const std::size_t samples = static_cast<std::size_t>(patch.basis.rows() / 3);
+  const std::size_t samples = patch.shown.size();
   if (samples == 0) return {};
   for (int rank = patch.rank(); rank > 0; rank /= 2) {
     BasisSlot slot = place(samples * rank);

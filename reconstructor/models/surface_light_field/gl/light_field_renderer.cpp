@@ -146,7 +146,7 @@ bool LightFieldRenderer::upload_patches(const LightFieldSnapshot& snapshot) {
     if (wanted[i] == uploaded_[i]) continue;
     changed.push_back(i);
     if (!wanted[i]) continue;
-    const std::size_t texels = static_cast<std::size_t>(wanted[i]->basis.rows() / 3 * wanted[i]->basis.cols());
+    const std::size_t texels = wanted[i]->shown.size() * static_cast<std::size_t>(wanted[i]->rank());
     growth += texels - std::min<std::size_t>(texels, patch_slots_[i].texels);
   }
   if (changed.empty() && shown_) return true;

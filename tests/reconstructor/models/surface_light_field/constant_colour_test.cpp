@@ -26,7 +26,7 @@ class ConstantColourTest : public testing::Test {
     return column;
   }
   float level(std::uint32_t triangle) const {
-    const auto snapshot = colour_.snapshot();
+    const auto snapshot = appearance_of(std::make_shared<const ConstantColour>(colour_));
     return srgb_encode(snapshot->shader_for({{0, 0, 1}})->shade(triangle, 0.3f, 0.3f).rgb[1]);
   }
 

@@ -81,7 +81,7 @@ void expect_same_patches(const ModelSnapshot& first, const ModelSnapshot& second
     const PatchSnapshot *p = a.patches()[i].get(), *q = b.patches()[i].get();
     ASSERT_EQ(p == nullptr, q == nullptr) << "patch " << i;
     if (!p) continue;
-    EXPECT_TRUE(same_bits(p->basis.unpacked(), q->basis.unpacked())) << "patch " << i;
+    EXPECT_TRUE(same_bits(p->colours(), q->colours())) << "patch " << i;
     EXPECT_EQ(p->shown, q->shown) << "patch " << i;
     for (std::size_t k = 0; k < p->vertices.size(); ++k) {
       const VertexInterpolant &v = p->vertices[k], &w = q->vertices[k];

@@ -19,33 +19,37 @@ using analytic::Scene;
 
 constexpr double kDistance = 0.5, kLowest = 0.55;
 
-/// A map whose samples are waves of so many samples along i, by a root mean square of 1, alike in all channels.
+/// A map whose samples are waves of so many samples along i, by a root mean square of 1.
 Eigen::VectorXf wave(int side, double samples) {
-  Eigen::VectorXf map(3 * lattice_samples(side));
+  Eigen::VectorXf map(lattice_samples(side));
   for (int i = 0; i < side; ++i)
     for (int j = 0; i + j < side; ++j)
-      map.segment<3>(3 * lattice_index(side, i, j)).setConstant(static_cast<float>(std::cos(2 * M_PI * i / samples)));
+      map[lattice_index(side, i, j)] = static_cast<float>(std::cos(2 * M_PI * i / samples));
   return map * std::sqrt(static_cast<float>(map.size())) / map.norm();
 }
+
+constexpr int kPlanes = 3;
 
 TEST(SufficientSides, AreHalvedAsLongAsLittleIsMissed) {
   constexpr std::uint8_t kSide = 17;
   const Eigen::MatrixXf once = Eigen::MatrixXf::Ones(1, 3);  // three views that show the same
   const auto enough = [&](double samples, float detail) {
-    return sufficient_sides({kSide}, wave(kSide, samples), once, detail)[0];
+    return sufficient_sides({kSide}, wave(kSide, samples).replicate(kPlanes, 1), once, detail)[0];
   };
   EXPECT_EQ(enough(2, 0.5f), kSide) << "every second sample is another";
   EXPECT_EQ(enough(10, 0.3f), 9) << "ten samples a wave become five";
   EXPECT_EQ(enough(10, 0.01f), kSide);
   EXPECT_EQ(enough(40, 0.3f), 5);
-  EXPECT_EQ(sufficient_sides({3}, wave(3, 40), once, 10)[0], 3) << "the smallest";
+  EXPECT_EQ(sufficient_sides({3}, wave(3, 40).replicate(kPlanes, 1), once, 10)[0], 3) << "the smallest";
 }
 
 TEST(SufficientSides, WeighWhatIsDisplayedAndEachMapForItself) {
   const MapSides sides{9, 9};
-  Eigen::MatrixXf basis = Eigen::MatrixXf::Zero(2 * wave(9, 2).size(), 2);
-  basis.col(0).head(wave(9, 2).size()) = wave(9, 2);
-  basis.col(1).tail(wave(9, 2).size()) = wave(9, 2);
+  const Eigen::Index rows = lattice_samples(9);
+  Eigen::MatrixXf plane = Eigen::MatrixXf::Zero(2 * rows, 2);
+  plane.col(0).head(rows) = wave(9, 2);
+  plane.col(1).tail(rows) = wave(9, 2);
+  const Eigen::MatrixXf basis = plane.replicate(kPlanes, 1);
   Eigen::MatrixXf displayed(2, 4);
   displayed << 1, -1, 1, -1,  // in the first map
       0.01f, 0.01f, 0, 0;     // hardly ever in the second
@@ -53,20 +57,28 @@ TEST(SufficientSides, WeighWhatIsDisplayedAndEachMapForItself) {
   EXPECT_EQ(sufficient_sides(sides, basis, displayed, 0.001f), sides);
 }
 
-TEST(ResampledMaps, HaveTheRowsOfEachMapInItsPlace) {
-  const MapSides from{5, 4, 9}, to{9, 4, 5};
-  const RowResampling by = resampled_maps(from, to);
-  const int old_rows = 3 * (lattice_samples(5) + lattice_samples(4) + lattice_samples(9));
-  EXPECT_EQ(by.rows, 3 * (lattice_samples(9) + lattice_samples(4) + lattice_samples(5)));
-  ASSERT_EQ(by.between.size(), static_cast<std::size_t>(by.rows / 3));
-  Eigen::MatrixXf marked(old_rows, 1);
-  marked << Eigen::VectorXf::Constant(3 * lattice_samples(5), 1), Eigen::VectorXf::Constant(3 * lattice_samples(4), 2),
-      Eigen::VectorXf::Constant(3 * lattice_samples(9), 3);
-  const Eigen::MatrixXf rows = by.columns(marked);
-  for (int s = 0; s < by.rows / 3; ++s) {
-    const float map = s < lattice_samples(9) ? 1 : s < lattice_samples(9) + lattice_samples(4) ? 2 : 3;
-    EXPECT_NEAR(rows(3 * s, 0), map, 1e-5f) << s;
-    for (const int group : by.between[static_cast<std::size_t>(s)]) EXPECT_EQ(marked(3 * group, 0), map) << s;
+TEST(ResampledPlanes, HaveTheRowsOfEachMapInItsPlace) {
+  const ColourPlanes from({5, 4, 9}, {3, 4, 5}), to({9, 4, 5}, {9, 3, 3});
+  const RowResampling by = resampled_planes(from, to);
+  ASSERT_EQ(by.rows.rows(), to.rows());
+  ASSERT_EQ(by.between.size(), static_cast<std::size_t>(to.rows()));
+  // Each map of one colour: what is colour on the new maps is that colour, whatever rows stand for it.
+  const Eigen::Vector3f colours[] = {{0.1f, 0.2f, 0.3f}, {0.9f, 0.5f, 0.1f}, {0.2f, 0.8f, 0.6f}};
+  const auto marked = [&](const ColourPlanes& planes) {
+    Eigen::VectorXf all(3 * planes.samples());
+    for (std::size_t t = 0; t < 3; ++t) {
+      const ColourPlanes::Triangle& triangle = planes.triangles()[t];
+      all.segment(3 * triangle.first_sample, 3 * lattice_samples(triangle.side)) =
+          colours[t].replicate(lattice_samples(triangle.side), 1);
+    }
+    return planes.rows_of(all, std::vector<std::uint8_t>(static_cast<std::size_t>(planes.samples()), 1));
+  };
+  const Eigen::VectorXf old_rows = marked(from), new_rows = marked(to), resampled = by.columns(old_rows);
+  EXPECT_LT((resampled - new_rows).cwiseAbs().maxCoeff(), 1e-5f);
+  for (int row = 0; row < to.rows(); ++row) {
+    const int first = by.between[static_cast<std::size_t>(row)][0];
+    for (const int other : by.between[static_cast<std::size_t>(row)])
+      EXPECT_NEAR(old_rows[other], old_rows[first], 1e-5f) << "of the same map, row " << row;
   }
 }
 
@@ -105,6 +117,35 @@ TEST_F(MapDetail, AFinePrintKeepsItsMaps) {
   ingest_all(adapted, images);
   ingest_all(kept, images);
   EXPECT_EQ(samples(adapted), samples(kept));
+}
+
+/// A fine grey print: its colours vary no more finely than waves of half a metre.
+analytic::Radiance grey_print() {
+  return analytic::encoded([](const Eigen::Vector3d& p, const Eigen::Vector3d&) {
+    const double grey = 0.1 * std::sin(2 * M_PI / 0.01 * p.x()) * std::cos(2 * M_PI / 0.01 * p.y());
+    return Eigen::Vector3d(analytic::waves(p, 0.5).array() + grey);
+  });
+}
+
+TEST_F(MapDetail, ChromaIsNoFinerThanTheImagesShowIt) {
+  const auto bytes_and_error = [&](const analytic::Radiance& radiance, double detail) {
+    const Scene scene{object_.surface, radiance};
+    SurfaceLightField model(object_.mesh, with_detail(detail));
+    ingest_all(model, captures(scene, eyes(30, kDistance, kLowest)));
+    return std::pair(static_cast<double>(model.bytes()), compare(*model.snapshot(), scene, unseen_eyes()).rms);
+  };
+  // So little detail may be lost that what images display is never coarsened.
+  const auto [grey, grey_error] = bytes_and_error(grey_print(), 1e-6);
+  const auto [grey_full, grey_full_error] = bytes_and_error(grey_print(), 0);
+  std::printf("grey print: %.2f of %.2f MB, off by %.5f, with full chroma %.5f\n", grey / 1e6, grey_full / 1e6,
+              grey_error, grey_full_error);
+  EXPECT_LT(grey, 0.75 * grey_full);
+  EXPECT_LT(grey_error, grey_full_error + 0.1 / 255);
+  const auto [coloured, error] = bytes_and_error(analytic::diffuse(0.01), 1e-6);
+  const auto [full, full_error] = bytes_and_error(analytic::diffuse(0.01), 0);
+  std::printf("coloured print: %.2f of %.2f MB, off by %.5f, with full chroma %.5f\n", coloured / 1e6, full / 1e6,
+              error, full_error);
+  EXPECT_LT(error, 1.01 * full_error);
 }
 
 TEST_F(MapDetail, TheSameImagesGiveTheSameModelToTheBit) {

@@ -15,11 +15,11 @@ namespace {
 
 using analytic::eyes;
 
+const MapSides kSides{4, 4};
 constexpr int kSamples = 20;
 
 struct Stream {
-  PatchModel patch{
-      kSamples, 1, {}, {.factor = {.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares}}};
+  PatchModel patch{kSides, 1, {}, {.factor = {.max_rank = 4, .tolerance = 0, .imputation = Imputation::kLeastSquares}}};
   Eigen::MatrixXf columns = patch_like_matrix(3 * kSamples, 40, 3, 0.01f, 1);
   int next = 0;
 

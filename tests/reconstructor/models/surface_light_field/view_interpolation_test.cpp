@@ -109,11 +109,11 @@ TEST(InterpolationErrors, OfAPatchWithoutTermsAreAlike) {
 }
 
 TEST(InterpolationSchedule, EveryImageHasItsShareOfTheChoices) {
-  constexpr int kSamples = 4, kPatches = 200, kImages = 40;
+  constexpr int kSide = 2, kSamples = lattice_samples(kSide), kPatches = 200, kImages = 40;
   const std::vector<std::uint8_t> visible(kSamples, 1);
   std::vector<int> choices(kImages + 1, 0);
   for (unsigned phase = 0; phase < kPatches; ++phase) {
-    PatchModel patch(kSamples, 1, {}, {}, phase);
+    PatchModel patch({kSide}, 1, {}, {}, phase);
     int last = 0;
     for (int image = 1; image <= kImages; ++image) {
       const Eigen::VectorXf column = gaussian_matrix(3 * kSamples, 1, static_cast<std::uint32_t>(image));

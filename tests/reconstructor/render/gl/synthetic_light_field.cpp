@@ -178,15 +178,21 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_finer
   auto maps = std::make_shared<MapLayout>(sides);
   for (std::uint32_t p = 0; p < data.size(); ++p) {
     if (!chosen(p)) continue;
-    MapSides before, after;
+    const Eigen::MatrixXf before = data[p]->basis.unpacked();
+    Eigen::MatrixXf after(0, before.cols());
+    Eigen::Index first = 0;
     for (const std::uint32_t t : shapes_->patches[p].triangles) {
-      before.push_back(static_cast<std::uint8_t>(maps_->resolution(t)));
-      after.push_back(sides[t]);
+      const int from = maps_->resolution(t), samples = lattice_samples(from), finer = lattice_samples(sides[t]);
+      after.conservativeResize(after.rows() + 3 * finer, Eigen::NoChange);
+      for (Eigen::Index k = 0; k < before.cols(); ++k)
+        after.col(k).tail(3 * finer) = lattice_resampling(from, sides[t])
+                                           .of(before.col(k).segment(first, 3 * samples).reshaped(3, samples))
+                                           .reshaped();
+      first += 3 * samples;
     }
-    const RowResampling finer = resampled_maps(before, after);
     auto other = std::make_shared<PatchSnapshot>(*data[p]);
-    other->basis = finer.columns(data[p]->basis.unpacked());
-    other->shown.assign(finer.between.size(), data[p]->shown[0]);
+    other->shown.assign(static_cast<std::size_t>(after.rows() / 3), data[p]->shown[0]);
+    other->basis = after;
     data[p] = other;
   }
   auto shapes = std::make_shared<PatchShapes>(with_maps(*shapes_, *maps));
