@@ -8,15 +8,16 @@
 namespace sheen {
 namespace {
 
+// Of luma and of the colour differences, in what makes them up: 3^(-1/2), 2^(-1/2), 6^(-1/2).
+constexpr float kLuma = 0.57735027f, kFirst = 0.70710678f, kSecond = 0.40824829f;
 constexpr float kCounts = 1e-3f;  // a sample that weighs less says nothing of what lies between
 
 using Triangle = ColourPlanes::Triangle;
 
-/// Luma and colour differences of each sample of a triangle: 3 x samples.
-Eigen::Matrix3Xf opponent(const Triangle& triangle, const ColourPlanes::ColumnRef& colours) {
-  const int samples = lattice_samples(triangle.side);
-  return opponent_colours() *
-         Eigen::Map<const Eigen::Matrix3Xf>(colours.data() + 3 * triangle.first_sample, 3, samples);
+using Colours = Eigen::Map<const Eigen::Matrix3Xf>;  ///< of a triangle, a sample each
+
+Colours own_colours(const Triangle& triangle, const ColourPlanes::ColumnRef& colours) {
+  return {colours.data() + 3 * triangle.first_sample, 3, lattice_samples(triangle.side)};
 }
 
 std::span<const std::uint8_t> own_samples(const Triangle& triangle, std::span<const std::uint8_t> samples) {
@@ -34,10 +35,10 @@ bool all_visible(const LatticeStencil& round, std::span<const std::uint8_t> visi
 
 /// At a place (x, y) of a lattice, in samples, from those round it that are visible: what varies evenly goes on beyond
 /// them. By moving least squares; zero where none is near.
-Eigen::Vector3f continued(int side, float x, float y, float radius, const Eigen::Matrix3Xf& values,
+Eigen::Vector3f continued(int side, float x, float y, float radius, const Colours& colours,
                           std::span<const std::uint8_t> visible) {
   constexpr float kLevel = 0.001f;  // of a direction in which there are no samples nothing is known: it is level there
-  Eigen::Matrix3f moments = Eigen::Matrix3f::Zero(), sums = Eigen::Matrix3f::Zero();  // of 1, x, y; times the values
+  Eigen::Matrix3f moments = Eigen::Matrix3f::Zero(), sums = Eigen::Matrix3f::Zero();  // of 1, x, y; times colours
   const auto first = [&](float at) { return std::max(0, static_cast<int>(std::ceil(at - radius))); };
   for (int i = first(x); static_cast<float>(i) <= x + radius; ++i)
     for (int j = first(y); static_cast<float>(j) <= y + radius && i + j < side; ++j) {
@@ -47,27 +48,23 @@ Eigen::Vector3f continued(int side, float x, float y, float radius, const Eigen:
       if (near <= 0 || !visible[static_cast<std::size_t>(sample)]) continue;
       const Eigen::Vector3f place(1, dx, dy);
       moments += near * near * place * place.transpose();
-      sums += near * near * place * values.col(sample).transpose();
+      sums += near * near * place * colours.col(sample).transpose();
     }
   if (moments(0, 0) == 0) return Eigen::Vector3f::Zero();
   moments.diagonal().tail<2>().array() += kLevel * moments(0, 0);
   return moments.llt().solve(sums).row(0).transpose();
 }
 
-/// Values of a triangle's samples at its chroma samples.
-Eigen::Matrix3Xf on_chroma_lattice(const Triangle& triangle, const Eigen::Matrix3Xf& values,
-                                   std::span<const std::uint8_t> visible) {
-  Eigen::Matrix3Xf chroma = triangle.coarser->of(values);
-  if (std::find(visible.begin(), visible.end(), 0) == visible.end()) return chroma;
+/// At a sample (i, j) of the lattice of chroma.
+Eigen::Vector3f colour_at_chroma(const Triangle& triangle, int i, int j, const Colours& colours,
+                                 std::span<const std::uint8_t> visible) {
+  const LatticeStencil& round = triangle.coarser->round(lattice_index(triangle.chroma_side, i, j));
+  if (all_visible(round, visible))
+    return round.weight[0] * colours.col(round.index[0]) + round.weight[1] * colours.col(round.index[1]) +
+           round.weight[2] * colours.col(round.index[2]);
   const float spacing = static_cast<float>(triangle.side - 1) / static_cast<float>(triangle.chroma_side - 1);
-  for (int i = 0; i < triangle.chroma_side; ++i)
-    for (int j = 0; i + j < triangle.chroma_side; ++j) {
-      const int sample = lattice_index(triangle.chroma_side, i, j);
-      if (all_visible(triangle.coarser->round(sample), visible)) continue;
-      chroma.col(sample) = continued(triangle.side, spacing * static_cast<float>(i), spacing * static_cast<float>(j),
-                                     2 * spacing, values, visible);
-    }
-  return chroma;
+  return continued(triangle.side, spacing * static_cast<float>(i), spacing * static_cast<float>(j), 2 * spacing,
+                   colours, visible);
 }
 
 }  // namespace
@@ -75,9 +72,9 @@ Eigen::Matrix3Xf on_chroma_lattice(const Triangle& triangle, const Eigen::Matrix
 const Eigen::Matrix3f& opponent_colours() {
   static const Eigen::Matrix3f colours = [] {
     Eigen::Matrix3f m;
-    m << 1 / std::sqrt(3.0f), 1 / std::sqrt(3.0f), 1 / std::sqrt(3.0f),  //
-        1 / std::sqrt(2.0f), 0, -1 / std::sqrt(2.0f),                    //
-        1 / std::sqrt(6.0f), -2 / std::sqrt(6.0f), 1 / std::sqrt(6.0f);
+    m << kLuma, kLuma, kLuma,  //
+        kFirst, 0, -kFirst,    //
+        kSecond, -2 * kSecond, kSecond;
     return m;
   }();
   return colours;
@@ -113,14 +110,21 @@ MapSides ColourPlanes::chroma_sides() const {
 }
 
 Eigen::VectorXf ColourPlanes::rows_of(const ColumnRef& colours, std::span<const std::uint8_t> visible) const {
+  const Eigen::Matrix3f& planes = opponent_colours();
   Eigen::VectorXf rows(this->rows());
   for (const Triangle& triangle : triangles_) {
-    Eigen::Matrix3Xf planes = opponent(triangle, colours);
-    rows.segment(triangle.first_sample, planes.cols()) = planes.row(0);
-    if (triangle.coarser) planes = on_chroma_lattice(triangle, planes, own_samples(triangle, visible));
-    planes *= triangle.chroma_weight;
-    rows.segment(samples_ + triangle.first_chroma, planes.cols()) = planes.row(1);
-    rows.segment(samples_ + chroma_samples_ + triangle.first_chroma, planes.cols()) = planes.row(2);
+    const Colours own = own_colours(triangle, colours);
+    const auto own_visible = own_samples(triangle, visible);
+    rows.segment(triangle.first_sample, own.cols()).noalias() = own.transpose() * planes.row(0).transpose();
+    float* const first = rows.data() + samples_ + triangle.first_chroma;
+    float* const second = first + chroma_samples_;
+    for (int i = 0, c = 0; i < triangle.chroma_side; ++i)
+      for (int j = 0; i + j < triangle.chroma_side; ++j, ++c) {
+        const Eigen::Vector3f colour =
+            triangle.coarser ? colour_at_chroma(triangle, i, j, own, own_visible) : Eigen::Vector3f(own.col(c));
+        first[c] = triangle.chroma_weight * planes.row(1).dot(colour);
+        second[c] = triangle.chroma_weight * planes.row(2).dot(colour);
+      }
   }
   return rows;
 }
@@ -129,7 +133,7 @@ Eigen::VectorXf ColourPlanes::colours_of(const ColumnRef& rows, int first_sample
   const Triangle& triangle = triangle_at(first_sample);
   Eigen::VectorXf colours(3 * lattice_samples(triangle.side));
   for (int sample = 0; 3 * sample < colours.size(); ++sample)
-    colours.segment<3>(3 * sample) = colour(triangle, sample, [&](int row) { return rows[row]; });
+    colours.segment<3>(3 * sample) = colour(rows_of_sample(triangle, sample), [&](int row) { return rows[row]; });
   return colours;
 }
 
@@ -142,8 +146,9 @@ Eigen::VectorXf ColourPlanes::colours_of(const ColumnRef& rows) const {
 }
 
 std::vector<std::uint8_t> ColourPlanes::known_places(std::span<const std::uint8_t> samples) const {
-  std::vector<std::uint8_t> known(samples.begin(), samples.end());
-  known.reserve(static_cast<std::size_t>(samples_ + chroma_samples_));
+  std::vector<std::uint8_t> known;
+  known.reserve(static_cast<std::size_t>(rows()));  // for `known_rows`
+  known.assign(samples.begin(), samples.end());
   for (const Triangle& triangle : triangles_) {
     const auto own = own_samples(triangle, samples);
     for (int s = 0; s < lattice_samples(triangle.chroma_side); ++s)
@@ -173,10 +178,11 @@ std::vector<std::uint8_t> ColourPlanes::guessed_places(std::span<const std::uint
   return known;
 }
 
-std::vector<std::uint8_t> ColourPlanes::known_rows(std::span<const std::uint8_t> known_places) const {
-  std::vector<std::uint8_t> known(known_places.begin(), known_places.end());
-  known.insert(known.end(), known_places.begin() + samples_, known_places.end());
-  return known;
+std::vector<std::uint8_t> ColourPlanes::known_rows(std::vector<std::uint8_t> known_places) const {
+  known_places.resize(static_cast<std::size_t>(rows()));
+  const auto first_difference = known_places.begin() + samples_;
+  std::copy_n(first_difference, chroma_samples_, first_difference + chroma_samples_);
+  return known_places;
 }
 
 Eigen::MatrixXf ColourPlanes::mean_colours(const Eigen::Ref<const Eigen::MatrixXf>& columns,
@@ -217,7 +223,7 @@ MapSides ColourPlanes::sides_for_chroma_of(const ColumnRef& colours, std::span<c
     const Triangle& triangle = triangles_[i];
     if (!triangle.coarser) continue;
     const auto own = own_samples(triangle, visible);
-    const Eigen::Matrix3Xf planes = opponent(triangle, colours), missed = triangle.coarser->missed(planes);
+    const Eigen::Matrix3Xf missed = triangle.coarser->missed(opponent_colours() * own_colours(triangle, colours));
     float square = 0;
     int values = 0;
     for (int s = 0; s < missed.cols(); ++s) {
@@ -239,15 +245,27 @@ const Triangle& ColourPlanes::triangle_at(int first_sample) const {
                            [](const Triangle& triangle, int sample) { return triangle.first_sample < sample; });
 }
 
+ColourPlanes::SampleRows ColourPlanes::rows_of_sample(const Triangle& triangle, int sample) const {
+  const int first = samples_ + triangle.first_chroma;
+  SampleRows rows{triangle.first_sample + sample, 1, {first + sample, 0, 0}, {1, 0, 0}, chroma_samples_};
+  if (!triangle.finer) return rows;
+  const LatticeStencil& round = triangle.finer->round(sample);
+  rows.chroma_count = 3;
+  for (int k = 0; k < 3; ++k) {
+    rows.chroma[k] = first + round.index[k];
+    rows.weights[k] = round.weight[k] / triangle.chroma_weight;
+  }
+  return rows;
+}
+
 /// Never inlined: how sums are rounded would depend on what stands round them.
 [[gnu::noinline]] Eigen::Vector3f ColourPlanes::joined(float luma, const float (&chroma)[2][3],
                                                        const float (&weights)[3]) {
-  Eigen::Vector3f planes(luma, 0, 0);
-  for (int k = 0; k < 3; ++k) {
-    planes[1] += weights[k] * chroma[0][k];
-    planes[2] += weights[k] * chroma[1][k];
-  }
-  return opponent_colours().transpose() * planes;
+  float differences[2];
+  for (int d = 0; d < 2; ++d)
+    differences[d] = weights[0] * chroma[d][0] + weights[1] * chroma[d][1] + weights[2] * chroma[d][2];
+  const float grey = kLuma * luma, first = kFirst * differences[0], second = kSecond * differences[1];
+  return {grey + first + second, grey - 2 * second, grey - first + second};
 }
 
 }  // namespace sheen

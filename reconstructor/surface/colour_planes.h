@@ -50,7 +50,7 @@ class ColourPlanes {
   std::vector<std::uint8_t> known_places(std::span<const std::uint8_t> samples) const;
   /// The same, but a chroma sample counts when one of the samples that are interpolated from it is known.
   std::vector<std::uint8_t> guessed_places(std::span<const std::uint8_t> samples) const;
-  std::vector<std::uint8_t> known_rows(std::span<const std::uint8_t> known_places) const;
+  std::vector<std::uint8_t> known_rows(std::vector<std::uint8_t> known_places) const;
   /// Of columns in these rows, the mean colour over the places that are known: 3 x columns.
   Eigen::MatrixXf mean_colours(const Eigen::Ref<const Eigen::MatrixXf>& columns,
                                std::span<const std::uint8_t> known_places) const;
@@ -73,20 +73,24 @@ class ColourPlanes {
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const Triangle& triangle_at(int first_sample) const;
 
-  /// Of a sample of the triangle; value(row). The same values give the same colour to the last bit, wherever they are.
+  /// The rows that a sample's colour is made of.
+  struct SampleRows {
+    int luma;
+    int chroma_count;
+    int chroma[3];     ///< of the first colour difference
+    float weights[3];  ///< of these
+    int to_second;     ///< rows from a first colour difference to the second one
+  };
+  SampleRows rows_of_sample(const Triangle& triangle, int sample) const;
+  /// value(row). The same values give the same colour to the last bit, wherever they come from.
   template <typename Value>
-  Eigen::Vector3f colour(const Triangle& triangle, int sample, const Value& value) const {
-    static constexpr LatticeStencil kItself{{0, 0, 0}, {1, 0, 0}};
-    const LatticeStencil& round = triangle.finer ? triangle.finer->round(sample) : kItself;
-    const int own = triangle.finer ? 0 : sample;
-    float weights[3], chroma[2][3];
-    for (int k = 0; k < 3; ++k) {
-      const int row = samples_ + triangle.first_chroma + own + round.index[k];
-      weights[k] = round.weight[k] / triangle.chroma_weight;
-      chroma[0][k] = value(row);
-      chroma[1][k] = value(row + chroma_samples_);
+  static Eigen::Vector3f colour(const SampleRows& rows, const Value& value) {
+    float chroma[2][3] = {};
+    for (int k = 0; k < rows.chroma_count; ++k) {
+      chroma[0][k] = value(rows.chroma[k]);
+      chroma[1][k] = value(rows.chroma[k] + rows.to_second);
     }
-    return joined(value(triangle.first_sample + sample), chroma, weights);
+    return joined(value(rows.luma), chroma, rows.weights);
   }
 
  private:

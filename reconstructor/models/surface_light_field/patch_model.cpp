@@ -239,7 +239,7 @@ std::vector<std::uint8_t> PatchModel::known_rows(std::span<const std::uint8_t> v
   const std::vector<std::uint8_t> guessed = planes_->guessed_places(visible);
   for (std::size_t place = visible.size(); place < known.size(); ++place)
     if (guessed[place] && !factor_.seen(static_cast<int>(place))) known[place] = 1;
-  return planes_->known_rows(known);
+  return planes_->known_rows(std::move(known));
 }
 
 void PatchModel::keep_fine_chroma(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible) {

@@ -24,18 +24,23 @@ SampleState sample_state(std::uint8_t shown) {
 
 Eigen::Vector3f SurfacePatch::colour(int first_sample, const LatticeStencil& at, const Eigen::VectorXf& h) const {
   Eigen::Matrix3f sums = Eigen::Matrix3f::Zero(), term;  // a column for each of the samples
-  const ColourPlanes::Triangle* const triangle = planes ? &planes->triangle_at(first_sample) : nullptr;
-  basis.visit(h.size(), [&](Eigen::Index r, const auto& value) {
-    for (int k = 0; k < 3; ++k) {
-      if (triangle) {
-        term.col(k) = planes->colour(*triangle, at.index[k], value);
-        continue;
+  if (planes) {
+    const ColourPlanes::Triangle& triangle = planes->triangle_at(first_sample);
+    ColourPlanes::SampleRows rows[3];
+    for (int k = 0; k < 3; ++k) rows[k] = planes->rows_of_sample(triangle, at.index[k]);
+    basis.visit(h.size(), [&](Eigen::Index r, const auto& value) {
+      for (int k = 0; k < 3; ++k) term.col(k) = ColourPlanes::colour(rows[k], value);
+      add_term(term, h[r], sums);
+    });
+  } else {
+    basis.visit(h.size(), [&](Eigen::Index r, const auto& value) {
+      for (int k = 0; k < 3; ++k) {
+        const int row = 3 * (first_sample + at.index[k]);
+        term.col(k) << value(row), value(row + 1), value(row + 2);
       }
-      const int row = 3 * (first_sample + at.index[k]);
-      term.col(k) << value(row), value(row + 1), value(row + 2);
-    }
-    add_term(term, h[r], sums);
-  });
+      add_term(term, h[r], sums);
+    });
+  }
   return sums * Eigen::Map<const Eigen::Vector3f>(at.weight);
 }
 
