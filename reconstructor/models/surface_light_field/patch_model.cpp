@@ -203,8 +203,8 @@ MapSides PatchModel::sufficient_sides(double detail, double error, const SharedI
   return sheen::sufficient_sides(sides, basis.topRows(planes_->samples()), displayed.coefficients, missed);
 }
 
-/// Chroma keeps its sides, but is no finer than luma. In triangles that become finer so does chroma, and the next images
-/// may ask for all of it.
+/// Chroma keeps its sides, but is no finer than luma. In triangles that become finer so does chroma, and the next
+/// images may ask for all of it.
 void PatchModel::resample(const MapSides& to) {
   const MapSides from = planes_->sides();
   MapSides chroma = planes_->chroma_sides();

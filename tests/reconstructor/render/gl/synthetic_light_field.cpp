@@ -98,8 +98,20 @@ std::shared_ptr<const PatchSnapshot> SyntheticLightField::make_patch(std::size_t
       }
   }
   patch->basis = basis;
+  if (index % 2 == 1) in_planes(*patch, shape);
   for (const std::uint32_t v : shape.vertices) patch->vertices.push_back(make_vertex(v, rank));
   return patch;
+}
+
+/// As patches that are captured have it: chroma half as fine as luma.
+void SyntheticLightField::in_planes(SurfacePatch& patch, const PatchShape& shape) const {
+  MapSides sides;
+  for (const std::uint32_t t : shape.triangles) sides.push_back(static_cast<std::uint8_t>(maps_->resolution(t)));
+  patch.planes = std::make_shared<const ColourPlanes>(sides, half_sides(sides));
+  const std::vector<std::uint8_t> all(shape.samples, 1);
+  Eigen::MatrixXf rows(patch.planes->rows(), patch.rank());
+  for (int r = 0; r < patch.rank(); ++r) rows.col(r) = patch.planes->rows_of(patch.basis.column(r), all);
+  patch.basis = rows;
 }
 
 VertexInterpolant SyntheticLightField::make_vertex(std::uint32_t vertex, int rank) const {
@@ -178,7 +190,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_finer
   auto maps = std::make_shared<MapLayout>(sides);
   for (std::uint32_t p = 0; p < data.size(); ++p) {
     if (!chosen(p)) continue;
-    const Eigen::MatrixXf before = data[p]->basis.unpacked();
+    const Eigen::MatrixXf before = data[p]->colours();
     Eigen::MatrixXf after(0, before.cols());
     Eigen::Index first = 0;
     for (const std::uint32_t t : shapes_->patches[p].triangles) {
@@ -193,6 +205,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_finer
     auto other = std::make_shared<PatchSnapshot>(*data[p]);
     other->shown.assign(static_cast<std::size_t>(after.rows() / 3), data[p]->shown[0]);
     other->basis = after;
+    other->planes = nullptr;
     data[p] = other;
   }
   auto shapes = std::make_shared<PatchShapes>(with_maps(*shapes_, *maps));

@@ -37,6 +37,7 @@ class SyntheticLightField {
 
  private:
   std::shared_ptr<const PatchSnapshot> make_patch(std::size_t index, int rank, float brightness = 1) const;
+  void in_planes(SurfacePatch& patch, const PatchShape& shape) const;
   VertexInterpolant make_vertex(std::uint32_t vertex, int rank) const;
 
   SyntheticOptions options_;
