@@ -72,7 +72,7 @@ TEST(LatticeResampling, KnowsWhichSamplesANewOneLiesBetween) {
   for (int i = 0; i < 5; ++i)
     for (int j = 0; i + j < 5; ++j)
       EXPECT_EQ(halved.nearest(lattice_index(5, i, j)), lattice_index(9, 2 * i, 2 * j)) << i << ", " << j;
-  const LatticeStencil& round = LatticeResampling(2, 3).round(lattice_index(3, 1, 1));  // middle of the long edge
+  const LatticeStencil round = LatticeResampling(2, 3).round(lattice_index(3, 1, 1));  // middle of the long edge
   EXPECT_EQ(std::count(round.weight, round.weight + 3, 0.5f), 2);
 }
 
