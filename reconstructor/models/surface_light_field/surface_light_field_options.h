@@ -19,7 +19,7 @@ struct SurfaceLightFieldOptions : ModelSettings {
   /// What coarser maps may miss of what is displayed, over the error with which the patch predicts each of its views
   /// from the others, or all patches the images, whichever is less: where half or a quarter of the side is enough, maps
   /// get it. 0: all maps keep the sides that the first image gives them.
-  double map_detail = 0.04;
+  double map_detail = 0.02;
   PatchModelOptions patch;
 
   const char* kind() const override { return kName; }
