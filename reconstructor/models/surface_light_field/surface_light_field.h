@@ -12,6 +12,8 @@
 
 namespace sheen {
 
+struct LightFieldPipeline;
+
 /// The online surface light field (000): one online SVD per patch of triangles, fed image by image.
 class SurfaceLightField : public AppearanceModel {
  public:
@@ -53,12 +55,11 @@ class SurfaceLightField : public AppearanceModel {
   const MapLayout* maps() const;       ///< null until an image comes
 
  private:
-  struct Pipeline;
   void begin(const SurfaceLightFieldOptions& options);
 
   SurfaceLightFieldOptions asked_;  ///< before any effort level's limits
   std::size_t memory_step_ = 0;     ///< how many of `memory_details`, then of `memory_steps` have been taken
-  std::unique_ptr<Pipeline> pipeline_;
+  std::unique_ptr<LightFieldPipeline> pipeline_;
 };
 
 }  // namespace sheen

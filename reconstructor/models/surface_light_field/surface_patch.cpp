@@ -58,7 +58,11 @@ Eigen::MatrixXf SurfacePatch::colours() const {
 Eigen::MatrixXf SurfacePatch::colours(int first_sample, int samples) const {
   if (!planes) return basis.unpacked(3 * first_sample, 3 * samples, rank());
   Eigen::MatrixXf colours(3 * samples, basis.cols());
-  for (int term = 0; term < rank(); ++term) colours.col(term) = planes->colours_of(basis.column(term), first_sample);
+  const ColourPlanes::Triangle& triangle = planes->triangle_at(first_sample);
+  basis.visit(basis.cols(), [&](Eigen::Index r, const auto& value) {
+    for (int sample = 0; sample < samples; ++sample)
+      colours.col(r).segment<3>(3 * sample) = ColourPlanes::colour(planes->rows_of_sample(triangle, sample), value);
+  });
   return colours;
 }
 
