@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstructor/surface/lattice_resampling.h"
+
 namespace sheen {
 namespace {
 
@@ -55,16 +57,28 @@ Eigen::Vector3f continued(int side, float x, float y, float radius, const Colour
   return moments.llt().solve(sums).row(0).transpose();
 }
 
-/// At a sample (i, j) of the lattice of chroma.
-Eigen::Vector3f colour_at_chroma(const Triangle& triangle, int i, int j, const Colours& colours,
+/// visit(point, its index) of a lattice.
+template <typename Visit>
+void visit_points(int side, const Visit& visit) {
+  for (int i = 0, index = 0; i < side; ++i)
+    for (int j = 0; i + j < side; ++j, ++index) visit(LatticePoint{i, j}, index);
+}
+
+Eigen::Vector3f colour_at_chroma(const Triangle& triangle, LatticePoint chroma, const Colours& colours,
                                  std::span<const std::uint8_t> visible) {
-  const LatticeStencil& round = triangle.coarser->round(lattice_index(triangle.chroma_side, i, j));
+  const LatticeStencil round = triangle.round_chroma(chroma);
   if (all_visible(round, visible))
     return round.weight[0] * colours.col(round.index[0]) + round.weight[1] * colours.col(round.index[1]) +
            round.weight[2] * colours.col(round.index[2]);
   const float spacing = static_cast<float>(triangle.side - 1) / static_cast<float>(triangle.chroma_side - 1);
-  return continued(triangle.side, spacing * static_cast<float>(i), spacing * static_cast<float>(j), 2 * spacing,
-                   colours, visible);
+  return continued(triangle.side, spacing * static_cast<float>(chroma.i), spacing * static_cast<float>(chroma.j),
+                   2 * spacing, colours, visible);
+}
+
+/// Whether the samples round a chroma sample are visible.
+bool is_known(const Triangle& triangle, LatticePoint chroma, int index, std::span<const std::uint8_t> visible) {
+  return triangle.chroma_is_coarser() ? all_visible(triangle.round_chroma(chroma), visible)
+                                      : visible[static_cast<std::size_t>(index)] != 0;
 }
 
 }  // namespace
@@ -83,15 +97,12 @@ const Eigen::Matrix3f& opponent_colours() {
 ColourPlanes::ColourPlanes(const MapSides& sides, const MapSides& chroma_sides) {
   triangles_.reserve(sides.size());
   for (std::size_t i = 0; i < sides.size(); ++i) {
-    const bool same = sides[i] == chroma_sides[i];
     triangles_.push_back({.side = sides[i],
                           .chroma_side = chroma_sides[i],
                           .first_sample = samples_,
                           .first_chroma = chroma_samples_,
                           .chroma_weight = std::sqrt(static_cast<float>(lattice_samples(sides[i])) /
-                                                     static_cast<float>(lattice_samples(chroma_sides[i]))),
-                          .coarser = same ? nullptr : &lattice_resampling(sides[i], chroma_sides[i]),
-                          .finer = same ? nullptr : &lattice_resampling(chroma_sides[i], sides[i])});
+                                                     static_cast<float>(lattice_samples(chroma_sides[i])))});
     samples_ += lattice_samples(sides[i]);
     chroma_samples_ += lattice_samples(chroma_sides[i]);
   }
@@ -118,13 +129,12 @@ Eigen::VectorXf ColourPlanes::rows_of(const ColumnRef& colours, std::span<const 
     rows.segment(triangle.first_sample, own.cols()).noalias() = own.transpose() * planes.row(0).transpose();
     float* const first = rows.data() + samples_ + triangle.first_chroma;
     float* const second = first + chroma_samples_;
-    for (int i = 0, c = 0; i < triangle.chroma_side; ++i)
-      for (int j = 0; i + j < triangle.chroma_side; ++j, ++c) {
-        const Eigen::Vector3f colour =
-            triangle.coarser ? colour_at_chroma(triangle, i, j, own, own_visible) : Eigen::Vector3f(own.col(c));
-        first[c] = triangle.chroma_weight * planes.row(1).dot(colour);
-        second[c] = triangle.chroma_weight * planes.row(2).dot(colour);
-      }
+    visit_points(triangle.chroma_side, [&](LatticePoint chroma, int c) {
+      const Eigen::Vector3f colour = triangle.chroma_is_coarser() ? colour_at_chroma(triangle, chroma, own, own_visible)
+                                                                  : Eigen::Vector3f(own.col(c));
+      first[c] = triangle.chroma_weight * planes.row(1).dot(colour);
+      second[c] = triangle.chroma_weight * planes.row(2).dot(colour);
+    });
   }
   return rows;
 }
@@ -151,9 +161,8 @@ std::vector<std::uint8_t> ColourPlanes::known_places(std::span<const std::uint8_
   known.assign(samples.begin(), samples.end());
   for (const Triangle& triangle : triangles_) {
     const auto own = own_samples(triangle, samples);
-    for (int s = 0; s < lattice_samples(triangle.chroma_side); ++s)
-      known.push_back(triangle.coarser ? all_visible(triangle.coarser->round(s), own)
-                                       : own[static_cast<std::size_t>(s)] != 0);
+    visit_points(triangle.chroma_side,
+                 [&](LatticePoint chroma, int index) { known.push_back(is_known(triangle, chroma, index, own)); });
   }
   return known;
 }
@@ -164,16 +173,16 @@ std::vector<std::uint8_t> ColourPlanes::guessed_places(std::span<const std::uint
   for (const Triangle& triangle : triangles_) {
     const auto own = own_samples(triangle, samples);
     std::uint8_t* const chroma = known.data() + samples_ + triangle.first_chroma;
-    for (std::size_t s = 0; s < own.size(); ++s) {
-      if (own[s] == 0) continue;
-      if (!triangle.finer) {
-        chroma[s] = 1;
-        continue;
-      }
-      const LatticeStencil& round = triangle.finer->round(static_cast<int>(s));
+    if (!triangle.chroma_is_coarser()) {
+      std::copy(own.begin(), own.end(), chroma);
+      continue;
+    }
+    visit_points(triangle.side, [&](LatticePoint sample, int s) {
+      if (own[static_cast<std::size_t>(s)] == 0) return;
+      const LatticeStencil round = triangle.round_sample(sample);
       for (int k = 0; k < 3; ++k)
         if (round.weight[k] > kCounts) chroma[round.index[k]] = 1;
-    }
+    });
   }
   return known;
 }
@@ -221,20 +230,20 @@ MapSides ColourPlanes::sides_for_chroma_of(const ColumnRef& colours, std::span<c
   MapSides wanted = chroma_sides();
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     const Triangle& triangle = triangles_[i];
-    if (!triangle.coarser) continue;
+    if (!triangle.chroma_is_coarser()) continue;
     const auto own = own_samples(triangle, visible);
-    const Eigen::Matrix3Xf missed = triangle.coarser->missed(opponent_colours() * own_colours(triangle, colours));
+    const Eigen::Matrix3Xf missed = LatticeResampling(triangle.side, triangle.chroma_side)
+                                        .missed(opponent_colours() * own_colours(triangle, colours));
+    std::vector<std::uint8_t> known;
+    visit_points(triangle.chroma_side,
+                 [&](LatticePoint chroma, int index) { known.push_back(is_known(triangle, chroma, index, own)); });
     float square = 0;
     int values = 0;
-    for (int s = 0; s < missed.cols(); ++s) {
-      const LatticeStencil& round = triangle.finer->round(s);
-      bool counts = own[static_cast<std::size_t>(s)] != 0;
-      for (int k = 0; k < 3; ++k)
-        counts = counts && (round.weight[k] <= kCounts || all_visible(triangle.coarser->round(round.index[k]), own));
-      if (!counts) continue;
+    visit_points(triangle.side, [&](LatticePoint sample, int s) {
+      if (own[static_cast<std::size_t>(s)] == 0 || !all_visible(triangle.round_sample(sample), known)) return;
       square += missed.col(s).tail<2>().squaredNorm();
       values += 2;
-    }
+    });
     if (square > most_missed * most_missed * static_cast<float>(values)) wanted[i] = triangle.side;
   }
   return wanted;
@@ -248,8 +257,8 @@ const Triangle& ColourPlanes::triangle_at(int first_sample) const {
 ColourPlanes::SampleRows ColourPlanes::rows_of_sample(const Triangle& triangle, int sample) const {
   const int first = samples_ + triangle.first_chroma;
   SampleRows rows{triangle.first_sample + sample, 1, {first + sample, 0, 0}, {1, 0, 0}, chroma_samples_};
-  if (!triangle.finer) return rows;
-  const LatticeStencil& round = triangle.finer->round(sample);
+  if (!triangle.chroma_is_coarser()) return rows;
+  const LatticeStencil round = triangle.round_sample(lattice_point(triangle.side, sample));
   rows.chroma_count = 3;
   for (int k = 0; k < 3; ++k) {
     rows.chroma[k] = first + round.index[k];

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "reconstructor/numerics/row_planes.h"
-#include "reconstructor/surface/lattice_resampling.h"
 #include "reconstructor/surface/map_layout.h"
 
 namespace sheen {
@@ -66,9 +65,11 @@ class ColourPlanes {
   struct Triangle {
     std::uint8_t side, chroma_side;
     int first_sample, first_chroma;
-    float chroma_weight;               ///< of chroma in its rows: a chroma sample stands for several samples
-    const LatticeResampling* coarser;  ///< from luma's lattice to chroma's; null where they are the same
-    const LatticeResampling* finer;    ///< and back
+    float chroma_weight;  ///< of chroma in its rows: a chroma sample stands for several samples
+
+    bool chroma_is_coarser() const { return chroma_side != side; }
+    LatticeStencil round_chroma(LatticePoint chroma) const { return lattice_stencil(side, chroma_side, chroma); }
+    LatticeStencil round_sample(LatticePoint sample) const { return lattice_stencil(chroma_side, side, sample); }
   };
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const Triangle& triangle_at(int first_sample) const;

@@ -2,10 +2,6 @@
 #include "reconstructor/surface/lattice_resampling.h"
 
 #include <algorithm>
-#include <map>
-#include <memory>
-#include <mutex>
-#include <utility>
 
 namespace sheen {
 namespace {
@@ -14,10 +10,8 @@ namespace {
 std::vector<LatticeStencil> stencils(int of, int at) {
   std::vector<LatticeStencil> stencils;
   stencils.reserve(static_cast<std::size_t>(lattice_samples(at)));
-  const auto last = static_cast<float>(at - 1);
   for (int i = 0; i < at; ++i)
-    for (int j = 0; i + j < at; ++j)
-      stencils.push_back(lattice_stencil(of, static_cast<float>(i) / last, static_cast<float>(j) / last));
+    for (int j = 0; i + j < at; ++j) stencils.push_back(lattice_stencil(of, at, {i, j}));
   return stencils;
 }
 
@@ -59,15 +53,6 @@ Eigen::VectorXf LatticeResampling::missed_of_plane(const Eigen::Ref<const Eigen:
 int LatticeResampling::nearest(int sample) const {
   const LatticeStencil& stencil = round(sample);
   return stencil.index[std::max_element(stencil.weight, stencil.weight + 3) - stencil.weight];
-}
-
-const LatticeResampling& lattice_resampling(int from, int to) {
-  static std::mutex mutex;
-  static std::map<std::pair<int, int>, std::unique_ptr<const LatticeResampling>> known;
-  const std::lock_guard lock(mutex);
-  auto& resampling = known[{from, to}];
-  if (!resampling) resampling = std::make_unique<const LatticeResampling>(from, to);
-  return *resampling;
 }
 
 }  // namespace sheen

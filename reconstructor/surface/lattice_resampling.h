@@ -10,7 +10,7 @@ namespace sheen {
 
 /// Carries values from a triangle's lattice of one resolution to one of another, by linear interpolation. So what
 /// stands on more samples draws the same surface, and what stands on fewer is right at each of them, whatever lies
-/// between.
+/// between. Holds tables as long as the lattices: made where it is used, and not kept.
 class LatticeResampling {
  public:
   LatticeResampling(int from, int to);
@@ -32,8 +32,5 @@ class LatticeResampling {
   std::vector<LatticeStencil> at_new_;  ///< of the old lattice, at each new sample
   std::vector<LatticeStencil> at_old_;  ///< of the new lattice, at each old sample
 };
-
-/// The same for two resolutions every time; made when it is first asked for. Thread-safe.
-const LatticeResampling& lattice_resampling(int from, int to);
 
 }  // namespace sheen

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -19,6 +21,17 @@ constexpr int lattice_index(int resolution, int i, int j) {
   return i * resolution - i * (i - 1) / 2 + j;
 }
 
+struct LatticePoint {
+  int i, j;
+};
+/// The point with this index.
+inline LatticePoint lattice_point(int resolution, int index) {
+  // i (2n + 1 - i) / 2 <= index, of whole numbers so small that the root is exact where it is one
+  const auto twice = static_cast<float>(2 * resolution + 1);
+  const int i = static_cast<int>((twice - std::sqrt(twice * twice - 8 * static_cast<float>(index))) / 2);
+  return {i, index - lattice_index(resolution, i, 0)};
+}
+
 /// The three lattice points round a place on a triangle and their weights (they sum to 1): linear interpolation.
 struct LatticeStencil {
   int index[3];
@@ -26,6 +39,17 @@ struct LatticeStencil {
 };
 /// u, v: barycentric weights of corners 1 and 2.
 LatticeStencil lattice_stencil(int resolution, float u, float v);
+
+/// The same at a point of another lattice, of resolution `at`.
+inline LatticeStencil lattice_stencil(int resolution, int at, LatticePoint point) {
+  const int last = at - 1, x = point.i * (resolution - 1), y = point.j * (resolution - 1);
+  const int i = std::min(x / last, resolution - 2), j = std::min(y / last, resolution - 2 - i);
+  const int a = x - i * last, b = y - j * last;  // within the cell, of `last`
+  const auto weight = [&](int of_last) { return static_cast<float>(of_last) / static_cast<float>(last); };
+  const int here = lattice_index(resolution, i, j), below = here + resolution - i;  // (i + 1, j)
+  if (a + b <= last) return {{here, below, here + 1}, {weight(last - a - b), weight(a), weight(b)}};
+  return {{below + 1, here + 1, below}, {weight(a + b - last), weight(last - a), weight(last - b)}};
+}
 
 /// Where the samples of a mesh's surface maps stand (000 sec. 4.1): triangle after triangle, each with its lattice
 /// points in order. What an image shows and the colours that it gives are listed by sample in this order.

@@ -178,7 +178,7 @@ void ConstantColour::remove(const PatchShape& patch, const PatchColumn& column) 
 
 /// A sample was seen in as many images as those round it were.
 std::vector<ConstantColour::Sample> ConstantColour::carried(std::span<const Sample> from, int side, int to_side) {
-  const LatticeResampling& resampling = lattice_resampling(side, to_side);
+  const LatticeResampling resampling(side, to_side);
   Eigen::Matrix3Xf codes(3, static_cast<Eigen::Index>(from.size()));
   for (std::size_t s = 0; s < from.size(); ++s)
     for (int c = 0; c < 3; ++c) codes(c, static_cast<Eigen::Index>(s)) = from[s].code[c];

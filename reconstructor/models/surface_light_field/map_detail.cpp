@@ -68,7 +68,7 @@ RowResampling resampled_planes(const ColourPlanes& from, const ColourPlanes& to)
   RowResampling resampling{.rows = to.row_planes(), .columns = {}, .between = {}};
   resampling.between.reserve(static_cast<std::size_t>(to.rows()));
   for (std::size_t i = 0; i < after.size(); ++i) {
-    const LatticeResampling& lattices = lattice_resampling(before[i].side, after[i].side);
+    const LatticeResampling lattices(before[i].side, after[i].side);
     for (int s = 0; s < lattice_samples(after[i].side); ++s) {
       const LatticeStencil& round = lattices.round(s);
       std::array<int, 3> between{};
@@ -81,17 +81,19 @@ RowResampling resampled_planes(const ColourPlanes& from, const ColourPlanes& to)
   }
   resampling.columns = [before, after, rows = to.rows()](const Eigen::MatrixXf& columns) {
     Eigen::MatrixXf resampled(rows, columns.cols());
-    for (Eigen::Index k = 0; k < columns.cols(); ++k)
-      for (std::size_t i = 0; i < after.size(); ++i) {
-        const auto [side, first, weight] = before[i];
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      const auto [side, first, weight] = before[i];
+      const LatticeResampling lattices(side, after[i].side);
+      for (Eigen::Index k = 0; k < columns.cols(); ++k) {
         const auto values = columns.col(k).segment(first, lattice_samples(side));
         auto fresh = resampled.col(k).segment(after[i].first_row, lattice_samples(after[i].side));
         if (side == after[i].side)
           fresh = values;
         else
-          fresh = lattice_resampling(side, after[i].side).of_plane(values);
+          fresh = lattices.of_plane(values);
         fresh *= after[i].weight / weight;
       }
+    }
     return resampled;
   };
   return resampling;
@@ -113,7 +115,7 @@ MapSides sufficient_sides(const MapSides& sides, const Eigen::MatrixXf& basis, c
     for (int halving = 0; halving < kHalvings; ++halving) {
       side = half_side(side);
       if (side >= sufficient[i] ||
-          !is_enough(lattice_resampling(sides[i], side), strongest_first, first_rows, samples, most))
+          !is_enough(LatticeResampling(sides[i], side), strongest_first, first_rows, samples, most))
         break;
       sufficient[i] = static_cast<std::uint8_t>(side);
     }

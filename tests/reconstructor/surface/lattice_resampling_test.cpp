@@ -47,14 +47,14 @@ TEST(LatticeResampling, LinearFunctionsAreCarriedExactlyAndNothingOfThemIsMissed
 }
 
 TEST(LatticeResampling, OnWholeMultiplesOfTheIntervalsTheSurfaceIsDrawnAsBefore) {
-  const Eigen::Matrix3Xf coarse = noise(5), fine = lattice_resampling(5, 17).of(coarse);
+  const Eigen::Matrix3Xf coarse = noise(5), fine = LatticeResampling(5, 17).of(coarse);
   std::mt19937 engine(1);
   std::uniform_real_distribution<float> uniform(0, 1);
   for (int trial = 0; trial < 1000; ++trial) {
     const float u = uniform(engine), v = (1 - u) * uniform(engine);
     EXPECT_LT((drawn(fine, 17, u, v) - drawn(coarse, 5, u, v)).norm(), 1e-4f) << u << ", " << v;
   }
-  EXPECT_LT((lattice_resampling(17, 5).of(fine) - coarse).norm(), 1e-4f) << "and back";
+  EXPECT_LT((LatticeResampling(17, 5).of(fine) - coarse).norm(), 1e-4f) << "and back";
 }
 
 TEST(LatticeResampling, WhatFewerSamplesMissIsWhatLiesBetweenThem) {
@@ -63,8 +63,8 @@ TEST(LatticeResampling, WhatFewerSamplesMissIsWhatLiesBetweenThem) {
   Eigen::Matrix3Xf comb = Eigen::Matrix3Xf::Ones(3, lattice_samples(kFine));
   for (int i = 0; i < kFine; i += 2)
     for (int j = 0; i + j < kFine; j += 2) comb.col(lattice_index(kFine, i, j)).setZero();
-  EXPECT_EQ(lattice_resampling(kFine, kCoarse).of(comb), Eigen::Matrix3Xf::Zero(3, lattice_samples(kCoarse)));
-  EXPECT_EQ(lattice_resampling(kFine, kCoarse).missed(comb), comb);
+  EXPECT_EQ(LatticeResampling(kFine, kCoarse).of(comb), Eigen::Matrix3Xf::Zero(3, lattice_samples(kCoarse)));
+  EXPECT_EQ(LatticeResampling(kFine, kCoarse).missed(comb), comb);
 }
 
 TEST(LatticeResampling, KnowsWhichSamplesANewOneLiesBetween) {

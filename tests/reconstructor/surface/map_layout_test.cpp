@@ -46,6 +46,53 @@ TEST(Lattice, StencilReproducesLinearFunctions) {
     }
 }
 
+TEST(Lattice, PointsOfAllIndicesAreFound) {
+  for (int n = 2; n <= 255; ++n)
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j) {
+        const LatticePoint found = lattice_point(n, lattice_index(n, i, j));
+        ASSERT_TRUE(found.i == i && found.j == j) << n << ": " << i << ", " << j;
+      }
+}
+
+TEST(Lattice, AtPointsOfAnotherLatticeTheStencilIsTheOneOfTheirPlace) {
+  for (const int n : {2, 3, 7, 16, 33, 255})
+    for (const int at : {2, 3, 5, 9, 31, 254, 255}) {
+      const auto value = [n](int index) {  // no plane: which of a cell's two triangles is asked counts
+        const LatticePoint point = lattice_point(n, index);
+        return static_cast<float>((7 * point.i + 13 * point.j + 5 * point.i * point.j) % 11);
+      };
+      const auto drawn = [&](const LatticeStencil& stencil) {
+        float sum = 0;
+        for (int k = 0; k < 3; ++k) {
+          EXPECT_TRUE(stencil.index[k] >= 0 && stencil.index[k] < lattice_samples(n));
+          EXPECT_TRUE(stencil.weight[k] >= 0 && stencil.weight[k] <= 1);
+          sum += stencil.weight[k] * value(stencil.index[k]);
+        }
+        return sum;
+      };
+      const auto last = static_cast<float>(at - 1);
+      for (int i = 0; i < at; ++i)
+        for (int j = 0; i + j < at; ++j) {
+          const LatticeStencil of_place =
+              lattice_stencil(n, static_cast<float>(i) / last, static_cast<float>(j) / last);
+          ASSERT_NEAR(drawn(lattice_stencil(n, at, {i, j})), drawn(of_place), 2e-3)
+              << i << ", " << j << " of " << at << " on " << n;
+        }
+    }
+}
+
+TEST(Lattice, APointThatBothLatticesHaveIsItselfAlone) {
+  for (const int n : {3, 5, 9, 25})
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j) {
+        const LatticeStencil stencil = lattice_stencil(n, 2 * n - 1, {2 * i, 2 * j});
+        for (int k = 0; k < 3; ++k)
+          EXPECT_EQ(stencil.weight[k], stencil.index[k] == lattice_index(n, i, j) ? 1 : 0)
+              << n << ": " << i << ", " << j;
+      }
+}
+
 TEST(MapLayout, SamplesOfTriangleAfterTriangleLeaveNoGap) {
   const std::vector<std::uint8_t> resolution{2, 7, 3, 255, 2};
   const MapLayout maps(resolution);

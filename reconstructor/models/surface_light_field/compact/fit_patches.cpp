@@ -224,7 +224,7 @@ class PatchFit {
     const std::uint32_t p = shapes.patch_of[old];
     const PatchSnapshot& patch = *filled_->patches()[p];
     const int n = model_.maps->resolution(triangle), samples = lattice_samples(n);
-    const LatticeResampling& finer = lattice_resampling(filled_->maps().resolution(old), n);
+    const LatticeResampling finer(filled_->maps().resolution(old), n);
     const auto first = static_cast<int>(shapes.first_sample[old]);
     const std::vector<int> old_sample = rotated_samples(n, canonical_.first_corner[triangle]);
     for (std::size_t s = 0; s < old_sample.size(); ++s) state[s] = patch.state(first + finer.nearest(old_sample[s]));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "reconstructor/models/surface_light_field/map_detail.h"
+#include "reconstructor/surface/lattice_resampling.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
@@ -197,7 +198,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SyntheticLightField::with_finer
       const int from = maps_->resolution(t), samples = lattice_samples(from), finer = lattice_samples(sides[t]);
       after.conservativeResize(after.rows() + 3 * finer, Eigen::NoChange);
       for (Eigen::Index k = 0; k < before.cols(); ++k)
-        after.col(k).tail(3 * finer) = lattice_resampling(from, sides[t])
+        after.col(k).tail(3 * finer) = LatticeResampling(from, sides[t])
                                            .of(before.col(k).segment(first, 3 * samples).reshaped(3, samples))
                                            .reshaped();
       first += 3 * samples;
