@@ -32,7 +32,7 @@ struct LogOptions {
   bool json = false;           ///< one JSON object per line instead of text
   std::filesystem::path file;  ///< appended to; empty: standard error
   std::size_t queue =
-      8192;  ///< records that wait for a slow terminal or disk; then the oldest are dropped, and counted
+      2048;  ///< records that wait for a slow terminal or disk; then the oldest are dropped, and counted
 };
 
 /// Starts the thread that writes. Before, and after `stop_logging`, records go nowhere. Throws FileError.

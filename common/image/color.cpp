@@ -57,15 +57,18 @@ void srgb_encode_fast(std::span<float> values) {
   for (std::size_t i = 0; i < values.size(); ++i) v[i] = encode(v[i]);
 }
 
-ImageU8 to_srgb8(const ImageF& linear) {
-  ImageU8 out(linear.width(), linear.height(), linear.channels());
+void to_srgb8(std::span<const float> linear, std::uint8_t* codes) {
   const float* const values = linear.data();
-  std::uint8_t* const codes = out.data();
   for (std::size_t i = 0; i < linear.size(); ++i) {  // without a branch: vectorised
     const float encoded = encode(values[i]);
     const float positive = encoded > 0 ? encoded : 0;  // NaN fails the test
     codes[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(std::min(positive, 1.0f) * 255.0f + 0.5f));
   }
+}
+
+ImageU8 to_srgb8(const ImageF& linear) {
+  ImageU8 out(linear.width(), linear.height(), linear.channels());
+  to_srgb8({linear.data(), linear.size()}, out.data());
   return out;
 }
 

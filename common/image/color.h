@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "common/image/image.h"
@@ -20,6 +21,7 @@ void srgb_encode_fast(std::span<float> values);
 
 /// Linear RGB (1 or 3 channels) -> 8-bit sRGB: clamped and rounded. NaN becomes 0.
 ImageU8 to_srgb8(const ImageF& linear);
+void to_srgb8(std::span<const float> linear, std::uint8_t* codes);  ///< value by value
 
 /// Rec. 709 luminance of a linear RGB triple.
 inline float luminance(const float* rgb) {

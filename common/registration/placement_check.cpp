@@ -54,7 +54,7 @@ std::string outlines_off(const Mesh& mesh, const RayScene& scene, std::span<cons
 }
 
 std::string texture_off(const Mesh& mesh, const RayScene& scene, std::span<const RegistrationImage> images) {
-  TextureEvidence texture(mesh, scene, images);
+  TextureEvidence texture(mesh, scene, images, kLevel);
   const auto agreement = [&](const Eigen::Vector3d& offset) {
     Similarity place;
     place.translation = offset;

@@ -29,6 +29,22 @@ Image<T> halved(const Image<T>& image, int type) {
   return half;
 }
 
+/// What differs from the surroundings, over their contrast.
+ImageF detail_of(const ImageF& image) {
+  const cv::Mat value = header(image, CV_32F);
+  cv::Mat mean, square, mean_square;
+  cv::GaussianBlur(value, mean, {}, kSurroundings_px);
+  cv::multiply(value, value, square);
+  cv::GaussianBlur(square, mean_square, {}, kSurroundings_px);
+  ImageF detail(image.width(), image.height(), 1);
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      const float m = mean.at<float>(y, x), variance = std::max(0.0f, mean_square.at<float>(y, x) - m * m);
+      detail.at(x, y) = (image.at(x, y) - m) / std::sqrt(variance + kNoise * kNoise);
+    }
+  return detail;
+}
+
 }  // namespace
 
 RegistrationImage registration_image(const Capture& capture) {
@@ -55,27 +71,17 @@ RegistrationImage registration_image(const Capture& capture) {
   return image;
 }
 
-DetailPyramid::DetailPyramid(const ImageF& grey) {
-  ImageF level = grey;
-  while (true) {
-    const cv::Mat value = header(level, CV_32F);
-    cv::Mat mean, square, mean_square;
-    cv::GaussianBlur(value, mean, {}, kSurroundings_px);
-    cv::multiply(value, value, square);
-    cv::GaussianBlur(square, mean_square, {}, kSurroundings_px);
-    ImageF detail(level.width(), level.height(), 1);
-    for (int y = 0; y < level.height(); ++y)
-      for (int x = 0; x < level.width(); ++x) {
-        const float m = mean.at<float>(y, x), variance = std::max(0.0f, mean_square.at<float>(y, x) - m * m);
-        detail.at(x, y) = (level.at(x, y) - m) / std::sqrt(variance + kNoise * kNoise);
-      }
-    levels_.push_back(std::move(detail));
-    if (std::min(level.width(), level.height()) < 2 * kSmallestSide_px) return;
-    level = halved(level, CV_32F);
+DetailPyramid::DetailPyramid(const ImageF& grey, int finest) {
+  ImageF smaller;
+  for (const ImageF* level = &grey;; level = &smaller) {
+    levels_.push_back(this->levels() < finest ? ImageF() : detail_of(*level));
+    if (std::min(level->width(), level->height()) < 2 * kSmallestSide_px) return;
+    smaller = halved(*level, CV_32F);
   }
 }
 
 bool DetailPyramid::sample(int level, double x, double y, float& value, Eigen::Vector2f& gradient) const {
+  if (level >= levels()) return false;
   const ImageF& image = levels_[level];
   const auto scale = static_cast<float>(1.0 / (1 << level));
   const float u = (static_cast<float>(x) + 0.5f) * scale - 0.5f, v = (static_cast<float>(y) + 0.5f) * scale - 0.5f;

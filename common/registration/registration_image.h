@@ -25,9 +25,11 @@ RegistrationImage registration_image(const Capture& capture);
 /// empty wall agrees with nothing.
 class DetailPyramid {
  public:
-  explicit DetailPyramid(const ImageF& grey);
+  /// `finest`: there is nothing on levels below it.
+  explicit DetailPyramid(const ImageF& grey, int finest = 0);
   int levels() const { return static_cast<int>(levels_.size()); }
-  /// Bilinear value and its gradient per pixel of the full image; `x`, `y` likewise. False near the border.
+  /// Bilinear value and its gradient per pixel of the full image; `x`, `y` likewise. False near the border, and on
+  /// levels that are not there.
   bool sample(int level, double x, double y, float& value, Eigen::Vector2f& gradient) const;
 
  private:

@@ -21,9 +21,10 @@ constexpr double kNarrowest_px = 25;  // of the mesh, at the coarsest level
 
 }  // namespace
 
-TextureEvidence::TextureEvidence(const Mesh& mesh, const RayScene& scene, std::span<const RegistrationImage> images)
-    : mesh_(mesh), scene_(scene), images_(images) {
-  for (const RegistrationImage& image : images) pyramids_.emplace_back(image.grey);
+TextureEvidence::TextureEvidence(const Mesh& mesh, const RayScene& scene, std::span<const RegistrationImage> images,
+                                 int finest)
+    : mesh_(mesh), scene_(scene), images_(images), level_(finest) {
+  for (const RegistrationImage& image : images) pyramids_.emplace_back(image.grey, finest);
   double area = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) area += mesh.area_normal(t).norm();
   const double each = area / static_cast<double>(kPoints);
@@ -64,10 +65,12 @@ void TextureEvidence::see(const Similarity& stage_from_mesh, int level, double m
   for (auto& sights : seen_) sights.clear();
   SilhouetteCaster caster;
   for (std::uint32_t i = 0; i < images_.size(); ++i) {
-    const PosedCamera view = in_mesh_frame(images_[i].view, stage_from_mesh);
+    const PosedCamera full = in_mesh_frame(images_[i].view, stage_from_mesh);
+    const PosedCamera view{full.camera.scaled(full.camera.width >> level, full.camera.height >> level),
+                           full.camera_from_object};
     const Eigen::Vector3f eye = camera_centre(view.camera_from_object).cast<float>();
     const ImageF inside = distance_from_outline(caster.cast(view, mesh_, scene_));
-    const float least_inside = static_cast<float>(margin_px * (1 << level));
+    const auto least_inside = static_cast<float>(margin_px);
     std::vector<float> cosines(points_.size(), 0);
     tbb::parallel_for(std::size_t{0}, points_.size(), [&](std::size_t k) {
       const Eigen::Vector3f to_eye = eye - points_[k];

@@ -14,8 +14,8 @@ namespace sheen {
 /// see them. The value that they should show is their mean, which follows the placement.
 class TextureEvidence {
  public:
-  /// All must outlive it.
-  TextureEvidence(const Mesh& mesh, const RayScene& scene, std::span<const RegistrationImage> images);
+  /// All must outlive it. `finest`: level that it will be asked for.
+  TextureEvidence(const Mesh& mesh, const RayScene& scene, std::span<const RegistrationImage> images, int finest = 0);
 
   /// The coarsest level on which the mesh is still several pixels wide.
   int coarsest(const Similarity& stage_from_mesh) const;

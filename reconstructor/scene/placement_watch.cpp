@@ -15,12 +15,13 @@ void PlacementWatch::look(const Capture& capture) {
   first_.push_back(capture);
   if (first_.size() < kImagesToCheck) return;
   looked_ = true;
-  judge_ = std::jthread([this, captures = std::exchange(first_, {})] {
+  judge_ = std::jthread([this, captures = std::exchange(first_, {})]() mutable {
     std::vector<RegistrationImage> images;
     bool on_stage = false;
-    for (const Capture& one : captures) {
+    for (Capture& one : captures) {
       images.push_back(registration_image(one));
       on_stage |= !one.stage_hash.empty();
+      one = {};  // what it takes is not needed longer
     }
     if (const std::string found = placement_warning(mesh_, images, on_stage); !found.empty()) warn_(found);
   });
