@@ -66,7 +66,8 @@ void TextureEvidence::see(const Similarity& stage_from_mesh, int level, double m
   SilhouetteCaster caster;
   for (std::uint32_t i = 0; i < images_.size(); ++i) {
     const PosedCamera full = in_mesh_frame(images_[i].view, stage_from_mesh);
-    const PosedCamera view{full.camera.scaled(full.camera.width >> level, full.camera.height >> level),
+    const auto on_level = [level](int side) { return std::max(1, side >> level); };
+    const PosedCamera view{full.camera.scaled(on_level(full.camera.width), on_level(full.camera.height)),
                            full.camera_from_object};
     const Eigen::Vector3f eye = camera_centre(view.camera_from_object).cast<float>();
     const ImageF inside = distance_from_outline(caster.cast(view, mesh_, scene_));

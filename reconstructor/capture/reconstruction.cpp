@@ -32,8 +32,8 @@ Reconstruction::Reconstruction(Mesh mesh, const ModelSettings& settings)
     : resident_before_(resident_memory().bytes),
       mesh_(std::make_shared<Mesh>(std::move(mesh))),
       asked_(settings.clone()),
-      model_(asked_->make_model(mesh_)),
       painter_(std::make_shared<RayPainter>(*mesh_)),
+      model_(asked_->make_model(mesh_, painter_->scene())),
       effort_(settings.effort_levels()) {}
 
 void Reconstruction::keep_within(const Limits& limits, const std::string& record, std::uint64_t captures,
@@ -94,7 +94,7 @@ void Reconstruction::stay_within_memory() {
 
 MemoryAccount Reconstruction::memory() const {
   MemoryAccount account = model_->memory(image_size_.value_or(CaptureSize{}));
-  if (!effort_.limits().shown) account.snapshots = 0;
+  if (!effort_.limits().shown) account = account.unshown();
   account.held_out = held_out_bytes_;
   account.probe = probe_.bytes();
   return account;
@@ -207,8 +207,8 @@ void Reconstruction::restart() {
 void Reconstruction::restart_on(std::shared_ptr<const Mesh> mesh) {
   mesh_ = std::move(mesh);
   model_.reset();  // before there is another
-  model_ = asked_->make_model(mesh_);
   painter_ = std::make_shared<RayPainter>(*mesh_);
+  model_ = asked_->make_model(mesh_, painter_->scene());
   restart();
 }
 

@@ -102,8 +102,8 @@ class Reconstruction {
   double resident_before_, resident_at_finish_ = 0;
   std::shared_ptr<const Mesh> mesh_;
   std::unique_ptr<ModelSettings> asked_;
-  std::unique_ptr<AppearanceModel> model_;
   std::shared_ptr<const RayPainter> painter_;
+  std::unique_ptr<AppearanceModel> model_;
   HeldOutSet held_out_;
   CaptureAccount account_;
 

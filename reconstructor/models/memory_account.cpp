@@ -1,7 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/memory_account.h"
 
+#include <algorithm>
+
 namespace sheen {
+
+MemoryAccount MemoryAccount::unshown() const {
+  MemoryAccount account = *this;
+  account.snapshots = std::max(0.0, snapshots / 2 - model);
+  account.shown = false;
+  return account;
+}
 
 std::map<std::string, double> MemoryAccount::parts() const {
   return {{"mesh", mesh},           {"ray_scene", ray_scene}, {"ingest", ingest}, {"model", model},

@@ -12,19 +12,24 @@ namespace sheen {
 /// What a reconstruction holds, in bytes per part. A function of mesh, settings and captures.
 struct MemoryAccount {
   static constexpr double kProgram = 45e6;  ///< with its libraries, before an image comes (measured)
-  /// Of the model: what is not counted of it and what the allocator adds, at most (measured: 0.1 to 0.4). Two snapshots
-  /// have patches in common, which makes up for it.
-  static constexpr double kPieces = 0.4;
+  /// Of the model: what is not counted of it and what the allocator adds, at most (measured: 0.05 to 0.25). Two
+  /// snapshots have patches in common, which makes up for it.
+  static constexpr double kPieces = 0.25;
 
   double mesh = 0;
-  double ray_scene = 0;  ///< what rays are cast at, once to find what images show and once to paint
+  double ray_scene = 0;  ///< what rays are cast at, to find what images show and to paint
   double ingest = 0;     ///< what an image is ingested with: its samples and pixels, and the samples' mean colours
   double model = 0;      ///< what has been learned
-  double snapshots = 0;  ///< two: the one that is shown, and the one that follows; none where nothing is shown
+  double snapshots = 0;  ///< two: the one that is shown, and the one that follows
   double held_out = 0;   ///< views that judge
   double probe = 0;      ///< images that a budget's effort level is chosen by, until it is
 
-  double overhead() const { return kProgram + (snapshots > 0 ? 0 : kPieces * model); }
+  bool shown = true;  ///< there are snapshots before the end
+
+  /// Nothing is shown before the end. Then the finished model takes the place of what was learned: `snapshots` is how
+  /// much larger it is.
+  MemoryAccount unshown() const;
+  double overhead() const { return kProgram + (shown && snapshots > 0 ? 0 : kPieces * (model + snapshots)); }
   double total() const { return mesh + ray_scene + ingest + model + snapshots + held_out + probe + overhead(); }
   std::map<std::string, double> parts() const;
 };

@@ -70,8 +70,10 @@ struct ModelSettings {
   virtual bool takes_mesh() const { return false; }
   virtual int effort_levels() const = 0;  ///< at least 1: level 0 is what these settings ask for
   virtual MemoryNeed memory_need(std::size_t vertices, std::size_t triangles) const = 0;
-  /// A model of the mesh with these settings, at effort level 0. Throws ConfigError as `require_valid` does.
-  virtual std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const = 0;
+  /// A model of the mesh with these settings, at effort level 0. `scene`: of that mesh. Throws ConfigError as
+  /// `require_valid` does.
+  virtual std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh,
+                                                      std::shared_ptr<const RayScene> scene) const = 0;
   /// For a snapshot of a model with these settings. `photographs`: whether to keep them for baselines that need them.
   virtual std::unique_ptr<Baselines> make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
                                                     bool photographs) const = 0;

@@ -88,7 +88,7 @@ ImageU8 RayPainter::silhouette(const Camera& camera, const Rigid3& camera_from_o
 void RayPainter::cast_row(const Camera& camera, const Rigid3& object_from_camera, int y, std::span<Hit> hits) const {
   std::vector<Ray> rays(camera.width);
   for (int x = 0; x < camera.width; ++x) rays[x] = ray_of(camera, object_from_camera, {double(x), double(y)});
-  scene_.intersect(rays, hits);
+  scene_->intersect(rays, hits);
 }
 
 PaintedView RayPainter::paint(const Appearance& snapshot, const Camera& camera, const Rigid3& camera_from_object,
@@ -98,12 +98,14 @@ PaintedView RayPainter::paint(const Appearance& snapshot, const Camera& camera, 
 }
 
 PaintedView RayPainter::paint(const ViewShader& shader, const Camera& camera, const Rigid3& camera_from_object) const {
-  const std::vector<Hit> hits = cast(camera, camera_from_object);
+  const Rigid3 object_from_camera = camera_from_object.inverse();
   const int w = camera.width, h = camera.height;
   PaintedView view{ImageF(w, h, 3), ImageU8(w, h, 1), ImageF(w, h, 1), ImageF(w, h, 1), ImageU8(w, h, 1)};
   tbb::parallel_for(0, h, [&](int y) {
+    std::vector<Hit> hits(w);
+    cast_row(camera, object_from_camera, y, hits);
     for (int x = 0; x < w; ++x) {
-      const Hit& hit = hits[std::size_t(y) * w + x];
+      const Hit& hit = hits[x];
       if (!hit) continue;
       SurfaceSample sample = shader.shade(hit.triangle, hit.u, hit.v);
       // No image shows the back of a triangle: the colour of its front is the guess.
@@ -136,7 +138,7 @@ SmoothView RayPainter::paint_smooth(const Appearance& snapshot, const Outlines& 
       }
       for (std::size_t i = 0; i < rays.size(); ++i)
         rays[i] = ray_of(camera, object_from_camera, Eigen::Vector2d(x, y) + kPlaces[i]);
-      scene_.intersect(rays, hits);
+      scene_->intersect(rays, hits);
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
       int surface = 0;
       for (const Hit& hit : hits) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "common/camera/camera.h"
@@ -40,7 +41,10 @@ ImageU8 straight_srgb8(const SmoothView& view);
 /// Needs no GPU and no display. Thread-safe.
 class RayPainter {
  public:
-  explicit RayPainter(const Mesh& mesh) : scene_(mesh) {}
+  explicit RayPainter(const Mesh& mesh) : scene_(std::make_shared<const RayScene>(mesh)) {}
+
+  /// Of the mesh.
+  const std::shared_ptr<const RayScene>& scene() const { return scene_; }
 
   /// The snapshot must be of the painter's mesh. `light` and `more_lights`: as in `ViewQuery`.
   PaintedView paint(const Appearance& snapshot, const Camera& camera, const Rigid3& camera_from_object,
@@ -61,7 +65,7 @@ class RayPainter {
   void cast_row(const Camera& camera, const Rigid3& object_from_camera, int y, std::span<Hit> hits) const;
   PaintedView paint(const ViewShader& shader, const Camera& camera, const Rigid3& camera_from_object) const;
 
-  RayScene scene_;
+  std::shared_ptr<const RayScene> scene_;
 };
 
 }  // namespace sheen

@@ -85,7 +85,8 @@ MemoryNeed FlatColourSettings::memory_need(std::size_t, std::size_t triangles) c
   return {bytes, 100 * bytes};
 }
 
-std::unique_ptr<AppearanceModel> FlatColourSettings::make_model(std::shared_ptr<const Mesh> mesh) const {
+std::unique_ptr<AppearanceModel> FlatColourSettings::make_model(std::shared_ptr<const Mesh> mesh,
+                                                                std::shared_ptr<const RayScene> /*scene*/) const {
   return std::make_unique<FlatColourModel>(std::move(mesh), *this);
 }
 

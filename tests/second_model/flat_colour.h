@@ -22,7 +22,8 @@ struct FlatColourSettings : ModelSettings {
   void require_valid() const override;
   int effort_levels() const override { return 2; }  ///< the quicker one looks at a quarter of the pixels
   MemoryNeed memory_need(std::size_t vertices, std::size_t triangles) const override;
-  std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const override;
+  std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh,
+                                              std::shared_ptr<const RayScene> scene) const override;
   std::unique_ptr<Baselines> make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
                                             bool photographs) const override;
 };

@@ -35,7 +35,8 @@ std::optional<Mesh> IntrinsicLumigraphOptions::own_mesh(const PosedCamera& camer
   return view_plane(camera);
 }
 
-std::unique_ptr<AppearanceModel> IntrinsicLumigraphOptions::make_model(std::shared_ptr<const Mesh> mesh) const {
+std::unique_ptr<AppearanceModel> IntrinsicLumigraphOptions::make_model(
+    std::shared_ptr<const Mesh> mesh, std::shared_ptr<const RayScene> /*scene*/) const {
   return std::make_unique<IntrinsicLumigraph>(std::move(mesh), *this);
 }
 

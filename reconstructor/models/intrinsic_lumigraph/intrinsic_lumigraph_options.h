@@ -19,7 +19,8 @@ struct IntrinsicLumigraphOptions : ModelSettings {
   bool makes_mesh() const override { return true; }
   std::optional<Mesh> own_mesh(const PosedCamera& camera) const override;
   bool takes_mesh() const override { return true; }
-  std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const override;
+  std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh,
+                                              std::shared_ptr<const RayScene> scene) const override;
   std::unique_ptr<Baselines> make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
                                             bool photographs) const override;
 };

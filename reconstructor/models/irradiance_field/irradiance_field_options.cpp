@@ -30,7 +30,8 @@ std::optional<Mesh> IrradianceFieldOptions::own_mesh(const PosedCamera& camera) 
   return picture_plane(Undistortion(camera).camera());
 }
 
-std::unique_ptr<AppearanceModel> IrradianceFieldOptions::make_model(std::shared_ptr<const Mesh> mesh) const {
+std::unique_ptr<AppearanceModel> IrradianceFieldOptions::make_model(std::shared_ptr<const Mesh> mesh,
+                                                                    std::shared_ptr<const RayScene> /*scene*/) const {
   return std::make_unique<IrradianceField>(std::move(mesh), *this);
 }
 

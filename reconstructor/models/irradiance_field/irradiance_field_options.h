@@ -21,7 +21,8 @@ struct IrradianceFieldOptions : ModelSettings {
   MemoryNeed memory_need(std::size_t, std::size_t) const override { return {}; }
   bool makes_mesh() const override { return true; }
   std::optional<Mesh> own_mesh(const PosedCamera& camera) const override;
-  std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const override;
+  std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh,
+                                              std::shared_ptr<const RayScene> scene) const override;
   std::unique_ptr<Baselines> make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
                                             bool photographs) const override;
 };

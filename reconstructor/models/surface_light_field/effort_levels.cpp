@@ -38,24 +38,21 @@ std::span<const double> memory_details() {
   return kDetails;
 }
 
-std::span<const TermLimit> memory_steps() {
-  static constexpr std::array<TermLimit, 6> kSteps{
-      {{16, 24, 12}, {12, 18, 8}, {8, 12, 6}, {6, 8, 4}, {4, 5, 3}, {2, 3, 2}}};
+std::span<const PatchLimit> memory_steps() {
+  static constexpr std::array<PatchLimit, 6> kSteps{
+      {{16, 24, 12, 64}, {12, 18, 8, 48}, {8, 12, 6, 32}, {6, 8, 4, 24}, {4, 5, 3, 16}, {2, 3, 2, 16}}};
   return kSteps;
 }
 
 int finest_level(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
                  const MemoryLimit& limit) {
-  const TermLimit& fewest = memory_steps().back();
   const int last = static_cast<int>(all_effort_levels().size()) - 1;
   int level = first;
   for (; level < last; ++level) {
     SurfaceLightFieldOptions limited = at_effort_level(options, level);
-    OnlineSvdOptions& factor = limited.patch.factor;
-    factor = factor.limited_to(fewest.max_rank, fewest.internal_rank, fewest.block);
-    MemoryAccount account = largest_account(mesh, first_capture, limited);
-    if (!limit.shown) account.snapshots = 0;
-    if (account.total() <= limit.bytes) break;
+    limited.patch = limited.patch.limited_to(memory_steps().back());
+    const MemoryAccount account = largest_account(mesh, first_capture, limited);
+    if ((limit.shown ? account : account.unshown()).total() <= limit.bytes) break;
   }
   return level;
 }

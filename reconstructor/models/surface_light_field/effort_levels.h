@@ -26,12 +26,10 @@ SurfaceLightFieldOptions at_effort_level(const SurfaceLightFieldOptions& options
 /// become coarser where that shows least.
 std::span<const double> memory_details();
 /// What patches are cut down to, step by step, when that is not enough.
-struct TermLimit {
-  int max_rank, internal_rank, block;  ///< as in OnlineSvdOptions
-};
-std::span<const TermLimit> memory_steps();
-/// The effort level, `first` or a coarser one, with the finest maps of which the memory can hold the fewest terms that
-/// patches are ever cut down to, whatever images come, held-out views apart; the last one when it can of none.
+std::span<const PatchLimit> memory_steps();
+/// The effort level, `first` or a coarser one, with the finest maps of which the memory can hold the fewest terms and
+/// views that patches are ever cut down to, whatever images come, held-out views apart; the last one when it can of
+/// none.
 int finest_level(const Mesh& mesh, const Capture& first_capture, const SurfaceLightFieldOptions& options, int first,
                  const MemoryLimit& limit);
 

@@ -39,7 +39,7 @@ void LightFieldPipeline::start(const Beginning& first) {
   visibility = std::make_unique<SampleVisibility>(*mesh, *shape, options.visibility, scene);
   constant_colour = std::make_shared<ConstantColour>(mesh, shape);
   PatchModelOptions patch = options.patch;
-  patch.coarse_chroma = options.map_detail > 0;
+  patch.coarse_chroma = options.coarse_chroma();
   patches.emplace(mesh, shape, frames, patch, pixels_per_metre(*mesh, first.camera, first.camera_from_object));
 }
 

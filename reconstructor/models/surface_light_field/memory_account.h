@@ -13,8 +13,8 @@ namespace sheen {
 
 /// Mesh, ray scene and ingest; the rest 0. All images are taken to be as large.
 MemoryAccount fixed_account(const Mesh& mesh, const MapLayout& maps, const CaptureSize& image);
-/// Upper bound of all but held-out views and probe once every patch holds all the terms and views that the options
-/// allow.
+/// Of all but held-out views and probe once every patch holds all the terms and views that the options allow. An upper
+/// bound but for chroma: where images show it as fine as luma, it takes more.
 MemoryAccount largest_account(const Mesh& mesh, const Capture& first, const SurfaceLightFieldOptions& options);
 
 /// Bytes from counts alone: `least` with the fewest terms that are any use, `most` with all terms and views that the

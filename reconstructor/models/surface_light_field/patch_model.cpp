@@ -19,12 +19,6 @@ constexpr int kFineChromaImages = 3;      // may ask for chroma as fine as luma;
 constexpr int kDifferently = 2;           // samples that so many times fewer images show are imputed, and say so
 constexpr std::size_t kPackedValue = sizeof(std::int16_t), kPackedScale = sizeof(double);  // as PackedColumns has them
 
-/// Of a patch's snapshot, beside its vertices.
-template <typename Count>
-Count map_bytes(Count samples, Count rank) {
-  return samples + rank * (kPackedScale + kPackedValue * 3 * samples);
-}
-
 /// Of a vertex in it: directions and reliabilities of its views; weights, mean and drift.
 template <typename Count>
 Count vertex_bytes(Count views, Count rank) {
@@ -44,6 +38,13 @@ std::shared_ptr<const ColourPlanes> first_planes(const MapSides& sides, bool coa
 }
 
 }  // namespace
+
+PatchModelOptions PatchModelOptions::limited_to(const PatchLimit& limit) const {
+  PatchModelOptions limited = *this;
+  limited.factor = factor.limited_to(limit.max_rank, limit.internal_rank, limit.block);
+  limited.max_views = std::min(max_views, limit.max_views);
+  return limited;
+}
 
 OnlineSvdOptions patch_factor_options(OnlineSvdOptions options) {
   options.channels = 3;
@@ -247,9 +248,11 @@ void PatchModel::keep_fine_chroma(const Eigen::VectorXf& column, std::span<const
   if (chroma != planes_->chroma_sides()) use(std::make_shared<const ColourPlanes>(planes_->sides(), chroma));
 }
 
-void PatchModel::limit_terms(int max_rank, int internal_rank, int block) {
+void PatchModel::limit(const PatchLimit& limit) {
+  options_ = options_.limited_to(limit);
   Absorbed unused;
-  follow(factor_.limit(max_rank, internal_rank, block), unused);
+  follow(factor_.limit(limit.max_rank, limit.internal_rank, limit.block), unused);
+  thin_views();
   snapshot_.reset();
 }
 
@@ -320,19 +323,20 @@ std::size_t PatchModel::snapshot_bytes(std::size_t vertices) const {
   return sizeof(PatchSnapshot) + shown_.size() + factor_.displayed_bytes() + vertices * vertex_bytes(views, rank);
 }
 
-double PatchModel::largest_bytes(double samples, double vertices, const PatchModelOptions& options) {
+double PatchModel::largest_bytes(const Counts& counts, const PatchModelOptions& options) {
   const OnlineSvdOptions& factor = options.factor;
-  const double rows = 3 * samples, views = options.max_views + factor.block;
-  return sizeof(PatchModel) + sizeof(ColourPlanes) + vertices * sizeof(ColourPlanes::Triangle) +
-         sizeof(std::uint16_t) * samples +
-         views * static_cast<double>(ViewSet::bytes_for(1, static_cast<std::size_t>(vertices))) +
-         OnlineSvd::bytes_for(rows, factor.terms_kept(), factor.block, views, factor.witnesses(static_cast<int>(rows)),
-                              kSensorVariance > 0);
+  const double views = options.max_views + factor.block;
+  return sizeof(PatchModel) + sizeof(ColourPlanes) + counts.vertices * sizeof(ColourPlanes::Triangle) +
+         sizeof(std::uint16_t) * counts.samples +
+         views * static_cast<double>(ViewSet::bytes_for(1, static_cast<std::size_t>(counts.vertices))) +
+         OnlineSvd::bytes_for(counts.rows(), factor.terms_kept(), factor.block, views,
+                              factor.witnesses(static_cast<int>(counts.rows())), kSensorVariance > 0);
 }
 
-double PatchModel::largest_snapshot_bytes(double samples, double vertices, const PatchModelOptions& options) {
+double PatchModel::largest_snapshot_bytes(const Counts& counts, const PatchModelOptions& options) {
   const double rank = options.factor.max_rank, views = options.max_views + options.factor.block;
-  return sizeof(PatchSnapshot) + map_bytes(samples, rank) + vertices * vertex_bytes(views, rank);
+  return sizeof(PatchSnapshot) + counts.samples + rank * (kPackedScale + kPackedValue * counts.rows()) +
+         counts.vertices * vertex_bytes(views, rank);
 }
 
 std::optional<FactorizedPatch> PatchModel::factorized() const {

@@ -18,6 +18,12 @@
 
 namespace sheen {
 
+/// What patches are cut down to when they take too much memory.
+struct PatchLimit {
+  int max_rank, internal_rank, block;  ///< as in OnlineSvdOptions
+  int max_views;                       ///< as in PatchModelOptions
+};
+
 struct PatchModelOptions {
   OnlineSvdOptions factor;
   PatchSize size{.triangles = 2, .samples = 64};
@@ -27,6 +33,8 @@ struct PatchModelOptions {
   ViewInterpolationOptions interpolation;
   double residual_memory = 0.7;  ///< of the exponential filter on the projection error (000 sec. 3.3)
   bool coarse_chroma = true;     ///< where it is no finer than a camera's noise; else it stands at every sample
+
+  PatchModelOptions limited_to(const PatchLimit& limit) const;
 };
 
 /// As the factor of a patch takes them whose rows are 3 * sample + channel: with the noise of a camera.
@@ -77,8 +85,8 @@ class PatchModel {
   /// before.
   bool repeats(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible, const Eigen::Vector3f& eye) const;
 
-  /// Lets go of terms beyond lower limits (OnlineSvd::limit); they hold from now on.
-  void limit_terms(int max_rank, int internal_rank, int block);
+  /// Lets go of terms and views beyond lower limits (OnlineSvd::limit); they hold from now on.
+  void limit(const PatchLimit& limit);
 
   /// How the patch as it stands, before an image is absorbed, predicts the image, interpolated at its centre: over the
   /// values that the image shows and earlier ones did, encoded.
@@ -119,9 +127,13 @@ class PatchModel {
   std::size_t bytes() const;
   /// Of `snapshot`, whether it is there or not; at most, for patches may share their vertices' views.
   std::size_t snapshot_bytes(std::size_t vertices) const;
-  /// Upper bounds of these for a patch of so many samples, whatever images come; of many patches, by their mean.
-  static double largest_bytes(double samples, double vertices, const PatchModelOptions& options);
-  static double largest_snapshot_bytes(double samples, double vertices, const PatchModelOptions& options);
+  /// Upper bounds of these for a patch of such a size, of many patches by their mean, whatever images come.
+  struct Counts {
+    double samples, chroma_samples, vertices;
+    double rows() const { return samples + 2 * chroma_samples; }
+  };
+  static double largest_bytes(const Counts& counts, const PatchModelOptions& options);
+  static double largest_snapshot_bytes(const Counts& counts, const PatchModelOptions& options);
 
   /// The patch as it now stands, columns that wait to be folded included; none before an image. Taking it changes
   /// nothing.

@@ -245,11 +245,11 @@ std::shared_ptr<const MapLayout> PatchSet::lay_out(const std::vector<NewSides>& 
   return maps_;
 }
 
-void PatchSet::limit_terms(int max_rank, int internal_rank, int block) {
-  options_.factor = options_.factor.limited_to(max_rank, internal_rank, block);
+void PatchSet::limit(const PatchLimit& limit) {
+  options_ = options_.limited_to(limit);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, models_.size(), 8), [&](const auto& range) {
     for (std::size_t p = range.begin(); p < range.end(); ++p)
-      if (models_[p]) models_[p]->limit_terms(max_rank, internal_rank, block);
+      if (models_[p]) models_[p]->limit(limit);
   });
 }
 

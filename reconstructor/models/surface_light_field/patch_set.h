@@ -68,7 +68,7 @@ class PatchSet {
   bool may_refine(double pixels_per_metre) const;
 
   /// In all patches at once.
-  void limit_terms(int max_rank, int internal_rank, int block);
+  void limit(const PatchLimit& limit);
   std::vector<std::shared_ptr<const PatchSnapshot>> snapshots();
   /// The same for the last time: each patch is let go of when its snapshot is there.
   std::vector<std::shared_ptr<const PatchSnapshot>> finish();

@@ -77,8 +77,7 @@ bool SurfaceLightField::reduce_memory() {
     limit_detail(memory_details()[step]);
     return true;
   }
-  const TermLimit& limit = memory_steps()[step - details];
-  limit_terms(limit.max_rank, limit.internal_rank, limit.block);
+  limit_patches(memory_steps()[step - details]);
   return true;
 }
 
@@ -102,10 +101,9 @@ void SurfaceLightField::limit_detail(double map_detail) {
   p.coarsen_maps(all);
 }
 
-void SurfaceLightField::limit_terms(int max_rank, int internal_rank, int block) {
-  OnlineSvdOptions& factor = pipeline_->options.patch.factor;
-  factor = factor.limited_to(max_rank, internal_rank, block);
-  if (pipeline_->patches) pipeline_->patches->limit_terms(max_rank, internal_rank, block);
+void SurfaceLightField::limit_patches(const PatchLimit& limit) {
+  pipeline_->options.patch = pipeline_->options.patch.limited_to(limit);
+  if (pipeline_->patches) pipeline_->patches->limit(limit);
 }
 
 std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_snapshot() {

@@ -37,7 +37,7 @@ class SurfaceLightField : public AppearanceModel {
   /// All maps become as coarse as this `SurfaceLightFieldOptions::map_detail` lets them, and so from now on.
   void limit_detail(double map_detail);
   /// Lets go of terms beyond lower limits, in all patches at once. They hold from now on.
-  void limit_terms(int max_rank, int internal_rank, int block);
+  void limit_patches(const PatchLimit& limit);
 
   std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
   /// Throws std::logic_error when it was given away.

@@ -58,8 +58,9 @@ MemoryNeed SurfaceLightFieldOptions::memory_need(std::size_t /*vertices*/, std::
   return sheen::memory_need(triangles, *this);
 }
 
-std::unique_ptr<AppearanceModel> SurfaceLightFieldOptions::make_model(std::shared_ptr<const Mesh> mesh) const {
-  return std::make_unique<SurfaceLightField>(std::move(mesh), *this);
+std::unique_ptr<AppearanceModel> SurfaceLightFieldOptions::make_model(std::shared_ptr<const Mesh> mesh,
+                                                                      std::shared_ptr<const RayScene> scene) const {
+  return std::make_unique<SurfaceLightField>(std::move(mesh), *this, std::move(scene));
 }
 
 std::unique_ptr<Baselines> SurfaceLightFieldOptions::make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,

@@ -22,13 +22,17 @@ struct SurfaceLightFieldOptions : ModelSettings {
   double map_detail = 0.02;
   PatchModelOptions patch;
 
+  /// Whether maps of chroma may be coarser than those of luma.
+  bool coarse_chroma() const { return map_detail > 0; }
+
   const char* kind() const override { return kName; }
   std::unique_ptr<ModelSettings> clone() const override { return std::make_unique<SurfaceLightFieldOptions>(*this); }
   std::vector<SettingKey> keys() override;
   void require_valid() const override;
   int effort_levels() const override;
   MemoryNeed memory_need(std::size_t vertices, std::size_t triangles) const override;
-  std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh) const override;
+  std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh,
+                                              std::shared_ptr<const RayScene> scene) const override;
   std::unique_ptr<Baselines> make_baselines(std::shared_ptr<const ModelSnapshot> snapshot,
                                             bool photographs) const override;
 

@@ -137,8 +137,7 @@ TEST_F(UndoToTheBit, TheFirstImageTakesItsEffortLevelWithIt) {
   const Camera near{.width = 320, .height = 240, .fx = 500, .fy = 500, .cx = 159.5, .cy = 119.5};
   images_[0] = analytic::capture(scene_, near, images_[0].pose.camera_from_object);
   images_[0].sequence = 1;
-  const TermLimit& fewest = memory_steps().back();  // that the memory must hold
-  options_.patch.factor = options_.patch.factor.limited_to(fewest.max_rank, fewest.internal_rank, fewest.block);
+  options_.patch = options_.patch.limited_to(memory_steps().back());  // that the memory must hold
   const auto bound = [&](const Capture& first) {
     return largest_account(*object_.mesh, first, options_).total() - MemoryAccount::kProgram;
   };

@@ -7,6 +7,7 @@
 
 #include "common/base/errors.h"
 #include "reconstructor/capture/reconstruction.h"
+#include "reconstructor/models/surface_light_field/effort_levels.h"
 #include "reconstructor/models/surface_light_field/memory_account.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/expect_error.h"
@@ -192,6 +193,29 @@ TEST(Memory, ThePatchesAreCutDownAfterAnyImageThatWouldExceedIt) {
   EXPECT_LT(light_field_options(bounded.model().settings(), "the test").patch.factor.terms_kept(),
             options.patch.factor.terms_kept());
   EXPECT_GT(bounded.memory().model, 0.3 * full.model) << "no smaller than need be";
+}
+
+TEST(Memory, TheFinestMapsAreKeptWhereTheFewestTermsAndViewsFit) {
+  SurfaceLightFieldOptions options = plain_options(), fewest = options;
+  options.patch.factor = {.max_rank = 24, .tolerance = 0};
+  const PatchLimit& last = memory_steps().back();
+  fewest.patch = options.patch.limited_to(last);
+  const std::vector<Capture> images = glossy_captures(90);
+  const Object object = square_object();
+  Reconstruction bounded(*object.mesh, options);
+  const double asked = largest_account(*object.mesh, images[0], fewest).total();
+  bounded.keep_within({.bytes = asked});
+  for (const Capture& image : images) {
+    bounded.ingest(image);
+    ASSERT_LE(bounded.memory().total(), asked) << bounded.account().counts().received;
+  }
+  EXPECT_EQ(bounded.effort().level, 0);
+  const std::shared_ptr<const ModelSnapshot> model = bounded.snapshot();
+  Eigen::Index most = 0;
+  for (const auto& patch : dynamic_cast<const SurfaceLightFieldSnapshot&>(*model).patches())
+    for (const VertexInterpolant& vertex : patch->vertices) most = std::max(most, vertex.views->directions.cols());
+  EXPECT_LT(most, static_cast<Eigen::Index>(images.size()) / 2) << "views were merged";
+  EXPECT_GE(most, last.max_views);
 }
 
 TEST(Memory, WhatWasCutDownIsAFunctionOfTheCaptures) {
