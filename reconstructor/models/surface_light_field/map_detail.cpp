@@ -65,32 +65,33 @@ MapSides half_sides(const MapSides& sides) {
 
 RowResampling resampled_planes(const ColourPlanes& from, const ColourPlanes& to) {
   const std::vector<PlaneMap> before = maps_of(from), after = maps_of(to);
+  std::vector<LatticeResampling> lattices;
+  for (std::size_t i = 0; i < after.size(); ++i) lattices.emplace_back(before[i].side, after[i].side);
   RowResampling resampling{.rows = to.row_planes(), .columns = {}, .between = {}};
   resampling.between.reserve(static_cast<std::size_t>(to.rows()));
   for (std::size_t i = 0; i < after.size(); ++i) {
-    const LatticeResampling lattices(before[i].side, after[i].side);
     for (int s = 0; s < lattice_samples(after[i].side); ++s) {
-      const LatticeStencil& round = lattices.round(s);
+      const LatticeStencil& round = lattices[i].round(s);
       std::array<int, 3> between{};
       for (std::size_t k = 0; k < 3; ++k) {
         const bool counts = round.weight[k] > 1e-3f;
-        between[k] = before[i].first_row + (counts ? round.index[k] : lattices.nearest(s));
+        between[k] = before[i].first_row + (counts ? round.index[k] : lattices[i].nearest(s));
       }
       resampling.between.push_back(between);
     }
   }
-  resampling.columns = [before, after, rows = to.rows()](const Eigen::MatrixXf& columns) {
+  resampling.columns = [before, after, lattices = std::move(lattices),
+                        rows = to.rows()](const Eigen::MatrixXf& columns) {
     Eigen::MatrixXf resampled(rows, columns.cols());
     for (std::size_t i = 0; i < after.size(); ++i) {
       const auto [side, first, weight] = before[i];
-      const LatticeResampling lattices(side, after[i].side);
       for (Eigen::Index k = 0; k < columns.cols(); ++k) {
         const auto values = columns.col(k).segment(first, lattice_samples(side));
         auto fresh = resampled.col(k).segment(after[i].first_row, lattice_samples(after[i].side));
         if (side == after[i].side)
           fresh = values;
         else
-          fresh = lattices.of_plane(values);
+          fresh = lattices[i].of_plane(values);
         fresh *= after[i].weight / weight;
       }
     }

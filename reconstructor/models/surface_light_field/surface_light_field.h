@@ -36,7 +36,7 @@ class SurfaceLightField : public AppearanceModel {
   void set_update_fraction(double fraction) override;
   /// All maps become as coarse as this `SurfaceLightFieldOptions::map_detail` lets them, and so from now on.
   void limit_detail(double map_detail);
-  /// Lets go of terms beyond lower limits, in all patches at once. They hold from now on.
+  /// Lets go of terms and views beyond lower limits, in all patches at once. They hold from now on.
   void limit_patches(const PatchLimit& limit);
 
   std::shared_ptr<const ModelSnapshot> snapshot() override { return light_field_snapshot(); }
