@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -13,9 +14,9 @@ namespace sheen {
 /// Magnitude of the largest of finite numbers; 0 of none.
 template <typename Scalar>
 double largest_magnitude(const Scalar* values, std::size_t count) {
-  Scalar largest = 0;
-  for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, std::abs(values[i]));
-  return static_cast<double>(largest);
+  if (count == 0) return 0;
+  const Eigen::Map<const Eigen::Array<Scalar, Eigen::Dynamic, 1>> all(values, static_cast<Eigen::Index>(count));
+  return static_cast<double>(all.abs().maxCoeff());
 }
 
 /// The step by which codes of this type reach numbers up to `largest`.
@@ -62,12 +63,14 @@ class FixedPoint {
  public:
   FixedPoint() = default;
   template <typename Scalar>
-  explicit FixedPoint(const std::vector<Scalar>& values) : codes_(values.size(), 0) {
-    const double largest = largest_magnitude(values.data(), values.size());
+  FixedPoint(const Scalar* values, std::size_t count) : codes_(count, 0) {
+    const double largest = largest_magnitude(values, count);
     if (largest == 0) return;
     step_ = step_to_reach<std::int16_t>(largest);
-    encode_fixed(values.data(), values.size(), step_, codes_.data());
+    encode_fixed(values, count, step_, codes_.data());
   }
+  template <typename Scalar>
+  explicit FixedPoint(const std::vector<Scalar>& values) : FixedPoint(values.data(), values.size()) {}
 
   std::size_t size() const { return codes_.size(); }
   template <typename Scalar>

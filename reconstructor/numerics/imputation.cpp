@@ -25,7 +25,7 @@ Eigen::VectorXd most_probable_coefficients(const Eigen::Ref<const MatrixXd>& kno
   constexpr double kDimmest = 1e-6;
   MatrixXd normal = known + precision;
   normal.diagonal().array() += std::max(1e-9 * normal.diagonal().mean(), 1e-300);
-  const Eigen::LLT<MatrixXd> cholesky(normal);
+  const Eigen::LLT<Eigen::Ref<MatrixXd>> cholesky(normal);
   if (cholesky.info() == Eigen::Success)
     if (const Eigen::VectorXd y = cholesky.solve(projection); y.allFinite())
       return std::min(1.0, projection.norm() / (kDimmest * std::max(y.norm(), 1e-300))) * y;

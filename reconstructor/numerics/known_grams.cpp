@@ -126,9 +126,10 @@ class RowGrams {
   static_assert(row_panels::kPadding % kLanes == 0 && row_panels::kPadding % kTile == 0);
 
   void pick(int row, int count, int to) {
-    for (int k = 0; k < basis_.count; ++k) {
-      const Scalar* from = basis_.column(k) + row;
-      for (int i = 0; i < count; ++i) picked_[(to + i) * stride_ + k] = from[i];
+    for (int i = 0; i < count; ++i) {  // mostly few
+      const Scalar* from = basis_.data + row + i;
+      Scalar* const picked = &picked_[(to + i) * stride_];
+      for (int k = 0; k < basis_.count; ++k) picked[k] = from[k * basis_.stride];
     }
   }
 

@@ -70,11 +70,13 @@ typename MissingRows<Scalar>::Matrix MissingRows<Scalar>::missed_projections(con
     for (int w = 0; w < witnesses_.count(); ++w) witness_basis(w, k) = basis.columns().column(k)[rows[w]];
   for (Eigen::Index j = 0; j < count; ++j) y.col(j) = views.coefficients().col(of[j]);
   Matrix missed = -witness_basis * y;
+  std::vector<Scalar> sketch(rows.size());
   for (Eigen::Index j = 0; j < count; ++j) {
     const Shown& shown = *views.shown(of[j]);
-    std::size_t next = 0;
+    shown.sketch.decode(sketch.data());
+    const Scalar* next = sketch.data();
     for (int w = 0; w < witnesses_.count(); ++w)
-      missed(w, j) = has_row(shown.hidden, rows[w]) ? 0 : missed(w, j) + shown.sketch.at<Scalar>(next++);
+      missed(w, j) = has_row(shown.hidden, rows[w]) ? 0 : missed(w, j) + *next++;
   }
   return witness_basis.transpose() * missed;
 }
@@ -161,13 +163,13 @@ void MissingRows<Scalar>::impute_again(Basis& basis, Views& views, double noise)
     const VectorXd before = views.coefficients().col(v).template cast<double>();
     const VectorXd after = most_probable_coefficients(known, projection, precision);
     const VectorXd change = after - before;
-    gram.noalias() += views.weight(v) * (after * after.transpose() - before * before.transpose());
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(after, views.weight(v)).rankUpdate(before, -views.weight(v));
     // Of ||c_known - B_known y||^2.
     const double lost = std::max(-views.lost(v), change.dot(known * (after + before) - 2 * projection));
     basis.count_lost(views.weight(v), lost);
     views.improve(v, after, lost);
   });
-  basis.set_gram(0.5 * (gram + gram.transpose()));  // rounding of what is gone again, in two orders
+  basis.set_gram(gram.selfadjointView<Eigen::Lower>());
 }
 
 template <typename Scalar>

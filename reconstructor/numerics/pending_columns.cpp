@@ -14,17 +14,27 @@
 namespace sheen {
 namespace {
 
-/// Copies numbers and returns the largest magnitude: not finite where a number is not.
+/// The largest magnitude: not finite where a number is not.
 template <typename Scalar>
-Scalar copy_and_peak(const Scalar* from, std::size_t count, Scalar* to) {
+Scalar peak_of(const Scalar* values, std::size_t count) {
   // Magnitudes are in the order of their bits, infinity and NaN above all others.
   using Bits = std::conditional_t<sizeof(Scalar) == sizeof(std::int32_t), std::int32_t, std::int64_t>;
   Bits peak = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    peak = std::max(peak, std::bit_cast<Bits>(from[i]) & std::numeric_limits<Bits>::max());
-    to[i] = from[i];
-  }
+  for (std::size_t i = 0; i < count; ++i)
+    peak = std::max(peak, std::bit_cast<Bits>(values[i]) & std::numeric_limits<Bits>::max());
   return std::bit_cast<Scalar>(peak);
+}
+
+/// Makes the values 0 that are not known or not finite.
+template <typename Scalar>
+RowBits hide_unknown(std::span<const std::uint8_t> known, std::vector<Scalar>& values) {
+  RowBits hidden(words_of(static_cast<int>(values.size())), 0);
+  for (std::size_t row = 0; row < values.size(); ++row) {
+    const bool shown = (known.empty() || known[row]) && std::isfinite(values[row]);
+    values[row] = shown ? values[row] : 0;
+    hidden[row / 64] |= std::uint64_t{!shown} << (row % 64);
+  }
+  return hidden;
 }
 
 }  // namespace
@@ -33,25 +43,22 @@ template <typename Scalar>
 void PendingColumns<Scalar>::add(const Eigen::Ref<const Vector>& column, std::span<const std::uint8_t> known,
                                  double weight) {
   const auto rows = static_cast<std::size_t>(rows_);
-  Column pending{.weight = weight, .exponent = 0, .hidden = {}, .values = std::vector<Scalar>(rows), .codes = {}};
-  Scalar peak = copy_and_peak(column.data(), rows, pending.values.data());
-  if (!std::isfinite(peak) || (!known.empty() && std::memchr(known.data(), 0, known.size()))) {
-    pending.hidden.assign(words_of(rows_), 0);
-    peak = 0;
-    for (int row = 0; row < rows_; ++row) {
-      Scalar& value = pending.values[static_cast<std::size_t>(row)];
-      if ((known.empty() || known[row]) && std::isfinite(value)) {
-        peak = std::max(peak, std::abs(value));
-      } else {
-        value = 0;
-        set_row(pending.hidden, row);
-      }
-    }
+  Column pending{.weight = weight, .exponent = 0, .hidden = {}, .values = {}, .codes = {}};
+  const Scalar* values = column.data();
+  Scalar peak = peak_of(values, rows);
+  const bool all_known = std::isfinite(peak) && (known.empty() || !std::memchr(known.data(), 0, known.size()));
+  if (!all_known || !packed_) {
+    pending.values.assign(values, values + rows);
+    values = pending.values.data();
+  }
+  if (!all_known) {
+    pending.hidden = hide_unknown(known, pending.values);
+    peak = peak_of(values, rows);
   }
   constexpr int kHarmless = 24;
   if (peak > 0 && std::abs(std::ilogb(peak)) > kHarmless) pending.exponent = std::ilogb(peak);
   if (packed_) {
-    pending.codes = FixedPoint(pending.values);
+    pending.codes = FixedPoint(values, rows);
     pending.values = std::vector<Scalar>();
   }
   columns_.reserve(columns_.size() + 1);  // no more than that: there are many patches

@@ -257,7 +257,7 @@ void combine_remainder(const Columns<const T>& a, const Columns<const T>& p, con
   combine_tile<T, R, J>(a, p, m, m_stride, out, add);
 }
 
-/// R vectors of rows of all columns. `scratch`: as many.
+/// R vectors of rows of all columns. `scratch`: as many, unless it adds.
 template <typename T, int R>
 void combine_panel(const Columns<const T>& a, const Columns<const T>& p,
                    const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>& m, const Columns<T>& out, bool add,
@@ -292,7 +292,7 @@ template <typename T>
 void combine(const Columns<const T>& a, const Columns<const T>& p,
              const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>& m, Eigen::Index rows, const Columns<T>& out,
              bool add = false) {
-  Eigen::Matrix<T, Eigen::Dynamic, 1> scratch(kCombineRows * VectorOf<T>::kLanes * out.count);
+  Eigen::Matrix<T, Eigen::Dynamic, 1> scratch(add ? 0 : kCombineRows * VectorOf<T>::kLanes * out.count);
   combine_rows<T, kCombineRows>(a, p, m, 0, rows, out, add, scratch.data());
 }
 

@@ -48,11 +48,13 @@ Matrix<Scalar> inverse(const Matrix<Scalar>& positive) {
   const Eigen::Index n = positive.cols(), whole = (n + kAtOnce - 1) / kAtOnce * kAtOnce;
   Matrix<Scalar> m = Matrix<Scalar>::Identity(row_panels::padded(n), whole);  // what is added is its own inverse
   m.topLeftCorner(n, n) = positive;
+  Columns columns(m.rows(), kAtOnce), swept(m.rows(), kAtOnce);
+  Matrix<Scalar> minus_swept(kAtOnce, whole);
   for (Eigen::Index first = 0; first < whole; first += kAtOnce) {
-    const Columns columns = m.middleCols(first, kAtOnce);
+    columns = m.middleCols(first, kAtOnce);
     const auto pivot = small_inverse<Scalar, kAtOnce>(columns.template middleRows<kAtOnce>(first));
-    const Columns swept = columns.lazyProduct(pivot);
-    const Matrix<Scalar> minus_swept = -swept.topRows(whole).transpose();
+    swept = columns.lazyProduct(pivot);
+    minus_swept = -swept.topRows(whole).transpose();
     row_panels::combine<Scalar>(row_panels::columns(columns, kAtOnce), {}, minus_swept, m.rows(),
                                 {m.data(), m.rows(), static_cast<int>(whole)}, true);
     m.middleCols(first, kAtOnce) = swept;

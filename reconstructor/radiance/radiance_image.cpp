@@ -48,25 +48,28 @@ struct CubicPolynomials {
     return ((coefficients[0] * t + coefficients[1]) * t + coefficients[2]) * t + coefficients[3];
   }
 };
+using PixelRow = Eigen::Array<float, 16, 1>;  ///< four neighbours
 const CubicPolynomials<1> kRowPolynomials;
 const CubicPolynomials<4> kColumnPolynomials;
 
-Pixel sample_cubic(const ImageF& image, float x, float y) {
-  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  using Row = Eigen::Array<float, 16, 1>;  // neighbouring pixels of a row
-  const Eigen::Array4f wy = kRowPolynomials.weights(y - static_cast<float>(y0));
-  Row columns;
-  if (x0 >= 1 && y0 >= 1 && x0 + 2 < image.width() && y0 + 2 < image.height()) {
-    const auto row = [&](int j) { return Eigen::Map<const Row>(image.pixel(x0 - 1, y0 - 1 + j)); };
-    columns = wy[0] * row(0) + wy[1] * row(1) + wy[2] * row(2) + wy[3] * row(3);
-  } else {
-    columns.setZero();
-    for (int j = 0; j < 4; ++j)
-      for (int i = 0; i < 4; ++i) columns.segment<4>(4 * i) += wy[j] * texel(image, x0 - 1 + i, y0 - 1 + j);
-  }
-  columns *= kColumnPolynomials.weights(x - static_cast<float>(x0));
+/// Cubic convolution of 4 x 4 pixels; row(j) are those of a row side by side, and (tx, ty) the place within the middle.
+template <typename Row>
+[[gnu::always_inline]] inline Pixel convolved(const Row& row, float tx, float ty) {
+  const Eigen::Array4f wy = kRowPolynomials.weights(ty);
+  PixelRow columns = wy[0] * row(0) + wy[1] * row(1) + wy[2] * row(2) + wy[3] * row(3);
+  columns *= kColumnPolynomials.weights(tx);
   const Pixel sum = (columns.segment<4>(0) + columns.segment<4>(4)) + (columns.segment<4>(8) + columns.segment<4>(12));
   return sum.max(0);  // the kernel overshoots at edges; light is never negative
+}
+
+Pixel sample_cubic_at_border(const ImageF& image, float x, float y) {
+  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+  const auto row = [&](int j) {
+    PixelRow pixels;
+    for (int i = 0; i < 4; ++i) pixels.segment<4>(4 * i) = texel(image, x0 - 1 + i, y0 - 1 + j);
+    return pixels;
+  };
+  return convolved(row, x - static_cast<float>(x0), y - static_cast<float>(y0));
 }
 
 /// The four pixels round a place.
@@ -88,8 +91,23 @@ struct Four {
   Pixel pixels[2][2];
 };
 
-bool is_clear(const ImageF& image, float x, float y) {
-  return texel(image, static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f))[kClear] == 1;
+/// Cubic convolution where the nearest pixel is clear, else nothing. Places that are asked for lie mostly far within.
+[[gnu::always_inline]] inline bool sample_cubic(const ImageF& image, float x, float y, float* rgb) {
+  const bool within =
+      (x >= 1) & (y >= 1) & (x < static_cast<float>(image.width() - 2)) & (y < static_cast<float>(image.height() - 2));
+  if (!within) {
+    if (texel(image, static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f))[kClear] != 1) return false;
+    Eigen::Map<Pixel>{rgb} = sample_cubic_at_border(image, x, y);
+    return true;
+  }
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const float tx = x - static_cast<float>(x0), ty = y - static_cast<float>(y0);
+  const float* const middle = image.pixel(x0, y0);
+  const std::ptrdiff_t stride = 4 * std::ptrdiff_t{image.width()};
+  if (middle[4 * (tx >= 0.5f) + stride * (ty >= 0.5f) + kClear] != 1) return false;
+  Eigen::Map<Pixel>{rgb} =
+      convolved([&](int j) { return Eigen::Map<const PixelRow>(middle - 4 + (j - 1) * stride); }, tx, ty);
+  return true;
 }
 
 /// Linear interpolation on the coarsest level up to `level` whose pixels there show one surface only. The full image
@@ -183,8 +201,8 @@ void RadianceImage::sample(std::span<const float> pixel_x, std::span<const float
   for (std::size_t i = 0; i < pixel_x.size(); ++i) {
     if (!wanted[i]) continue;
     const float x = pixel_x[i] - origin_.x(), y = pixel_y[i] - origin_.y();
-    Eigen::Map<Pixel>{rgb} =
-        cubic && is_clear(levels_[0], x, y) ? sample_cubic(levels_[0], x, y) : sample_own_surface(levels_, level, x, y);
+    if (!cubic || !sample_cubic(levels_[0], x, y, rgb))
+      Eigen::Map<Pixel>{rgb} = sample_own_surface(levels_, level, x, y);
     rgb += 3;
   }
 }

@@ -120,18 +120,33 @@ MapSides ColourPlanes::chroma_sides() const {
   return sides;
 }
 
+namespace {
+
+/// What of each colour lies along an axis.
+void project(const Colours& colours, const Eigen::Vector3f& axis, float* out) {
+  const float* colour = colours.data();
+  for (Eigen::Index s = 0; s < colours.cols(); ++s, colour += 3)
+    out[s] = axis[0] * colour[0] + axis[1] * colour[1] + axis[2] * colour[2];
+}
+
+}  // namespace
+
 Eigen::VectorXf ColourPlanes::rows_of(const ColumnRef& colours, std::span<const std::uint8_t> visible) const {
   const Eigen::Matrix3f& planes = opponent_colours();
   Eigen::VectorXf rows(this->rows());
   for (const Triangle& triangle : triangles_) {
     const Colours own = own_colours(triangle, colours);
     const auto own_visible = own_samples(triangle, visible);
-    rows.segment(triangle.first_sample, own.cols()).noalias() = own.transpose() * planes.row(0).transpose();
+    project(own, planes.row(0), rows.data() + triangle.first_sample);
     float* const first = rows.data() + samples_ + triangle.first_chroma;
     float* const second = first + chroma_samples_;
+    if (!triangle.chroma_is_coarser()) {
+      project(own, planes.row(1), first);
+      project(own, planes.row(2), second);
+      continue;
+    }
     visit_points(triangle.chroma_side, [&](LatticePoint chroma, int c) {
-      const Eigen::Vector3f colour = triangle.chroma_is_coarser() ? colour_at_chroma(triangle, chroma, own, own_visible)
-                                                                  : Eigen::Vector3f(own.col(c));
+      const Eigen::Vector3f colour = colour_at_chroma(triangle, chroma, own, own_visible);
       first[c] = triangle.chroma_weight * planes.row(1).dot(colour);
       second[c] = triangle.chroma_weight * planes.row(2).dot(colour);
     });

@@ -160,6 +160,8 @@ void SampleVisibility::find_facing() {
 void SampleVisibility::test_samples(const Camera& camera) {
   const auto nearer = static_cast<float>(1 - options_.depth_tolerance / std::min(camera.fx, camera.fy));
   const auto largest_x = static_cast<float>(camera.width - 2), largest_y = static_cast<float>(camera.height - 2);
+  const float* const safe_depth = view_.safe_depth.data();
+  const std::ptrdiff_t width = view_.safe_depth.width();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 64), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       const std::size_t first = maps_->first_sample(t);
@@ -171,14 +173,14 @@ void SampleVisibility::test_samples(const Camera& camera) {
       if (view_.cosine[t] < options_.min_cosine) continue;
 
       const auto [x, y, z] = projection_.of(t);
+      std::uint8_t* const shown = view_.visible.data() + first;
       int visible = 0;
       for (std::size_t s = 0; s < samples; ++s) {
         const bool inside = (x[s] >= 1) & (y[s] >= 1) & (x[s] <= largest_x) & (y[s] <= largest_y);
-        if (!inside) continue;
-        const bool shown =
-            nearer * z[s] <= view_.safe_depth.at(static_cast<int>(x[s] + 0.5f), static_cast<int>(y[s] + 0.5f));
-        view_.visible[first + s] = shown;
-        visible += shown;
+        const int column = inside ? static_cast<int>(x[s] + 0.5f) : 0, row = inside ? static_cast<int>(y[s] + 0.5f) : 0;
+        const bool seen = inside & (nearer * z[s] <= safe_depth[row * width + column]);
+        shown[s] = seen;
+        visible += seen;
       }
       view_.visible_in_triangle[t] = visible;
       if (visible > 0) {

@@ -19,8 +19,14 @@ namespace {
 constexpr float kMostCode = std::numeric_limits<std::uint16_t>::max();
 constexpr std::uint16_t kMostImages = std::numeric_limits<std::uint16_t>::max();
 
+/// To codes.
+template <typename Values>
+auto rounded(const Values& values) {
+  return (values.max(0.0f).min(kMostCode) + 0.5f).template cast<int>().eval();
+}
+
 std::uint16_t to_code(float value) {
-  return static_cast<std::uint16_t>(std::clamp(value, 0.0f, kMostCode) + 0.5f);
+  return static_cast<std::uint16_t>(rounded(Eigen::Array<float, 1, 1>(value))[0]);
 }
 
 /// Where no image showed the surface, per triangle: the mean of its seen samples, or, where it has none, that of the
@@ -117,23 +123,22 @@ void ConstantColour::make_room(std::size_t triangle, float brightest) {
     for (std::uint16_t& code : sample.code) code = static_cast<std::uint16_t>(halvings < 16 ? code >> halvings : 0);
 }
 
+/// `encoded` is 0 where the sample is not visible.
 void ConstantColour::add(std::size_t triangle, std::span<const std::uint8_t> visible,
-                         const Eigen::Ref<const Eigen::Matrix3Xf>& encoded) {
-  float brightest = 0;
-  for (Eigen::Index s = 0; s < encoded.cols(); ++s)
-    if (visible[s]) brightest = std::max(brightest, encoded.col(s).maxCoeff());
+                         const Eigen::Map<const Eigen::Matrix3Xf>& encoded) {
   if (samples_[triangle].empty()) samples_[triangle].resize(static_cast<std::size_t>(encoded.cols()));
-  make_room(triangle, brightest);
-  const float step = scale(triangle);
+  make_room(triangle, encoded.maxCoeff());
+  const float codes_per_unit = 1 / scale(triangle);
   Sample* sample = samples_[triangle].data();
   for (Eigen::Index s = 0; s < encoded.cols(); ++s, ++sample) {
     if (!visible[s]) continue;
     if (sample->images < kMostImages) ++sample->images;
     const float share = 1 / static_cast<float>(sample->images);
-    for (int c = 0; c < 3; ++c) {
-      const auto code = static_cast<float>(sample->code[c]);
-      sample->code[c] = to_code(code + share * (encoded(c, s) / step - code));
-    }
+    auto& code = sample->code;
+    const float* const value = encoded.col(s).data();
+    const Eigen::Array4f before(code[0], code[1], code[2], 0), now(value[0], value[1], value[2], 0);
+    const Eigen::Array4i after = rounded(before + share * (codes_per_unit * now - before));
+    for (int c = 0; c < 3; ++c) code[c] = static_cast<std::uint16_t>(after[c]);
   }
 }
 
@@ -142,9 +147,9 @@ void ConstantColour::add(const SurfaceImage& image) {
     Eigen::Matrix3Xf encoded;
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       if (image.view.visible_in_triangle[t] == 0) continue;
-      encoded.resize(3, lattice_samples(maps_->resolution(t)));
+      encoded.setZero(3, lattice_samples(maps_->resolution(t)));
       resample(image, t, encoded);
-      add(t, std::span(image.view.visible).subspan(maps_->first_sample(t)), encoded);
+      add(t, std::span(image.view.visible).subspan(maps_->first_sample(t)), {encoded.data(), 3, encoded.cols()});
     }
   });
 }

@@ -50,7 +50,7 @@ class ConstantColour {
   /// Codes of brighter colours, where there is one.
   void make_room(std::size_t triangle, float brightest);
   void add(std::size_t triangle, std::span<const std::uint8_t> visible,
-           const Eigen::Ref<const Eigen::Matrix3Xf>& encoded);
+           const Eigen::Map<const Eigen::Matrix3Xf>& encoded);
 
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const MapLayout> maps_;

@@ -87,7 +87,7 @@ PatchModel::Absorbed PatchModel::absorb(const Eigen::VectorXf& column, std::span
   const OnlineSvd::Reports folded = factor_.add(planes_->rows_of(column, visible), known_rows(visible, shown),
                                                 image_weight(options_.factor, fraction));
   for (std::size_t s = 0; s < visible.size(); ++s)
-    if (visible[s] && shown_[s] < std::numeric_limits<std::uint16_t>::max()) ++shown_[s];
+    shown_[s] += (visible[s] != 0) & (shown_[s] < std::numeric_limits<std::uint16_t>::max());
   views_.add(eye, reliability);
   ++images_;
   maps_due_ = maps_due_ || images_ == kFirstMapChoice;

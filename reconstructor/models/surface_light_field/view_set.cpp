@@ -2,15 +2,17 @@
 #include "reconstructor/models/surface_light_field/view_set.h"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 namespace sheen {
 namespace {
 
-/// For so many and no more: there are many patches.
+/// For another view, and a few: more would add up, for there are many patches.
 template <typename T>
-void make_room(std::vector<T>& values, std::size_t more) {
-  values.reserve(values.size() + more);
+void make_room(std::vector<T>& values, std::size_t per_view) {
+  constexpr std::size_t kAtOnce = 4;
+  if (values.size() + per_view > values.capacity()) values.reserve(values.size() + kAtOnce * per_view);
 }
 
 }  // namespace
@@ -44,10 +46,14 @@ SiteViews ViewSet::seen_from_centre() const {
 
 ViewSet::Nearest ViewSet::nearest(const Eigen::Vector3f& eye) const {
   const Eigen::Vector3f direction = (eye - centre_).normalized();
-  Nearest nearest;
+  int nearest = -1;
+  float cosine = -std::numeric_limits<float>::infinity();
   for (int view = 0; view < count(); ++view)
-    if (const float c = direction.dot(directions_[view]); nearest.view < 0 || c > nearest.cosine) nearest = {view, c};
-  return nearest;
+    if (const float c = direction.dot(directions_[view]); c > cosine) {
+      nearest = view;
+      cosine = c;
+    }
+  return nearest < 0 ? Nearest{} : Nearest{nearest, cosine};
 }
 
 int ViewSet::view_from(const Eigen::Vector3f& eye) const {
