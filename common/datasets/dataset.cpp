@@ -28,7 +28,7 @@ bool is_file(const fs::path& path) {
 fs::path find_image(const fs::path& root, const std::string& name) {
   const fs::path path = root / fs::path(name).lexically_normal();
   if (is_file(path)) return path;
-  for (const char* extension : {".png", ".jpg", ".jpeg", ".exr", ".PNG", ".JPG", ".JPEG", ".EXR"})
+  for (const char* extension : {".png", ".jpg", ".jpeg", ".webp", ".exr", ".PNG", ".JPG", ".JPEG", ".WEBP", ".EXR"})
     if (const fs::path candidate = path.string() + extension; is_file(candidate)) return candidate;
   return {};
 }
@@ -194,6 +194,7 @@ Capture read_capture(const Dataset& dataset, std::size_t index) {
   }
   capture.exposure.exposure_s = view.exposure_s.value_or(0);
   capture.exposure.gain_db = view.gain_db;
+  capture.exposure.locked = view.exposure_locked;
   capture.pose.status = PoseStatus::kGiven;
   capture.pose.camera_from_object = view.camera_from_object;
   capture.light = view.light;

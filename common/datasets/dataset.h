@@ -21,6 +21,7 @@ struct DatasetView {
   Purpose purpose = Purpose::kUnspecified;
   std::optional<double> exposure_s;  ///< from EXIF or the file, when it is there
   double gain_db = 0;                ///< likewise: 20 log10(ISO / 100 / f-number^2), what a grey level is multiplied by
+  bool exposure_locked = false;      ///< all images that say so have one exposure
   int exif_orientation = 1;          ///< 1..8; the pixels are taken as they are stored, whatever it says
 };
 
@@ -45,12 +46,14 @@ Dataset load_dataset(const std::filesystem::path& folder);
 /// frame has (a few frames of a data set) are passed over. Throws FileError, also where `w` and `h` are missing.
 std::vector<DatasetView> load_cameras(const std::filesystem::path& transforms_json);
 
-/// Reads a view's image (JPEG, PNG: 8-bit sRGB; EXR: linear float) and mask. `sequence` counts from 1. An image whose
-/// size differs from its camera's is an error that names both.
+/// Reads a view's image (JPEG, PNG, WebP: 8-bit sRGB; EXR: linear float) and mask. `sequence` counts from 1. An image
+/// whose size differs from its camera's is an error that names both.
 Capture read_capture(const Dataset& dataset, std::size_t view);
 
-/// `transforms.json` for these views (OpenGL axes, principal point shifted by 0.5), masks where all views have one,
-/// train / val / test lists where any view is held out.
+/// Text of a `transforms.json` for these views (OpenGL axes, principal point shifted by 0.5), masks where all views
+/// have one, train / val / test lists where any view is held out. `file`: what it is to be written as. Throws
+/// FileError.
+std::string transforms_text(const std::filesystem::path& file, const std::vector<DatasetView>& views);
 void write_transforms(const std::filesystem::path& file, const std::vector<DatasetView>& views);
 
 }  // namespace sheen

@@ -46,6 +46,12 @@ class Fields {
     if (!value->is_string()) fail(field, "must be a text");
     return value->get<std::string>();
   }
+  std::optional<bool> boolean(const char* field) const {
+    const Json* value = find(field);
+    if (!value) return std::nullopt;
+    if (!value->is_boolean()) fail(field, "must be true or false");
+    return value->get<bool>();
+  }
   /// Three finite numbers.
   std::optional<Eigen::Vector3d> vector(const char* field) const {
     const Json* value = find(field);
@@ -265,6 +271,7 @@ DatasetView parse_frame(const Fields& fields, const ImageFiles& images) {
   }
   view.camera_from_object = parse_pose(fields);
   view.light = parse_light(fields);
+  view.exposure_locked = fields.boolean("exposure_locked").value_or(false);
   view.camera = parse_camera(fields, view.image_path, images);
   return view;
 }

@@ -44,6 +44,21 @@ Json camera_fields(const Camera& camera) {
   return out;
 }
 
+/// A line for each of its fields, and for each frame.
+std::string in_lines(const Json& object) {
+  std::string text = "{";
+  for (const auto& [key, value] : object.items()) {
+    text += (text == "{" ? "\n\"" : ",\n\"") + key + "\": ";
+    if (key != "frames") {
+      text += value.dump();
+      continue;
+    }
+    for (std::size_t i = 0; i < value.size(); ++i) text += (i == 0 ? "[\n" : ",\n") + value[i].dump();
+    text += "\n]";
+  }
+  return text + "\n}\n";
+}
+
 /// Null for a light that needs no key.
 const char* light_key(const LightState& light) {
   if (light.kind == LightKind::kPoint) return "light_position";
@@ -52,7 +67,7 @@ const char* light_key(const LightState& light) {
 
 }  // namespace
 
-void write_transforms(const std::filesystem::path& file, const std::vector<DatasetView>& views) {
+std::string transforms_text(const std::filesystem::path& file, const std::vector<DatasetView>& views) {
   if (views.empty()) throw FileError(file.string(), "cannot be written: there are no views");
   const bool masks =
       std::all_of(views.begin(), views.end(), [](const DatasetView& v) { return v.mask_path.has_value(); });
@@ -69,6 +84,8 @@ void write_transforms(const std::filesystem::path& file, const std::vector<Datas
   // The tools that read this must neither turn nor scale the poses, or they no longer fit the mesh.
   out["applied_transform"] = matrix_rows(Eigen::Matrix4d::Identity(), 3);
   out["orientation_override"] = "none";
+  if (std::all_of(views.begin(), views.end(), [](const DatasetView& v) { return v.exposure_locked; }))
+    out["exposure_locked"] = true;
   Json training = Json::array(), held_out = Json::array();
   for (const DatasetView& view : views) {
     Json frame;
@@ -94,10 +111,14 @@ void write_transforms(const std::filesystem::path& file, const std::vector<Datas
     out["test_filenames"] = held_out;
   }
   try {
-    write_file(file, out.dump(1) + "\n");
+    return in_lines(out);
   } catch (const nlohmann::json::exception& error) {
     throw FileError(file.string(), std::string("cannot be written: ") + error.what());
   }
+}
+
+void write_transforms(const std::filesystem::path& file, const std::vector<DatasetView>& views) {
+  write_file(file, transforms_text(file, views));
 }
 
 }  // namespace sheen

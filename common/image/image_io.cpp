@@ -10,18 +10,20 @@
 #include "common/base/files.h"
 #include "common/image/exr.h"
 #include "common/image/jpeg.h"
+#include "common/image/webp.h"
 
 namespace sheen {
 
 namespace {
 
-enum class FileKind { kJpeg, kPng, kExr };
+enum class FileKind { kJpeg, kPng, kWebp, kExr };
 
 FileKind kind_of(const std::filesystem::path& path, std::string_view bytes) {
   if (bytes.starts_with("\xFF\xD8\xFF")) return FileKind::kJpeg;
   if (bytes.starts_with("\x89PNG\r\n\x1A\n")) return FileKind::kPng;
   if (bytes.starts_with(std::string_view("\x76\x2F\x31\x01", 4))) return FileKind::kExr;
-  throw FileError(path.string(), bytes.empty() ? "is empty" : "is neither JPEG nor PNG nor EXR");
+  if (bytes.size() > 12 && bytes.starts_with("RIFF") && bytes.substr(8, 4) == "WEBP") return FileKind::kWebp;
+  throw FileError(path.string(), bytes.empty() ? "is empty" : "is neither JPEG nor PNG nor WebP nor EXR");
 }
 
 /// libpng's own structure with its clean-up.
@@ -116,7 +118,10 @@ auto naming(const std::filesystem::path& path, Read read) {
 }
 
 ImageU8 decode_u8(const std::filesystem::path& path, FileKind kind, std::string_view bytes) {
-  return naming(path, [&] { return kind == FileKind::kJpeg ? decode_jpeg(bytes) : decode_png(bytes); });
+  return naming(path, [&] {
+    if (kind == FileKind::kWebp) return decode_webp(bytes);
+    return kind == FileKind::kJpeg ? decode_jpeg(bytes) : decode_png(bytes);
+  });
 }
 
 }  // namespace
@@ -138,6 +143,8 @@ ImageSize read_image_size(const std::filesystem::path& path) {
         begin_png(png, bytes);
         return ImageSize{int(png.info.width), int(png.info.height)};
       });
+    case FileKind::kWebp:
+      return naming(path, [&] { return decode_webp_size(bytes); });
     case FileKind::kExr:
       break;
   }

@@ -8,7 +8,7 @@
 
 namespace sheen {
 
-/// Reads JPEG, PNG (8 bit: grey or RGB, sRGB) or EXR (linear float; its first part). Alpha is dropped, an EXIF
+/// Reads JPEG, PNG, WebP (8 bit: grey or RGB, sRGB) or EXR (linear float; its first part). Alpha is dropped, an EXIF
 /// orientation is not applied: poses belong to the pixels as they are stored. Throws FileError, for damaged data too.
 RawImage read_image(const std::filesystem::path& path);
 

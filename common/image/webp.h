@@ -11,7 +11,12 @@ namespace sheen {
 /// An RGB picture as lossy WebP; quality 0..100. Throws Error.
 std::string encode_webp(const ImageU8& rgb, float quality);
 
+/// The same without loss.
+std::string encode_webp_lossless(const ImageU8& rgb);
+
 /// Throws Error when it is none.
 ImageU8 decode_webp(std::string_view bytes);
+/// Its size, without its pixels. Throws Error.
+ImageSize decode_webp_size(std::string_view bytes);
 
 }  // namespace sheen

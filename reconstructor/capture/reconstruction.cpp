@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <set>
 #include <utility>
 
 #include "common/base/log.h"
@@ -24,6 +26,19 @@ void adapt_update_fraction(EffortControl& control, std::uint64_t number, const I
            after < before ? "images take too long: less of each image is updated"
                           : "there is room: more of each image is updated",
            {{"update_fraction", after}, {"budget_ms", control.budget_ms()}});
+}
+
+/// Once for each source, however many models are made of it, and again for a camera of it of which something else is
+/// known.
+void say_what_is_known_of_light(const Capture& capture) {
+  static std::mutex mutex;
+  static std::set<std::string> said;
+  const std::lock_guard lock(mutex);
+  const std::string known = capture.source_session + ": " + photometric_knowledge(capture);
+  if (!said.insert(known).second) return;
+  if (capture.photometry && !capture.photometry->vignette.none()) return;
+  log_info("light", std::string("what the camera makes of light: ") + photometric_knowledge(capture) +
+                        "; `sheen-tracker calibrate photometric` measures it");
 }
 
 }  // namespace
@@ -151,15 +166,6 @@ IngestReport Reconstruction::take(const Capture& capture) {
     if (report.status == IngestStatus::kHeldOut) hold_out(capture, report);
   }
   return report;
-}
-
-/// Once for each source, and again for a camera of it of which something else is known.
-void Reconstruction::say_what_is_known_of_light(const Capture& capture) {
-  const std::string known = capture.source_session + ": " + photometric_knowledge(capture);
-  if (!light_said_.insert(known).second) return;
-  if (capture.photometry && !capture.photometry->vignette.none()) return;
-  log_info("light", std::string("what the camera makes of light: ") + photometric_knowledge(capture) +
-                        "; `sheen-tracker calibrate photometric` measures it");
 }
 
 void Reconstruction::note_accepted(const Capture& capture, const IngestReport& report) {

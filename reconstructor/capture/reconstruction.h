@@ -4,7 +4,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -90,7 +89,6 @@ class Reconstruction {
 
  private:
   IngestReport take(const Capture& capture);
-  void say_what_is_known_of_light(const Capture& capture);
   void note_accepted(const Capture& capture, const IngestReport& report);
   void hold_out(const Capture& capture, const IngestReport& report);
   bool fit_memory(const Capture& first);
@@ -111,9 +109,8 @@ class Reconstruction {
   std::optional<CaptureSize> image_size_;  ///< of the first image
   std::size_t most_captures_ = std::numeric_limits<std::size_t>::max();
   double held_out_bytes_ = 0;
-  bool memory_exceeded_ = false;      ///< although all that can be left out is: told once
-  std::set<std::string> light_said_;  ///< of the cameras so far
-  EffortProbe probe_;                 ///< empty once the effort level is chosen
+  bool memory_exceeded_ = false;  ///< although all that can be left out is: told once
+  EffortProbe probe_;             ///< empty once the effort level is chosen
 };
 
 }  // namespace sheen

@@ -58,13 +58,6 @@ ImageU8 smooth_outside(const Photograph& photograph) {
   return smooth;
 }
 
-std::vector<std::string> encoded(const std::vector<ImageU8>& pictures, int quality) {
-  std::vector<std::string> files(pictures.size());
-  tbb::parallel_for(std::size_t{0}, pictures.size(),
-                    [&](std::size_t i) { files[i] = encode_webp(pictures[i], static_cast<float>(quality)); });
-  return files;
-}
-
 std::size_t total_size(const std::vector<std::string>& files) {
   return std::accumulate(files.begin(), files.end(), std::size_t{0},
                          [](std::size_t sum, const std::string& file) { return sum + file.size(); });
@@ -72,23 +65,36 @@ std::size_t total_size(const std::vector<std::string>& files) {
 
 }  // namespace
 
-CodedPhotographs code_photographs(const PhotographSet& photographs, std::size_t bytes) {
-  std::vector<Photograph> coded = photographs.photographs();
-  std::vector<ImageU8> pictures;
-  for (const Photograph& photograph : coded) pictures.push_back(smooth_outside(photograph));
-  std::vector<std::string> best = encoded(pictures, 0);
-  for (int low = 0, high = 100; low < high;) {
+void PhotographCoding::add(const Photograph& photograph) {
+  pictures_.push_back(smooth_outside(photograph));
+}
+
+std::vector<std::string> PhotographCoding::coded(int quality) const {
+  std::vector<std::string> files(pictures_.size());
+  tbb::parallel_for(std::size_t{0}, pictures_.size(),
+                    [&](std::size_t i) { files[i] = encode_webp(pictures_[i], static_cast<float>(quality)); });
+  return files;
+}
+
+int PhotographCoding::quality_within(std::size_t bytes) const {
+  int low = 0;
+  for (int high = kBest; low < high;) {
     const int quality = (low + high + 1) / 2;
-    std::vector<std::string> files = encoded(pictures, quality);
-    if (total_size(files) <= bytes) {
-      best = std::move(files);
+    if (total_size(coded(quality)) <= bytes)
       low = quality;
-    } else {
+    else
       high = quality - 1;
-    }
   }
-  for (std::size_t i = 0; i < coded.size(); ++i) coded[i].pixels = decode_webp(best[i]);
-  return {std::make_shared<PhotographSet>(photographs, std::move(coded)), total_size(best)};
+  return low;
+}
+
+CodedPhotographs code_photographs(const PhotographSet& photographs, std::size_t bytes) {
+  PhotographCoding coding;
+  for (const Photograph& photograph : photographs.photographs()) coding.add(photograph);
+  const std::vector<std::string> files = coding.coded(coding.quality_within(bytes));
+  std::vector<Photograph> decoded = photographs.photographs();
+  for (std::size_t i = 0; i < decoded.size(); ++i) decoded[i].pixels = decode_webp(files[i]);
+  return {std::make_shared<PhotographSet>(photographs, std::move(decoded)), total_size(files)};
 }
 
 }  // namespace sheen

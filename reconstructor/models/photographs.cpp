@@ -8,6 +8,7 @@
 
 #include "common/image/color.h"
 #include "reconstructor/numerics/view_kernel.h"
+#include "reconstructor/radiance/radiance_image.h"
 #include "reconstructor/surface/edge_fill.h"
 
 namespace sheen {
@@ -99,7 +100,7 @@ std::optional<Eigen::Vector3f> look_up(const Photograph& photograph, const Eigen
 
 }  // namespace
 
-void PhotographSet::add(const Capture& capture, const ImageF& linear, const SurfaceView& view) {
+std::optional<Photograph> cut_out(const Capture& capture, const ImageF& linear, const SurfaceView& view) {
   const ImageF& depth = view.safe_depth;
   const int w = depth.width(), h = depth.height();
   int x0 = w, y0 = h, x1 = 0, y1 = 0;
@@ -111,7 +112,7 @@ void PhotographSet::add(const Capture& capture, const ImageF& linear, const Surf
         x1 = std::max(x1, std::min(x + kReach + 1, w));
         y1 = std::max(y1, std::min(y + kReach + 1, h));
       }
-  if (x0 >= x1) return;  // shows nothing safely
+  if (x0 >= x1) return std::nullopt;
   Photograph photograph{.camera = capture.camera,
                         .camera_from_object = capture.pose.camera_from_object,
                         .eye = camera_centre(capture.pose.camera_from_object),
@@ -131,7 +132,20 @@ void PhotographSet::add(const Capture& capture, const ImageF& linear, const Surf
       photograph.depth.at(x - x0, y - y0) = depth.at(x, y);
       photograph.from_edge.at(x - x0, y - y0) = view.from_edge.at(x, y);
     }
-  photographs_.push_back(std::move(photograph));
+  return photograph;
+}
+
+PhotographCutter::PhotographCutter(const Mesh& mesh)
+    : corners_(std::vector<std::uint8_t>(mesh.triangles.size(), 2)), visibility_(mesh, corners_, {}) {}
+
+std::optional<Photograph> PhotographCutter::cut(const Capture& capture, float gain) {
+  const SurfaceView& view = visibility_.look(capture.camera, capture.pose.camera_from_object, usable_pixels(capture));
+  return cut_out(capture, level_radiance(capture, gain), view);
+}
+
+void PhotographSet::add(const Capture& capture, const ImageF& linear, const SurfaceView& view) {
+  if (std::optional<Photograph> photograph = cut_out(capture, linear, view))
+    photographs_.push_back(*std::move(photograph));
 }
 
 std::size_t PhotographSet::pixel_bytes() const {

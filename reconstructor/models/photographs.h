@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,23 @@ struct Photograph {
   ImageU8 from_edge;  ///< as SurfaceView says
 };
 
+/// Edges are filled as the light field's are. `linear`: RGB. `view`: of this capture. Nothing where it shows the
+/// surface nowhere safely.
+std::optional<Photograph> cut_out(const Capture& capture, const ImageF& linear, const SurfaceView& view);
+
+/// Cuts photographs of a mesh.
+class PhotographCutter {
+ public:
+  explicit PhotographCutter(const Mesh& mesh);
+
+  /// At the level of a model than which the capture is brighter by `gain`.
+  std::optional<Photograph> cut(const Capture& capture, float gain);
+
+ private:
+  MapLayout corners_;
+  SampleVisibility visibility_;
+};
+
 /// The photographs a model was built from, all kept: what image-based rendering needs, and what a surface light field
 /// is measured against.
 class PhotographSet {
@@ -35,7 +53,7 @@ class PhotographSet {
   PhotographSet(const PhotographSet& other, std::vector<Photograph> photographs)
       : mesh_(other.mesh_), options_(other.options_), photographs_(std::move(photographs)) {}
 
-  /// `linear`: RGB. `view`: of this capture. Edges are filled as the light field's are.
+  /// Arguments as of `cut_out`.
   void add(const Capture& capture, const ImageF& linear, const SurfaceView& view);
   std::size_t size() const { return photographs_.size(); }
   const std::vector<Photograph>& photographs() const { return photographs_; }

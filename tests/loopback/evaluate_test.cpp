@@ -148,6 +148,35 @@ TEST_F(Evaluate, AModelIsSmallUnlessNothingMayBeLost) {
   EXPECT_TRUE(fs::exists(model_ / "notes.txt") && fs::exists(model_ / "model.json"));
 }
 
+TEST_F(Evaluate, PhotographsMadeSmallMakeTheModelThatTheirReportSays) {
+  const fs::path photographs = temp_.path() / "photographs", report = temp_.path() / "small.json";
+  expect_outcome(run_to_end(reconstructor({"compress", session_, "--mesh", mesh_, "--out", photographs, "--bytes",
+                                           "120kB", "--json", report})),
+                 0, {"28 photographs (0 left out)", "a model of them loses", "sheen-reconstructor build"});
+  const Json small = Json::parse(read_file(report))["photographs"];
+  EXPECT_EQ(small["photographs"], 2 * kEachRun);
+  EXPECT_LE(small["bytes"], 120e3);
+  EXPECT_GT(small["bytes"], 60e3);
+  const fs::path built = temp_.path() / "built.json";
+  expect_outcome(run_to_end(reconstructor({"build", photographs, "--mesh", mesh_, "--json", built})), 0, {});
+  // There, views are judged by their small photographs, which are about as far from the truth as the model is.
+  EXPECT_NEAR(Json::parse(read_file(built))["held_out"]["psnr_db"].get<double>(), small["psnr_db"].get<double>(), 3);
+
+  expect_outcome(run_to_end(reconstructor({"compress", session_, "--mesh", mesh_, "--out", photographs})), 1,
+                 {photographs.string(), "is there already"});
+  const fs::path other = temp_.path() / "other";
+  expect_outcome(run_to_end(reconstructor(
+                     {"compress", session_, "--mesh", mesh_, "--out", other, "--loss", "0.6dB", "--json", report})),
+                 0, {"28 photographs"});
+  EXPECT_LE(Json::parse(read_file(report))["photographs"]["loss_db"], 0.6);
+  EXPECT_FALSE(fs::exists(other.string() + ".part"));
+  const fs::path none = temp_.path() / "none";
+  expect_outcome(run_to_end(reconstructor({"compress", session_, "--mesh", mesh_, "--out", none, "--loss", "0dB"})), 2,
+                 {"--loss 0dB", "photographs themselves"});
+  expect_outcome(run_to_end(reconstructor({"compress", session_, "--out", none})), 2, {session_.string(), "--mesh"});
+  EXPECT_FALSE(fs::exists(none));
+}
+
 TEST_F(Evaluate, WhatCannotBeMadeSmallSaysWhy) {
   build("hold_out_every = 4", model_);
   const fs::path small = temp_.path() / "small.slf";

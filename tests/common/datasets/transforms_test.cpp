@@ -164,6 +164,20 @@ TEST(Transforms, LightsStandInTheirFrames) {
   expect_error([&] { parse(both); }, {"frame 0", "light_direction", "one of them"});
 }
 
+TEST(Transforms, OneExposureOfAllIsSaid) {
+  Json json = valid();
+  EXPECT_FALSE(parse(json)[0].exposure_locked);
+  json["exposure_locked"] = true;
+  std::vector<DatasetView> views = parse(json);
+  EXPECT_TRUE(views[0].exposure_locked && views[2].exposure_locked);
+  const auto again = [&] { return parse_transforms("t.json", transforms_text("/data/t.json", views), kAllThere); };
+  EXPECT_TRUE(again()[2].exposure_locked);
+  views[1].exposure_locked = false;
+  EXPECT_FALSE(again()[0].exposure_locked) << "not of all";
+  json["exposure_locked"] = "yes";
+  expect_error([&] { parse(json); }, {"exposure_locked", "true or false"});
+}
+
 TEST(Transforms, MasksForAllOrNone) {
   Json json = valid();
   for (Json& frame : json["frames"]) frame["mask_path"] = "mask.png";

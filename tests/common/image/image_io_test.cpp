@@ -9,6 +9,7 @@
 
 #include "common/base/files.h"
 #include "common/image/exr.h"
+#include "common/image/webp.h"
 #include "support/expect_error.h"
 #include "support/temp_folder.h"
 
@@ -144,10 +145,41 @@ TEST(Jpeg, ClaimedSizeIsNotBelieved) {
   expect_error([&] { read_image(folder.write("a.jpg", bytes)); }, {"a.jpg", "61440 x 61440"});
 }
 
+TEST(WebP, KeepsAPictureWithinItsQualityOrExactly) {
+  const TempFolder folder;
+  const ImageU8 image = waves(65, 43, 3);
+  const auto lossy = folder.write("a.webp", encode_webp(image, 95)),
+             exact = folder.write("b.webp", encode_webp_lossless(image));
+  const RawImage raw = read_image(lossy);
+  EXPECT_EQ(raw.format, PixelFormat::kRGB8);
+  EXPECT_EQ(raw.transfer, Transfer::kSrgb);
+  ASSERT_EQ(raw.bytes.size(), image.size());
+  double squares = 0;
+  for (std::size_t i = 0; i < image.size(); ++i) squares += std::pow(double(raw.bytes[i]) - image.data()[i], 2);
+  EXPECT_LT(std::sqrt(squares / double(image.size())), 4);
+  EXPECT_TRUE(std::equal(image.data(), image.data() + image.size(), read_image(exact).bytes.begin()));
+  EXPECT_EQ(read_image_size(lossy).width, 65);
+  EXPECT_EQ(read_image_size(exact).height, 43);
+  EXPECT_EQ(read_mask(exact).at(7, 5), image.at(7, 5, 0));
+  EXPECT_THROW(encode_webp(ImageU8(4, 4, 1), 90), Error);
+}
+
+TEST(WebP, ClaimedSizeIsNotBelieved) {
+  const TempFolder folder;
+  std::string bytes = encode_webp(waves(16, 16, 3), 90);
+  const std::size_t start = bytes.find(std::string("\x9d\x01\x2a", 3));
+  ASSERT_NE(start, std::string::npos);
+  bytes.replace(start + 3, 4, std::string("\xff\x3f\xff\x3f", 4));
+  expect_error([&] { read_image(folder.write("a.webp", bytes)); }, {"a.webp", "16383 x 16383"});
+  expect_error([&] { read_image_size(folder.write("a.webp", bytes)); }, {"a.webp", "16383 x 16383"});
+  expect_error([&] { read_image(folder.write("a.webp", bytes.substr(0, 20))); }, {"a.webp", "damaged WebP"});
+}
+
 TEST(ImageFiles, DamagedBytesAreReadOrRefused) {
   const TempFolder folder;
   write_png(folder.path() / "a.png", waves(40, 30, 3));
-  for (const std::string& whole : {read_file(folder.path() / "a.png"), text_of(encode_jpeg(waves(40, 30, 3), 80))})
+  for (const std::string& whole : {read_file(folder.path() / "a.png"), text_of(encode_jpeg(waves(40, 30, 3), 80)),
+                                   encode_webp(waves(40, 30, 3), 80), encode_webp_lossless(waves(40, 30, 3))})
     for (std::size_t i = 0; i < whole.size(); i += 3) {
       std::string damaged = whole;
       damaged[i] = static_cast<char>(damaged[i] ^ 0xa5);
@@ -164,7 +196,8 @@ TEST(ImageFiles, MissingEmptyAndUnknown) {
   const TempFolder folder;
   expect_error([&] { read_image(folder.path() / "none.png"); }, {"none.png", "no such file"});
   expect_error([&] { read_image(folder.write("empty.png", "")); }, {"empty.png", "is empty"});
-  expect_error([&] { read_image(folder.write("text.png", "hello")); }, {"text.png", "neither JPEG nor PNG nor EXR"});
+  expect_error([&] { read_image(folder.write("text.png", "hello")); },
+               {"text.png", "neither JPEG nor PNG nor WebP nor EXR"});
   expect_error([&] { read_image(folder.path()); }, {"regular file"});
   expect_error([&] { write_png("/dev/full/a.png", waves(4, 4, 1)); }, {"a.png", "cannot be written"});
   expect_error([&] { write_png(folder.path() / "a.png", ImageU8(4, 4, 2)); }, {"a.png", "1, 3 or 4 channels"});
