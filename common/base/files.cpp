@@ -52,7 +52,7 @@ bool is_no_regular_file(const fs::path& path) {
   return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
-/// Files with the unfinished name of a process that is no more.
+/// Files and folders with the unfinished name of a process that is no more.
 void remove_abandoned(const fs::path& path) {
   const std::string start = path.filename().string() + ".";
   const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
@@ -68,7 +68,7 @@ void remove_abandoned(const fs::path& path) {
     if (failure == std::errc() && parsed == last && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH)
       abandoned.push_back(entry->path());
   }
-  for (const fs::path& file : abandoned) fs::remove(file, error);
+  for (const fs::path& file : abandoned) fs::remove_all(file, error);
 }
 
 }  // namespace
@@ -138,6 +138,28 @@ void make_folder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
   if (error) throw FileError(path.string(), "cannot be made: " + error.message());
+}
+
+NewFolder::NewFolder(const fs::path& folder)
+    : folder_(folder.has_filename() ? folder : folder.parent_path()), unfinished_(unfinished_name(folder_)) {
+  std::error_code error;
+  if (fs::exists(folder_, error) && !(fs::is_directory(folder_, error) && fs::is_empty(folder_, error)))
+    throw FileError(folder_.string(), "is there already; name a new folder");
+  remove_abandoned(folder_);
+  fs::remove_all(unfinished_, error);
+  make_folder(unfinished_);
+}
+
+NewFolder::~NewFolder() {
+  std::error_code ignored;
+  fs::remove_all(unfinished_, ignored);
+}
+
+void NewFolder::finish() {
+  std::error_code error;
+  fs::remove(folder_, error);  // an empty one
+  fs::rename(unfinished_, folder_, error);
+  if (error) throw FileError(folder_.string(), "cannot be made: " + error.message());
 }
 
 std::string relative_name(const std::filesystem::path& path, const std::filesystem::path& folder) {

@@ -33,6 +33,24 @@ void check_writable_folder(const std::filesystem::path& folder);
 /// Creates a folder and its parents where they do not exist yet. Throws FileError.
 void make_folder(const std::filesystem::path& path);
 
+/// A folder with files that belong together: they are written into `unfinished()`, which stands beside it
+/// (`NAME.PID.part`) and takes its name when all of them are there. Else nothing is left, at the next time also of a
+/// process that was killed.
+class NewFolder {
+ public:
+  /// Throws FileError where anything but an empty folder has that name already, or where none can be made.
+  explicit NewFolder(const std::filesystem::path& folder);
+  ~NewFolder();
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+
+  const std::filesystem::path& unfinished() const { return unfinished_; }
+  void finish();  ///< Throws FileError.
+
+ private:
+  std::filesystem::path folder_, unfinished_;
+};
+
 /// A path as seen from a folder, with slashes, where that can be said; else the whole path.
 std::string relative_name(const std::filesystem::path& path, const std::filesystem::path& folder);
 

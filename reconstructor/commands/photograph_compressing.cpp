@@ -55,35 +55,6 @@ Coded code_to_reach(const PhotographArchive& archive, const ModelSettings& setti
   return best;
 }
 
-/// A folder that is made under another name beside it, so that what is there is whole.
-class NewFolder {
- public:
-  explicit NewFolder(fs::path folder) : folder_(std::move(folder)), unfinished_(folder_.string() + ".part") {
-    std::error_code ignored;
-    if (fs::exists(folder_, ignored) && !(fs::is_directory(folder_, ignored) && fs::is_empty(folder_, ignored)))
-      throw FileError(folder_.string(), "is there already; name a new folder");
-    fs::remove_all(unfinished_, ignored);  // of a run that was killed
-    check_writable_folder(unfinished_);
-  }
-  ~NewFolder() {
-    std::error_code ignored;
-    fs::remove_all(unfinished_, ignored);
-  }
-  NewFolder(const NewFolder&) = delete;
-  NewFolder& operator=(const NewFolder&) = delete;
-
-  const fs::path& unfinished() const { return unfinished_; }
-  void finish() {
-    std::error_code error;
-    fs::remove(folder_, error);  // an empty one
-    fs::rename(unfinished_, folder_, error);
-    if (error) throw FileError(folder_.string(), "cannot be written: " + error.message());
-  }
-
- private:
-  fs::path folder_, unfinished_;
-};
-
 }  // namespace
 
 nlohmann::json compress_photographs(const std::string& source, const std::string& mesh_file, const std::string& folder,

@@ -169,7 +169,7 @@ TEST_F(Evaluate, PhotographsMadeSmallMakeTheModelThatTheirReportSays) {
                      {"compress", session_, "--mesh", mesh_, "--out", other, "--loss", "0.6dB", "--json", report})),
                  0, {"28 photographs"});
   EXPECT_LE(Json::parse(read_file(report))["photographs"]["loss_db"], 0.6);
-  EXPECT_FALSE(fs::exists(other.string() + ".part"));
+  for (const auto& entry : fs::directory_iterator(temp_.path())) EXPECT_NE(entry.path().extension(), ".part");
   const fs::path none = temp_.path() / "none";
   expect_outcome(run_to_end(reconstructor({"compress", session_, "--mesh", mesh_, "--out", none, "--loss", "0dB"})), 2,
                  {"--loss 0dB", "photographs themselves"});

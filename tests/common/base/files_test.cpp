@@ -35,6 +35,33 @@ TEST(Files, WhatAKilledProcessLeftIsRemovedAndNothingElse) {
     EXPECT_TRUE(fs::exists(folder.path() / name)) << name;
 }
 
+TEST(Files, ANewFolderIsThereWholeOrNotAtAll) {
+  const TempFolder temp;
+  const fs::path place = temp.path() / "new";
+  const auto beside = [&] { return std::distance(fs::directory_iterator(temp.path()), fs::directory_iterator()); };
+  const fs::path abandoned = temp.path() / ("new." + std::to_string(ended_process()) + ".part");
+  fs::create_directories(abandoned / "of a process that was killed");
+  {
+    NewFolder folder(place / "");  // with a slash behind it
+    write_file(folder.unfinished() / "a", "half");
+    EXPECT_FALSE(fs::exists(place) || fs::exists(abandoned));
+  }
+  EXPECT_EQ(beside(), 0);
+  fs::create_directory(place);  // an empty one will do
+  {
+    NewFolder folder(place);
+    write_file(folder.unfinished() / "a", "whole");
+    EXPECT_FALSE(fs::exists(place / "a"));
+    folder.finish();
+  }
+  EXPECT_EQ(read_file(place / "a"), "whole");
+  EXPECT_EQ(beside(), 1);
+  expect_error([&] { const NewFolder again(place); }, {place.string(), "is there already"});
+  expect_error([&] { const NewFolder again(place / "a"); }, {(place / "a").string(), "is there already"});
+  expect_error([] { const NewFolder nowhere("/proc/new"); }, {"/proc/new"});
+  EXPECT_EQ(read_file(place / "a"), "whole");
+}
+
 TEST(Files, ADeviceIsWrittenAndNotReplaced) {
   expect_error([] { write_file("/dev/full", "x"); }, {"/dev/full", "No space left"});
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
