@@ -121,7 +121,7 @@ std::uintmax_t PhotographArchive::write(const fs::path& folder, int quality) con
 }
 
 int PhotographArchive::quality_within(std::uintmax_t bytes) const {
-  std::uintmax_t beside = transforms_text("transforms.json", views({})).size();
+  std::uintmax_t beside = transforms_text("small/transforms.json", views("small")).size();
   for (const Frame& frame : frames_) beside += frame.mask.size();
   return coding_.quality_within(bytes > beside ? static_cast<std::size_t>(bytes - beside) : 0);
 }
