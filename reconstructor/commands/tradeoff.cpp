@@ -10,6 +10,7 @@
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
@@ -23,6 +24,7 @@
 #include "reconstructor/scene/scene_mesh.h"
 #include "reconstructor/studies/patches.h"
 #include "reconstructor/studies/precision.h"
+#include "reconstructor/studies/small_files.h"
 #include "reconstructor/studies/tradeoff.h"
 
 namespace sheen {
@@ -173,6 +175,37 @@ nlohmann::json patches_to_json(const std::vector<PatchRow>& rows) {
   return list;
 }
 
+void print_files(const std::vector<SmallFileRow>& rows) {
+  std::printf("\n%-34s %9s %9s %9s %7s\n", "small file, dB that it may lose", "MB", "s", "PSNR dB", "SSIM");
+  for (const SmallFileRow& row : rows)
+    std::printf("%-34g %9.3f %9.1f %9.2f %7.4f\n", row.asked_db, static_cast<double>(row.bytes) / 1e6, row.seconds,
+                row.psnr_db, row.ssim);
+}
+
+nlohmann::json files_to_json(const std::vector<SmallFileRow>& rows) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const SmallFileRow& row : rows)
+    list.push_back({{"asked_db", row.asked_db},
+                    {"bytes", row.bytes},
+                    {"seconds", row.seconds},
+                    {"psnr_db", row.psnr_db},
+                    {"ssim", row.ssim}});
+  return list;
+}
+
+Plot plot_files(const std::vector<SmallFileRow>& rows, const std::string& of) {
+  Plot plot{.title = "Size of the file against accuracy: " + of,
+            .x = {.label = "small file (MB)", .log = true},
+            .y = {.label = "held-out PSNR (dB)"}};
+  PlotSeries files{.name = "small file", .style = PlotStyle::kLine};
+  for (const SmallFileRow& row : rows) {
+    files.add(1e-6 * static_cast<double>(row.bytes), row.psnr_db);
+    files.labels.push_back(format("%g dB", row.asked_db));
+  }
+  plot.series.push_back(std::move(files));
+  return plot;
+}
+
 nlohmann::json point_to_json(const TradeoffPoint& p) {
   return {{"setting", p.setting.name}, {"part", p.setting.part}, {"image_ms", p.image_ms},
           {"cpu_ms", p.cpu_ms},        {"bytes", p.bytes},       {"mean_rank", p.mean_rank},
@@ -210,19 +243,31 @@ std::vector<TradeoffPoint> measure_settings(const Experiment& experiment, const 
   return points;
 }
 
-/// What the number format and the size of patches cost and gain; into the report.
-void study_formats(const Experiment& experiment, const SurfaceLightFieldOptions& base, PartsUntilStop& parts,
-                   nlohmann::json& report) {
-  const auto studies = parts.result([&] {
+/// Of a light field with the settings that the sweep starts from.
+struct Studies {
+  PrecisionStudy precision;
+  std::vector<PatchRow> patches;
+  std::vector<SmallFileRow> files;
+};
+
+/// What the number format, the size of patches and that of the file cost and gain; nothing where the user stops it.
+std::optional<Studies> study_base(const Experiment& experiment, const SurfaceLightFieldOptions& base,
+                                  PartsUntilStop& parts) {
+  return parts.result([&] {
     const OnlineRun light_field = build_online(experiment.mesh, experiment.in_order(), base);
-    return std::pair(study_precision(experiment, base, *light_field.model),
-                     study_patches(experiment, base, std::array{1, 2, 4, 8, 16}));
+    return Studies{study_precision(experiment, base, *light_field.model),
+                   study_patches(experiment, base, std::array{1, 2, 4, 8, 16}),
+                   study_small_files(experiment, *light_field.model, std::array{0.03, 0.1, 0.2, 0.3, 0.5, 1.0})};
   });
-  if (!studies) return;
-  print_precision(studies->first);
-  report["precision"] = precision_to_json(studies->first);
-  print_patches(studies->second);
-  report["patches"] = patches_to_json(studies->second);
+}
+
+void add_studies(const Studies& studies, nlohmann::json& report) {
+  print_precision(studies.precision);
+  report["precision"] = precision_to_json(studies.precision);
+  print_patches(studies.patches);
+  report["patches"] = patches_to_json(studies.patches);
+  print_files(studies.files);
+  report["files"] = files_to_json(studies.files);
 }
 
 void write_scene(const std::filesystem::path& file, const SurfaceLightFieldOptions& base,
@@ -288,9 +333,14 @@ void tradeoff(const TradeoffArguments& arguments) {
   nlohmann::json report{{"training_images", experiment.training.size()},
                         {"held_out_views", experiment.held_out.size()},
                         {"points", points_to_json(points, frontiers, !arguments.parts)}};
-  if (!parts.stopped() && !arguments.parts) study_formats(experiment, base, parts, report);
+  std::optional<Studies> studies;
+  if (!parts.stopped() && !arguments.parts) studies = study_base(experiment, base, parts);
+  if (studies) add_studies(*studies, report);
   if (!arguments.out.empty()) {
     write_plots(points, frontiers, arguments.dataset, arguments.out);
+    if (studies)
+      write_plot(plot_files(studies->files, std::filesystem::path(arguments.dataset).filename().string()),
+                 std::filesystem::path(arguments.out) / "tradeoff_file");
     if (!arguments.parts && points.size() == settings.size())
       write_scene(std::filesystem::path(arguments.out) / "scene.toml", base, measured_levels(points, first_level));
   }

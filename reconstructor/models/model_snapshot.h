@@ -86,6 +86,7 @@ struct CompressionTarget {
 struct CompressedModel {
   std::shared_ptr<const ModelSnapshot> snapshot;  ///< its `save` writes one file
   double loss_db = 0;                             ///< as judged, or else as measured against the model
+  std::size_t bytes = 0;                          ///< of that file, without what is noted in it
 };
 
 /// A model on its way into fewer bytes. It keeps what it needs of the model that it was made from, which need not stay.

@@ -30,7 +30,7 @@ class FieldCompression : public Compression {
     const QuantisedField field = target_.bytes ? within_bytes(*target_.bytes) : within_loss(target_.loss_db);
     auto small = open(field);
     const double loss = target_.judge ? psnr_db_ - target_.judge(*small) : predicted_loss(field);
-    return {std::move(small), loss};
+    return {std::move(small), loss, encode_field(scene_, field).size()};
   }
 
  private:

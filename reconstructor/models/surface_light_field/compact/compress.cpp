@@ -156,7 +156,7 @@ class LightFieldCompression : public Compression {
     std::shared_ptr<const std::string> file;
     double loss_db = 0;
 
-    CompressedModel opened() const { return {open(file), loss_db}; }
+    CompressedModel opened() const { return {open(file), loss_db, file->size()}; }
   };
 
   CompressedModel within_bytes(double bytes) {
