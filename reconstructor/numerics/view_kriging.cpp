@@ -177,6 +177,30 @@ ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const
   return ViewKriging(directions, reliability, kernel, drift).of(coefficients);
 }
 
+VectorXf krige_at(const Eigen::Vector3f& direction, float drift_there, const Eigen::Matrix3Xf& directions,
+                  const Eigen::Ref<const MatrixXf>& coefficients, const Eigen::Ref<const VectorXf>& reliability,
+                  const ViewKernel& kernel, const VectorXf& drift) {
+  const Eigen::Index views = directions.cols();
+  if (views == 0) return VectorXf::Zero(coefficients.rows());
+  const bool drifts = views > 2 && drift.size() > 0;
+  MatrixXd covariance = covariances(kernel, angles_between(directions)).cast<double>();
+  covariance.diagonal() += kernel.nugget * reliability.cast<double>().cwiseInverse();
+  Eigen::Matrix<double, Eigen::Dynamic, 3> sides(views, 3);  // Q k, Q 1 and Q f
+  sides << covariances(kernel, directions, direction).cast<double>(), VectorXd::Ones(views), VectorXd::Zero(views);
+  const double mean = drifts ? drift.cast<double>().mean() : 0;
+  VectorXd varying(drifts ? views : 0);
+  if (drifts) sides.col(2) = varying = drift.cast<double>().array() - mean;
+  Eigen::LLT<Eigen::Ref<MatrixXd>>(covariance).solveInPlace(sides);
+  const auto across = sides.col(0), by_one = sides.col(1), by_drift = sides.col(2);
+  VectorXd weights = across + by_one * ((1 - across.sum()) / by_one.sum());
+  if (drifts) {
+    const VectorXd zf = by_drift - by_one * (by_drift.sum() / by_one.sum());
+    const double power = varying.dot(zf);
+    if (power > kLeastDrift) weights += zf * ((drift_there - mean - varying.dot(weights)) / power);
+  }
+  return (coefficients.cast<double>() * weights).cast<float>();
+}
+
 template <typename Scalar>
 LeaveOneOut leave_one_out(const MatrixXf& angles, const Eigen::Ref<const MatrixXf>& coefficients,
                           const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel,

@@ -147,8 +147,9 @@ Eigen::VectorXf from_direction(const ViewInterpolant& interpolant, const SiteVie
 Eigen::VectorXf interpolated(const SiteViews& views, const Eigen::MatrixXf& coefficients,
                              const SharedInterpolation& interpolation, const Eigen::Vector3f& normal,
                              const Eigen::Vector3f& direction) {
-  const ViewInterpolant interpolant = interpolant_of(views, coefficients, interpolation, normal);
-  return from_direction(interpolant, views, interpolation, normal, direction);
+  const ReflectionDrift* const reflection = drift_function(interpolation);
+  return krige_at(direction, reflection ? reflection->at(direction, normal) : 0, views.directions, coefficients,
+                  views.reliability, interpolation.chosen.kernel, drift_of(views.directions, reflection, normal));
 }
 
 SmoothedViews smoothed(const SiteViews& views, const Eigen::MatrixXf& coefficients,

@@ -257,6 +257,27 @@ TEST(ViewKriging, FarFromEveryViewTheMeanIsReturned) {
   EXPECT_LT((predict(i, directions, kernel, {-1, 0, 0}) - i.mean).norm(), 1e-4);
 }
 
+TEST(ViewKriging, AtOneDirectionItIsTheSame) {
+  for (const int n : {1, 2, 3, 8, 40}) {
+    const Eigen::Matrix3Xf directions = some_directions(n, 31);
+    const Eigen::MatrixXf y = gaussian_matrix(3, n, 32);
+    Eigen::VectorXf reliability = gaussian_matrix(n, 1, 33).cwiseAbs().array() + 0.05f;
+    const Eigen::VectorXf drift = gaussian_matrix(n, 1, 34), level = Eigen::VectorXf::Constant(n, 0.5f);
+    const Eigen::Vector3f at = Eigen::Vector3f(0.1f, 0.4f, 0.9f).normalized();
+    for (const ViewKernel& kernel : kViewKernels)
+      for (const Eigen::VectorXf& f : {Eigen::VectorXf(), level, drift}) {
+        const ViewInterpolant all = krige(directions, y, reliability, kernel, f);
+        Eigen::VectorXf expected = interpolate(all, directions, kernel, at);
+        if (all.drift.size() > 0) expected += 0.7f * all.drift;
+        EXPECT_LT((krige_at(at, 0.7f, directions, y, reliability, kernel, f) - expected).norm(),
+                  1e-4 * (1 + expected.norm()))
+            << n << " views, drift of " << f.size();
+      }
+  }
+  EXPECT_EQ(krige_at({0, 0, 1}, 0, Eigen::Matrix3Xf(3, 0), Eigen::MatrixXf(2, 0), Eigen::VectorXf(0), kViewKernels[0]),
+            Eigen::Vector2f::Zero());
+}
+
 TEST(ViewKriging, NoViewAndOneViewAreFine) {
   const ViewKernel kernel;
   EXPECT_EQ(krige(Eigen::Matrix3Xf(3, 0), Eigen::MatrixXf(2, 0), Eigen::VectorXf(), kernel).weights.cols(), 0);
