@@ -69,8 +69,8 @@ void FoldedViews<Scalar>::append(const Fold& fold, std::vector<Arrival> columns)
 
 template <typename Scalar>
 void FoldedViews<Scalar>::erase(int view) {
-  const Eigen::Index behind = coefficients_.cols() - view - 1;
-  coefficients_.middleCols(view, behind) = coefficients_.rightCols(behind).eval();
+  Scalar* const all = coefficients_.data();
+  std::copy(all + (view + 1) * coefficients_.rows(), all + coefficients_.size(), all + view * coefficients_.rows());
   coefficients_.conservativeResize(Eigen::NoChange, coefficients_.cols() - 1);
   views_.erase(views_.begin() + view);
 }

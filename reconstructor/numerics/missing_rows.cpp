@@ -63,9 +63,7 @@ typename MissingRows<Scalar>::Matrix MissingRows<Scalar>::missed_projections(con
                                                                              std::span<const int> of) const {
   const auto count = static_cast<Eigen::Index>(of.size());
   Matrix witness_basis(witnesses_.count(), basis.rank()), y(basis.rank(), count);
-  std::vector<int> rows;
-  rows.reserve(static_cast<std::size_t>(witnesses_.count()));
-  witnesses_.visit([&](int row) { rows.push_back(row); });
+  const std::vector<int> rows = witnesses_.rows();
   for (int k = 0; k < basis.rank(); ++k)
     for (int w = 0; w < witnesses_.count(); ++w) witness_basis(w, k) = basis.columns().column(k)[rows[w]];
   for (Eigen::Index j = 0; j < count; ++j) y.col(j) = views.coefficients().col(of[j]);
@@ -277,12 +275,12 @@ template <typename Scalar>
 std::shared_ptr<const ShownRows> MissingRows<Scalar>::shown_by_both(const Basis& basis, const Views& views, int a,
                                                                     int b) const {
   if (!views.shown(a) && !views.shown(b)) return nullptr;
-  const auto explained = [&](int view) {
-    return [&basis, &views, view](int row) { return basis.dot(row, views.coefficients().col(view)); };
-  };
+  Vector explained;  // of the one that shows all rows
+  if (!views.shown(a) || !views.shown(b))
+    explained = basis.at_rows(witnesses_.rows(), views.coefficients().col(views.shown(a) ? b : a));
   const double fraction = views.weight(b) / (views.weight(a) + views.weight(b));
-  return std::make_shared<const Shown>(sheen::shown_by_both<Scalar>(
-      witnesses_, views.shown(a), explained(a), views.shown(b), explained(b), static_cast<Scalar>(fraction)));
+  return std::make_shared<const Shown>(sheen::shown_by_both<Scalar>(witnesses_, views.shown(a), views.shown(b),
+                                                                    explained, static_cast<Scalar>(fraction)));
 }
 
 template <typename Scalar>

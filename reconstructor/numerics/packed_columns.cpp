@@ -5,8 +5,27 @@
 #include <utility>
 
 #include "reconstructor/numerics/fixed_point.h"
+#include "reconstructor/numerics/row_panels.h"
 
 namespace sheen {
+namespace {
+
+template <typename Code, typename Scalar>
+Scalar inner_product(const Code* codes, const Scalar* values, Eigen::Index count) {
+  constexpr int lanes = row_panels::VectorOf<Scalar>::kLanes;
+  typedef Code Codes __attribute__((vector_size(lanes * sizeof(Code)), may_alias, aligned(sizeof(Code))));
+  using Vector = row_panels::Vector<Scalar>;
+  Vector sums{};
+  Eigen::Index i = 0;
+  for (; i + lanes <= count; i += lanes)
+    sums += __builtin_convertvector(*reinterpret_cast<const Codes*>(codes + i), Vector) * row_panels::load(values + i);
+  Scalar sum = 0;
+  for (int lane = 0; lane < lanes; ++lane) sum += sums[lane];
+  for (; i < count; ++i) sum += static_cast<Scalar>(codes[i]) * values[i];
+  return sum;
+}
+
+}  // namespace
 
 template <typename Scalar>
 PackedColumns<Scalar>::PackedColumns(Matrix exact) : rows_(exact.rows()), exact_(std::move(exact)) {}
@@ -56,19 +75,10 @@ void PackedColumns<Scalar>::inner_products(const Eigen::Ref<const Vector>& y, Ei
     products.noalias() = exact_.transpose() * y;
     return;
   }
-  constexpr Eigen::Index kAtOnce = 128;  // rows, decoded into what stays in the nearest cache
-  Eigen::Matrix<Scalar, kAtOnce, 1> some;
-  for (Eigen::Index k = 0; k < cols(); ++k) {
-    Scalar sum = 0;
-    for (Eigen::Index row = 0; row < rows_; row += kAtOnce) {
-      const Eigen::Index count = std::min(kAtOnce, rows_ - row);
-      with_codes(k, [&](const auto* codes) {
-        decode_fixed(codes + row, static_cast<std::size_t>(count), step(k), some.data());
-      });
-      sum += some.head(count).dot(y.segment(row, count));
-    }
-    products[k] = sum;
-  }
+  for (Eigen::Index k = 0; k < cols(); ++k)
+    with_codes(k, [&](const auto* codes) {
+      products[k] = static_cast<Scalar>(step(k) * static_cast<double>(inner_product(codes, y.data(), rows_)));
+    });
 }
 
 template <typename Scalar>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -28,6 +29,12 @@ class WitnessRows {
   int channels() const { return channels_; }
   int count() const { return count_; }
 
+  std::vector<int> rows() const {
+    std::vector<int> rows;
+    rows.reserve(static_cast<std::size_t>(count_));
+    visit([&](int row) { rows.push_back(row); });
+    return rows;
+  }
   /// Calls visit(row) for each, in ascending order.
   template <typename Visit>
   void visit(Visit visit) const {
@@ -53,24 +60,27 @@ ShownRows shown_rows(const WitnessRows& witnesses, const RowBits& hidden, Value 
   return {.hidden = hidden, .sketch = FixedPoint(values)};
 }
 
-/// Of the weighted mean of two. One of them may be null: it shows all rows, and explained_a(row) or explained_b(row) is
-/// what. `fraction`: of b in the mean.
-template <typename Scalar, typename ExplainedA, typename ExplainedB>
-ShownRows shown_by_both(const WitnessRows& witnesses, const ShownRows* a, ExplainedA explained_a, const ShownRows* b,
-                        ExplainedB explained_b, Scalar fraction) {
+/// Of the weighted mean of two. One of them may be null: it shows all rows, and at the witnesses what `explained` says.
+/// `fraction`: of b in the mean.
+template <typename Scalar, typename Explained>
+ShownRows shown_by_both(const WitnessRows& witnesses, const ShownRows* a, const ShownRows* b,
+                        const Explained& explained, Scalar fraction) {
   ShownRows both;
   both.hidden.resize((a ? a : b)->hidden.size());
   for (std::size_t word = 0; word < both.hidden.size(); ++word)
     both.hidden[word] = (a ? a->hidden[word] : 0) | (b ? b->hidden[word] : 0);
   std::vector<Scalar> values;
+  values.reserve(static_cast<std::size_t>(witnesses.count()));
   std::size_t next_a = 0, next_b = 0;
+  Eigen::Index witness = 0;
   witnesses.visit([&](int row) {
     const bool in_a = !a || !has_row(a->hidden, row), in_b = !b || !has_row(b->hidden, row);
     if (in_a && in_b)
-      values.push_back((1 - fraction) * (a ? a->sketch.at<Scalar>(next_a) : explained_a(row)) +
-                       fraction * (b ? b->sketch.at<Scalar>(next_b) : explained_b(row)));
+      values.push_back((1 - fraction) * (a ? a->sketch.at<Scalar>(next_a) : explained[witness]) +
+                       fraction * (b ? b->sketch.at<Scalar>(next_b) : explained[witness]));
     next_a += in_a;
     next_b += in_b;
+    ++witness;
   });
   both.sketch = FixedPoint(values);
   return both;

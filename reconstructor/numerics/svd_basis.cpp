@@ -114,6 +114,21 @@ Scalar SvdBasis<Scalar>::dot(int row, const Eigen::Ref<const Eigen::Matrix<Scala
   return sum;
 }
 
+template <typename Scalar>
+Eigen::Matrix<Scalar, Eigen::Dynamic, 1> SvdBasis<Scalar>::at_rows(
+    std::span<const int> rows, const Eigen::Ref<const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>>& y) const {
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  Eigen::Matrix<Scalar, Eigen::Dynamic, 1> sums = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>::Zero(count);
+  const auto add = [&](Eigen::Index k, const auto& value) {
+    for (Eigen::Index i = 0; i < count; ++i) sums[i] += y[k] * value(rows[static_cast<std::size_t>(i)]);
+  };
+  if (packed_.empty())
+    for (int k = 0; k < rank_; ++k) add(k, [values = basis_.col(k).data()](int row) { return values[row]; });
+  else
+    packed_.visit(rank_, add);
+  return sums;
+}
+
 /// Those that take 16 bits a value.
 template <typename Scalar>
 Eigen::Index SvdBasis<Scalar>::fine_terms(double tolerance) const {

@@ -76,6 +76,9 @@ class SvdBasis {
   PackedColumns<Scalar> packed(int terms) const;  ///< the same, packed as it is
   auto row(int row) const { return basis_.row(row).head(rank_); }
   Scalar dot(int row, const Eigen::Ref<const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>>& y) const;  ///< of a row and y
+  /// The same of many rows.
+  Eigen::Matrix<Scalar, Eigen::Dynamic, 1> at_rows(
+      std::span<const int> rows, const Eigen::Ref<const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>>& y) const;
   row_panels::Columns<const Scalar> columns() const { return row_panels::columns(basis_, rank_); }
   Eigen::MatrixXd gram() const { return packed_gram_.empty() ? gram_ : packed_gram_.unpacked(); }
   const Eigen::VectorXd& spectrum() const { return spectrum_; }  ///< squared singular values, descending

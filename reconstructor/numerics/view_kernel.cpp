@@ -14,8 +14,16 @@ using Some = Eigen::Array<float, kAtOnce, 1>;
 /// Squares of half the chords between a direction and those from `first` on; 0 beyond the last.
 Some squared_half_chords(const Eigen::Matrix3Xf& directions, Eigen::Index first, const Eigen::Vector3f& direction) {
   Some squares = Some::Zero();
-  for (Eigen::Index i = 0; i < std::min(kAtOnce, directions.cols() - first); ++i)
-    squares[i] = 0.25f * (directions.col(first + i) - direction).squaredNorm();
+  const float* const from = directions.data() + 3 * first;
+  const auto square = [&](Eigen::Index i) {
+    const float x = from[3 * i] - direction.x(), y = from[3 * i + 1] - direction.y(),
+                z = from[3 * i + 2] - direction.z();
+    return 0.25f * (x * x + y * y + z * z);
+  };
+  if (const Eigen::Index count = directions.cols() - first; count >= kAtOnce)
+    for (Eigen::Index i = 0; i < kAtOnce; ++i) squares[i] = square(i);  // all at once
+  else
+    for (Eigen::Index i = 0; i < count; ++i) squares[i] = square(i);
   return squares;
 }
 

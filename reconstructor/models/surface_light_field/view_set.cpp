@@ -131,13 +131,15 @@ void ViewSet::place_those_left_alone() {
 
 /// Finds the neighbour of this view, and whose it now is.
 void ViewSet::place(int view) {
-  neighbours_[view] = {};
+  const Eigen::Vector3f direction = directions_[view];
+  Neighbour nearest;
   for (int other = 0; other < folded(); ++other) {
     if (other == view) continue;
-    const float cosine = directions_[view].dot(directions_[other]);
-    if (cosine > neighbours_[view].cosine) neighbours_[view] = {other, cosine};
+    const float cosine = direction.dot(directions_[other]);
+    if (cosine > nearest.cosine) nearest = {other, cosine};
     if (cosine > neighbours_[other].cosine) neighbours_[other] = {view, cosine};
   }
+  neighbours_[view] = nearest;
 }
 
 /// Those whose neighbour it was are left without (-1).
