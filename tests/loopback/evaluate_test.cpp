@@ -159,8 +159,10 @@ TEST_F(Evaluate, PhotographsMadeSmallMakeTheModelThatTheirReportSays) {
   EXPECT_GT(small["bytes"], 60e3);
   const fs::path built = temp_.path() / "built.json";
   expect_outcome(run_to_end(reconstructor({"build", photographs, "--mesh", mesh_, "--json", built})), 0, {});
-  // There, views are judged by their small photographs, which are about as far from the truth as the model is.
-  EXPECT_NEAR(Json::parse(read_file(built))["held_out"]["psnr_db"].get<double>(), small["psnr_db"].get<double>(), 3);
+  // There, views are judged by their small photographs, which are as far from the truth as the model is, or farther.
+  const double psnr_db = Json::parse(read_file(built))["held_out"]["psnr_db"].get<double>();
+  EXPECT_GT(psnr_db, 38);
+  EXPECT_LT(psnr_db, small["psnr_db"].get<double>());
 
   expect_outcome(run_to_end(reconstructor({"compress", session_, "--mesh", mesh_, "--out", photographs})), 1,
                  {photographs.string(), "is there already"});
