@@ -2,11 +2,8 @@
 #include "reconstructor/capture/photograph_archive.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <utility>
 
-#include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/format.h"
 #include "common/image/webp.h"
@@ -29,24 +26,12 @@ Camera camera_of(const Photograph& photograph) {
   return camera;
 }
 
-/// What the photograph has of a mask, which is white everywhere where it is empty.
-std::string cut_mask(const ImageU8& mask, const Photograph& photograph) {
-  ImageU8 cut(photograph.pixels.width(), photograph.pixels.height(), 3, 255);
+/// What a cut-out of that size has of a mask, which is white everywhere where it is empty.
+std::string cut_mask(const ImageU8& mask, int left, int top, const Camera& cut_out) {
+  ImageU8 cut(cut_out.width, cut_out.height, 3, 255);
   for (int y = 0; y < cut.height() && !mask.empty(); ++y)
-    for (int x = 0; x < cut.width(); ++x)
-      std::fill_n(cut.pixel(x, y), 3, mask.at(photograph.left + x, photograph.top + y) ? 255 : 0);
+    for (int x = 0; x < cut.width(); ++x) std::fill_n(cut.pixel(x, y), 3, mask.at(left + x, top + y) ? 255 : 0);
   return encode_webp_lossless(cut);
-}
-
-RawImage as_floats(const ImageF& linear) {
-  RawImage raw{.format = PixelFormat::kRGB32f,
-               .transfer = Transfer::kLinear,
-               .width = linear.width(),
-               .height = linear.height(),
-               .stride = 3 * sizeof(float) * static_cast<std::size_t>(linear.width()),
-               .bytes = std::vector<std::uint8_t>(sizeof(float) * linear.size())};
-  std::memcpy(raw.bytes.data(), linear.data(), raw.bytes.size());
-  return raw;
 }
 
 }  // namespace
@@ -66,6 +51,7 @@ PhotographArchive::PhotographArchive(const CaptureSet& captures, std::shared_ptr
     if (!photograph) continue;
     coding_.add(*photograph);
     const ImageU8 mask = usable_pixels(capture);
+    const Camera camera = camera_of(*photograph);
     masked = masked || !mask.empty();
     exposures_known = exposures_known && (exposure > 0 || capture.exposure.locked);
     frames_.push_back({.capture = i,
@@ -73,17 +59,17 @@ PhotographArchive::PhotographArchive(const CaptureSet& captures, std::shared_ptr
                        .view = {.name = format("images/%04zu.webp", i + 1),
                                 .image_path = {},
                                 .mask_path = {},
-                                .camera = camera_of(*photograph),
+                                .camera = camera,
                                 .camera_from_object = capture.pose.camera_from_object,
                                 .light = capture.light,
                                 .purpose = is_held_out(capture, every) ? Purpose::kHeldOut : Purpose::kTraining,
                                 .exposure_s = {}},
-                       .mask = cut_mask(mask, *photograph),
+                       .mask = mask.empty() ? "" : cut_mask(mask, photograph->left, photograph->top, camera),
                        .gain = gain});
   }
   for (Frame& frame : frames_) {
     frame.view.exposure_locked = exposures_known;
-    if (!masked) frame.mask.clear();
+    if (masked && frame.mask.empty()) frame.mask = cut_mask({}, 0, 0, frame.view.camera);
   }
 }
 
@@ -132,16 +118,6 @@ Capture PhotographArchive::read(std::size_t frame) const {
   return capture;
 }
 
-Capture PhotographArchive::levelled(std::size_t frame) const {
-  Capture capture = read(frame);
-  capture.mask = usable_pixels(capture);
-  capture.image = as_floats(level_radiance(capture, frames_[frame].gain));
-  capture.photometry.reset();
-  capture.exposure = {};
-  capture.exposure.locked = frames_[frame].view.exposure_locked;
-  return capture;
-}
-
 double PhotographArchive::psnr_db(const ModelSettings& settings) const {
   return psnr_db(settings, [&](std::size_t frame) { return read(frame); });
 }
@@ -149,7 +125,7 @@ double PhotographArchive::psnr_db(const ModelSettings& settings) const {
 double PhotographArchive::psnr_db(const ModelSettings& settings, const fs::path& archive) const {
   const CaptureSet coded = open_capture_set(archive);
   return psnr_db(settings, [&](std::size_t frame) {
-    if (frames_[frame].view.purpose == Purpose::kHeldOut) return levelled(frame);
+    if (frames_[frame].view.purpose == Purpose::kHeldOut) return levelled(read(frame), frames_[frame].gain);
     Capture capture = coded.read(frame);
     capture.source_session = frames_[frame].source;
     return capture;

@@ -52,8 +52,6 @@ class PhotographArchive {
   double psnr_db(const ModelSettings& settings, const std::function<Capture(std::size_t)>& read) const;
   /// The capture, and whether it is held out.
   Capture read(std::size_t frame) const;
-  /// The same at the exposure of the first, in floats.
-  Capture levelled(std::size_t frame) const;
   std::vector<DatasetView> views(const std::filesystem::path& folder) const;
 
   CaptureSet captures_;

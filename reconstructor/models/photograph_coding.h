@@ -17,7 +17,6 @@ class PhotographCoding {
   static constexpr int kBest = 100;
 
   void add(const Photograph& photograph);
-  std::size_t size() const { return pictures_.size(); }
   /// Files, in the order in which the photographs came. Quality: 0..kBest.
   std::vector<std::string> coded(int quality) const;
   /// The best quality that takes no more than `bytes` in all; 0 where none does.

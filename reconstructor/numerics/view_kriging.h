@@ -34,7 +34,7 @@ ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const
                       const Eigen::VectorXf& drift = {});
 
 /// What `krige` and `interpolate` give for one unit direction, at which the drift is `drift_there`, without what other
-/// directions would need: a third of the time. No view gives zeros.
+/// directions would need. No view gives zeros.
 Eigen::VectorXf krige_at(const Eigen::Vector3f& direction, float drift_there, const Eigen::Matrix3Xf& directions,
                          const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
                          const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,

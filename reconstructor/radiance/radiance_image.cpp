@@ -229,4 +229,19 @@ ImageF level_radiance(const Capture& capture, float gain) {
   return image;
 }
 
+Capture levelled(Capture capture, float gain) {
+  const ImageF linear = level_radiance(capture, gain);
+  RawImage& image = capture.image;
+  image.format = PixelFormat::kRGB32f;
+  image.transfer = Transfer::kLinear;
+  image.stride = 3 * sizeof(float) * static_cast<std::size_t>(linear.width());
+  image.bytes.resize(sizeof(float) * linear.size());
+  std::memcpy(image.bytes.data(), linear.data(), image.bytes.size());
+  capture.exposure.black_level = 0;
+  capture.exposure.white_balance = {1, 1, 1};
+  capture.exposure.exposure_s /= gain;
+  capture.photometry.reset();
+  return capture;
+}
+
 }  // namespace sheen

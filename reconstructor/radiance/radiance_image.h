@@ -52,5 +52,7 @@ ImageU8 usable_pixels(const Capture& capture);
 
 /// The capture's linear radiance, RGB, divided by `gain`.
 ImageF level_radiance(const Capture& capture, float gain);
+/// The capture with such floats for its image, and an exposure that is so much less where it is known.
+Capture levelled(Capture capture, float gain);
 
 }  // namespace sheen

@@ -4,32 +4,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <ctime>
 #include <numeric>
+#include <utility>
 
 #include "common/base/errors.h"
 #include "common/base/order_statistics.h"
-#include "common/capture/linear_capture.h"
 #include "reconstructor/radiance/capture_rules.h"
+#include "reconstructor/radiance/radiance_image.h"
 
 namespace sheen {
 namespace {
-
-/// The image as linear radiance of the level of an exposure `1 / factor` times as long.
-void rescale(Capture& capture, double factor) {
-  ImageF linear = linear_radiance(capture);
-  for (std::size_t i = 0; i < linear.size(); ++i) linear.data()[i] *= static_cast<float>(factor);
-  RawImage& image = capture.image;
-  image.format = PixelFormat::kRGB32f;
-  image.stride = sizeof(float) * 3 * linear.width();
-  image.bytes.resize(image.stride * linear.height());
-  std::memcpy(image.bytes.data(), linear.data(), image.bytes.size());
-  capture.exposure.black_level = 0;
-  capture.exposure.white_balance = {1, 1, 1};
-  capture.photometry.reset();
-  capture.exposure.exposure_s *= factor;
-}
 
 bool shows_object(const Capture& capture, const RayPainter& painter) {
   if (!capture.pose.usable()) return false;
@@ -72,7 +57,8 @@ Experiment load_experiment(std::shared_ptr<const Mesh> mesh, std::size_t count,
       ++used;
       const double product = exposure_product(capture);
       if (used == 1) reference = product;
-      if (reference > 0 && product > 0 && product != reference) rescale(capture, reference / product);
+      if (reference > 0 && product > 0 && product != reference)
+        capture = levelled(std::move(capture), static_cast<float>(product / reference));
       if (is_held_out(capture, options.hold_out_every)) {
         held_out.push_back(make_held_out_view(capture, 1, *experiment.painter));
       } else {
