@@ -156,6 +156,7 @@ void figures(const FiguresArguments& arguments) {
   }
   FigureOptions options{.quick = arguments.quick};
   options.model.surface_map = arguments.quick ? 4 : 16;
+  options.model.map_detail = 0;  // online and batch have the same maps
   options.model.patch.factor = {.max_rank = options.rank, .tolerance = 0};
   arguments.study.apply(options.model);
 
