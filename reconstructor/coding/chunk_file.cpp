@@ -90,8 +90,10 @@ Chunks::Chunks(const ChunkFormat& format, std::string_view bytes, std::string fi
   if (bytes.size() < format.magic.size() + sizeof version) throw FileError(file_, "is cut short");
   std::memcpy(&version, bytes.data() + format.magic.size(), sizeof version);
   if (version != format.version)
-    throw FileError(file_, "is of version " + std::to_string(version) + ", but this program reads version " +
-                               std::to_string(format.version));
+    throw FileError(file_,
+                    "is of version " + std::to_string(version) + ", but this program reads version " +
+                        std::to_string(format.version) +
+                        (version < format.version && !format.older.empty() ? "; " + std::string(format.older) : ""));
   rest_.remove_prefix(format.magic.size() + sizeof version);
 }
 

@@ -16,7 +16,8 @@ using Notes = std::map<std::string, std::string>;
 struct ChunkFormat {
   std::string_view magic;
   std::uint32_t version = 1;
-  std::string_view title;  ///< "surface light field"
+  std::string_view title;       ///< "surface light field"
+  std::string_view older = {};  ///< what is said of earlier versions, behind a comma: what to do
 };
 
 // A file is the magic, a 32-bit version and chunks, little-endian: name (4 bytes), CRC-32C of the contents (4), size

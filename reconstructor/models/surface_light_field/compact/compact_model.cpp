@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstructor/models/surface_light_field/compact/grid_geometry.h"
+
 namespace sheen {
 
 PackedColumns<float> packed_terms(const Eigen::MatrixXf& columns, const Eigen::VectorXf& grey_levels) {
@@ -15,14 +17,13 @@ PackedColumns<float> packed_terms(const Eigen::MatrixXf& columns, const Eigen::V
 }
 
 Eigen::Vector3f camera_direction(const CompactModel& model, std::size_t vertex, std::size_t camera) {
-  return (camera_centre(model.cameras[camera].camera_from_object).cast<float>() - model.mesh->vertices[vertex])
-      .normalized();
+  return unit_direction(model.grid->points[vertex], model.eyes[camera]);
 }
 
 void find_sources(CompactModel& model) {
   std::vector<std::uint8_t> seen;
   for (const CompactVertex& vertex : model.vertices) seen.push_back(vertex.seen);
-  model.source = nearest_seen(*model.mesh, seen);
+  model.source = nearest_seen(model.grid->points, model.grid->triangles, seen);
 }
 
 std::vector<std::uint16_t> patch_images(const CompactModel& model, const PatchShape& shape) {

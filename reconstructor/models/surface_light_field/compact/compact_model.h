@@ -9,6 +9,7 @@
 #include "common/camera/posed_camera.h"
 #include "common/geometry/mesh.h"
 #include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/models/surface_light_field/compact/mesh_coding.h"
 #include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/numerics/packed_columns.h"
@@ -51,8 +52,10 @@ struct Patch {
 /// A triangle is stored once, and blended between its corners.
 struct CompactModel {
   std::shared_ptr<const Mesh> mesh;
+  std::shared_ptr<const GridMesh> grid;  ///< the mesh in whole numbers
   std::shared_ptr<const MapLayout> maps;
-  std::vector<PosedCamera> cameras;  ///< of the images
+  std::vector<PosedCamera> cameras;   ///< of the images
+  std::vector<GridMesh::Point> eyes;  ///< where the cameras stand (`grid_eyes`)
   ExposureField exposure;
   std::shared_ptr<const ReflectionDrift> reflection;  ///< null where no vertex uses it
   std::vector<ViewKernel> kernels;

@@ -11,6 +11,7 @@
 #include <memory>
 #include <span>
 
+#include "reconstructor/models/surface_light_field/compact/grid_geometry.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/numerics/symmetric_eigen.h"
 #include "reconstructor/numerics/view_kriging.h"
@@ -110,10 +111,12 @@ class PatchFit {
   CompactModel fit() {
     const Mesh& mesh = *canonical_.mesh;
     model_.mesh = canonical_.mesh;
+    model_.grid = std::make_shared<GridMesh>(canonical_.grid);
     model_.maps = std::make_shared<MapLayout>(resolutions(snapshot_, canonical_));
     model_.patch_triangles = patch_triangles_;
     model_.shapes = cut_into_patches(mesh, *model_.maps, {.triangles = patch_triangles_});
     model_.cameras = snapshot_.cameras();
+    model_.eyes = grid_eyes(model_.cameras, canonical_.grid);
     model_.exposure = snapshot_.exposure();
     model_.vertices.resize(mesh.vertices.size());
     describe_grown();

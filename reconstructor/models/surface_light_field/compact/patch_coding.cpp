@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <numeric>
@@ -14,6 +13,7 @@
 #include <utility>
 
 #include "reconstructor/coding/context_coder.h"
+#include "reconstructor/models/surface_light_field/compact/grid_geometry.h"
 
 namespace sheen {
 namespace {
@@ -76,8 +76,8 @@ constexpr Mixers kMixers;
 constexpr std::int32_t kUnit = 64;  ///< expectations are counted in 64ths
 
 /// A damaged file adds up to anything.
-std::int32_t within_range(long value) {
-  constexpr long kMost = 1 << 24;
+std::int32_t within_range(std::int64_t value) {
+  constexpr std::int64_t kMost = 1 << 24;
   return static_cast<std::int32_t>(std::clamp(value, -kMost, kMost));
 }
 
@@ -182,14 +182,17 @@ class LayerCoder {
 
   /// The level of a whole patch, beyond what that of the patch before lets expect: it grows by the root of the samples.
   void code_level(std::size_t patch, Values& values, std::size_t colour) {
+    constexpr int kRatioBits = 10;
     const std::vector<int>& tiles = layout_.tile_sizes[patch];
-    const double root = std::sqrt(static_cast<double>(std::accumulate(tiles.begin(), tiles.end(), 0)));
-    const std::int32_t expected = within_range(std::lround(root * level_[colour]));
+    const std::int64_t samples = std::accumulate(tiles.begin(), tiles.end(), std::int64_t{0});
+    Level& last = level_[colour];
+    const std::int64_t ratio = integer_root((samples << (2 * kRatioBits)) / last.samples);
+    const std::int32_t expected = within_range((last.value * ratio + (1 << (kRatioBits - 1))) >> kRatioBits);
     const std::int32_t level =
         expected + code_signed(coder_, kContexts.level + static_cast<int>(colour) * kSignedContexts,
                                (values.empty() ? 0 : values[0]) - expected);
     if (Coder::kReads) values.assign(1, level);
-    level_[colour] = level / root;
+    last = {within_range(level), samples};
   }
 
   /// What a band is like.
@@ -335,7 +338,11 @@ class LayerCoder {
 
   Coder& coder_;
   const PatchLayout& layout_;
-  double level_[3] = {};  ///< of the patch before, per root of a sample
+  /// Of a patch of so many samples.
+  struct Level {
+    std::int64_t value = 0, samples = 1;
+  };
+  Level level_[kColours];  ///< of the patch before
   std::int32_t scale_ = 0;
   History history_[kColours];
   std::vector<Values> bands_;  ///< of the map that is coded

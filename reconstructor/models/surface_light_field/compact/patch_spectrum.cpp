@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "reconstructor/coding/powers.h"
 #include "reconstructor/models/surface_light_field/compact/band_rounding.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
 #include "reconstructor/surface/colour_planes.h"
@@ -37,7 +38,7 @@ void join_levels(Eigen::Ref<Eigen::MatrixX3f> levels, Eigen::VectorXf weights, b
   std::vector<Join> joins;
   for (Eigen::Index step = 1; step < levels.rows(); step *= 2)
     for (Eigen::Index i = 0; i + step < levels.rows(); i += 2 * step) {
-      const float whole = std::hypot(weights[i], weights[i + step]);
+      const float whole = std::sqrt(weights[i] * weights[i] + weights[i + step] * weights[i + step]);
       joins.push_back({i, i + step, weights[i] / whole, weights[i + step] / whole});
       weights[i] = whole;
     }
@@ -154,7 +155,7 @@ Eigen::VectorXf dequantise_coefficients(const std::vector<std::int32_t>& coeffic
 
 /// How large a map is that a term of this scale has, RMS in grey levels.
 float size_of(std::int32_t scale) {
-  return std::exp2(static_cast<float>(std::clamp(scale, -40, 40)) / 2);
+  return static_cast<float>(power_of_two(6 * std::clamp(scale, -40, 40)));
 }
 
 /// The coefficients with which rounded columns come as near as they can (least squares) to what the exact columns, as

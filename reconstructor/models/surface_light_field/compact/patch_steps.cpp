@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstructor/coding/powers.h"
+
 namespace sheen {
 namespace {
 
@@ -54,7 +56,7 @@ std::vector<std::int8_t> choose_patch_steps(const CompactModel& model) {
 }
 
 float step_of_patch(float step, std::int8_t quarter_octaves) {
-  return step * std::exp2(static_cast<float>(quarter_octaves) / 4);
+  return static_cast<float>(double{step} * power_of_two(3 * quarter_octaves));
 }
 
 }  // namespace sheen

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "reconstructor/coding/context_coder.h"
+#include "reconstructor/models/surface_light_field/compact/grid_geometry.h"
 #include "reconstructor/surface/map_resolution.h"
 
 namespace sheen {
@@ -18,44 +19,50 @@ namespace {
 
 constexpr int kSmallest = 2, kLargest = std::numeric_limits<std::uint8_t>::max();
 constexpr int kContexts = 3;  ///< how the triangle before differed
-constexpr std::size_t kRuleBytes = sizeof(float) + 2;
+constexpr std::size_t kRuleBytes = sizeof(std::uint32_t) + 2;
 
-/// Of each triangle, in steps of the grid. Whole numbers under one square root: the same on every machine.
-std::vector<double> longest_edges(const GridMesh& mesh) {
-  std::vector<double> edges;
+constexpr std::int64_t kEdgePart = 16;       ///< of a step of the grid: unit of edges
+constexpr int kRateBits = 20;                ///< samples per step are counted in parts of 2^20
+constexpr std::int64_t kMostRate = 1 << 30;  ///< more than that the largest lattice stands on one step
+
+/// Of each triangle, in parts of a step of the grid.
+std::vector<std::int64_t> longest_edges(const GridMesh& mesh) {
+  std::vector<std::int64_t> edges;
   edges.reserve(mesh.triangles.size());
   for (const Triangle& triangle : mesh.triangles) {
     std::int64_t longest = 0;
     for (std::size_t k = 0; k < 3; ++k)
       longest = std::max(longest, squared_distance(mesh.points[triangle[k]], mesh.points[triangle[(k + 1) % 3]]));
-    edges.push_back(std::sqrt(static_cast<double>(longest)));
+    edges.push_back(integer_root(longest * kEdgePart * kEdgePart));
   }
   return edges;
 }
 
 /// How resolutions follow from edges (`map_resolution`).
 struct Rule {
-  float samples_per_step = 0;
+  std::uint32_t samples_per_step = 0;  ///< in parts of 2^kRateBits
   std::uint8_t smallest = kSmallest;
   std::uint8_t largest = kLargest;  ///< but for triangles that would have less than half of their samples
 
-  int resolution(double edge) const {
-    const double samples = std::min(edge * static_cast<double>(samples_per_step), 2.0 * kLargest);
-    const int side = static_cast<int>(std::lround(samples)) + 1;
+  int resolution(std::int64_t edge) const {
+    constexpr std::int64_t kUnit = kEdgePart << kRateBits;
+    const std::int64_t samples = (edge * samples_per_step + kUnit / 2) / kUnit;
+    const int side = static_cast<int>(std::min<std::int64_t>(samples, 2 * kLargest)) + 1;
     return std::clamp(side, int{smallest}, std::min(std::max({int{smallest}, int{largest}, (side + 1) / 2}), kLargest));
   }
 };
 
 /// With the samples per step with which most triangles have just the resolution that follows.
-Rule best_rule(const std::vector<double>& edges, const std::vector<std::uint8_t>& resolutions, int smallest,
+Rule best_rule(const std::vector<std::int64_t>& edges, const std::vector<std::uint8_t>& resolutions, int smallest,
                int largest) {
   std::vector<std::pair<double, int>> borders;  // of the samples per step for each triangle: from, and up to
   for (std::size_t t = 0; t < edges.size(); ++t) {
     const int n = resolutions[t];
     if (edges[t] == 0) continue;
+    const double edge = static_cast<double>(edges[t]) / kEdgePart;
     const int least_side = n > largest ? 2 * n - 1 : n, most_side = n < largest ? n : 2 * n;
-    borders.emplace_back(n == smallest ? 0 : (least_side - 1.5) / edges[t], 1);
-    borders.emplace_back((most_side - 0.5) / edges[t], -1);
+    borders.emplace_back(n == smallest ? 0 : (least_side - 1.5) / edge, 1);
+    borders.emplace_back((most_side - 0.5) / edge, -1);
   }
   std::sort(borders.begin(), borders.end());
   Rule rule{0, static_cast<std::uint8_t>(smallest), static_cast<std::uint8_t>(largest)};
@@ -64,13 +71,14 @@ Rule best_rule(const std::vector<double>& edges, const std::vector<std::uint8_t>
     count += borders[i].second;
     if (count <= most) continue;
     most = count;
-    rule.samples_per_step = static_cast<float>((borders[i].first + borders[i + 1].first) / 2);
+    const double rate = std::ldexp((borders[i].first + borders[i + 1].first) / 2, kRateBits);
+    rule.samples_per_step = static_cast<std::uint32_t>(std::min(std::round(rate), double{kMostRate}));
   }
   return rule;
 }
 
 /// Where there is a largest number, many triangles have it, whatever their edges are.
-Rule find_rule(const std::vector<double>& edges, const std::vector<std::uint8_t>& resolutions) {
+Rule find_rule(const std::vector<std::int64_t>& edges, const std::vector<std::uint8_t>& resolutions) {
   const int smallest = *std::min_element(resolutions.begin(), resolutions.end());
   std::array<std::size_t, kLargest + 1> triangles{};
   for (const std::uint8_t resolution : resolutions)
@@ -90,7 +98,7 @@ Rule find_rule(const std::vector<double>& edges, const std::vector<std::uint8_t>
 }
 
 template <typename Coder>
-void code_resolutions(Coder& coder, const std::vector<double>& edges, const Rule& rule,
+void code_resolutions(Coder& coder, const std::vector<std::int64_t>& edges, const Rule& rule,
                       std::vector<std::uint8_t>& resolutions) {
   std::int32_t last = 0;
   for (std::size_t t = 0; t < edges.size(); ++t) {
@@ -105,7 +113,7 @@ void code_resolutions(Coder& coder, const std::vector<double>& edges, const Rule
 }  // namespace
 
 std::string encode_resolutions(const GridMesh& mesh, const std::vector<std::uint8_t>& resolutions) {
-  const std::vector<double> edges = longest_edges(mesh);
+  const std::vector<std::int64_t> edges = longest_edges(mesh);
   const Rule rule = find_rule(edges, resolutions);
   std::vector<std::uint8_t> coded = resolutions;
   BitModel bits(kContexts * kSignedContexts);
@@ -124,7 +132,7 @@ std::vector<std::uint8_t> decode_resolutions(const GridMesh& mesh, std::string_v
   std::memcpy(&rule.samples_per_step, bytes.data(), sizeof rule.samples_per_step);
   rule.smallest = static_cast<std::uint8_t>(bytes[kRuleBytes - 2]);
   rule.largest = static_cast<std::uint8_t>(bytes[kRuleBytes - 1]);
-  if (!(rule.samples_per_step >= 0 && rule.samples_per_step < 1e6f) || rule.smallest < kSmallest)
+  if (rule.samples_per_step > kMostRate || rule.smallest < kSmallest)
     throw std::runtime_error("holds samples per length that cannot be");
   bytes.remove_prefix(kRuleBytes);
   BitModel bits(kContexts * kSignedContexts);

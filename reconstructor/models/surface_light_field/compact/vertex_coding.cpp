@@ -7,40 +7,58 @@
 #include <stdexcept>
 
 #include "reconstructor/coding/context_coder.h"
+#include "reconstructor/coding/powers.h"
+#include "reconstructor/models/surface_light_field/compact/grid_geometry.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
 namespace sheen {
 namespace {
 
-constexpr float kReliabilitySteps = 1.5f;  // per octave
-constexpr float kSillSteps = 12, kLeastSill = 1e-12f;
-constexpr float kResidualSteps = 255;
-constexpr float kDirectionSteps = 1000;
+constexpr int kReliabilityTwelfths = 8, kSillTwelfths = 1;  // of an octave: a step
+constexpr float kLeastSill = 1e-12f;
+constexpr std::int32_t kMostReliability = 60, kMostSill = 800, kMostResidual = 255;
+constexpr float kDirectionSteps = 1000, kMostOffset = 700;
 constexpr int kFacingBuckets = 8;
 
-int facing_bucket(float cosine) {
-  return std::clamp(static_cast<int>(std::floor(cosine * (kFacingBuckets - 1))) + 1, 0, kFacingBuckets - 1);
+/// `cosine`: in parts of GridFacing::kOne.
+int facing_bucket(std::int64_t cosine) {
+  constexpr std::int64_t kBucket = kFacingBuckets - 1;
+  if (cosine < 0) return 0;
+  return static_cast<int>(std::min(cosine * kBucket / GridFacing::kOne + 1, kBucket));
+}
+
+/// The reliability that a view of this cosine is expected to have, in steps: 3/2 log2 of the cosine, at least of 0.05.
+std::int32_t reliability_by_facing(std::int64_t cosine) {
+  constexpr std::int64_t kLeastOfStep[] = {3251, 2048, 1290, 813, 512, 323};  // 2^12 2^((1/2 - step) 2/3)
+  std::int32_t steps = 0;
+  for (const std::int64_t least : kLeastOfStep) steps -= cosine < least;
+  return steps;
+}
+
+std::int32_t steps_of(float value, int twelfths) {
+  return static_cast<std::int32_t>(std::lround(12 * std::log2(value) / static_cast<float>(twelfths)));
 }
 
 std::int32_t reliability_steps(float reliability) {
-  return static_cast<std::int32_t>(std::lround(kReliabilitySteps * std::log2(std::clamp(reliability, 1e-6f, 1e6f))));
+  return steps_of(std::clamp(reliability, 1e-6f, 1e6f), kReliabilityTwelfths);
 }
 float reliability_of(std::int32_t steps) {
-  return std::exp2(static_cast<float>(std::clamp(steps, -60, 60)) / kReliabilitySteps);
+  return static_cast<float>(
+      power_of_two(kReliabilityTwelfths * std::clamp(steps, -kMostReliability, kMostReliability)));
 }
 
 std::int32_t sill_steps(float sill) {
-  return static_cast<std::int32_t>(std::lround(kSillSteps * std::log2(std::max(sill, kLeastSill) / kLeastSill)));
+  return steps_of(std::max(sill, kLeastSill) / kLeastSill, kSillTwelfths);
 }
 float sill_of(std::int32_t steps) {
-  return kLeastSill * std::exp2(static_cast<float>(std::clamp(steps, 0, 800)) / kSillSteps);
+  return static_cast<float>(double{kLeastSill} * power_of_two(kSillTwelfths * steps));
 }
 
 std::int32_t residual_steps(float residual) {
-  return static_cast<std::int32_t>(std::lround(kResidualSteps * std::clamp(residual, 0.0f, 1.0f)));
+  return static_cast<std::int32_t>(std::lround(static_cast<float>(kMostResidual) * std::clamp(residual, 0.0f, 1.0f)));
 }
 float residual_of(std::int32_t steps) {
-  return static_cast<float>(std::clamp(steps, 0, 255)) / kResidualSteps;
+  return static_cast<float>(steps) / static_cast<float>(kMostResidual);
 }
 
 // Contexts of the vertices, one range after the other.
@@ -104,8 +122,10 @@ class VertexCoder {
   VertexCoder(Coder& coder, CompactModel& model)
       : coder_(coder),
         model_(model),
-        normals_(vertex_normals(*model.mesh)),
+        facing_(*model.grid),
         neighbours_(neighbours_before(*model.mesh)),
+        sill_(model.vertices.size()),
+        residual_(model.vertices.size()),
         surplus_(model.vertices.size()),
         has_(model.cameras.size(), false),
         near_(model.cameras.size()) {}
@@ -132,24 +152,26 @@ class VertexCoder {
     if (kernel_ >= static_cast<int>(model_.kernels.size())) throw std::runtime_error("a vertex has no kernel");
     vertex.kernel = static_cast<std::uint8_t>(kernel_);
     drift_ = vertex.drift = coder_.bit(kDrift + drift_, vertex.drift);
-    vertex.sill = sill_of(code_near(v, kSill, &CompactVertex::sill, sill_steps));
-    vertex.residual = residual_of(code_near(v, kResidual, &CompactVertex::residual, residual_steps));
+    vertex.sill = sill_of(code_near(v, kSill, sill_steps(vertex.sill), kMostSill, sill_));
+    vertex.residual = residual_of(code_near(v, kResidual, residual_steps(vertex.residual), kMostResidual, residual_));
     code_views(v, vertex);
     code_after(coder_, kFolded, vertex.views_folded - static_cast<int>(vertex.views.size()), folded_surplus_);
     vertex.views_folded = static_cast<int>(vertex.views.size()) + folded_surplus_;
     if (vertex.views.empty()) throw std::runtime_error("a vertex that was seen has no view");
   }
 
-  /// A value in steps, beyond the mean of those of the neighbours.
-  std::int32_t code_near(std::size_t v, int context, float CompactVertex::*value, std::int32_t (*steps)(float)) {
+  /// A number of steps, 0 to `most`, beyond the mean of those that the neighbours have. Noted in `known`.
+  std::int32_t code_near(std::size_t v, int context, std::int32_t wanted, std::int32_t most,
+                         std::vector<std::int32_t>& known) {
     std::int32_t sum = 0, count = 0;
     for (const std::uint32_t neighbour : neighbours_[v])
       if (neighbour != kNoVertex && model_.vertices[neighbour].seen) {
-        sum += steps(model_.vertices[neighbour].*value);
+        sum += known[neighbour];
         ++count;
       }
     const std::int32_t expected = count > 0 ? (2 * sum + count) / (2 * count) : 0;
-    return expected + code_signed(coder_, context, steps(model_.vertices[v].*value) - expected);
+    const std::int32_t beyond = code_signed(coder_, context, std::min(wanted, most) - expected);
+    return known[v] = std::clamp(expected + beyond, 0, most);
   }
 
   void code_views(std::size_t v, CompactVertex& vertex) {
@@ -169,8 +191,7 @@ class VertexCoder {
     std::int32_t beside = 0;  // surplus of the view before
     auto next = vertex.views.begin();
     for (std::size_t camera = 0; camera < model_.cameras.size(); ++camera) {
-      const Eigen::Vector3f exact = camera_direction(model_, v, camera);
-      const float facing = normals_[v].dot(exact);
+      const std::int64_t facing = facing_.cosine(v, model_.eyes[camera]);
       const int facing_at = facing_bucket(facing);
       const bool wanted = !Coder::kReads && next != vertex.views.end() && next->image == camera;
       const int last = camera > 0 ? has_[camera - 1] : 0;
@@ -184,7 +205,7 @@ class VertexCoder {
       CompactView view;
       if (wanted) view = *next++;
       view.image = static_cast<std::uint16_t>(camera);
-      const std::int32_t by_facing = reliability_steps(std::max(facing, 0.05f)), by_near = near.mean();
+      const std::int32_t by_facing = reliability_by_facing(facing), by_near = near.mean();
       const int near_at = near.views > 0 ? off_bucket(by_near) : kNone,
                 beside_at = views.empty() ? kNone : off_bucket(beside);
       const std::array contexts = {
@@ -198,8 +219,8 @@ class VertexCoder {
                                            wanted ? reliability_steps(view.reliability) - by_facing - by_near : 0);
       beside = off;
       view.reliability = reliability_of(by_facing + by_near + off);
-      surplus_[v].push_back(static_cast<std::int8_t>(std::clamp(by_near + off, -60, 60)));
-      code_direction(exact, wanted, view);
+      surplus_[v].push_back(static_cast<std::int8_t>(std::clamp(by_near + off, -kMostReliability, kMostReliability)));
+      code_direction(camera_direction(model_, v, camera), wanted, view);
       views.push_back(view);
     }
     vertex.views = std::move(views);
@@ -214,20 +235,20 @@ class VertexCoder {
     }
     const Eigen::Matrix3f frame = hemisphere_frame(exact);
     Eigen::Vector2f offset = Eigen::Vector2f::Zero();
-    if (wanted) offset = (frame * view.direction).head<2>();
-    for (int axis = 0; axis < 2; ++axis)
-      offset[axis] = static_cast<float>(code_signed(
-                         coder_, kOffset, static_cast<std::int32_t>(std::lround(kDirectionSteps * offset[axis])))) /
-                     kDirectionSteps;
-    offset = offset.cwiseMax(-0.7f).cwiseMin(0.7f);
+    if (wanted) offset = kDirectionSteps * (frame * view.direction).head<2>();
+    for (int axis = 0; axis < 2; ++axis) {
+      const std::int32_t steps = code_signed(coder_, kOffset, static_cast<std::int32_t>(std::lround(offset[axis])));
+      offset[axis] = std::clamp(static_cast<float>(steps), -kMostOffset, kMostOffset) / kDirectionSteps;
+    }
     view.direction = frame.transpose() *
                      Eigen::Vector3f(offset.x(), offset.y(), std::sqrt(std::max(0.0f, 1 - offset.squaredNorm())));
   }
 
   Coder& coder_;
   CompactModel& model_;
-  const std::vector<Eigen::Vector3f> normals_;
+  const GridFacing facing_;
   const std::vector<std::array<std::uint32_t, kNeighbours>> neighbours_;
+  std::vector<std::int32_t> sill_, residual_;      ///< per vertex: in steps
   std::vector<std::vector<std::int8_t>> surplus_;  ///< per vertex and view: of reliability, beyond what its angle says
   // Of the vertex before:
   bool seen_ = true, drift_ = false;

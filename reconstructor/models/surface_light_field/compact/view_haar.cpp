@@ -5,32 +5,34 @@
 #include <cmath>
 #include <numeric>
 
+#include "reconstructor/models/surface_light_field/compact/grid_geometry.h"
+
 namespace sheen {
 
-ViewHaar::ViewHaar(const std::vector<PosedCamera>& cameras, const Eigen::Vector3d& centre) {
-  std::vector<Eigen::Vector3d> directions;
-  for (const PosedCamera& camera : cameras) {
-    const Eigen::Vector3d offset = camera_centre(camera.camera_from_object) - centre;
-    directions.push_back(offset.norm() > 0 ? Eigen::Vector3d(offset.normalized()) : Eigen::Vector3d::UnitZ());
-  }
-  std::vector<std::uint16_t> images(cameras.size());
+ViewHaar::ViewHaar(const std::vector<GridMesh::Point>& eyes, const GridMesh::Point& centre) {
+  std::vector<Direction> directions;
+  directions.reserve(eyes.size());
+  for (const GridMesh::Point& eye : eyes) directions.push_back(grid_direction(centre, eye));
+  std::vector<std::uint16_t> images(eyes.size());
   std::iota(images.begin(), images.end(), std::uint16_t{0});
   if (!images.empty()) halve(images, 0, images.size(), directions, 0);
 }
 
 /// Along the axis along which they differ most, at the median. Children come behind their parents.
 int ViewHaar::halve(std::vector<std::uint16_t>& images, std::size_t first, std::size_t last,
-                    const std::vector<Eigen::Vector3d>& directions, int depth) {
+                    const std::vector<Direction>& directions, int depth) {
   const int node = static_cast<int>(nodes_.size());
   nodes_.push_back({.image = images[first], .depth = depth});
   if (last - first == 1) return node;
-  Eigen::Array3d low = Eigen::Array3d::Constant(2), high = -low;
-  for (std::size_t i = first; i < last; ++i) {
-    low = low.min(directions[images[i]].array());
-    high = high.max(directions[images[i]].array());
-  }
-  Eigen::Index axis = 0;
-  (high - low).maxCoeff(&axis);
+  Direction low = directions[images[first]], high = low;
+  for (std::size_t i = first; i < last; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], directions[images[i]][k]);
+      high[k] = std::max(high[k], directions[images[i]][k]);
+    }
+  std::size_t axis = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
   const auto begin = images.begin() + static_cast<std::ptrdiff_t>(first),
              end = images.begin() + static_cast<std::ptrdiff_t>(last);
   std::sort(begin, end, [&](std::uint16_t a, std::uint16_t b) {

@@ -2,19 +2,21 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "common/camera/posed_camera.h"
+#include "reconstructor/models/surface_light_field/compact/mesh_coding.h"
 
 namespace sheen {
 
 /// Cameras halved again and again by where they stand, and the unbalanced Haar transform of what varies over some of
-/// them: what lies near each other is alike, so most of its coefficients are small. Orthonormal for every subset. The
-/// paper's view maps (000 sec. 4.2) play no part.
+/// them: what lies near each other is alike, so most of its coefficients are small. Orthonormal for every subset. How
+/// they are halved is decided in whole numbers. The paper's view maps (000 sec. 4.2) play no part.
 class ViewHaar {
  public:
-  ViewHaar(const std::vector<PosedCamera>& cameras, const Eigen::Vector3d& centre);
+  /// `eyes`: where the cameras stand; `centre`: of the object.
+  ViewHaar(const std::vector<GridMesh::Point>& eyes, const GridMesh::Point& centre);
 
   /// A subset of the cameras, ready to be transformed.
   struct Plan {
@@ -42,8 +44,9 @@ class ViewHaar {
     int depth = 0;
   };
   std::vector<Node> nodes_;
+  using Direction = std::array<std::int64_t, 3>;
   int halve(std::vector<std::uint16_t>& images, std::size_t first, std::size_t last,
-            const std::vector<Eigen::Vector3d>& directions, int depth);
+            const std::vector<Direction>& directions, int depth);
 };
 
 }  // namespace sheen

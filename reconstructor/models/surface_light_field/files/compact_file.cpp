@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <cstring>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -15,6 +16,7 @@
 #include "reconstructor/coding/chunk_file.h"
 #include "reconstructor/coding/difference_coding.h"
 #include "reconstructor/models/surface_light_field/compact/edge_blending.h"
+#include "reconstructor/models/surface_light_field/compact/grid_geometry.h"
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
 #include "reconstructor/models/surface_light_field/compact/mesh_coding.h"
 #include "reconstructor/models/surface_light_field/compact/patch_coding.h"
@@ -31,7 +33,10 @@ namespace {
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr ChunkFormat kFormat{.magic = "sheenSLF", .version = 2, .title = "surface light field"};
+// What version 2 holds was read by floating point: each build of the program reads it a little differently.
+constexpr std::string_view kOlder =
+    "which other builds do not read alike; build it again from its session or photographs";
+constexpr ChunkFormat kFormat{.magic = "sheenSLF", .version = 3, .title = "surface light field", .older = kOlder};
 // No more memory than the size of a file makes likely.
 constexpr std::size_t kMostSamples = std::size_t{1} << 28, kSamplesPerByte = 4000;
 constexpr int kMostLayers = 128;
@@ -71,8 +76,20 @@ Description read_description(std::string_view bytes, CompactModel& model) {
   return description;
 }
 
+/// Little-endian 32-bit numbers, x y z each.
+std::string encode_eyes(const std::vector<GridMesh::Point>& eyes) {
+  return {reinterpret_cast<const char*>(eyes.data()), eyes.size() * sizeof(GridMesh::Point)};
+}
+
+std::vector<GridMesh::Point> decode_eyes(std::string_view bytes, std::size_t cameras) {
+  std::vector<GridMesh::Point> eyes(cameras);
+  if (bytes.size() != cameras * sizeof(GridMesh::Point)) throw std::runtime_error("does not hold a place per camera");
+  std::memcpy(eyes.data(), bytes.data(), bytes.size());
+  return eyes;
+}
+
 ViewHaar haar_of(const CompactModel& model) {
-  return {model.cameras, bounding_sphere(*model.mesh).centre};
+  return {model.eyes, box_centre(*model.grid)};
 }
 
 /// How each patch is laid out, and how its coefficients are transformed.
@@ -157,7 +174,8 @@ std::string encode_compact(CompactModel& model, const CanonicalMesh& mesh, float
   append_chunk(out, "DESC", packed(description_of(model, step, layers).dump()));
   append_chunk(out, "MESH", mesh.bytes);
   append_chunk(out, "RESO", encode_resolutions(mesh.grid, resolutions));
-  append_chunk(out, "RING", vertices);
+  append_chunk(out, "EYES", encode_eyes(model.eyes));
+  append_chunk(out, "VERT", vertices);
   append_chunk(out, "STEP", encode_differences(patch_steps));
   LayerModels models;
   append_chunk(out, layer_name(0), encode_layer(layout.patches, patches, 0, models));
@@ -176,17 +194,20 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
     reading = "DESC";
     const Description description = read_description(chunks.required(reading), model);
     reading = "MESH";
-    const GridMesh grid = decode_mesh(chunks.required(reading));
-    model.mesh = std::make_shared<Mesh>(grid.mesh());
+    const auto grid = std::make_shared<const GridMesh>(decode_mesh(chunks.required(reading)));
+    model.grid = grid;
+    model.mesh = std::make_shared<Mesh>(grid->mesh());
     if (show) show(bare_mesh(model.mesh, model.cameras));
     reading = "RESO";
-    std::vector<std::uint8_t> resolutions = decode_resolutions(grid, chunks.required(reading));
+    std::vector<std::uint8_t> resolutions = decode_resolutions(*grid, chunks.required(reading));
     std::size_t samples = 0;
     for (const std::uint8_t resolution : resolutions) samples += static_cast<std::size_t>(lattice_samples(resolution));
     if (samples > kMostSamples || samples > kSamplesPerByte * bytes.size())
       chunks.fail(reading, "asks for more samples than such a file can hold");
     model.maps = std::make_shared<MapLayout>(std::move(resolutions));
-    reading = "RING";
+    reading = "EYES";
+    model.eyes = decode_eyes(chunks.required(reading), model.cameras.size());
+    reading = "VERT";
     decode_vertices(chunks.required(reading), model);
     find_sources(model);
     model.shapes = cut_into_patches(*model.mesh, *model.maps, {.triangles = description.patch_triangles});

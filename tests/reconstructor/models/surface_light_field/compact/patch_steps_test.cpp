@@ -14,6 +14,12 @@ namespace {
 CompactModel square_under_a_camera() {
   CompactModel model;
   model.mesh = std::make_shared<Mesh>(square_mesh(0.1f, 0, 8));
+  GridMesh grid{.triangles = model.mesh->triangles};
+  for (const Eigen::Vector3f& vertex : model.mesh->vertices) {
+    const Eigen::Vector3i place = (1e5f * vertex).array().round().cast<int>();
+    grid.points.push_back({place.x(), place.y(), place.z()});
+  }
+  model.grid = std::make_shared<GridMesh>(std::move(grid));
   std::vector<std::uint8_t> resolutions;
   for (std::size_t t = 0; t < model.mesh->triangles.size(); ++t)
     resolutions.push_back(

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <map>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
 #include "reconstructor/models/surface_light_field/compact/view_haar.h"
@@ -29,18 +33,91 @@ TEST(LatticeSpectrum, HoldsEachSampleOnceAndIsOrthonormal) {
   }
 }
 
-std::vector<PosedCamera> cameras_round(std::size_t count) {
-  std::vector<PosedCamera> cameras(count);
+/// The lattice's graph once more, as docs/model_format.md describes it: samples (i, j) of a tile in their order.
+struct Lattice {
+  int rows, columns, diagonal;
+  auto operator<=>(const Lattice&) const = default;
+
+  Eigen::MatrixXd laplacian() const {
+    std::map<std::pair<int, int>, Eigen::Index> at;
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; j < columns && i + j < diagonal; ++j)
+        at.emplace(std::pair(i, j), static_cast<Eigen::Index>(at.size()));
+    Eigen::MatrixXd sum =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(at.size()), static_cast<Eigen::Index>(at.size()));
+    for (const auto& [from, a] : at) {
+      const auto [i, j] = from;
+      const std::pair<int, int> ends[] = {{i + 1, j}, {i, j + 1}, {i + 1, j - 1}};
+      const int base[] = {10000, 10500, 9600};
+      for (int d = 0; d < 3; ++d) {
+        if (!at.contains(ends[d])) continue;
+        const double weight = (base[d] + 10 * ((3 * i + 91 * j + 78 * d) % 101 - 50)) / 10000.0;
+        Eigen::VectorXd edge = Eigen::VectorXd::Unit(sum.rows(), a) - Eigen::VectorXd::Unit(sum.rows(), at[ends[d]]);
+        sum.selfadjointView<Eigen::Lower>().rankUpdate(edge, weight);
+      }
+    }
+    return sum.selfadjointView<Eigen::Lower>();
+  }
+};
+
+/// The tiles of a triangle's lattice.
+std::vector<Lattice> tiles_of(int resolution) {
+  std::vector<Lattice> tiles;
+  const int parts = resolution <= 24 ? 1 : (resolution + 15) / 16, side = (resolution + parts - 1) / parts;
+  for (int top = 0; top < resolution; top += side)
+    for (int left = 0; top + left < resolution; left += side)
+      tiles.push_back({std::min(side, resolution - top), std::min(side, resolution - left),
+                       std::min(resolution - top - left, 2 * side)});
+  return tiles;
+}
+
+// Another solver finds the same eigenvectors with the same signs: what a file holds does not depend on how a reader
+// rounds.
+TEST(LatticeSpectrum, IsThatOfAnotherImplementation) {
+  for (const int resolution : {2, 3, 7, 16, 24, 32, 97}) {
+    const std::vector<Lattice> tiles = tiles_of(resolution);
+    const LatticeSpectrum& spectrum = lattice_spectrum(resolution);
+    ASSERT_EQ(spectrum.tiles.size(), tiles.size());
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+      Eigen::MatrixXd vectors = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(tiles[t].laplacian()).eigenvectors();
+      Eigen::VectorXd sign(vectors.rows());
+      for (Eigen::Index a = 0; a < sign.size(); ++a)
+        sign[a] = static_cast<std::uint32_t>(static_cast<std::uint32_t>(a) * 2654435761u) / 4294967296.0;
+      for (Eigen::Index f = 0; f < vectors.cols(); ++f)
+        if (sign.dot(vectors.col(f)) < 0) vectors.col(f) *= -1;
+      EXPECT_LT((vectors.cast<float>() - *spectrum.tiles[t].vectors).cwiseAbs().maxCoeff(), 1e-6f) << resolution;
+    }
+  }
+}
+
+TEST(LatticeSpectrum, NoTwoEigenvaluesOfAnyLatticeAreNearEachOther) {
+  std::set<Lattice> lattices;
+  for (int resolution = 2; resolution <= 255; ++resolution)
+    for (const Lattice& tile : tiles_of(resolution)) lattices.insert(tile);
+  EXPECT_GT(lattices.size(), 100u);
+  for (const Lattice& lattice : lattices) {
+    const Eigen::MatrixXd laplacian = lattice.laplacian();
+    if (laplacian.rows() < 2) continue;
+    const Eigen::VectorXd values =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(laplacian, Eigen::EigenvaluesOnly).eigenvalues();
+    const Eigen::Index n = values.size() - 1;
+    EXPECT_GT((values.tail(n) - values.head(n)).minCoeff(), 5e-4)
+        << lattice.rows << " x " << lattice.columns << ", " << lattice.diagonal;
+  }
+}
+
+std::vector<GridMesh::Point> eyes_round(std::size_t count) {
+  std::vector<GridMesh::Point> eyes(count);
   std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  for (PosedCamera& camera : cameras)
-    camera.camera_from_object.translation = {normal(random), normal(random), normal(random)};
-  return cameras;
+  std::normal_distribution<double> normal(0, 1e5);
+  for (GridMesh::Point& eye : eyes)
+    for (std::int32_t& entry : eye) entry = static_cast<std::int32_t>(normal(random));
+  return eyes;
 }
 
 TEST(ViewHaar, IsOrthonormalOverEverySubset) {
   std::mt19937 random(4);
-  const ViewHaar haar(cameras_round(50), {0, 0, 0});
+  const ViewHaar haar(eyes_round(50), {0, 0, 0});
   for (const std::size_t keep : {1, 2, 3, 10, 50}) {
     std::vector<std::uint16_t> images;
     for (std::uint16_t i = 0; i < 50; ++i)
