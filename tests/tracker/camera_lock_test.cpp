@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A camera over real GigE Vision that describes itself as each test wants it, and the descriptions of real cameras.
+#include <arv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,8 +44,19 @@ std::string switched(const std::string& name, int address) {
   return choice(name, name + "NumberReg", {"Off", "Continuous"}, {0, 2}) + number(name + "Number", address);
 }
 
+/// A switch that stands at "on" where its memory is 0.
+std::string switched_on(const std::string& name, int address) {
+  return "<Boolean Name=\"" + name + "\"><pValue>" + name +
+         "NumberReg</pValue><OnValue>0</OnValue><OffValue>1</OffValue>" + "</Boolean>\n" +
+         number(name + "Number", address);
+}
+
+std::string exposure_and_gain() {
+  return number("ExposureTime", 0x120, "Float") + number("GainRaw", 0x110);
+}
+
 /// Memory of a camera starts as zeros, except for what the server writes.
-std::string description(const std::string& more) {
+std::string description(const std::string& more, const std::string& exposure = exposure_and_gain()) {
   return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n"
          "<RegisterDescription ModelName=\"Locks\" VendorName=\"Sheen\" StandardNameSpace=\"None\" "
          "SchemaMajorVersion=\"1\" SchemaMinorVersion=\"1\" SchemaSubMinorVersion=\"0\" MajorVersion=\"1\" "
@@ -62,8 +74,7 @@ std::string description(const std::string& more) {
          number("Acquisition", 0x124) +
          "<IntSwissKnife Name=\"PayloadSize\"><pVariable Name=\"W\">WidthReg</pVariable>"
          "<pVariable Name=\"H\">HeightReg</pVariable><Formula>W * H</Formula></IntSwissKnife>\n" +
-         number("ExposureTime", 0x120, "Float") + number("GainRaw", 0x110) + more +
-         "<Port Name=\"Device\"/>\n</RegisterDescription>\n";
+         exposure + more + "<Port Name=\"Device\"/>\n</RegisterDescription>\n";
 }
 
 std::string all_features() {
@@ -129,6 +140,73 @@ TEST_F(CameraLock, AValueThatTheCameraDoesNotTakeIsNamed) {
   SourceSettings settings;
   settings.pixel_format = "RGB8";
   EXPECT_THAT(refusal(settings), AllOf(HasSubstr("PixelFormat: asked RGB8"), HasSubstr("Mono8, BayerRG8")));
+}
+
+TEST_F(CameraLock, NumbersAreSetAsTheCameraDescribesThem) {
+  struct Case {
+    std::string exposure, gain;
+  };
+  for (const Case& c : {Case{"ExposureTime", "Gain"}, {"ExposureTimeAbs", "GainAbs"}, {"ExposureTimeRaw", "GainRaw"}})
+    for (const std::string kind : {"Integer", "Float"}) {
+      SCOPED_TRACE(c.exposure + " " + kind);
+      const auto server = serve(description("", number(c.exposure, 0x120, kind) + number(c.gain, 0x110, kind)));
+      const AravisCamera camera(kAddress, {.exposure_us = 8000, .gain_db = 3});
+      EXPECT_EQ(lock_failures(camera.locks()), "");
+      EXPECT_NEAR(camera.exposure().exposure_s, 0.008, 1e-9);
+      EXPECT_NEAR(camera.exposure().gain_db, 3, 1e-9);
+      EXPECT_TRUE(camera.exposure().locked);
+    }
+}
+
+TEST_F(CameraLock, AnExposureIsInTheUnitThatTheCameraNames) {
+  std::string exposure = number("ExposureTime", 0x120);
+  exposure.insert(exposure.find("<pValue>"), "<Unit>ms</Unit>");
+  const auto server = serve(description("", exposure));
+  EXPECT_NEAR(AravisCamera(kAddress, {.exposure_us = 8000}).exposure().exposure_s, 0.008, 1e-9);
+}
+
+TEST_F(CameraLock, WhatAnotherProgramLeftIsSetBackAndReported) {
+  const auto server = serve(description(
+      choice("TriggerSelector", "TriggerSelectorNumberReg", {"FrameStart", "AcquisitionStart"}, {0, 1}) +
+      number("TriggerSelectorNumber", 0x420) + choice("TriggerMode", "TriggerModeNumberReg", {"On", "Off"}, {0, 1}) +
+      number("TriggerModeNumber", 0x424) +
+      choice("ExposureMode", "ExposureModeNumberReg", {"TriggerWidth", "Timed"}, {0, 1}) +
+      number("ExposureModeNumber", 0x428) + switched_on("ReverseX", 0x42c) + switched_on("ReverseY", 0x430) +
+      number("BinningHorizontal", 0x434) + number("DecimationVertical", 0x438) +
+      choice("TestPattern", "TestPatternNumberReg", {"Bars", "Off"}, {0, 1}) + number("TestPatternNumber", 0x43c)));
+  {
+    const AravisCamera camera(kAddress, {.width = 320, .height = 240});
+    EXPECT_EQ(
+        camera.changes(),
+        "TriggerMode[FrameStart] was On, is Off; ExposureMode was TriggerWidth, is Timed; TestPattern was Bars, is "
+        "Off; ReverseX was on, is off; ReverseY was on, is off; BinningHorizontal was 0, is 1; DecimationVertical "
+        "was 0, is 1");
+  }
+  EXPECT_EQ(AravisCamera(kAddress, {.width = 320, .height = 240}).changes(), "") << "it is as it should be";
+}
+
+TEST_F(CameraLock, AStateThatStaysIsNamed) {
+  const auto server =
+      serve(description("<Boolean Name=\"ReverseX\"><pValue>Stuck</pValue><OnValue>2</OnValue>"
+                        "<OffValue>0</OffValue></Boolean>\n<IntSwissKnife Name=\"Stuck\"><pVariable "
+                        "Name=\"W\">WidthReg</pVariable><Formula>2 + 0 * W</Formula></IntSwissKnife>\n"));
+  EXPECT_THAT(refusal({}), HasSubstr("ReverseX: asked off, got on"));
+}
+
+TEST_F(CameraLock, ARegionInTheMiddleOfTheSensorIsSetBack) {
+  const auto server = serve(description(""));
+  {
+    const AravisCamera camera(kAddress, {.width = 160, .height = 120});
+    EXPECT_EQ(camera.changes(), "");
+  }
+  // As a vendor's program would leave it.
+  GError* error = nullptr;
+  ArvCamera* vendor = arv_camera_new(kAddress, &error);
+  ASSERT_TRUE(vendor);
+  arv_camera_set_region(vendor, 40, 30, 160, 120, &error);
+  g_object_unref(vendor);
+  ASSERT_FALSE(error);
+  EXPECT_THAT(AravisCamera(kAddress, {}).changes(), HasSubstr("region was 160 x 120 at 40, 30, is 320 x 240 at 0, 0"));
 }
 
 TEST_F(CameraLock, WhatCannotBeSwitchedOffIsNamed) {

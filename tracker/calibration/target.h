@@ -25,6 +25,11 @@ struct CalibrationTarget {
   std::string point_name(int point) const;
 };
 
+struct TargetSighting {
+  int point = 0;  ///< of `CalibrationTarget::points`
+  Eigen::Vector2d pixel;
+};
+
 /// What `--target` takes, for messages and `--help`.
 inline constexpr const char* kTargetSyntax =
     "chessboard:9x6:25mm (inner corners, side of a square), charuco:7x5:30mm:22mm[:DICT_4X4_250] (squares, side of a "

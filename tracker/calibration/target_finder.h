@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "common/camera/camera.h"
@@ -9,11 +10,6 @@
 #include "tracker/calibration/target.h"
 
 namespace sheen {
-
-struct TargetSighting {
-  int point = 0;  ///< of `CalibrationTarget::points`
-  Eigen::Vector2d pixel;
-};
 
 /// Finds a target in an image. Points come as far as they are seen (a chessboard: all or none); none: not found.
 class TargetFinder {
@@ -25,6 +21,8 @@ class TargetFinder {
   /// are fitted to them; without, they are as the detector gives them, to about 0.1 px. Other targets need none.
   std::vector<TargetSighting> find(const GreyImage& image, const Camera* camera = nullptr) const;
   bool better_with_camera() const;
+  /// What the images so far showed in the target's place, a sentence for a person; empty: nothing that has a name.
+  std::string seen_instead() const;
 
  private:
   struct Impl;

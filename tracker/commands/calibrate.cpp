@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -37,6 +38,8 @@ std::vector<TargetView> find_target(const ImageSet& images, const TargetFinder& 
     views.push_back({images.names[i], finder.find(image, camera)});
     progress.update(i + 1);
   });
+  const bool any = std::ranges::any_of(views, [](const TargetView& view) { return !view.sightings.empty(); });
+  if (const std::string seen = finder.seen_instead(); !any && !seen.empty()) throw Error(seen);
   return views;
 }
 

@@ -2,6 +2,7 @@
 #include "tracker/commands/live_source.h"
 
 #include <chrono>
+#include <iostream>
 #include <utility>
 
 #include "common/base/end_on_stop.h"
@@ -53,7 +54,9 @@ LiveSource SourceArguments::open(const char* command) const {
   if (!camera_config.source_uri)
     throw ConfigError("no source; give --source URI or a --config whose [source] has a uri");
   const EndOnStop opening("sheen-tracker: stopped before the source was open");
-  return {open_source(parse_source_uri(*camera_config.source_uri), camera_config.source), command};
+  std::unique_ptr<FrameSource> opened = open_source(parse_source_uri(*camera_config.source_uri), camera_config.source);
+  if (const std::string doubt = opened->warning(); !doubt.empty()) std::cerr << "sheen-tracker: " << doubt << '\n';
+  return {std::move(opened), command};
 }
 
 }  // namespace sheen

@@ -82,10 +82,15 @@ struct AravisCamera::Impl {
   gulong lost_handler = 0;
   Exposure exposure;
   std::vector<LockedFeature> locks;
+  std::vector<ResetFeature> resets;
   double frame_rate_hz = 0;
 
   void open();
   void set_up(const SourceSettings& settings);
+  void reset();
+  void set_region(const SourceSettings& settings);
+  void set_frame_rate(double asked_hz);
+  void require_holds(const std::vector<LockedFeature>& features) const;
   [[noreturn]] void refuse_size(int width, int height, const SourceSettings& settings) const;
   void choose_pixel_format(const SourceSettings& settings);
   void lock_exposure(const SourceSettings& settings);
@@ -117,35 +122,66 @@ void AravisCamera::Impl::open() {
 }
 
 void AravisCamera::Impl::set_up(const SourceSettings& settings) {
-  if (settings.width > 0) {
-    Call call(id, "region");
-    int sensor_width = 0, sensor_height = 0;
-    arv_camera_get_sensor_size(camera.get(), &sensor_width, &sensor_height, call);
-    call.require();
-    if (settings.width > sensor_width || settings.height > sensor_height)
-      refuse_size(sensor_width, sensor_height, settings);
-    arv_camera_set_region(camera.get(), 0, 0, settings.width, settings.height, call);
-    call.require();
-    int x = 0, y = 0, width = 0, height = 0;
-    arv_camera_get_region(camera.get(), &x, &y, &width, &height, call);
-    call.require();
-    if (width != settings.width || height != settings.height) refuse_size(width, height, settings);
-  }
+  reset();
+  set_region(settings);
   choose_pixel_format(settings);
-  if (settings.frame_rate_hz > 0) {
-    Call call(id, "frame rate");
-    arv_camera_set_frame_rate(camera.get(), settings.frame_rate_hz, call);
-    call.require();
-  }
-  Call rate(id, "frame rate");
-  frame_rate_hz = arv_camera_get_frame_rate(camera.get(), rate);
-  if (rate.failed()) frame_rate_hz = 0;
+  set_frame_rate(settings.frame_rate_hz);
   lock_exposure(settings);
   if (arv_camera_is_gv_device(camera.get())) {
     Call call(id, "packet size");
     arv_camera_gv_auto_packet_size(camera.get(), call);
     call.require();
   }
+}
+
+/// A program that crashed may have left the camera running, and a running one takes no settings.
+void AravisCamera::Impl::reset() {
+  arv_camera_stop_acquisition(camera.get(), nullptr);
+  resets = reset_camera(camera.get());
+  std::vector<LockedFeature> features;
+  for (const ResetFeature& feature : resets) features.push_back(feature.now);
+  require_holds(features);
+}
+
+/// The upper left of the sensor, or all of it where no size is asked for: where a region lies is part of a calibration.
+void AravisCamera::Impl::set_region(const SourceSettings& settings) {
+  Call call(id, "region");
+  int sensor_width = 0, sensor_height = 0;
+  arv_camera_get_sensor_size(camera.get(), &sensor_width, &sensor_height, call);
+  int x = 0, y = 0, width = 0, height = 0;
+  if (!call.failed()) arv_camera_get_region(camera.get(), &x, &y, &width, &height, call);
+  if (settings.width == 0 && (call.failed() || (x == 0 && y == 0))) return;
+  call.require();
+  const int asked_width = settings.width > 0 ? settings.width : sensor_width;
+  const int asked_height = settings.width > 0 ? settings.height : sensor_height;
+  if (asked_width > sensor_width || asked_height > sensor_height) refuse_size(sensor_width, sensor_height, settings);
+  arv_camera_set_region(camera.get(), 0, 0, asked_width, asked_height, call);
+  call.require();
+  if (x != 0 || y != 0)
+    resets.push_back({{"region", "", format("%d x %d at 0, 0", asked_width, asked_height), true},
+                      format("%d x %d at %d, %d", width, height, x, y)});
+  arv_camera_get_region(camera.get(), &x, &y, &width, &height, call);
+  call.require();
+  if (settings.width > 0 && (width != asked_width || height != asked_height)) refuse_size(width, height, settings);
+}
+
+void AravisCamera::Impl::set_frame_rate(double asked_hz) {
+  if (asked_hz > 0) {
+    Call call(id, "frame rate");
+    arv_camera_set_frame_rate(camera.get(), asked_hz, call);
+    const CameraFeatures features(camera.get());
+    const bool set = call.failed() && (features.set_number("AcquisitionFrameRate", asked_hz, 0.5).holds ||
+                                       features.set_number("AcquisitionFrameRateAbs", asked_hz, 0.5).holds);
+    if (!set) call.require();
+  }
+  Call rate(id, "frame rate");
+  frame_rate_hz = arv_camera_get_frame_rate(camera.get(), rate);
+  if (rate.failed()) frame_rate_hz = asked_hz;
+}
+
+void AravisCamera::Impl::require_holds(const std::vector<LockedFeature>& features) const {
+  if (const std::string failures = lock_failures(features); !failures.empty())
+    throw DeviceError("camera " + id + " does not stay as it is set: " + failures);
 }
 
 void AravisCamera::Impl::refuse_size(int width, int height, const SourceSettings& settings) const {
@@ -181,16 +217,11 @@ void AravisCamera::Impl::choose_pixel_format(const SourceSettings& settings) {
 void AravisCamera::Impl::lock_exposure(const SourceSettings& settings) {
   ArvCamera* c = camera.get();
   locks = lock_camera(c, settings);
-  if (const std::string failures = lock_failures(locks); !failures.empty())
-    throw DeviceError("camera " + id + " does not stay as it is set: " + failures);
-  exposure.locked = true;
-  Call read(id, "reading the exposure back");
-  if (arv_camera_is_exposure_time_available(c, nullptr))
-    exposure.exposure_s = arv_camera_get_exposure_time(c, read) * 1e-6;
-  exposure.locked &= !read.failed();
-  Call read_gain(id, "reading the gain back");
-  if (arv_camera_is_gain_available(c, nullptr)) exposure.gain_db = arv_camera_get_gain(c, read_gain);
-  exposure.locked &= !read_gain.failed();
+  require_holds(locks);
+  const std::optional<double> exposure_us = setting_of(c, CameraSetting::kExposure);
+  const std::optional<double> gain_db = setting_of(c, CameraSetting::kGain);
+  exposure = {.exposure_s = exposure_us.value_or(0) * 1e-6, .gain_db = gain_db.value_or(0)};
+  exposure.locked = exposure_us || !arv_camera_is_exposure_time_available(c, nullptr);
 }
 
 void AravisCamera::start() {
@@ -238,6 +269,9 @@ bool AravisCamera::control_lost() const {
 }
 const std::vector<LockedFeature>& AravisCamera::locks() const {
   return impl_->locks;
+}
+std::string AravisCamera::changes() const {
+  return reset_text(impl_->resets);
 }
 const Exposure& AravisCamera::exposure() const {
   return impl_->exposure;

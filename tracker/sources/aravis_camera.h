@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tracker/sources/camera_lock.h"
+#include "tracker/sources/camera_reset.h"
 #include "tracker/sources/frame_source.h"
 #include "tracker/sources/source_uri.h"
 
@@ -16,8 +17,8 @@ namespace sheen {
 class AravisCamera {
  public:
   /// Sets region, pixel format (Bayer before RGB before grey, unless one is asked for), frame rate and packet size;
-  /// fixes exposure, gain, white balance and black level (`lock_camera`). Throws DeviceError, also for what does not
-  /// stay as it is set: feature, asked and got.
+  /// fixes exposure, gain, white balance and black level (`lock_camera`); first undoes what another program left
+  /// (`reset_camera`). Throws DeviceError, also for what does not stay as it is set: feature, asked and got.
   AravisCamera(const std::string& id, const SourceSettings& settings);
   ~AravisCamera();
 
@@ -28,6 +29,8 @@ class AravisCamera {
   bool control_lost() const;
   /// What was set or switched off so that it stays, with what the camera says of it.
   const std::vector<LockedFeature>& locks() const;
+  /// What was found otherwise and changed, for a person: "ReverseX was on, is off"; empty: nothing.
+  std::string changes() const;
   const Exposure& exposure() const;
   double frame_rate_hz() const;
   std::uint64_t underruns() const;

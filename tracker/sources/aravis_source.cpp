@@ -42,6 +42,7 @@ struct AravisSource::Impl {
   bool started = false;
   Clock::time_point last_frame = Clock::now();
   Exposure exposure;
+  std::string warning;  ///< of the first connection
   std::optional<std::uint64_t> last_id;
   std::uint64_t closed_underruns = 0, closed_missing = 0;  ///< of connections that are gone
 
@@ -67,6 +68,8 @@ AravisSource::AravisSource(const std::string& id, const SourceSettings& settings
   impl_->id = id;
   impl_->settings = settings;
   impl_->adopt(std::make_shared<AravisCamera>(id, settings));
+  if (const std::string changes = impl_->camera->changes(); !changes.empty())
+    impl_->warning = "camera " + id + " was left set up for another use, and is set back: " + changes;
 }
 
 AravisSource::~AravisSource() {
@@ -165,6 +168,10 @@ std::string AravisSource::message() const {
     default:
       return "camera " + impl_->id + " has stopped delivering; check its cable and power";
   }
+}
+
+std::string AravisSource::warning() const {
+  return impl_->warning;
 }
 
 SourceStats AravisSource::stats() const {

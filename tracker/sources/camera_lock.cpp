@@ -3,17 +3,13 @@
 
 #include <arv.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <optional>
 
 #include "common/base/format.h"
 
 namespace sheen {
 namespace {
 
-constexpr double kSame = 0.01;           ///< part of a value by which a camera may round it
 constexpr double kExposureStep_us = 20;  ///< a line of a slow sensor
 constexpr double kGainStep_dB = 0.15;
 constexpr double kRatioStep = 0.01;
@@ -47,80 +43,16 @@ const std::vector<std::string>& names_of(CameraSetting setting) {
   return format;
 }
 
-/// A camera's features by name. An error of the camera is a sentence in place of a value.
-class Features {
- public:
-  explicit Features(ArvCamera* camera) : camera_(camera) {}
-
-  bool has(const std::string& name) const { return arv_camera_is_feature_available(camera_, name.c_str(), nullptr); }
-
-  LockedFeature set_text(const std::string& name, const std::string& asked) const {
-    return attempt(
-        name, asked, [&](GError** e) { arv_camera_set_string(camera_, name.c_str(), asked.c_str(), e); },
-        [&](GError** e) {
-          const char* got = arv_camera_get_string(camera_, name.c_str(), e);
-          return std::string(got ? got : "");
-        },
-        [&](const std::string& got) { return got == asked; });
-  }
-
-  LockedFeature set_number(const std::string& name, double asked, double step) const {
-    const bool whole = is_integer(name);
-    return attempt(
-        name, number_text(asked),
-        [&](GError** e) {
-          if (whole)
-            arv_camera_set_integer(camera_, name.c_str(), std::llround(asked), e);
-          else
-            arv_camera_set_float(camera_, name.c_str(), asked, e);
-        },
-        [&](GError** e) {
-          return number_text(whole ? double(arv_camera_get_integer(camera_, name.c_str(), e))
-                                   : arv_camera_get_float(camera_, name.c_str(), e));
-        },
-        [&](const std::string& got) { return holds(asked, std::stod(got), step); });
-  }
-
-  LockedFeature set_off(const std::string& name) const {
-    return attempt(
-        name, "off", [&](GError** e) { arv_camera_set_boolean(camera_, name.c_str(), false, e); },
-        [&](GError** e) { return std::string(arv_camera_get_boolean(camera_, name.c_str(), e) ? "on" : "off"); },
-        [](const std::string& got) { return got == "off"; });
-  }
-
-  static std::string number_text(double value) { return format("%.6g", value); }
-
-  /// Sets, reads back, compares. A camera that refuses the value may have it already.
-  template <typename Set, typename Get, typename Holds>
-  LockedFeature attempt(const std::string& name, const std::string& asked, Set set, Get get, Holds same) const {
-    LockedFeature result{name, asked, {}, false};
-    GError* error = nullptr;
-    set(&error);
-    const std::string refusal = error ? error->message : "";
-    g_clear_error(&error);
-    const std::string got = get(&error);
-    if (error) {
-      result.got = error->message;
-      g_clear_error(&error);
-      return result;
-    }
-    result.holds = same(got);
-    result.got = result.holds || refusal.empty() ? got : got + " (" + refusal + ")";
-    return result;
-  }
-
- private:
-  bool is_integer(const std::string& name) const {
-    return ARV_IS_GC_INTEGER(arv_device_get_feature(arv_camera_get_device(camera_), name.c_str())) &&
-           !ARV_IS_GC_FLOAT(arv_device_get_feature(arv_camera_get_device(camera_), name.c_str()));
-  }
-
-  ArvCamera* camera_;
-};
+/// What one of the camera's own units of exposure is, us; a feature that does not say has the standard's.
+double exposure_unit_us(const std::string& unit) {
+  if (unit == "s") return 1e6;
+  if (unit == "ms") return 1e3;
+  return unit == "ns" ? 1e-3 : 1;
+}
 
 /// Calls `lock` with the name of the camera's feature for a setting; says what is missing where it has none.
 template <typename Lock>
-void lock_setting(CameraSetting setting, const Features& features, const std::string& asked,
+void lock_setting(CameraSetting setting, const CameraFeatures& features, const std::string& asked,
                   std::vector<LockedFeature>& all, Lock lock) {
   const CameraFeature feature = find_feature(setting, [&](const std::string& name) { return features.has(name); });
   if (feature.name.empty())
@@ -129,30 +61,24 @@ void lock_setting(CameraSetting setting, const Features& features, const std::st
     lock(feature.name);
 }
 
-void lock_exposure(ArvCamera* camera, const Features& features, double asked_us, std::vector<LockedFeature>& all) {
+void lock_exposure(const CameraFeatures& features, double asked_us, std::vector<LockedFeature>& all) {
   lock_setting(CameraSetting::kExposure, features, format("%g us", asked_us), all, [&](const std::string& name) {
-    all.push_back(features.attempt(
-        name, Features::number_text(asked_us), [&](GError** e) { arv_camera_set_exposure_time(camera, asked_us, e); },
-        [&](GError** e) { return Features::number_text(arv_camera_get_exposure_time(camera, e)); },
-        [&](const std::string& got) { return holds(asked_us, std::stod(got), kExposureStep_us); }));
+    const double unit_us = exposure_unit_us(features.unit(name));
+    all.push_back(features.set_number(name, asked_us / unit_us, kExposureStep_us / unit_us));
   });
 }
 
-void lock_gain(ArvCamera* camera, const Features& features, double asked_db, std::vector<LockedFeature>& all) {
-  lock_setting(CameraSetting::kGain, features, format("%g dB", asked_db), all, [&](const std::string& name) {
-    all.push_back(features.attempt(
-        name, Features::number_text(asked_db), [&](GError** e) { arv_camera_set_gain(camera, asked_db, e); },
-        [&](GError** e) { return Features::number_text(arv_camera_get_gain(camera, e)); },
-        [&](const std::string& got) { return holds(asked_db, std::stod(got), kGainStep_dB); }));
-  });
+void lock_gain(const CameraFeatures& features, double asked_db, std::vector<LockedFeature>& all) {
+  lock_setting(CameraSetting::kGain, features, format("%g dB", asked_db), all,
+               [&](const std::string& name) { all.push_back(features.set_number(name, asked_db, kGainStep_dB)); });
 }
 
-void lock_black_level(const Features& features, double asked, std::vector<LockedFeature>& all) {
-  lock_setting(CameraSetting::kBlackLevel, features, Features::number_text(asked), all,
+void lock_black_level(const CameraFeatures& features, double asked, std::vector<LockedFeature>& all) {
+  lock_setting(CameraSetting::kBlackLevel, features, CameraFeatures::number_text(asked), all,
                [&](const std::string& name) { all.push_back(features.set_number(name, asked, 0)); });
 }
 
-void lock_colours(const Features& features, const std::string& ratio_name, const std::array<double, 3>& asked,
+void lock_colours(const CameraFeatures& features, const std::string& ratio_name, const std::array<double, 3>& asked,
                   std::vector<LockedFeature>& all) {
   constexpr const char* kSelector = "BalanceRatioSelector";
   constexpr std::array kColours{"Red", "Green", "Blue"};
@@ -170,13 +96,13 @@ void lock_colours(const Features& features, const std::string& ratio_name, const
   }
 }
 
-void lock_balance(const Features& features, const std::array<double, 3>& asked, std::vector<LockedFeature>& all) {
+void lock_balance(const CameraFeatures& features, const std::array<double, 3>& asked, std::vector<LockedFeature>& all) {
   lock_setting(CameraSetting::kWhiteBalance, features, format("%g, %g, %g", asked[0], asked[1], asked[2]), all,
                [&](const std::string& name) { lock_colours(features, name, asked, all); });
 }
 
 /// Values are to be proportional to light.
-void switch_gamma_off(const Features& features, std::vector<LockedFeature>& all) {
+void switch_gamma_off(const CameraFeatures& features, std::vector<LockedFeature>& all) {
   if (features.has("GammaEnable"))
     all.push_back(features.set_off("GammaEnable"));
   else if (features.has("GammaEnabled"))
@@ -196,21 +122,26 @@ CameraFeature find_feature(CameraSetting setting, const std::function<bool(const
   return {{}, "the camera has no feature for it (looked for " + names + ")"};
 }
 
-bool holds(double asked, double got, double step) {
-  return std::abs(got - asked) <= std::max(step, kSame * std::abs(asked));
-}
-
 std::vector<LockedFeature> lock_camera(ArvCamera* camera, const SourceSettings& settings) {
-  const Features features(camera);
+  const CameraFeatures features(camera);
   std::vector<LockedFeature> all;
   for (const Switch& one : kSwitches)
     if (features.has(one.feature)) all.push_back(features.set_text(one.feature, one.off));
   switch_gamma_off(features, all);
-  if (settings.exposure_us > 0) lock_exposure(camera, features, settings.exposure_us, all);
-  if (settings.gain_db >= 0) lock_gain(camera, features, settings.gain_db, all);
+  if (settings.exposure_us > 0) lock_exposure(features, settings.exposure_us, all);
+  if (settings.gain_db >= 0) lock_gain(features, settings.gain_db, all);
   if (settings.black_level >= 0) lock_black_level(features, settings.black_level, all);
   if (settings.white_balance[0] > 0) lock_balance(features, settings.white_balance, all);
   return all;
+}
+
+std::optional<double> setting_of(ArvCamera* camera, CameraSetting setting) {
+  const CameraFeatures features(camera);
+  const CameraFeature feature = find_feature(setting, [&](const std::string& name) { return features.has(name); });
+  if (feature.name.empty()) return std::nullopt;
+  const std::optional<double> value = features.number(feature.name);
+  if (!value || setting != CameraSetting::kExposure) return value;
+  return *value * exposure_unit_us(features.unit(feature.name));
 }
 
 std::string lock_failures(const std::vector<LockedFeature>& features) {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "tracker/sources/camera_features.h"
 #include "tracker/sources/source_uri.h"
-
-struct _ArvCamera;
 
 namespace sheen {
 
@@ -23,18 +23,12 @@ struct CameraFeature {
 /// Naming Convention and the ones that vendors used before it.
 CameraFeature find_feature(CameraSetting setting, const std::function<bool(const std::string&)>& has);
 
-/// A feature that was set, and what the camera says of it afterwards.
-struct LockedFeature {
-  std::string feature, asked, got;
-  bool holds = false;
-};
-
-/// Whether a value read back is the one asked for: to 1 %, or to a step of `step`.
-bool holds(double asked, double got, double step);
-
 /// Switches off what changes by itself (exposure, gain, white balance, black level, gamma), sets what is asked for, and
 /// reads all of it back. A feature that the camera lacks is listed only where a value was asked for it.
 std::vector<LockedFeature> lock_camera(_ArvCamera* camera, const SourceSettings& settings);
+
+/// What the camera says of a setting that is a number (us, dB); nothing where it has none or does not say.
+std::optional<double> setting_of(_ArvCamera* camera, CameraSetting setting);
 
 /// Of those that do not hold: "Gain: asked 3.7, got 3; ..."; empty when all do.
 std::string lock_failures(const std::vector<LockedFeature>& features);

@@ -4,14 +4,12 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <opencv2/core.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "common/base/clock.h"
 #include "common/base/errors.h"
 #include "common/base/format.h"
+#include "tracker/sources/video_decoder.h"
 #include "tracker/sources/video_device.h"
-#include "tracker/sources/video_image.h"
 
 namespace sheen {
 namespace {
@@ -67,6 +65,7 @@ class VideoFileSource : public FrameSource {
   std::string message() const override {
     return path_ + (ended() ? " has ended" : ", frame " + std::to_string(frames_.load()));
   }
+  std::string warning() const override { return decoder_->warning(); }
 
  private:
   void check(const SourceSettings& settings) const;
@@ -74,8 +73,7 @@ class VideoFileSource : public FrameSource {
   void end();
 
   const std::string path_;
-  cv::VideoCapture capture_;
-  double announced_ = 0;  ///< frames that the file says it has; often an estimate, 0 where it says nothing
+  std::unique_ptr<VideoDecoder> decoder_;
   Exposure exposure_;
   std::atomic<std::uint64_t> frames_ = 0;
   std::atomic<SourceState> state_ = SourceState::kStarting;
@@ -83,21 +81,19 @@ class VideoFileSource : public FrameSource {
 
 VideoFileSource::VideoFileSource(const std::string& path, const SourceSettings& settings) : path_(path) {
   if (!std::filesystem::exists(path)) throw FileError(path, "does not exist");
-  if (!capture_.open(path, cv::CAP_FFMPEG)) throw FileError(path, "cannot be read as a video");
-  announced_ = capture_.get(cv::CAP_PROP_FRAME_COUNT);
+  decoder_ = std::make_unique<VideoDecoder>(path);
   check(settings);
   exposure_.exposure_s = settings.exposure_us * 1e-6;
 }
 
 /// Nothing of a file can be set: what is asked for must be what it has.
 void VideoFileSource::check(const SourceSettings& settings) const {
-  const int width = static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_WIDTH));
-  const int height = static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_HEIGHT));
+  const int width = decoder_->width(), height = decoder_->height();
   if (settings.width > 0 && (width != settings.width || height != settings.height))
     throw ConfigError(path_ + " has " + format("%d x %d", width, height) +
                       " pixels, but the configuration's [camera] is " +
                       format("%d x %d", settings.width, settings.height));
-  const double rate_hz = capture_.get(cv::CAP_PROP_FPS);
+  const double rate_hz = decoder_->frame_rate_hz();
   if (settings.frame_rate_hz > 0 && !holds(settings.frame_rate_hz, rate_hz, 0))
     throw ConfigError(path_ + ": source.frame_rate_hz: asked " +
                       format("%g, the file has %g", settings.frame_rate_hz, rate_hz) + "; leave it out");
@@ -117,26 +113,25 @@ void VideoFileSource::fail(const std::string& what) const {
 /// The end of a file is expected, within what its header may be wrong by.
 void VideoFileSource::end() {
   state_ = SourceState::kEnded;
-  if (static_cast<double>(frames_) < kLeastShare * announced_)
-    fail("the video ends too early; its header states " + std::to_string(std::llround(announced_)) +
+  const double announced = decoder_->announced_frames();
+  if (static_cast<double>(frames_) < kLeastShare * announced)
+    fail("the video ends too early; its header states " + std::to_string(std::llround(announced)) +
          " frames. Is the file whole?");
 }
 
 std::optional<Frame> VideoFileSource::next(std::chrono::milliseconds) {
-  cv::Mat bgr;
   if (ended()) return std::nullopt;
-  if (!capture_.read(bgr)) {
+  std::optional<VideoDecoder::Picture> picture = decoder_->next();
+  if (!picture) {
     end();
     return std::nullopt;
   }
-  std::optional<RawImage> image = image_of_video(bgr);
-  if (!image) fail("is not an 8-bit colour image");
   Frame frame;
   frame.camera_frame_id = frames_++;
   frame.times.grabbed_ns = steady_now_ns();
-  frame.times.device_ns = std::llround(capture_.get(cv::CAP_PROP_POS_MSEC) * 1e6);
+  frame.times.device_ns = picture->time_ns;
   frame.exposure = exposure_;
-  frame.image = *std::move(image);
+  frame.image = std::move(picture->image);
   state_ = SourceState::kLive;
   return frame;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracker/calibration/target.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,6 +22,8 @@
 
 namespace sheen {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr double kInk = 30, kPaper = 200;
 
@@ -106,22 +109,73 @@ TEST(TargetFinder, FindsTheCornersOfAChessboard) {
   EXPECT_LT(errors.worst_px, 0.2);
 }
 
-TEST(TargetFinder, FindsTheCornersOfACharucoBoard) {
-  const CalibrationTarget target = parse_target("charuco:7x5:30mm:22mm");
-  constexpr int kSquare = 120;  // pixels of the texture
-  cv::Mat texture;
-  cv::aruco::CharucoBoard::create(7, 5, 0.03f, 0.022f, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_250))
-      ->draw({7 * kSquare, 5 * kSquare}, texture, 0, 1);
-  const auto level = [&](double x, double y) {  // its points begin one square inside the board
-    const int column = static_cast<int>(std::floor((x / 0.03 + 1) * kSquare));
-    const int row = static_cast<int>(std::floor((y / 0.03 + 1) * kSquare));
-    if (column < 0 || column >= texture.cols || row < 0 || row >= texture.rows) return kPaper;
-    return texture.at<std::uint8_t>(row, column) > 127 ? kPaper : kInk;
+/// Grey of a ChArUco board by its description: markers in the white squares, numbered row by row from the upper left.
+/// The origin is the first inner corner.
+std::function<double(double, double)> charuco_board(int columns, int rows, bool begins_white,
+                                                    const cv::Ptr<cv::aruco::Dictionary>& dictionary) {
+  constexpr int kMarker = 66;
+  std::vector<cv::Mat> markers(static_cast<std::size_t>(columns * rows));
+  int id = 0;
+  for (int square = 0; square < columns * rows; ++square)
+    if (((square % columns + square / columns) % 2 == 0) == begins_white)
+      cv::aruco::drawMarker(dictionary, id++, kMarker, markers[square]);
+  return [=](double x, double y) {
+    const double u = x / 0.03 + 1, v = y / 0.03 + 1;
+    const int column = static_cast<int>(std::floor(u)), row = static_cast<int>(std::floor(v));
+    if (column < 0 || column >= columns || row < 0 || row >= rows) return kPaper;
+    const cv::Mat& marker = markers[row * columns + column];
+    if (marker.empty()) return kInk;
+    const double side = 22.0 / 30, edge = (1 - side) / 2;
+    const auto cell = [&](double part) { return static_cast<int>(std::floor((part - edge) / side * kMarker)); };
+    const int mx = cell(u - column), my = cell(v - row);
+    if (mx < 0 || mx >= kMarker || my < 0 || my >= kMarker) return kPaper;
+    return marker.at<std::uint8_t>(my, mx) > 127 ? kPaper : kInk;
   };
-  const Errors errors = errors_of(target, rectangle(-0.03, -0.03, 0.18, 0.12), false, level, 4);
-  EXPECT_GE(errors.found, 4 * target.points.size() * 9 / 10);
-  EXPECT_LT(errors.rms_px, 0.08);
-  EXPECT_LT(errors.worst_px, 0.3);
+}
+
+/// OpenCV began boards of an even number of rows with a white square before 4.6, and begins all with a black one since.
+TEST(TargetFinder, FindsTheCornersOfACharucoBoardOfEitherLayout) {
+  struct Case {
+    int columns, rows;
+    bool begins_white;
+    const char* dictionary;
+    int opencv;
+  };
+  for (const Case& c : {Case{7, 5, false, "DICT_4X4_250", cv::aruco::DICT_4X4_250},
+                        {7, 10, true, "DICT_4X4_250", cv::aruco::DICT_4X4_250},
+                        {7, 10, false, "DICT_4X4_250", cv::aruco::DICT_4X4_250},
+                        {6, 8, true, "DICT_5X5_100", cv::aruco::DICT_5X5_100},
+                        {8, 6, false, "DICT_6X6_50", cv::aruco::DICT_6X6_50}}) {
+    const std::string name =
+        "charuco:" + std::to_string(c.columns) + "x" + std::to_string(c.rows) + ":30mm:22mm:" + c.dictionary;
+    SCOPED_TRACE(name + (c.begins_white ? " white" : " black"));
+    const CalibrationTarget target = parse_target(name);
+    const double right = 0.03 * (c.columns - 1), bottom = 0.03 * (c.rows - 1);
+    const Errors errors =
+        errors_of(target, rectangle(-0.03, -0.03, right, bottom), false,
+                  charuco_board(c.columns, c.rows, c.begins_white, cv::aruco::getPredefinedDictionary(c.opencv)), 4);
+    EXPECT_GE(errors.found, 4 * target.points.size() * 9 / 10);
+    const double small = c.columns * c.rows > 35 ? 2 : 1;  // in the same image its squares are smaller
+    EXPECT_LT(errors.rms_px, 0.08 * small);
+    EXPECT_LT(errors.worst_px, small > 1 ? 1 : 0.3) << "where another layout was read it is a square";
+  }
+}
+
+TEST(TargetFinder, NamesACharucoBoardThatIsAnother) {
+  const Camera camera = testing::ordinary_camera();
+  const auto seen_instead = [&](const std::string& name) {
+    std::mt19937 rng(11);
+    const TargetFinder finder(parse_target(name));
+    const Rigid3 pose = testing::random_target_pose(camera, rectangle(-0.03, -0.03, 0.18, 0.27), rng,
+                                                    {.most_tilt_deg = 20, .most_distance = 1.2, .spread = 0.2});
+    const ImageU8 image = testing::render_plane(
+        camera, pose, charuco_board(7, 10, true, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_250)));
+    EXPECT_TRUE(finder.find({image, image}).empty());
+    return finder.seen_instead();
+  };
+  EXPECT_THAT(seen_instead("charuco:10x7:30mm:22mm"), HasSubstr("as on one of 7x10"));
+  EXPECT_THAT(seen_instead("charuco:9x9:30mm:22mm"), HasSubstr("not where a board of 9x9 squares has them"));
+  EXPECT_EQ(seen_instead("charuco:7x10:30mm:22mm:DICT_6X6_50"), "");
 }
 
 TEST(TargetFinder, FindsTheCornersOfTags) {
