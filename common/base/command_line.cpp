@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
@@ -171,6 +172,7 @@ void CommandLine::version(const std::string& version) {
 }
 
 int CommandLine::run(int argc, const char* const* argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of `ulimit -f` is an error of its writer, told like others
   const auto tell = [this](const std::exception& error, int status) {
     std::fprintf(stderr, "%s: %s\n", app_->get_name().c_str(), error.what());
     return status;

@@ -44,8 +44,9 @@ double parse_length_m(const std::string& option, const std::string& word, const 
 }
 
 double parse_bytes(const std::string& option, const std::string& word, const std::string& takes) {
-  return quantity(option, word, takes,
-                  {{"B", 1}, {"kB", 1e3}, {"MB", 1e6}, {"GB", 1e9}, {"KiB", 0x1p10}, {"MiB", 0x1p20}, {"GiB", 0x1p30}});
+  return quantity(
+      option, word, takes,
+      {{"", 1}, {"B", 1}, {"kB", 1e3}, {"MB", 1e6}, {"GB", 1e9}, {"KiB", 0x1p10}, {"MiB", 0x1p20}, {"GiB", 0x1p30}});
 }
 
 std::array<int, 2> parse_image_size(const std::string& option, const std::string& word, int least) {

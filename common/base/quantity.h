@@ -15,7 +15,7 @@ double parse_time_ms(const std::string& option, const std::string& word, const s
 double parse_decibels(const std::string& option, const std::string& word, const std::string& takes);
 /// "25mm" (mm, cm, m): in metres, 10 at most.
 double parse_length_m(const std::string& option, const std::string& word, const std::string& takes);
-/// "500MB" (B, kB, MB, GB, or KiB, MiB, GiB): in bytes.
+/// "500MB" (B, kB, MB, GB, or KiB, MiB, GiB; without a unit bytes): in bytes.
 double parse_bytes(const std::string& option, const std::string& word, const std::string& takes);
 
 /// "1280x800": width and height in pixels, each of least..16384. Throws ConfigError as above.

@@ -5,11 +5,12 @@
 #include <cstdint>
 #include <limits>
 
+#include "common/base/length_limit.h"
+
 namespace sheen {
 namespace {
 
 constexpr std::size_t kMaxNameBytes = 1024, kMaxIdBytes = 128;
-constexpr double kMaxLength = 1e9;  // metres; photographs without a scale may be far from 1
 constexpr double kMaxPixel = 1e7;
 constexpr double kUnitTolerance = 1e-6;
 constexpr double kSymmetryTolerance = 1e-6;
@@ -66,7 +67,7 @@ void check_pose(Checks& checks, const PoseEstimate& pose) {
   const double norm = pose.camera_from_object.rotation.norm();
   checks.require(std::abs(norm - 1) <= kUnitTolerance, "pose.rotation", "must be a unit quaternion");
   for (const double t : pose.camera_from_object.translation)
-    checks.within(t, -kMaxLength, kMaxLength, "pose.translation");
+    checks.within(t, -kLongestLength, kLongestLength, "pose.translation");
   check_covariance(checks, pose.covariance);
   checks.within(pose.reprojection_rms_px, 0, kMaxPixel, "pose.reprojection_rms_px");
   checks.within(pose.blur_px, 0, kMaxPixel, "pose.blur_px");
@@ -95,7 +96,7 @@ void check_exposure(Checks& checks, const Exposure& exposure) {
 
 void check_light(Checks& checks, const LightState& light) {
   checks.require(known(light.kind, LightKind::kEnvironment), "light.kind", "is unknown");
-  for (const double p : light.position) checks.within(p, -kMaxLength, kMaxLength, "light.position");
+  for (const double p : light.position) checks.within(p, -kLongestLength, kLongestLength, "light.position");
   if (light.kind == LightKind::kDirectional)
     checks.require(std::abs(light.position.norm() - 1) <= kDirectionTolerance, "light.position",
                    "must be a unit vector for a directional light");

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/base/errors.h"
+#include "common/datasets/pose_check.h"
 
 namespace sheen {
 
@@ -96,7 +97,7 @@ Rigid3 colmap_pose(const ColmapImage& image) {
   const double norm = image.rotation_wxyz.norm();
   if (!(std::abs(norm - 1) <= 1e-3))
     throw Error("its rotation is not a unit quaternion (length " + std::to_string(norm) + ")");
-  if (!image.translation.allFinite()) throw Error("its translation is not finite");
+  if (const std::string wrong = place_error(image.translation); !wrong.empty()) throw Error("its translation " + wrong);
   const Eigen::Vector4d q = image.rotation_wxyz / norm;
   return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]), image.translation};
 }

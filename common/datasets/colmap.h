@@ -36,7 +36,7 @@ int colmap_parameter_count(int model_id);
 /// -1 when unknown.
 int colmap_model_id(std::string_view name);
 
-/// Throws Error when the quaternion is not a rotation.
+/// Throws Error when the quaternion is not a rotation or the camera is beyond `kLongestLength`.
 Rigid3 colmap_pose(const ColmapImage& image);
 
 }  // namespace sheen

@@ -8,6 +8,7 @@
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/datasets/camera_path.h"
 #include "common/datasets/colmap.h"
 #include "common/datasets/transforms_json.h"
 #include "common/image/exif.h"
@@ -163,7 +164,9 @@ std::vector<DatasetView> load_cameras(const fs::path& transforms_json) {
   const auto no_size = [&](const fs::path& image) -> ImageSize {
     throw FileError(transforms_json.string(), image.string() + ": w and h are missing");
   };
-  return parse_transforms(transforms_json.string(), read_file(transforms_json),
+  const std::string text = read_file(transforms_json);
+  if (auto path = parse_camera_path(transforms_json.string(), text)) return *std::move(path);
+  return parse_transforms(transforms_json.string(), text,
                           {[&](const std::string& name) { return transforms_json.parent_path() / name; }, no_size},
                           UnknownNames::kIgnored);
 }

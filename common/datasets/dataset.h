@@ -42,8 +42,9 @@ struct Dataset {
 /// the `transforms.json` itself will do as well.
 Dataset load_dataset(const std::filesystem::path& folder);
 
-/// Cameras and names of a `transforms.json` whose images need not exist, to render from; names in its lists that no
-/// frame has (a few frames of a data set) are passed over. Throws FileError, also where `w` and `h` are missing.
+/// Cameras and names of a `transforms.json` whose images need not exist, to render from, or of nerfstudio's
+/// `camera_path.json`; names in lists that no frame has (a few frames of a data set) are passed over. Throws FileError,
+/// also where `w` and `h` are missing.
 std::vector<DatasetView> load_cameras(const std::filesystem::path& transforms_json);
 
 /// Reads a view's image (JPEG, PNG, WebP: 8-bit sRGB; EXR: linear float) and mask. `sequence` counts from 1. An image

@@ -10,6 +10,7 @@
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/length_limit.h"
 #include "common/capture/capture_validation.h"
 #include "common/image/image_io.h"
 
@@ -19,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostImages = 4096, kMostBytes = std::size_t{1} << 22;
-constexpr double kFarthest = 1e6;
 constexpr double kUnitWithin = 0.02;
 constexpr std::string_view kSpace = " \t\r";
 
@@ -168,7 +168,7 @@ std::vector<LitView> parse_light_list(const std::string& file, std::string_view 
     std::string_view rest = lines[i].text;
     for (const int axis : {2, 1, 0}) {
       const auto value = number<double>(last_word(rest));
-      if (!value || !(std::abs(*value) <= kFarthest)) fail(lines[i], "must be a name and three numbers, x y z");
+      if (!value || !(std::abs(*value) <= kLongestLength)) fail(lines[i], "must be a name and three numbers, x y z");
       view.light.position[axis] = *value;
     }
     view.name = rest;

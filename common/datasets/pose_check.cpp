@@ -3,6 +3,8 @@
 
 #include <Eigen/Dense>
 
+#include "common/base/length_limit.h"
+
 namespace sheen {
 
 std::string make_rotation(Eigen::Matrix3d& matrix) {
@@ -14,6 +16,12 @@ std::string make_rotation(Eigen::Matrix3d& matrix) {
   if (matrix.determinant() < 0) return "is not a rotation: it is a reflection (its determinant is negative)";
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   matrix = svd.matrixU() * svd.matrixV().transpose();
+  return {};
+}
+
+std::string place_error(const Eigen::Vector3d& place) {
+  if (!place.allFinite()) return "is not finite";
+  if (place.cwiseAbs().maxCoeff() > kLongestLength) return "places it beyond 10^9 m";
   return {};
 }
 

@@ -10,4 +10,7 @@ namespace sheen {
 /// reflection, or further than 1e-3 from orthonormal.
 std::string make_rotation(Eigen::Matrix3d& matrix);
 
+/// Empty, or that a place of a camera or a light (metres) is not finite or beyond `kLongestLength`.
+std::string place_error(const Eigen::Vector3d& place);
+
 }  // namespace sheen

@@ -52,7 +52,7 @@ class Fields {
     if (!value->is_boolean()) fail(field, "must be true or false");
     return value->get<bool>();
   }
-  /// Three finite numbers.
+  /// Three numbers, of at most `kLongestLength`.
   std::optional<Eigen::Vector3d> vector(const char* field) const {
     const Json* value = find(field);
     if (!value) return std::nullopt;
@@ -62,7 +62,7 @@ class Fields {
       if (!(*value)[i].is_number()) fail(field, "must be 3 numbers");
       v[Eigen::Index(i)] = (*value)[i].get<double>();
     }
-    if (!v.allFinite()) fail(field, "is not finite");
+    if (const std::string wrong = place_error(v); !wrong.empty()) fail(field, wrong);
     return v;
   }
   /// A matrix of `rows` (or, where `or_less`, one less) rows and 4 columns; what is missing is the identity's.
@@ -90,6 +90,7 @@ class Fields {
     if (!m) return m;
     Eigen::Matrix3d rotation = m->topLeftCorner<3, 3>();
     if (const std::string wrong = make_rotation(rotation); !wrong.empty()) fail(field, wrong);
+    if (const std::string wrong = place_error(m->topRightCorner<3, 1>()); !wrong.empty()) fail(field, wrong);
     m->topLeftCorner<3, 3>() = rotation;
     return m;
   }

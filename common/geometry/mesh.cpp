@@ -3,9 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/geometry/mesh_io.h"
 
 namespace sheen {
@@ -62,6 +64,41 @@ std::size_t remove_duplicates(Mesh& mesh) {
 }
 
 }  // namespace
+
+Mesh mesh_of(std::span<const Eigen::Vector3d> vertices, std::vector<Triangle> triangles) {
+  constexpr double kFarthest = 64;  // in radii: a radius has 2^17 steps there
+  Eigen::AlignedBox3d box;
+  for (const Triangle& triangle : triangles)
+    for (const std::uint32_t v : triangle) box.extend(vertices[v]);
+  const double radius = box.isEmpty() ? 0 : box.diagonal().norm() / 2;
+  if (!(radius > 0 && box.center().cwiseAbs().maxCoeff() > kFarthest * radius))
+    return mesh_of(vertices, std::move(triangles), Eigen::Vector3d::Zero());
+  // On a coarse grid, so that coordinates told from it are exact and a person can read it.
+  const double grid = std::exp2(std::floor(std::log2(radius)));
+  return mesh_of(vertices, std::move(triangles), grid * (box.center() / grid).array().round());
+}
+
+Mesh mesh_of(std::span<const Eigen::Vector3d> vertices, std::vector<Triangle> triangles,
+             const Eigen::Vector3d& origin) {
+  Mesh mesh{.vertices = {}, .triangles = std::move(triangles), .origin = origin};
+  mesh.vertices.reserve(vertices.size());
+  for (const Eigen::Vector3d& vertex : vertices) mesh.vertices.push_back((vertex - origin).cast<float>());
+  return mesh;
+}
+
+void require_no_origin(const std::string& file, const Mesh& mesh) {
+  if (mesh.origin.isZero(0)) return;
+  throw FileError(file, format("lies %.4g km from the origin of its coordinates, which are a map's, not a stage's: "
+                               "subtract (%.12g, %.12g, %.12g) from them",
+                               mesh.origin.norm() / 1e3, mesh.origin.x(), mesh.origin.y(), mesh.origin.z()));
+}
+
+Mesh in_frame_at(const Eigen::Vector3d& origin, Mesh mesh) {
+  if (origin == mesh.origin) return mesh;
+  for (Eigen::Vector3f& vertex : mesh.vertices) vertex = (vertex.cast<double>() + (mesh.origin - origin)).cast<float>();
+  mesh.origin = origin;
+  return mesh;
+}
 
 BoundingSphere bounding_sphere(const Mesh& mesh) {
   Eigen::AlignedBox3d box;

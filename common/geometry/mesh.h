@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,11 @@ using Triangle = std::array<std::uint32_t, 3>;  ///< vertex indices, counter-clo
 
 /// Triangle mesh in the object frame, metres.
 struct Mesh {
-  std::vector<Eigen::Vector3f> vertices;
+  std::vector<Eigen::Vector3f> vertices;  ///< from `origin`
   std::vector<Triangle> triangles;
+  /// In the frame of its file. Zero but for a mesh so far out (map coordinates) that single precision would not hold
+  /// its shape: then the object frame is the file's with its origin here, and `in_frame_at` takes poses into it.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 
   Eigen::Vector3f corner(std::size_t triangle, int c) const { return vertices[triangles[triangle][c]]; }
   /// Twice the area times the unit normal.
@@ -23,6 +27,16 @@ struct Mesh {
     return (corner(triangle, 1) - corner(triangle, 0)).cross(corner(triangle, 2) - corner(triangle, 0));
   }
 };
+
+/// Decides the origin, by the vertices that triangles use: their coordinates' rounding in single precision is to be
+/// less than 10^-5 of their extent.
+Mesh mesh_of(std::span<const Eigen::Vector3d> vertices, std::vector<Triangle> triangles);
+Mesh mesh_of(std::span<const Eigen::Vector3d> vertices, std::vector<Triangle> triangles, const Eigen::Vector3d& origin);
+/// For what has a place of its own, such as a stage: throws FileError naming the mesh's file, and what to subtract from
+/// its coordinates, where it has an origin.
+void require_no_origin(const std::string& file, const Mesh& mesh);
+/// The same mesh, its vertices told from another origin.
+Mesh in_frame_at(const Eigen::Vector3d& origin, Mesh mesh);
 
 struct BoundingSphere {
   Eigen::Vector3d centre;
@@ -55,14 +69,16 @@ struct LoadedMesh {
   MeshDiagnosis diagnosis;
 };
 
-/// Reads PLY (ASCII and binary, either byte order), OBJ or OFF. Polygons are split into fans. Throws FileError with the
-/// line or element where a file is broken: out-of-range index, NaN, no triangle, truncated, unknown format.
+/// Reads PLY (ASCII and binary, either byte order), OBJ or OFF. Polygons, also concave ones, and PLY's triangle strips
+/// become triangles. Throws FileError with the line or element where a file is broken: out-of-range index, NaN or a
+/// coordinate beyond `kLongestLength`, no triangle, truncated, unknown format.
 LoadedMesh load_mesh(const std::filesystem::path& path);
 
 /// The same files, validated but not cleaned: indices stay as they stand in the file.
 Mesh load_mesh_unchanged(const std::filesystem::path& path);
 
-/// Binary little-endian PLY of vertices and triangles. Throws FileError.
+/// Binary little-endian PLY of vertices and triangles, in the frame of the mesh's file: in double precision where the
+/// mesh has an origin, which a comment keeps for when it is read again. Throws FileError.
 void save_ply(const Mesh& mesh, const std::filesystem::path& path);
 
 }  // namespace sheen

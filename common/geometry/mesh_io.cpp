@@ -5,11 +5,14 @@
 #include <cmath>
 
 #include "common/base/errors.h"
+#include "common/base/length_limit.h"
+#include "common/geometry/polygon.h"
 
 namespace sheen {
 
 namespace {
-constexpr double kMaxIndex = 4294967294.0;  // 2^32 - 1 means "no hit" elsewhere
+constexpr double kMaxIndex = 4294967294.0;     // 2^32 - 1 means "no hit" elsewhere
+constexpr double kUnsignedEnd = 4294967295.0;  // of a strip: -1 in a list of uint
 constexpr std::string_view kBlanks = " \t\r\v\f";
 }  // namespace
 
@@ -18,9 +21,9 @@ void MeshBuilder::fail(FilePlace place, const std::string& what) const {
 }
 
 void MeshBuilder::add_vertex(double x, double y, double z, FilePlace place) {
-  const Eigen::Vector3f vertex(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-  if (!vertex.allFinite()) fail(place, "a coordinate is not a finite number");
-  raw_.mesh.vertices.push_back(vertex);
+  const Eigen::Vector3d vertex(x, y, z);
+  if (!(vertex.array().abs() <= kLongestLength).all()) fail(place, "a coordinate is not a finite number within 10^9 m");
+  vertices_.push_back(vertex);
 }
 
 void MeshBuilder::add_face(std::span<const double> corners, FilePlace place) {
@@ -32,19 +35,51 @@ void MeshBuilder::add_face(std::span<const double> corners, FilePlace place) {
       largest_place_ = place;
     }
   }
-  if (corners.size() < 3) ++raw_.empty_faces;
-  for (std::size_t i = 2; i < corners.size(); ++i)
-    raw_.mesh.triangles.push_back({static_cast<std::uint32_t>(corners[0]), static_cast<std::uint32_t>(corners[i - 1]),
-                                   static_cast<std::uint32_t>(corners[i])});
+  if (corners.size() < 3) {
+    ++empty_faces_;
+    return;
+  }
+  for (const double corner : corners) corners_.push_back(static_cast<std::uint32_t>(corner));
+  polygons_.push_back({place, static_cast<std::uint32_t>(corners.size())});
+}
+
+void MeshBuilder::add_strips(std::span<const double> corners, FilePlace place) {
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (corners[i] < 0 || corners[i] == kUnsignedEnd) first = i + 1;
+    if (i < first + 2) continue;
+    const double a = corners[i - 2], b = corners[i - 1], c = corners[i];
+    if (a == b || b == c || c == a) continue;  // how strips go round a corner
+    const double turned[] = {b, a, c}, straight[] = {a, b, c};
+    add_face((i - first) % 2 == 1 ? turned : straight, place);
+  }
+}
+
+std::vector<Triangle> MeshBuilder::triangles() const {
+  std::vector<Triangle> triangles;
+  triangles.reserve(polygons_.size());
+  std::vector<Eigen::Vector3d> outline;
+  const std::uint32_t* corner = corners_.data();
+  for (const Polygon& polygon : polygons_) {
+    outline.clear();
+    for (std::uint32_t i = 0; i < polygon.size; ++i) outline.push_back(vertices_[corner[i]]);
+    const auto split = polygon_triangles(outline);
+    if (split.empty())
+      fail(polygon.place, "a polygon of more than " + std::to_string(kMostCorners) +
+                              " corners that is not convex; split it into triangles first");
+    for (const auto& [a, b, c] : split) triangles.push_back({corner[a], corner[b], corner[c]});
+    corner += polygon.size;
+  }
+  return triangles;
 }
 
 RawMesh MeshBuilder::finish() {
-  if (raw_.mesh.vertices.empty()) throw FileError(path_, "holds no vertex");
-  if (raw_.mesh.triangles.empty()) throw FileError(path_, "holds no triangle: a mesh is needed, not a point cloud");
-  if (largest_index_ >= raw_.mesh.vertices.size())
+  if (vertices_.empty()) throw FileError(path_, "holds no vertex");
+  if (polygons_.empty()) throw FileError(path_, "holds no triangle: a mesh is needed, not a point cloud");
+  if (largest_index_ >= vertices_.size())
     fail(largest_place_, "refers to vertex " + std::to_string(largest_index_) + " (counted from 0), but there are " +
-                             std::to_string(raw_.mesh.vertices.size()));
-  return std::move(raw_);
+                             std::to_string(vertices_.size()));
+  return {origin_ ? mesh_of(vertices_, triangles(), *origin_) : mesh_of(vertices_, triangles()), empty_faces_};
 }
 
 WordReader::WordReader(std::string_view text, bool continuations) : rest_(text), continuations_(continuations) {

@@ -45,13 +45,27 @@ class MeshBuilder {
   void add_vertex(double x, double y, double z, FilePlace place);
   /// Corners may refer to vertices that come later; `finish` checks that they came.
   void add_face(std::span<const double> corners, FilePlace place);
-  std::size_t vertex_count() const { return raw_.mesh.vertices.size(); }
+  /// Triangles of three corners in a row each, every other one turned; a negative corner ends a strip.
+  void add_strips(std::span<const double> corners, FilePlace place);
+  /// The origin that the file names, in place of one that `mesh_of` finds.
+  void set_origin(const Eigen::Vector3d& origin) { origin_ = origin; }
+  std::size_t vertex_count() const { return vertices_.size(); }
   RawMesh finish();
   [[noreturn]] void fail(FilePlace place, const std::string& what) const;
 
  private:
+  struct Polygon {
+    FilePlace place;
+    std::uint32_t size = 0;
+  };
+  std::vector<Triangle> triangles() const;
+
   std::string path_;
-  RawMesh raw_;
+  std::vector<Eigen::Vector3d> vertices_;
+  std::vector<std::uint32_t> corners_;  ///< of all polygons, one after the other
+  std::vector<Polygon> polygons_;
+  std::size_t empty_faces_ = 0;
+  std::optional<Eigen::Vector3d> origin_;
   std::uint32_t largest_index_ = 0;
   FilePlace largest_place_{"face", 0};
 };

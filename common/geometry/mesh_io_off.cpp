@@ -17,11 +17,14 @@ RawMesh read_off(const std::string& path, std::string_view bytes) {
   };
 
   next_line("the counts");
-  if (words[0].ends_with("OFF")) {  // the word is optional; letters before it announce more numbers behind the position
-    const std::string_view variant = words[0].substr(0, words[0].size() - 3);
-    if (variant.find_first_of("4n") != std::string_view::npos || (words.size() > 1 && words[1] == "BINARY"))
+  // The word is optional; letters before it announce more numbers behind the position, and some write the first count
+  // against it.
+  if (const std::size_t off = words[0].find("OFF"); off != std::string_view::npos) {
+    const std::string_view variant = words[0].substr(0, off);
+    words[0].remove_prefix(off + 3);
+    if (words[0].empty()) words.erase(words.begin());
+    if (variant.find_first_of("4n") != std::string_view::npos || (!words.empty() && words[0] == "BINARY"))
       builder.fail(reader.place(), "this variant of OFF cannot be read; write ASCII OFF of three coordinates");
-    words.erase(words.begin());
     if (words.empty()) next_line("the counts");
   }
   const double vertices = number(0, "a count of vertices"), faces = number(1, "a count of faces");

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <map>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
+#include "common/base/length_limit.h"
 #include "common/geometry/mesh_io.h"
 
 namespace sheen {
@@ -22,6 +25,8 @@ const std::map<std::string_view, Scalar> kScalars = {
     {"float", Scalar::kFloat32},  {"float32", Scalar::kFloat32}, {"double", Scalar::kFloat64},
     {"float64", Scalar::kFloat64}};
 
+constexpr std::string_view kBlanks = " \t\r\n\v\f";
+
 struct Property {
   std::string_view name;
   Scalar value;
@@ -34,8 +39,11 @@ struct Element {
   std::vector<Property> properties;
 };
 
+constexpr std::string_view kOrigin = "sheen_origin";  // of a comment
+
 struct Header {
   Encoding encoding = Encoding::kAscii;
+  std::optional<Eigen::Vector3d> origin;
   std::vector<Element> elements;
   std::string_view body;
 };
@@ -62,6 +70,17 @@ Property parse_property(const std::string& path, const std::vector<std::string_v
   fail(path, "header line " + std::to_string(line) + ": a property is TYPE NAME or list TYPE TYPE NAME");
 }
 
+template <typename Bad>
+Eigen::Vector3d parse_origin(const std::vector<std::string_view>& words, const Bad& bad) {
+  Eigen::Vector3d origin;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto value = words.size() == 5 ? parse_number(words[2 + k]) : std::nullopt;
+    if (!value || !(std::abs(*value) <= kLongestLength)) bad("an origin is three numbers of at most 10^9 m");
+    origin[static_cast<Eigen::Index>(k)] = *value;
+  }
+  return origin;
+}
+
 Header parse_header(const std::string& path, std::string_view bytes) {
   Header header;
   bool has_format = false;
@@ -71,6 +90,7 @@ Header parse_header(const std::string& path, std::string_view bytes) {
     const auto words = split(bytes.substr(0, end));
     bytes.remove_prefix(end + 1);
     const auto bad = [&](const char* what) { fail(path, "header line " + std::to_string(line) + ": " + what); };
+    if (words.size() >= 2 && words[0] == "comment" && words[1] == kOrigin) header.origin = parse_origin(words, bad);
     if (words.empty() || words[0] == "ply" || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") break;
     if (words[0] == "format" && words.size() >= 2) {
@@ -102,10 +122,30 @@ Header parse_header(const std::string& path, std::string_view bytes) {
   return header;
 }
 
+/// Lines that say something.
+double count_lines(std::string_view text) {
+  double lines = 0;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    if (line.find_first_not_of(kBlanks) != std::string_view::npos) ++lines;
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+  }
+  return lines;
+}
+
 /// Takes one number after the other from the body, in any of the encodings.
 class BodyReader {
  public:
-  BodyReader(Encoding encoding, std::string_view body) : encoding_(encoding), rest_(body) {}
+  explicit BodyReader(const Header& header) : encoding_(header.encoding), rest_(header.body) {
+    double rows = 0;
+    for (const Element& element : header.elements) rows += element.count;
+    rows_are_lines_ = encoding_ == Encoding::kAscii && count_lines(rest_) >= rows;
+  }
+
+  /// Passes over numbers that the header does not know, where each row has a line of its own.
+  void end_row() {
+    if (rows_are_lines_) rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size()));
+  }
 
   /// Empty at the end of the file, and in ASCII for a word that is no number.
   std::optional<double> next(Scalar type) {
@@ -133,7 +173,6 @@ class BodyReader {
 
  private:
   std::optional<double> next_word() {
-    constexpr std::string_view kBlanks = " \t\r\n\v\f";
     rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
     const std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
     rest_.remove_prefix(word.size());
@@ -155,6 +194,7 @@ class BodyReader {
 
   Encoding encoding_;
   std::string_view rest_;
+  bool rows_are_lines_ = false;
 };
 
 int coordinate_axis(const Property& property) {
@@ -170,11 +210,13 @@ bool holds_corners(const Property& property) {
 
 RawMesh read_ply(const std::string& path, std::string_view bytes) {
   const Header header = parse_header(path, bytes);
-  BodyReader body(header.encoding, header.body);
+  BodyReader body(header);
   MeshBuilder builder(path);
+  if (header.origin) builder.set_origin(*header.origin);
   std::vector<double> list;
   for (const Element& element : header.elements) {
     const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+    const bool is_strips = element.name == "tristrips";
     if (is_vertex) {
       bool axes[3] = {};
       for (const Property& property : element.properties)
@@ -199,12 +241,14 @@ RawMesh read_ply(const std::string& path, std::string_view bytes) {
           list.clear();
           for (double k = 0; k < count; ++k) list.push_back(next(property, property.value));
           if (is_face && holds_corners(property)) builder.add_face(list, place);
+          if (is_strips && holds_corners(property)) builder.add_strips(list, place);
         } else {
           const double value = next(property, property.value);
           if (const int axis = coordinate_axis(property); axis >= 0) position[axis] = value;
         }
       }
       if (is_vertex) builder.add_vertex(position[0], position[1], position[2], place);
+      body.end_row();
     }
   }
   return builder.finish();
@@ -215,14 +259,24 @@ void save_ply(const Mesh& mesh, const std::filesystem::path& path) {
 }
 
 void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<const VertexValues> values) {
-  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
-                    "\nproperty float x\nproperty float y\nproperty float z\n";
+  const bool far = mesh.origin != Eigen::Vector3d::Zero();
+  const std::string number = far ? "double" : "float";
+  std::string out = "ply\nformat binary_little_endian 1.0\n";
+  if (far)
+    out += format("comment %s %.17g %.17g %.17g\n", kOrigin.data(), mesh.origin.x(), mesh.origin.y(), mesh.origin.z());
+  out += "element vertex " + std::to_string(mesh.vertices.size());
+  for (const char* axis : {"x", "y", "z"}) out += "\nproperty " + number + ' ' + axis;
+  out += '\n';
   for (const VertexValues& v : values) out += "property float " + v.name + '\n';
   out += "element face " + std::to_string(mesh.triangles.size()) +
          "\nproperty list uchar int vertex_indices\nend_header\n";
-  out.reserve(out.size() + (12 + 4 * values.size()) * mesh.vertices.size() + 13 * mesh.triangles.size());
+  out.reserve(out.size() + ((far ? 24 : 12) + 4 * values.size()) * mesh.vertices.size() + 13 * mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    out.append(reinterpret_cast<const char*>(mesh.vertices[i].data()), 12);
+    const Eigen::Vector3d in_file = mesh.vertices[i].cast<double>() + mesh.origin;
+    if (far)
+      out.append(reinterpret_cast<const char*>(in_file.data()), 24);
+    else
+      out.append(reinterpret_cast<const char*>(mesh.vertices[i].data()), 12);
     for (const VertexValues& v : values) out.append(reinterpret_cast<const char*>(&v.values[i]), 4);
   }
   for (const Triangle& triangle : mesh.triangles) {

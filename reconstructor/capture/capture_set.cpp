@@ -10,6 +10,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/log.h"
+#include "common/capture/moved_origin.h"
 #include "common/datasets/stored_images.h"
 #include "common/session/session.h"
 
@@ -41,6 +42,13 @@ RigMotion motion_between(const Session& session, const std::vector<std::uint64_t
 }
 
 }  // namespace
+
+CaptureSet in_frame_at(const Eigen::Vector3d& origin, CaptureSet captures) {
+  if (origin.isZero(0)) return captures;
+  for (PosedCamera& camera : captures.cameras) camera = in_frame_at(origin, camera);
+  captures.read = [origin, read = std::move(captures.read)](std::size_t i) { return in_frame_at(origin, read(i)); };
+  return captures;
+}
 
 CaptureSet open_capture_set(const std::filesystem::path& folder) {
   if (Session::exists(folder)) {

@@ -25,6 +25,9 @@ struct CaptureSet {
   std::function<RigMotion()> motion;  ///< what moves between them; of a session it reads all
 };
 
+/// The same captures in the frame of a mesh with this origin.
+CaptureSet in_frame_at(const Eigen::Vector3d& origin, CaptureSet captures);
+
 /// Tells on standard error what is doubtful about a data set. Throws FileError when the folder is neither, naming what
 /// was looked for.
 CaptureSet open_capture_set(const std::filesystem::path& folder);

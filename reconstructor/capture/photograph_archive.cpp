@@ -6,6 +6,7 @@
 
 #include "common/base/files.h"
 #include "common/base/format.h"
+#include "common/capture/moved_origin.h"
 #include "common/image/webp.h"
 #include "reconstructor/capture/reconstruction.h"
 #include "reconstructor/radiance/capture_rules.h"
@@ -47,7 +48,7 @@ PhotographArchive::PhotographArchive(const CaptureSet& captures, std::shared_ptr
     const double exposure = exposure_product(capture);
     if (frames_.empty()) first_exposure = exposure;
     const float gain = exposure > 0 && first_exposure > 0 ? static_cast<float>(exposure / first_exposure) : 1;
-    const std::optional<Photograph> photograph = cutter.cut(capture, gain);
+    const std::optional<Photograph> photograph = cutter.cut(in_frame_at(mesh_->origin, capture), gain);
     if (!photograph) continue;
     coding_.add(*photograph);
     const ImageU8 mask = usable_pixels(capture);
@@ -113,7 +114,7 @@ int PhotographArchive::quality_within(std::uintmax_t bytes) const {
 }
 
 Capture PhotographArchive::read(std::size_t frame) const {
-  Capture capture = captures_.read(frames_[frame].capture);
+  Capture capture = in_frame_at(mesh_->origin, captures_.read(frames_[frame].capture));
   capture.purpose = frames_[frame].view.purpose;
   return capture;
 }
@@ -126,7 +127,7 @@ double PhotographArchive::psnr_db(const ModelSettings& settings, const fs::path&
   const CaptureSet coded = open_capture_set(archive);
   return psnr_db(settings, [&](std::size_t frame) {
     if (frames_[frame].view.purpose == Purpose::kHeldOut) return levelled(read(frame), frames_[frame].gain);
-    Capture capture = coded.read(frame);
+    Capture capture = in_frame_at(mesh_->origin, coded.read(frame));
     capture.source_session = frames_[frame].source;
     return capture;
   });

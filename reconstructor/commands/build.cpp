@@ -136,10 +136,11 @@ void build(BuildArguments arguments) {
     std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
   else
     check_model_path(arguments.out, size.has_value());
-  const CaptureSet captures = opened ? *std::move(opened) : open_capture_set(arguments.dataset);
+  CaptureSet captures = opened ? *std::move(opened) : open_capture_set(arguments.dataset);
   if (arguments.refine && surface_needs_camera(settings, arguments.mesh))
     throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
   Mesh mesh = surface_for(settings, arguments.mesh, captures.cameras);
+  captures = in_frame_at(mesh.origin, std::move(captures));
   nlohmann::json refinement;
   if (arguments.refine) {
     const RefinementImages images = training_images(captures, settings.hold_out_every);

@@ -63,11 +63,13 @@ void evaluate(const EvaluateArguments& arguments) {
   }
   const SavedModel saved = open_model(arguments.model);
   const ModelOrigin origin = origin_of(saved, arguments.model);
-  const CaptureSet captures = open_capture_set(arguments.dataset);
+  const Eigen::Vector3d& frame = saved.snapshot->mesh().origin;
+  const CaptureSet captures = in_frame_at(frame, open_capture_set(arguments.dataset));
   const RayPainter painter(saved.snapshot->mesh());
   const std::unique_ptr<Baselines> others = origin.settings->make_baselines(saved.snapshot, arguments.baselines);
   const std::optional<RayPainter> other_shape =
-      arguments.object.empty() ? std::nullopt : std::optional<RayPainter>(load_mesh(arguments.object).mesh);
+      arguments.object.empty() ? std::nullopt
+                               : std::optional<RayPainter>(in_frame_at(frame, load_mesh(arguments.object).mesh));
   const std::vector<HeldOutView> views =
       read_images(arguments, captures, origin, other_shape ? *other_shape : painter, *others);
 

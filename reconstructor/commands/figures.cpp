@@ -140,10 +140,11 @@ void figures(const FiguresArguments& arguments) {
   const bool simulated = arguments.dataset.empty();
   const std::filesystem::path dataset =
       simulated ? simulated_dataset(arguments) : std::filesystem::path(arguments.dataset);
-  const CaptureSet captures = open_capture_set(dataset);
+  CaptureSet captures = open_capture_set(dataset);
   const auto mesh = std::make_shared<Mesh>(
       load_mesh_and_warn(simulated ? dataset / "mesh.ply" : std::filesystem::path(arguments.mesh),
                          SurfaceLightFieldOptions{}, captures.cameras));
+  captures = in_frame_at(mesh->origin, std::move(captures));
   Experiment experiment;
   {
     Progress progress("reading", captures.size);

@@ -8,6 +8,7 @@
 #include "common/base/files.h"
 #include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
+#include "common/capture/moved_origin.h"
 #include "common/geometry/mesh_io.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/training_images.h"
@@ -54,7 +55,7 @@ void refine(const RefineArguments& arguments) {
   if (with_poses) check_poses_can_be_written(arguments.dataset, arguments.poses);
   const CaptureSet captures = open_capture_set(arguments.dataset);
   const Mesh mesh = load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
-  PosedImages posed = posed_images(captures, settings.hold_out_every);
+  PosedImages posed = posed_images(in_frame_at(mesh.origin, captures), settings.hold_out_every);
   nlohmann::json report;
   const JudgedMesh judged = with_poses ? refine_in_turn(mesh, posed, report)
                                        : refine_and_print(mesh, posed.images.some(posed.training), report);
@@ -62,6 +63,7 @@ void refine(const RefineArguments& arguments) {
   const RefinedMesh refined = kept_mesh(mesh, judged);
   const VertexValues values[] = {{"moved", refined.moved}, {"uncertainty", refined.uncertainty}};
   save_ply(refined.mesh, arguments.out, values);
+  for (PosedCamera& camera : posed.images.cameras) camera = in_frame_at(-mesh.origin, camera);
   if (with_poses) write_poses(arguments.dataset, posed.images.cameras, arguments.poses);
   json.write(report.dump(2) + "\n");
 }

@@ -10,6 +10,7 @@
 #include "common/base/json_number.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
+#include "common/capture/moved_origin.h"
 #include "common/datasets/dataset.h"
 #include "common/image/exr.h"
 #include "common/image/image_io.h"
@@ -61,7 +62,7 @@ nlohmann::json prediction_json(double predicted_db, const ErrorCalibration& cali
 
 /// What the camera's light keys say, for a model that knows moving light.
 LightState light_of(const DatasetView& view, const ModelSnapshot& model) {
-  return model.light_kind() == LightKind::kFixed ? LightState{} : view.light;
+  return model.light_kind() == LightKind::kFixed ? LightState{} : in_frame_at(model.mesh().origin, view.light);
 }
 
 void render(const RenderArguments& arguments) {
@@ -86,9 +87,10 @@ void render(const RenderArguments& arguments) {
   auto pictures = nlohmann::json::array();
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const SmoothView painted =
-        painter.paint_smooth(*saved.snapshot, outlines, cameras[i].camera, cameras[i].camera_from_object,
-                             light_of(cameras[i], *saved.snapshot));
+    const PosedCamera from =
+        in_frame_at(saved.snapshot->mesh().origin, PosedCamera{cameras[i].camera, cameras[i].camera_from_object});
+    const SmoothView painted = painter.paint_smooth(*saved.snapshot, outlines, from.camera, from.camera_from_object,
+                                                    light_of(cameras[i], *saved.snapshot));
     const double db = predicted_psnr_db(painted, painted.coverage);
     if (std::isfinite(db)) {
       predicted_db += db;
@@ -119,7 +121,8 @@ void add_render_command(Command& program) {
   Command command = program.subcommand(
       "render", "Renders a saved model from given cameras or in given lights: linear EXR and PNG per view.");
   command.option("model", arguments->model, "saved model: a file or a folder").required();
-  const Option cameras = command.option("--cameras", arguments->cameras, "transforms.json with the cameras to render");
+  const Option cameras = command.option("--cameras", arguments->cameras,
+                                        "transforms.json with the cameras to render, or nerfstudio's camera_path.json");
   Option lights = command.option("--lights", arguments->light.list,
                                  "list of lights (.lp) to render a model of moving light in, one after the other");
   Option luminaires = command.option("--luminaires", arguments->light.luminaires,

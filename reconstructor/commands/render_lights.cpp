@@ -9,6 +9,7 @@
 #include "common/base/format.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
+#include "common/capture/moved_origin.h"
 #include "common/datasets/light_list.h"
 #include "common/image/color.h"
 #include "common/image/exr.h"
@@ -45,7 +46,8 @@ std::vector<LitPicture> pictures_of(const ModelSnapshot& snapshot, const std::fi
                                     const LightRequest& request) {
   if (!request.list.empty() || !request.path.empty()) {
     const std::string& list = request.list.empty() ? request.path : request.list;
-    const std::vector<LitView> views = load_lights(list);
+    std::vector<LitView> views = load_lights(list);
+    for (LitView& view : views) view.light = in_frame_at(snapshot.mesh().origin, view.light);
     require_light_kind(snapshot, views, model, list);
     return request.list.empty() ? along(views, request.frames, list) : in_each(views);
   }

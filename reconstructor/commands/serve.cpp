@@ -176,7 +176,9 @@ std::unique_ptr<Reconstruction> reconstruction_for(const ServeArguments& argumen
                                                    std::span<const PosedCamera> cameras) {
   const EndOnStop starting("sheen-reconstructor: stopped before the capture began");
   const ModelSettings& settings = *plan.scene.settings;
-  return std::make_unique<Reconstruction>(surface_for(settings, arguments.mesh, cameras), settings);
+  Mesh mesh = surface_for(settings, arguments.mesh, cameras);
+  require_no_origin(arguments.mesh.empty() ? "the first image's camera" : arguments.mesh, mesh);
+  return std::make_unique<Reconstruction>(std::move(mesh), settings);
 }
 
 /// Nothing when a signal, or the window's closing, ended the wait. Throws Error where the only source ended without an

@@ -314,9 +314,8 @@ void tradeoff(const TradeoffArguments& arguments) {
     check_writable_folder(arguments.out);
     make_folder(arguments.out);
   }
-  const Experiment experiment =
-      read_experiment(captures, std::make_shared<Mesh>(load_mesh_and_warn(arguments.mesh, base, captures.cameras)),
-                      base.hold_out_every);
+  auto mesh = std::make_shared<Mesh>(load_mesh_and_warn(arguments.mesh, base, captures.cameras));
+  const Experiment experiment = read_experiment(in_frame_at(mesh->origin, captures), mesh, base.hold_out_every);
   std::vector<Setting> settings = arguments.parts ? part_settings(base) : tradeoff_settings(base, arguments.quick);
   const std::size_t first_level = settings.size();
   if (!arguments.parts)

@@ -9,6 +9,7 @@
 
 #include "common/base/command_line.h"
 #include "common/base/errors.h"
+#include "common/base/length_limit.h"
 #include "common/base/quantity.h"
 #include "common/image/image_io.h"
 #include "reconstructor/capture/saved_model.h"
@@ -105,7 +106,7 @@ void add_view_command(Command& program) {
   command.flag("--states", arguments->states, "tint what is imputed or unseen");
   command.option("--size", arguments->size, "size of the window or the screenshot, pixels").show_default();
   command.option("--eye", arguments->eye, "where to look from: x,y,z in the model's frame, metres")
-      .check(number_in(-1e6, 1e6))
+      .check(number_in(-kLongestLength, kLongestLength))
       .delimiter(',')
       .expected(3);
   command.callback([arguments] { view(*arguments); });

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "common/base/length_limit.h"
+
 namespace sheen {
 namespace {
 
@@ -12,7 +14,6 @@ using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::size_t kCameraNumbers = 19;
-constexpr double kMost = 1e9;
 
 }  // namespace
 
@@ -23,7 +24,7 @@ std::vector<double> json_numbers(const Json& json, const std::string& what, std:
                                 std::to_string(size));
   std::vector<double> list;
   for (const Json& entry : json) {
-    if (!entry.is_number() || !(std::abs(entry.get<double>()) <= kMost))
+    if (!entry.is_number() || !(std::abs(entry.get<double>()) <= kLongestLength))
       throw std::invalid_argument(what + "entry " + std::to_string(list.size()) + " is not a valid number here");
     list.push_back(entry.get<double>());
   }

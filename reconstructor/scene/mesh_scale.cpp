@@ -69,7 +69,8 @@ std::string size_text(const Mesh& mesh) {
 MeshScale judge_scale(const Mesh& mesh, std::span<const PosedCamera> cameras) {
   MeshScale judged;
   if (cameras.empty()) return judged;
-  const BoundingSphere sphere = bounding_sphere(mesh);
+  BoundingSphere sphere = bounding_sphere(mesh);
+  sphere.centre += mesh.origin;
   judged.fitting = share_that_fits(sphere, 1, cameras);
   if (judged.fitting >= kMostFit) return judged;
   judged.finding = "it is " + size_text(mesh) + ", the cameras stand " + length_text(median_distance(sphere, cameras)) +

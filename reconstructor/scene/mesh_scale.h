@@ -15,8 +15,8 @@ namespace sheen {
 /// "100 x 80 x 52 mm", or in metres where it is larger than one.
 std::string size_text(const Mesh& mesh);
 
-/// Whether mesh and cameras can be of one frame and one unit: a camera fits that stands outside the mesh, has some of
-/// it in its image, and larger than a few pixels.
+/// Whether mesh and cameras, in the frame of the mesh's file, can be of one frame and one unit: a camera fits that
+/// stands outside the mesh, has some of it in its image, and larger than a few pixels.
 struct MeshScale {
   double fitting = 1;            ///< fraction of the cameras that fit the mesh as it is
   std::optional<double> remedy;  ///< nearly all would fit a mesh scaled by this, and hardly any does as it is

@@ -59,8 +59,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const Mesh mesh = read("fuzz", in.text()).mesh;
     expect_sound(mesh);
-    expect_same(mesh, read_obj("fuzz.obj", as_text(mesh, true)).mesh);
-    expect_same(mesh, read_off("fuzz.off", as_text(mesh, false)).mesh);
+    if (mesh.origin.isZero(0)) {
+      expect_same(mesh, read_obj("fuzz.obj", as_text(mesh, true)).mesh);
+      expect_same(mesh, read_off("fuzz.off", as_text(mesh, false)).mesh);
+    }
     const auto file = folder.path() / "mesh.ply";
     save_ply(mesh, file);
     expect_same(mesh, load_mesh_unchanged(file));

@@ -55,6 +55,7 @@ Pairs pairs_of(const ShadowFile& file, const ShadowsArguments& arguments) {
                       ": has pixels; name the data set or session of its images (--images) and the mesh (--mesh)");
   const auto views = cameras_by_name(open_posed_images(arguments.images));
   const Mesh mesh = load_mesh(arguments.mesh).mesh;
+  require_no_origin(arguments.mesh, mesh);
   for (const ClickedLight& light : file.lights)
     pairs.push_back(pairs_in_space(light, file, &view_of(views, light.image, arguments.images), &mesh));
   return pairs;

@@ -40,6 +40,7 @@ void register_mesh_on_stage(const RegisterArguments& arguments) {
   if (arguments.images.empty() && !arguments.overlay.empty()) throw ConfigError("--overlay needs images");
 
   const LoadedMesh mesh = load_mesh(arguments.mesh);
+  require_no_origin(arguments.mesh, mesh.mesh);
   for (const std::string& warning : mesh.diagnosis.warnings()) std::cerr << arguments.mesh << ": " << warning << '\n';
   std::optional<Correspondences> picked;
   if (!arguments.points.empty()) picked = load_correspondences(arguments.points);

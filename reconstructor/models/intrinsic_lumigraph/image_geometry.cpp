@@ -102,14 +102,11 @@ Mesh view_plane(const PosedCamera& camera) {
   const double depth = distance_of_object(camera);
   const Rigid3 object_from_camera = camera.camera_from_object.inverse();
   const double w = camera.camera.width, h = camera.camera.height;
-  Mesh mesh;
+  std::vector<Eigen::Vector3d> corners;
   for (const auto& [x, y] : {std::pair{-w, -h}, {2 * w, -h}, {2 * w, 2 * h}, {-w, 2 * h}})
-    mesh.vertices.push_back(
-        (object_from_camera * (depth * Eigen::Vector3d((x - camera.camera.cx) / camera.camera.fx,
-                                                       (y - camera.camera.cy) / camera.camera.fy, 1)))
-            .cast<float>());
-  mesh.triangles = {{0, 3, 2}, {0, 2, 1}};
-  return mesh;
+    corners.push_back(object_from_camera * (depth * Eigen::Vector3d((x - camera.camera.cx) / camera.camera.fx,
+                                                                    (y - camera.camera.cy) / camera.camera.fy, 1)));
+  return mesh_of(corners, {{0, 3, 2}, {0, 2, 1}});
 }
 
 bool is_view_plane(const Mesh& mesh) {

@@ -27,7 +27,9 @@ class SameInEveryLight : public Baselines {
 }  // namespace
 
 std::optional<Mesh> IrradianceFieldOptions::own_mesh(const PosedCamera& camera) const {
-  return picture_plane(Undistortion(camera).camera());
+  Mesh plane = picture_plane(Undistortion(camera).camera());
+  require_no_origin("the images' camera", plane);
+  return plane;
 }
 
 std::unique_ptr<AppearanceModel> IrradianceFieldOptions::make_model(std::shared_ptr<const Mesh> mesh,

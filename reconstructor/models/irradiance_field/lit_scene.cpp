@@ -45,16 +45,16 @@ std::vector<PointKernel> light_kernels(const Eigen::Matrix3Xd& lights) {
 Mesh picture_plane(const PosedCamera& camera) {
   const double depth = camera.camera_from_object.translation.z() > 0 ? camera.camera_from_object.translation.z() : 1;
   const Rigid3 object_from_camera = camera.camera_from_object.inverse();
-  Mesh mesh;
+  std::vector<Eigen::Vector3d> corners;
   for (const Eigen::Vector2d& corner : picture_corners({camera.camera.width, camera.camera.height})) {
     const Eigen::Vector3d point((corner.x() - camera.camera.cx) / camera.camera.fx,
                                 (corner.y() - camera.camera.cy) / camera.camera.fy, 1);
-    mesh.vertices.push_back((object_from_camera * (depth * point)).cast<float>());
+    corners.push_back(object_from_camera * (depth * point));
   }
+  std::vector<Triangle> triangles;
   for (const auto& [a, b, c] : kTriangles)
-    mesh.triangles.push_back(
-        {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(c)});
-  return mesh;
+    triangles.push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(c)});
+  return mesh_of(corners, std::move(triangles));
 }
 
 Eigen::Vector2f picture_place(const ImageSize& size, std::uint32_t triangle, float u, float v) {

@@ -63,7 +63,7 @@ void ViewControls::stand_where_it_opens() {
     orbit.set_up(opening_->up);
     orbit.look_from(opening_->direction);
   }
-  if (eye) orbit.place(*eye);
+  if (eye) orbit.place(*eye - framed_->origin);
 }
 
 }  // namespace sheen

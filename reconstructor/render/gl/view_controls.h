@@ -33,7 +33,8 @@ struct ViewControls {
   OrbitCamera orbit;
   Eigen::Vector2d light_rotation = Eigen::Vector2d::Zero();  ///< see `Viewpoint::light_rotation`
 
-  std::optional<Eigen::Vector3d> eye;  ///< where the free camera stands at first; empty: `frame` decides
+  std::optional<Eigen::Vector3d>
+      eye;  ///< where the free camera stands at first, in the frame of the mesh's file; empty: `frame` decides
 
   /// Lets the free camera frame a mesh that it has not framed yet.
   void frame(const std::shared_ptr<const Mesh>& mesh);

@@ -2,8 +2,12 @@
 #include "common/base/command_line.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <cstdlib>
 #include <stdexcept>
+
+#include "common/base/files.h"
 
 namespace sheen {
 namespace {
@@ -45,6 +49,15 @@ TEST(CommandLine, TheExitStatusSaysWhatHappened) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(run(nothing, {"biuld"}), 2);
   EXPECT_NE(testing::internal::GetCapturedStderr().find("did you mean \"build\"?"), std::string::npos);
+}
+
+TEST(CommandLine, AFileBeyondTheLimitIsAnErrorThatIsTold) {
+  const auto write_more = [] {
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    std::exit(run([] { write_file(testing::TempDir() + "/beyond_the_limit", std::string(5000, 'x')); }, {"build"}));
+  };
+  EXPECT_EXIT(write_more(), testing::ExitedWithCode(1), "beyond_the_limit: cannot be written: File too large");
 }
 
 TEST(CommandLine, ASubcommandWorksInPlaceOfItsCommand) {

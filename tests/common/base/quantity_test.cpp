@@ -18,6 +18,8 @@ TEST(Quantity, UnitsAreWhatTheySay) {
   EXPECT_DOUBLE_EQ(parse_length_m("--length", "2.5cm", "a length"), 0.025);
   EXPECT_DOUBLE_EQ(parse_bytes("--bytes", "2MB", "a size"), 2e6);
   EXPECT_DOUBLE_EQ(parse_bytes("--bytes", "2MiB", "a size"), 2097152);
+  EXPECT_DOUBLE_EQ(parse_bytes("--bytes", "639000", "a size"), 639000);
+  EXPECT_DOUBLE_EQ(parse_bytes("--memory", "5e8", "a size"), 5e8);
 }
 
 TEST(Quantity, WhatIsNoneIsRefusedWithTheNameOfTheOption) {

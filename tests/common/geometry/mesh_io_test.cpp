@@ -215,6 +215,119 @@ TEST(Off, SaysWhatIsWrong) {
   refused("OFF\n", {"ends", "counts"});
 }
 
+TEST(Off, CountsThatAreWrittenAgainstTheWord) {
+  const TempFolder folder;
+  const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n.5 .5 1.25\n4 3 2 1 0\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n";
+  expect_pyramid(load_mesh(folder.write("a.off", "OFF5 5 0\n" + body)));
+  expect_pyramid(load_mesh(folder.write("a.off", "COFF5 5 0\r\n" + body)));
+  expect_pyramid(load_mesh(folder.write("without_extension", "OFF5 5\n" + body)));
+  for (const char* start : {"OFFBINARY 5 5 0\n", "4OFF5 5 0\n", "nOFF5 5 0\n"})
+    expect_error([&] { load_mesh(folder.write("a.off", start + body)); }, {"a.off", "line 1", "variant"});
+}
+
+TEST(Ply, NumbersThatTheHeaderDoesNotKnowArePassedOver) {
+  const TempFolder folder;
+  expect_pyramid(load_mesh(folder.write(
+      "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 5\nproperty list uchar int vertex_indices\nend_header\n0 0 0 255\n1 0 0 255\n\n1 1 0 255\n"
+      "0 1 0 255\n.5 .5 1.25 255\n4 3 2 1 0 6 .1 .2 .3 .4 .5 .6\n3 0 1 4\n3 1 2 4 9\n3 2 3 4\n3 3 0 4 0\n")));
+}
+
+TEST(Ply, RowsNeedNotBeLines) {
+  const TempFolder folder;
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 5\nproperty list uchar int vertex_indices\nend_header\n";
+  expect_pyramid(load_mesh(folder.write(
+      "a.ply", head + "0 0 0 1 0 0 1 1 0 0 1 0\n.5 .5 1.25\n4 3 2 1 0 3 0 1 4 3 1 2 4\n3 2 3 4 3 3 0 4\n")));
+  expect_pyramid(load_mesh(folder.write(
+      "a.ply", head + "0\n0 0\n1 0 0\n1 1 0\n0 1 0\n.5 .5\n1.25\n4 3 2\n1 0\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n")));
+}
+
+/// A tetrahedron as two strips, of which the first turns round a corner.
+TEST(Ply, TriangleStrips) {
+  const TempFolder folder;
+  const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+  const auto head = [](const std::string& list) {
+    return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+           "element tristrips 1\nproperty list int " +
+           list + " vertex_indices\nend_header\n";
+  };
+  const std::vector<Triangle> triangles{{0, 2, 1}, {1, 2, 3}, {2, 0, 3}, {0, 1, 3}};
+  for (const auto& [list, end] : {std::pair{"int", "-1"}, std::pair{"uint", "4294967295"}}) {
+    const LoadedMesh loaded =
+        load_mesh(folder.write("a.ply", head(list) + vertices + "9 0 2 1 3 " + end + " 2 0 3 " + end + "\n"));
+    EXPECT_EQ(loaded.diagnosis.triangles, 3u);
+    const LoadedMesh closed =
+        load_mesh(folder.write("a.ply", head(list) + vertices + "12 0 2 1 3 " + end + " 2 0 3 3 3 0 1\n"));
+    EXPECT_NEAR(closed.diagnosis.signed_volume, 1.0 / 6, 1e-9);
+    EXPECT_EQ(closed.diagnosis.boundary_edges + closed.diagnosis.inconsistent_edges, 0u);
+    EXPECT_THAT(closed.diagnosis.warnings(), testing::IsEmpty());
+  }
+  expect_error([&] { load_mesh(folder.write("a.ply", head("int") + vertices + "4 0 2 1 4\n")); },
+               {"a.ply", "vertex 4", "there are 4"});
+}
+
+/// The surface of an L of three cubes: twice its three squares, and its outline of eight edges.
+TEST(MeshFiles, ConcavePolygonsKeepTheirShape) {
+  const TempFolder folder;
+  const std::vector<std::array<int, 2>> outline{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  std::string obj, ply, off;
+  for (const int z : {0, 1})
+    for (const auto& [x, y] : outline) {
+      const std::string place = std::to_string(x) + ' ' + std::to_string(y) + ' ' + std::to_string(z) + '\n';
+      obj += "v " + place;
+      ply += place;
+      off += place;
+    }
+  std::vector<std::vector<int>> faces{{5, 4, 3, 2, 1, 0}, {6, 7, 8, 9, 10, 11}};
+  for (int i = 0; i < 6; ++i) faces.push_back({i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6});
+  for (const std::vector<int>& face : faces) {
+    std::string corners, from_1, from_behind;
+    for (const int corner : face) {
+      corners += ' ' + std::to_string(corner);
+      from_1 += ' ' + std::to_string(corner + 1);
+      from_behind += ' ' + std::to_string(corner - 12);
+    }
+    obj += 'f' + (face.size() > 4 ? from_behind : from_1) + '\n';
+    ply += std::to_string(face.size()) + corners + '\n';
+    off += std::to_string(face.size()) + corners + '\n';
+  }
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 12\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face 8\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const auto& file :
+       {folder.write("l.obj", obj), folder.write("l.ply", head + ply), folder.write("l.off", "OFF\n12 8 0\n" + off)}) {
+    const LoadedMesh loaded = load_mesh(file);
+    double area = 0;
+    for (std::size_t t = 0; t < loaded.mesh.triangles.size(); ++t) area += loaded.mesh.area_normal(t).norm() / 2;
+    EXPECT_NEAR(area, 2 * 3 + 8, 1e-5) << file;
+    EXPECT_NEAR(loaded.diagnosis.signed_volume, 3, 1e-6);
+    EXPECT_THAT(loaded.diagnosis.warnings(), testing::IsEmpty());
+  }
+}
+
+TEST(MeshFiles, ACoordinateThatNoRayReachesIsRefused) {
+  const TempFolder folder;
+  for (const std::string far : {"1e19", "-2e9", "1e300"}) {
+    const std::string vertices = far + " 0 0\n1 0 0\n0 1 0\n";
+    expect_error([&] { load_mesh(folder.write("a.off", "OFF\n3 1 0\n" + vertices + "3 0 1 2\n")); },
+                 {"a.off", "line 3", "10^9 m"});
+    expect_error([&] { load_mesh(folder.write("a.obj", "v 0 0 0\nv 0 " + far + " 0\nv 0 1 1\nf 1 2 3\n")); },
+                 {"a.obj", "line 2", "10^9 m"});
+    expect_error(
+        [&] {
+          load_mesh(folder.write("a.ply",
+                                 "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
+                                 "property double z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                                 "end_header\n" +
+                                     vertices + "3 0 1 2\n"));
+        },
+        {"a.ply", "vertex 0", "10^9 m"});
+  }
+}
+
 TEST(MeshFiles, MissingFolderOrUnknown) {
   const TempFolder folder;
   expect_error([&] { load_mesh(folder.path() / "none.ply"); }, {"none.ply", "no such file"});

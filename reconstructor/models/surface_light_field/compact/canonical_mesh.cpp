@@ -28,7 +28,9 @@ CanonicalMesh canonical_mesh(const Mesh& mesh) {
         grid.points[v][static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(std::lround(at[axis]));
     }
   CanonicalMesh canonical{encode_mesh(grid)};
-  canonical.mesh = std::make_shared<Mesh>(canonical.grid.mesh());
+  Mesh coded = canonical.grid.mesh();
+  coded.origin = mesh.origin;
+  canonical.mesh = std::make_shared<Mesh>(std::move(coded));
   return canonical;
 }
 

@@ -45,24 +45,28 @@ constexpr std::size_t kMostPatchTriangles = 256;
 OrderedJson description_of(const CompactModel& model, float step, int layers) {
   OrderedJson kernels = OrderedJson::array();
   for (const ViewKernel& kernel : model.kernels) kernels.push_back(kernel_to_json(kernel));
-  return {{"step", step},
-          {"patch_triangles", model.patch_triangles},
-          {"layers", layers},
-          {"kernels", kernels},
-          {"reflection", reflection_to_json(model.reflection.get())},
-          {"exposure", exposure_to_json(model.exposure)},
-          {"cameras", cameras_to_json(model.cameras)}};
+  OrderedJson json{{"step", step},
+                   {"patch_triangles", model.patch_triangles},
+                   {"layers", layers},
+                   {"kernels", kernels},
+                   {"reflection", reflection_to_json(model.reflection.get())},
+                   {"exposure", exposure_to_json(model.exposure)},
+                   {"cameras", cameras_to_json(model.cameras)}};
+  if (const Eigen::Vector3d& origin = model.mesh->origin; !origin.isZero(0))
+    json["origin"] = {origin.x(), origin.y(), origin.z()};
+  return json;
 }
 
 struct Description {
   float step = 0;
   int layers = 0;
   std::size_t patch_triangles = 0;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of the mesh
 };
 
 Description read_description(std::string_view bytes, CompactModel& model) {
   const Json json = Json::parse(unpacked(bytes));
-  Description description{json.at("step"), json.at("layers"), json.at("patch_triangles")};
+  Description description{json.at("step"), json.at("layers"), json.at("patch_triangles"), Eigen::Vector3d::Zero()};
   if (!(description.step > 0 && description.step < 1e6f) || description.layers < kMeanLayers ||
       description.layers > kMostLayers || description.patch_triangles > kMostPatchTriangles)
     throw std::runtime_error("holds a step or layers that cannot be");
@@ -73,6 +77,8 @@ Description read_description(std::string_view bytes, CompactModel& model) {
   model.exposure = exposure_from_json(json.at("exposure"));
   model.cameras = cameras_from_json(json.at("cameras"));
   if (model.cameras.size() > UINT16_MAX) throw std::runtime_error("holds too many cameras");
+  if (const auto origin = json.find("origin"); origin != json.end())
+    description.origin = Eigen::Map<const Eigen::Vector3d>(json_numbers(*origin, "origin ", 3).data());
   return description;
 }
 
@@ -196,7 +202,9 @@ CompactModel decode_compact(std::string_view bytes, const std::string& file, con
     reading = "MESH";
     const auto grid = std::make_shared<const GridMesh>(decode_mesh(chunks.required(reading)));
     model.grid = grid;
-    model.mesh = std::make_shared<Mesh>(grid->mesh());
+    Mesh mesh = grid->mesh();
+    mesh.origin = description.origin;
+    model.mesh = std::make_shared<Mesh>(std::move(mesh));
     if (show) show(bare_mesh(model.mesh, model.cameras));
     reading = "RESO";
     std::vector<std::uint8_t> resolutions = decode_resolutions(*grid, chunks.required(reading));
