@@ -10,6 +10,7 @@
 #include <iostream>
 #include <mutex>
 
+#include "common/base/log.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
 
@@ -23,20 +24,23 @@ constexpr int kFailed = 1;
 }  // namespace
 
 EndOnStop::EndOnStop(std::string message)
-    : watcher_([message = std::move(message)](const std::stop_token& done) {
-        std::mutex mutex;
-        std::condition_variable_any changed;
-        std::unique_lock lock(mutex);
-        const auto wait = [&](std::chrono::milliseconds time) {
-          return changed.wait_for(lock, done, time, [&] { return done.stop_requested(); });
-        };
-        while (!stop_requested())
-          if (wait(kLook)) return;
-        if (wait(kPatience)) return;
-        const ProgressPause pause;
-        std::fprintf(stderr, "%s\n", message.c_str());
-        ::_exit(kFailed);  // no destructors: the work may hold any lock
-      }) {}
+    : watcher_(guarded_thread(
+          [message = std::move(message)](const std::stop_token& done) {
+            std::mutex mutex;
+            std::condition_variable_any changed;
+            std::unique_lock lock(mutex);
+            const auto wait = [&](std::chrono::milliseconds time) {
+              return changed.wait_for(lock, done, time, [&] { return done.stop_requested(); });
+            };
+            while (!stop_requested())
+              if (wait(kLook)) return;
+            if (wait(kPatience)) return;
+            const ProgressPause pause;
+            std::fprintf(stderr, "%s\n", message.c_str());
+            ::_exit(kFailed);  // no destructors: the work may hold any lock
+          },
+          [](const std::exception_ptr& error) { log_error("stop", "signals end nothing here: " + words_of(error)); })) {
+}
 
 bool PartsUntilStop::look() {
   stopped_ = stopped_ || stop_requested();

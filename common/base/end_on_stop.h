@@ -8,6 +8,8 @@
 #include <thread>
 #include <type_traits>
 
+#include "common/base/guarded_thread.h"
+
 namespace sheen {
 
 /// For work that is given up when a stop signal arrives, however deep in a library it is: while one lives, the process
@@ -38,7 +40,7 @@ class PartsUntilStop {
   std::optional<std::invoke_result_t<Part&>> result(Part part) {
     std::packaged_task<std::invoke_result_t<Part&>()> task(std::move(part));
     auto made = task.get_future();
-    std::thread(std::move(task)).detach();
+    detached_thread(std::move(task), [](const std::exception_ptr&) {});  // the future has what it throws
     while (made.wait_for(kLook) != std::future_status::ready)
       if (look()) return std::nullopt;
     return made.get();

@@ -4,13 +4,14 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
-#include <random>
 #include <set>
 #include <thread>
 #include <utility>
 #include <zmq.hpp>
 
 #include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
+#include "common/link/link_sockets.h"
 #include "common/link/transport.h"
 #include "common/link/transport_internals.h"
 #include "common/link/wire_messages.h"
@@ -21,7 +22,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr std::int64_t kMaxIncomingBytes = std::int64_t(300) << 20;
 constexpr milliseconds kPoll{100}, kPollUntilWelcome{10};
 constexpr milliseconds kHelloAgain{500};    // while no welcome comes; then twice as late each time, for only the answer
 constexpr milliseconds kHelloLatest{8000};  // to the latest hello counts, and it may come behind images on a slow link
@@ -36,23 +36,18 @@ std::span<const std::uint8_t> bytes_of(const zmq::message_t& part) {
   return {part.data<std::uint8_t>(), part.size()};
 }
 
-/// The same for the life of this receiver, so that a sender knows it again after a reconnect.
-std::string random_routing_id() {
-  std::random_device random;
-  std::string id = "r";
-  for (int i = 0; i < 16; ++i) id += "0123456789abcdef"[random() % 16];
-  return id;
-}
-
 }  // namespace
 
 struct CaptureReceiver::Impl {
   explicit Impl(const ReceiverOptions& receiver_options);
   ~Impl();
   void run(const std::stop_token& stop);
-  void open();
+  void call_again();
+  void round(milliseconds& wait);
+  void note_fault(const std::string& what);
   void handle_events();
   void receive_all();
+  void hang_up();
   void handle(const std::vector<zmq::message_t>& parts);
   void require_credit(std::uint64_t bytes);
   void take_kept(Capture capture);
@@ -63,23 +58,21 @@ struct CaptureReceiver::Impl {
   void say_what_is_due();
   void say_credits();
   void say_hello();
-  bool send(MessageType type, const Bytes& body);
   void reject(const std::string& error);
   void deliver(Capture capture, bool live);
 
   const ReceiverOptions options;
-  const std::string routing_id = random_routing_id();
   zmq::context_t context{1};
-  std::optional<zmq::socket_t> dealer;
-  std::unique_ptr<SocketEvents> events;
+  std::optional<DealerSocket> dealer;
   Wakeup wake;
-  int sockets_opened = 0;
 
   mutable std::mutex mutex;  // guards everything below
   std::condition_variable arrived;
   std::deque<Received> queue;
   std::map<std::string, HeldCaptures> held;
   std::set<std::string> unsaid_acks;
+  std::map<std::string, std::string> refused;  ///< source sessions, and why
+  std::string unsaid_refusal;
   std::uint32_t unsaid_credits = 0;
   std::uint32_t may_come = 0;          ///< captures that the sender has credits for, or had until the latest hello
   std::uint32_t granted_by_hello = 0;  ///< of these, by the latest hello
@@ -92,6 +85,7 @@ struct CaptureReceiver::Impl {
   Clock::time_point ask_clock_due{};
   ClockComparison clock;
   std::optional<Clock::time_point> reopen_due;
+  Clock::time_point heard{};  ///< the latest message
   ReceiverStats stats;
 
   std::jthread io;  // last: stops before what it uses is gone
@@ -102,28 +96,19 @@ CaptureReceiver::Impl::Impl(const ReceiverOptions& receiver_options) : options(r
   if (options.credits < 1 || options.credits > kMaxCredits)
     throw ConfigError("credits: must be 1.." + std::to_string(kMaxCredits));
   for (const auto& [source, sequence] : options.held) held[source] = {sequence, sequence};
-  open();
-  io = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  dealer.emplace(context, options);
+  io = guarded_thread([this](const std::stop_token& stop) { run(stop); },
+                      [this](const std::exception_ptr& error) { note_fault(words_of(error)); });
 }
 
 CaptureReceiver::Impl::~Impl() {
   io.request_stop();
   io.join();
-  events.reset();
-  dealer->set(zmq::sockopt::linger, static_cast<int>(kLastWords.count()));
+  dealer->close_with_last_words(kLastWords);
 }
 
-void CaptureReceiver::Impl::open() {
-  events.reset();
-  dealer.emplace(context, zmq::socket_type::dealer);
-  set_common_options(*dealer);
-  dealer->set(zmq::sockopt::routing_id, routing_id);
-  dealer->set(zmq::sockopt::immediate, true);  // nothing is queued for a sender that is not there
-  dealer->set(zmq::sockopt::maxmsgsize, kMaxIncomingBytes);
-  dealer->set(zmq::sockopt::rcvhwm, 8 + 2 * options.credits);  // fewer, and heartbeats drown behind captures
-  if (options.keys) set_curve_client(*dealer, *options.keys, options.server_public_key);
-  events = std::make_unique<SocketEvents>(context, *dealer, "receiver-" + std::to_string(sockets_opened++));
-  connect_endpoint(*dealer, options.endpoint);
+void CaptureReceiver::Impl::call_again() {
+  dealer->open_again();
   reopen_due.reset();
   link_up = welcomed = false;
 }
@@ -133,25 +118,37 @@ void CaptureReceiver::Impl::run(const std::stop_token& stop) {
   const std::stop_callback on_stop(stop, [this] { wake.notify(); });
   milliseconds wait = kPollUntilWelcome;
   while (!stop.stop_requested()) {
-    std::array<zmq::pollitem_t, 3> items{{{dealer->handle(), 0, ZMQ_POLLIN, 0},
-                                          {events->socket(), 0, ZMQ_POLLIN, 0},
-                                          {nullptr, wake.fd(), ZMQ_POLLIN, 0}}};
-    zmq::poll(items.data(), items.size(), wait);
-    wake.drain();
-    handle_events();
-    receive_all();
-    const std::lock_guard lock(mutex);
-    say_what_is_due();
-    if (reopen_due && Clock::now() >= *reopen_due) open();
-    wait = welcomed || !link_up ? kPoll : kPollUntilWelcome;
+    const bool well =
+        guarded([&] { round(wait); }, [this](const std::exception_ptr& error) { note_fault(words_of(error)); });
+    if (!well) std::this_thread::sleep_for(kFaultPause);
   }
   const std::lock_guard lock(mutex);
   say_what_is_due();  // the last acknowledgements
 }
 
+void CaptureReceiver::Impl::round(milliseconds& wait) {
+  std::array<zmq::pollitem_t, 3> items{{{dealer->socket(), 0, ZMQ_POLLIN, 0},
+                                        {dealer->events(), 0, ZMQ_POLLIN, 0},
+                                        {nullptr, wake.fd(), ZMQ_POLLIN, 0}}};
+  zmq::poll(items.data(), items.size(), wait);
+  wake.drain();
+  handle_events();
+  receive_all();
+  const std::lock_guard lock(mutex);
+  say_what_is_due();
+  if (reopen_due && Clock::now() >= *reopen_due) call_again();
+  wait = welcomed || !link_up ? kPoll : kPollUntilWelcome;
+}
+
+void CaptureReceiver::Impl::note_fault(const std::string& what) {
+  const std::lock_guard lock(mutex);
+  stats.last_error = "the link to " + options.endpoint + ": " + what;
+}
+
 void CaptureReceiver::Impl::handle_events() {
   const std::lock_guard lock(mutex);
-  for (const SocketEvents::Kind kind : events->drain()) {
+  for (const SocketEvents::Kind kind : dealer->drain()) {
+    if (kind == SocketEvents::Kind::kAccepted) continue;  // this side calls
     link_up = kind == SocketEvents::Kind::kConnected;
     welcomed = stats.connected = false;
     hello_due = Clock::now();
@@ -171,7 +168,8 @@ void CaptureReceiver::Impl::handle_events() {
 
 void CaptureReceiver::Impl::receive_all() {
   std::vector<zmq::message_t> parts;
-  while (receive_parts(*dealer, 3, parts)) {
+  for (int received = 0; dealer->receive(parts); ++received) {
+    if (received == kFlood) return hang_up();
     try {
       handle(parts);
     } catch (const ProtocolError& error) {
@@ -181,8 +179,20 @@ void CaptureReceiver::Impl::receive_all() {
   }
 }
 
+/// All that waits is dropped with the socket; the next hello asks for what was missed.
+void CaptureReceiver::Impl::hang_up() {
+  const std::lock_guard lock(mutex);
+  reject("flood: " + options.endpoint + " sends more than it may; hung up");
+  stats.connected = false;
+  call_again();
+}
+
 void CaptureReceiver::Impl::handle(const std::vector<zmq::message_t>& parts) {
   const Envelope envelope = decode_envelope(bytes_of(parts[0]));
+  {
+    const std::lock_guard lock(mutex);
+    heard = Clock::now();
+  }
   const bool is_capture = envelope.type == MessageType::kKeep || envelope.type == MessageType::kLive;
   if (const std::string error = version_error(envelope, "the sender"); !error.empty()) throw ProtocolError(error);
   if (parts.size() != (is_capture ? 3u : 2u)) throw ProtocolError("message: has the wrong number of parts");
@@ -206,7 +216,7 @@ void CaptureReceiver::Impl::handle(const std::vector<zmq::message_t>& parts) {
       take_kept(std::move(capture));
     else
       deliver(std::move(capture), true);
-  } catch (const ProtocolError& error) {
+  } catch (const std::exception& error) {  // also where there is no memory for it now
     const std::lock_guard lock(mutex);
     ++unsaid_credits;
     if (envelope.type == MessageType::kKeep) ask_again(error.what());
@@ -227,7 +237,10 @@ void CaptureReceiver::Impl::take_kept(Capture capture) {
   if (capture.source_session != session)
     throw ProtocolError("source_session: is " + capture.source_session + ", the sender's is " + session);
   HeldCaptures& have = held[session];
-  if (capture.sequence <= have.received) {
+  if (const auto why = refused.find(session); why != refused.end()) {
+    ++unsaid_credits;
+    reject(why->second);
+  } else if (capture.sequence <= have.received) {
     ++stats.duplicates;
     ++unsaid_credits;
   } else if (capture.sequence == have.received + 1) {
@@ -275,7 +288,8 @@ void CaptureReceiver::Impl::take_welcome(const Welcome& welcome) {
 void CaptureReceiver::Impl::take_end(const End& end) {
   if (end.source_session != session)
     throw ProtocolError("end.source_session: is " + end.source_session + ", the sender's is " + session);
-  if (end.last_sequence > held[session].received) return ask_again("gap: the last captures are missing");
+  if (!refused.contains(session) && end.last_sequence > held[session].received)
+    return ask_again("gap: the last captures are missing");
   stats.ended = true;
   stats.source_failure = end.failure;
   end_unsaid = true;
@@ -304,9 +318,12 @@ void CaptureReceiver::Impl::say_what_is_due() {
     return;
   }
   say_credits();
+  if (!unsaid_refusal.empty() && dealer->send(MessageType::kRefuse, encode(Refuse{unsaid_refusal})))
+    unsaid_refusal.clear();
   while (!unsaid_acks.empty() || end_unsaid) {
     const std::string source = unsaid_acks.empty() ? session : *unsaid_acks.begin();
-    if (!send(MessageType::kAck, encode(Ack{source, held[source].durable, stats.ended && source == session}))) return;
+    if (!dealer->send(MessageType::kAck, encode(Ack{source, held[source].durable, stats.ended && source == session})))
+      return;
     unsaid_acks.erase(source);
     end_unsaid = end_unsaid && source != session;
   }
@@ -317,7 +334,7 @@ void CaptureReceiver::Impl::say_credits() {
   const bool ask = Clock::now() >= ask_clock_due;
   if (unsaid_credits == 0 && !ask) return;
   const std::int64_t now_ns = steady_now_ns();
-  if (!send(MessageType::kCredit, encode(Credit{unsaid_credits, ask ? now_ns : 0}))) return;
+  if (!dealer->send(MessageType::kCredit, encode(Credit{unsaid_credits, ask ? now_ns : 0}))) return;
   may_come += unsaid_credits;
   unsaid_credits = 0;
   if (!ask) return;
@@ -332,7 +349,7 @@ void CaptureReceiver::Impl::say_hello() {
                     .held = held,
                     .clock_ns = steady_now_ns()};
   last_hello = Clock::now();
-  if (!send(MessageType::kHello, encode(hello))) return;
+  if (!dealer->send(MessageType::kHello, encode(hello))) return;
   hello_due = last_hello + hello_wait;
   hello_wait = std::min(2 * hello_wait, kHelloLatest);
   hello_clock_ns = asked_clock_ns = hello.clock_ns;
@@ -344,13 +361,6 @@ void CaptureReceiver::Impl::say_hello() {
       std::min<std::size_t>(may_come + granted_by_hello, most - std::min(most, queue.size())));
   unsaid_credits = 0;  // told by what hello grants
   unsaid_acks.clear();
-}
-
-bool CaptureReceiver::Impl::send(MessageType type, const Bytes& body) {
-  if (!dealer->send(zmq::buffer(encode_envelope(type)), zmq::send_flags::dontwait | zmq::send_flags::sndmore))
-    return false;
-  dealer->send(zmq::buffer(body), zmq::send_flags::none);
-  return true;
 }
 
 void CaptureReceiver::Impl::reject(const std::string& error) {
@@ -385,10 +395,23 @@ void CaptureReceiver::acknowledge(const std::string& source_session, std::uint64
   impl_->wake.notify();
 }
 
+void CaptureReceiver::refuse(const std::string& source_session, const std::string& reason) {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    if (!impl_->refused.insert({source_session, "source_session: " + reason}).second) return;
+    impl_->stats.last_error = impl_->unsaid_refusal = sayable(reason);
+    impl_->unsaid_credits += static_cast<std::uint32_t>(std::erase_if(impl_->queue, [&](const Received& waiting) {
+      return !waiting.live && waiting.capture.source_session == source_session;
+    }));
+  }
+  impl_->wake.notify();
+}
+
 ReceiverStats CaptureReceiver::stats() const {
   const std::lock_guard lock(impl_->mutex);
   ReceiverStats stats = impl_->stats;
   stats.ended = stats.ended && impl_->queue.empty();
+  stats.connected = stats.connected && Clock::now() - impl_->heard < kSilence;
   return stats;
 }
 

@@ -8,6 +8,8 @@
 #include <zmq.hpp>
 
 #include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
+#include "common/link/link_sockets.h"
 #include "common/link/retained_captures.h"
 #include "common/link/transport.h"
 #include "common/link/transport_internals.h"
@@ -16,13 +18,15 @@
 namespace sheen {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr std::int64_t kMaxIncomingBytes = 1 << 20;  // receivers only say short things
-constexpr milliseconds kIdle{500};                   // how soon a revoked key is noticed
-constexpr milliseconds kRetry{10};                   // after a full send buffer
-constexpr milliseconds kLeaving{1000};               // within which the socket knows of a connection that broke
+constexpr milliseconds kIdle{500};      // how soon a revoked key is noticed
+constexpr milliseconds kRetry{10};      // after a full send buffer
+constexpr milliseconds kLeaving{1000};  // within which the socket knows of a connection that broke
 constexpr std::uint32_t kMaxCredits = 1024;
+constexpr int kMostConnections =
+    256;  // strangers and what is left of those that have gone; beyond it all are hung up on
 const char* const kReceiverRole = "reconstructor";
 
 using Message = RetainedCaptures::Message;
@@ -34,32 +38,19 @@ struct Peer {
   std::uint32_t credits = 0;
   std::uint64_t next = 1;  ///< sequence of the kept capture to send next
   bool end_sent = false;
+  Clock::time_point heard = Clock::now();
 };
-
-/// A part that shares the bytes of `owner` instead of copying them.
-zmq::message_t shared_part(const Message& owner, const std::vector<std::uint8_t>& bytes) {
-  auto hint = std::make_unique<Message>(owner);
-  zmq::message_t part(
-      const_cast<std::uint8_t*>(bytes.data()), bytes.size(), [](void*, void* h) { delete static_cast<Message*>(h); },
-      hint.get());
-  hint.release();
-  return part;
-}
-
-/// Of a capture.
-std::vector<zmq::message_t> shared_parts(const Message& m) {
-  std::vector<zmq::message_t> parts;
-  for (const auto* bytes : {&m->envelope, &m->header, &m->blob}) parts.push_back(shared_part(m, *bytes));
-  return parts;
-}
 
 }  // namespace
 
 struct CaptureSender::Impl {
-  enum class Sent { kYes, kLater, kUnreachable };
+  using Sent = RouterSocket::Sent;
 
   explicit Impl(const SenderOptions& sender_options);
   void run(const std::stop_token& stop);
+  void round();
+  void hang_up(const std::string& why);
+  void look_at_events(const std::vector<SocketEvents::Kind>& happened);
   void receive_all();
   void handle(const std::string& id, const std::string& key, MessageType type, std::span<const std::uint8_t> body);
   void welcome(const std::string& id, const std::string& key, const Hello& hello);
@@ -72,15 +63,16 @@ struct CaptureSender::Impl {
   void check_peer_is_allowed();
   void refuse(const std::string& id, const std::string& reason, const std::string& key = {});
   Sent send(const std::string& id, std::vector<zmq::message_t> parts);
-  Sent send(const std::string& id, MessageType type, const Bytes& body);
+  Sent send(const std::string& id, MessageType type, const Bytes& body) { return send(id, parts_of(type, body)); }
   Welcome make_welcome(std::int64_t hello_clock_ns) const;
   void stamp(Capture& capture) const;
 
   const SenderOptions options;
   zmq::context_t context{1};
   std::unique_ptr<ZapHandler> zap;
-  zmq::socket_t router;
-  std::unique_ptr<SocketEvents> events;
+  std::optional<RouterSocket> router;
+  bool later = false;  ///< something is left to send
+  Clock::time_point look_until = Clock::now();
   Wakeup wake;
   std::string endpoint;
 
@@ -94,75 +86,93 @@ struct CaptureSender::Impl {
   TrackerFrames frames;
   std::uint64_t refused_by_zap = 0, refused_without_zap = 0;
   std::optional<Peer> peer;
-  RefusalLog refusals;
+  SparingLog refusals{"link"};
   SenderStats stats;
 
   std::jthread io;  // last: stops before what it uses is gone
 };
 
 CaptureSender::Impl::Impl(const SenderOptions& sender_options)
-    : options(sender_options),
-      router(context, zmq::socket_type::router),
-      retained(options.source_session, options.sent_before) {
+    : options(sender_options), retained(options.source_session, options.sent_before) {
   require_keys_beyond_loopback(options.endpoint, options.keys.has_value());
   if (options.source_session.empty()) throw ConfigError("source_session: must name this run of the source");
   if (options.retained == 0) throw ConfigError("retained: must be at least 1");
-  set_common_options(router);
-  router.set(zmq::sockopt::router_mandatory, true);
-  router.set(zmq::sockopt::router_handover, true);
-  router.set(zmq::sockopt::maxmsgsize, kMaxIncomingBytes);
-  router.set(zmq::sockopt::rcvhwm, 100);
   if (options.keys) {
     if (options.allowlist.empty()) throw ConfigError("allowlist: with keys, name the file of those that may connect");
     zap = std::make_unique<ZapHandler>(context, options.allowlist, std::set<std::string>{kReceiverRole});
-    set_curve_server(router, *options.keys);
   }
-  events = std::make_unique<SocketEvents>(context, router, "sender");
-  endpoint = bind_endpoint(router, options.endpoint);
-  io = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  router.emplace(context, options.endpoint, options.keys ? &*options.keys : nullptr);
+  endpoint = router->endpoint();
+  io = guarded_thread([this](const std::stop_token& stop) { run(stop); },
+                      [this](const std::exception_ptr& error) { refusals.tell("thread", words_of(error)); });
 }
 
 void CaptureSender::Impl::run(const std::stop_token& stop) {
   block_signals();
   const std::stop_callback on_stop(stop, [this] { wake.notify(); });
-  bool later = false;
-  auto look_until = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
-    std::array<zmq::pollitem_t, 4> items{{{router.handle(), 0, ZMQ_POLLIN, 0},
-                                          {events->socket(), 0, ZMQ_POLLIN, 0},
-                                          {nullptr, wake.fd(), ZMQ_POLLIN, 0},
-                                          {zap ? zap->socket() : nullptr, 0, ZMQ_POLLIN, 0}}};
-    zmq::poll(items.data(), zap ? 4 : 3, later ? kRetry : kIdle);
-    wake.drain();
-    const std::lock_guard lock(mutex);
-    if (zap) {
-      zap->answer(refusals);
-      check_peer_is_allowed();
-    }
-    // Events are taken before messages and looked at after them: what a peer said before it left still counts.
-    const std::vector<SocketEvents::Kind> happened = events->drain();
-    receive_all();
-    const auto now = std::chrono::steady_clock::now();
-    for (const SocketEvents::Kind kind : happened) {
-      if (kind == SocketEvents::Kind::kDisconnected) look_until = now + kLeaving;
-      if (kind == SocketEvents::Kind::kHandshakeFailed) {
-        ++refused_without_zap;
-        stats.last_refusal = "a handshake failed: the other side has no keys, or those of another sender";
-        refusals.tell(stats.last_refusal, stats.last_refusal);
-      }
-      if (kind == SocketEvents::Kind::kHandshakeBroken) ++stats.broken_handshakes;
-    }
-    // The event comes a moment before the socket refuses to send: once is not enough.
-    const bool may_have_left = peer && now < look_until;
-    if (may_have_left) check_peer_is_there();
-    later = !send_what_may_go() || may_have_left;
-    changed.notify_all();
+    const bool well = guarded([this] { round(); },
+                              [this](const std::exception_ptr& error) {
+                                const std::lock_guard lock(mutex);
+                                refusals.tell("thread", "goes on after: " + words_of(error));
+                              });
+    if (!well) std::this_thread::sleep_for(kFaultPause);
   }
+}
+
+void CaptureSender::Impl::round() {
+  if (!router->is_open()) router->open_again();
+  std::array<zmq::pollitem_t, 4> items{{{router->socket(), 0, ZMQ_POLLIN, 0},
+                                        {router->events(), 0, ZMQ_POLLIN, 0},
+                                        {nullptr, wake.fd(), ZMQ_POLLIN, 0},
+                                        {zap ? zap->socket() : nullptr, 0, ZMQ_POLLIN, 0}}};
+  zmq::poll(items.data(), zap ? 4 : 3, later ? kRetry : kIdle);
+  wake.drain();
+  const std::lock_guard lock(mutex);
+  if (zap) {
+    zap->answer(refusals);
+    check_peer_is_allowed();
+  }
+  // Events are taken before messages and looked at after them: what a peer said before it left still counts.
+  const std::vector<SocketEvents::Kind> happened = router->drain();
+  receive_all();
+  look_at_events(happened);
+  if (!router->is_open()) return;
+  if (peer && Clock::now() - peer->heard > kSilence) peer.reset();  // frozen: another may take its place
+  // The event comes a moment before the socket refuses to send: once is not enough.
+  const bool may_have_left = peer && Clock::now() < look_until;
+  if (may_have_left) check_peer_is_there();
+  later = !send_what_may_go() || may_have_left;
+  changed.notify_all();
+}
+
+void CaptureSender::Impl::look_at_events(const std::vector<SocketEvents::Kind>& happened) {
+  for (const SocketEvents::Kind kind : happened) {
+    if (kind == SocketEvents::Kind::kDisconnected) look_until = Clock::now() + kLeaving;
+    if (kind == SocketEvents::Kind::kHandshakeFailed) {
+      ++refused_without_zap;
+      stats.last_refusal = "a handshake failed: the other side has no keys, or those of another sender";
+      refusals.tell(stats.last_refusal, stats.last_refusal);
+    }
+    if (kind == SocketEvents::Kind::kHandshakeBroken) ++stats.broken_handshakes;
+  }
+  if (router->is_open() && router->connections() > kMostConnections)
+    hang_up("connections: more than " + std::to_string(kMostConnections));
+}
+
+/// On all: honest receivers call again at once, and go on where they were.
+void CaptureSender::Impl::hang_up(const std::string& why) {
+  stats.last_refusal = why + "; all were hung up on";
+  ++stats.hung_up;
+  refusals.tell("flood", stats.last_refusal);
+  peer.reset();
+  router->close();
 }
 
 void CaptureSender::Impl::receive_all() {
   std::vector<zmq::message_t> parts;  // routing id, envelope, body
-  while (receive_parts(router, 3, parts)) {
+  for (int received = 0; router->receive(parts); ++received) {
+    if (received == kFlood) return hang_up("flood: " + std::to_string(kFlood) + " messages without a pause");
     const std::string id = parts[0].to_string();
     try {
       if (parts.size() != 3) throw ProtocolError("message: has the wrong number of parts");
@@ -187,6 +197,7 @@ void CaptureSender::Impl::handle(const std::string& id, const std::string& key, 
   if (type != MessageType::kCredit && type != MessageType::kAck)
     throw ProtocolError("envelope.type: " + std::to_string(static_cast<int>(type)) + " is not for a sender");
   if (!peer || peer->routing_id != id) return refuse(id, "say hello first");
+  peer->heard = Clock::now();
   if (type == MessageType::kCredit) {
     const Credit credit = decode_credit(body);
     peer->credits = std::min(kMaxCredits, peer->credits + credit.captures);
@@ -219,7 +230,10 @@ void CaptureSender::Impl::welcome(const std::string& id, const std::string& key,
     peer.reset();
     return;
   }
-  peer = Peer{id, key, hello.credits, std::max(received + 1, answer.first_sequence)};
+  peer = Peer{.routing_id = id,
+              .public_key = key,
+              .credits = hello.credits,
+              .next = std::max(received + 1, answer.first_sequence)};
 }
 
 Welcome CaptureSender::Impl::make_welcome(std::int64_t hello_clock_ns) const {
@@ -251,7 +265,7 @@ bool CaptureSender::Impl::send_what_may_go() {
 }
 
 bool CaptureSender::Impl::send_kept(RetainedCaptures::Kept& kept) {
-  if (send(peer->routing_id, shared_parts(kept.message)) != Sent::kYes) return false;
+  if (send(peer->routing_id, parts_of(kept.message)) != Sent::kYes) return false;
   ++(kept.sent_before ? stats.resent : stats.delivered);
   retained.note_sent(kept);
   ++peer->next;
@@ -260,7 +274,7 @@ bool CaptureSender::Impl::send_kept(RetainedCaptures::Kept& kept) {
 }
 
 bool CaptureSender::Impl::send_live() {
-  if (send(peer->routing_id, shared_parts(newest_live)) != Sent::kYes) return false;
+  if (send(peer->routing_id, parts_of(newest_live)) != Sent::kYes) return false;
   newest_live.reset();
   ++stats.live_sent;
   --peer->credits;
@@ -301,23 +315,9 @@ void CaptureSender::Impl::refuse(const std::string& id, const std::string& reaso
 }
 
 CaptureSender::Impl::Sent CaptureSender::Impl::send(const std::string& id, std::vector<zmq::message_t> parts) {
-  try {
-    if (!router.send(zmq::buffer(id), zmq::send_flags::dontwait | zmq::send_flags::sndmore)) return Sent::kLater;
-    for (std::size_t i = 0; i < parts.size(); ++i)
-      router.send(parts[i], i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
-    return Sent::kYes;
-  } catch (const zmq::error_t&) {  // EHOSTUNREACH: the connection is gone
-    if (peer && peer->routing_id == id) peer.reset();
-    return Sent::kUnreachable;
-  }
-}
-
-CaptureSender::Impl::Sent CaptureSender::Impl::send(const std::string& id, MessageType type, const Bytes& body) {
-  const auto envelope = encode_envelope(type);
-  std::vector<zmq::message_t> parts;
-  parts.emplace_back(envelope.data(), envelope.size());
-  parts.emplace_back(body.data(), body.size());
-  return send(id, std::move(parts));
+  const Sent sent = router->send(id, std::move(parts));
+  if (sent == Sent::kUnreachable && peer && peer->routing_id == id) peer.reset();
+  return sent;
 }
 
 void CaptureSender::Impl::stamp(Capture& capture) const {

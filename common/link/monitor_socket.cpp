@@ -8,6 +8,7 @@
 #include <zmq.hpp>
 
 #include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
 #include "common/link/transport_internals.h"
 #include "common/link/wire_messages.h"
 
@@ -28,6 +29,7 @@ constexpr milliseconds kReopenAfter{5000};        // the library gives up after 
 struct MonitorPublisher::Impl {
   explicit Impl(const PublisherOptions& options);
   void run(const std::stop_token& stop);
+  void round();
   void send_newest();
 
   zmq::context_t context{1};
@@ -39,7 +41,7 @@ struct MonitorPublisher::Impl {
   mutable std::mutex mutex;  // guards everything below
   std::optional<Status> newest;
   std::uint64_t sequence = 0;
-  RefusalLog refusals;
+  SparingLog refusals{"link"};
   PublisherStats stats;
 
   std::jthread io;  // last: stops before what it uses is gone
@@ -56,25 +58,37 @@ MonitorPublisher::Impl::Impl(const PublisherOptions& options) : socket(context, 
     set_curve_server(socket, *options.keys);
   }
   endpoint = bind_endpoint(socket, options.endpoint);
-  io = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  io = guarded_thread([this](const std::stop_token& stop) { run(stop); },
+                      [this](const std::exception_ptr& error) { refusals.tell("thread", words_of(error)); });
 }
 
 void MonitorPublisher::Impl::run(const std::stop_token& stop) {
   block_signals();
   const std::stop_callback on_stop(stop, [this] { wake.notify(); });
   while (!stop.stop_requested()) {
-    std::array<zmq::pollitem_t, 2> items{
-        {{nullptr, wake.fd(), ZMQ_POLLIN, 0}, {zap ? zap->socket() : nullptr, 0, ZMQ_POLLIN, 0}}};
-    zmq::poll(items.data(), zap ? 2 : 1, kIdle);
-    wake.drain();
-    if (zap) {
-      const std::lock_guard lock(mutex);
-      zap->answer(refusals);
-      stats.refused_keys = zap->refused();
-      stats.last_refusal = zap->last_refusal();
-    }
-    send_newest();
+    const bool well = guarded([this] { round(); },
+                              [this](const std::exception_ptr& error) {
+                                const std::lock_guard lock(mutex);
+                                refusals.tell("thread", "goes on after: " + words_of(error));
+                              });
+    if (!well) std::this_thread::sleep_for(kFaultPause);
   }
+}
+
+void MonitorPublisher::Impl::round() {
+  // Looking whether the socket has something, which it never has, makes it take the subscriptions that wait.
+  std::array<zmq::pollitem_t, 3> items{{{nullptr, wake.fd(), ZMQ_POLLIN, 0},
+                                        {socket.handle(), 0, ZMQ_POLLIN, 0},
+                                        {zap ? zap->socket() : nullptr, 0, ZMQ_POLLIN, 0}}};
+  zmq::poll(items.data(), zap ? 3 : 2, kIdle);
+  wake.drain();
+  if (zap) {
+    const std::lock_guard lock(mutex);
+    zap->answer(refusals);
+    stats.refused_keys = zap->refused();
+    stats.last_refusal = zap->last_refusal();
+  }
+  send_newest();
 }
 
 void MonitorPublisher::Impl::send_newest() {

@@ -47,6 +47,7 @@ struct SenderStats {
   std::uint64_t rejected_messages = 0;  ///< malformed or of another version
   std::uint64_t refused_keys = 0;       ///< handshakes of unknown, revoked or missing keys
   std::uint64_t broken_handshakes = 0;  ///< connections that ended before their handshake
+  std::uint64_t hung_up = 0;            ///< times that all connections were closed, for a flood or too many of them
   std::string last_refusal;             ///< who was refused, and why; keys, second receivers, malformed messages
   bool peer_connected = false;
 };
@@ -120,6 +121,8 @@ class CaptureReceiver {
   std::optional<Received> next(std::chrono::milliseconds timeout);
   /// Call once the capture is durable.
   void acknowledge(const std::string& source_session, std::uint64_t sequence);
+  /// Takes no more kept captures of a source session, and tells the sender why; it keeps what is not acknowledged.
+  void refuse(const std::string& source_session, const std::string& reason);
   ReceiverStats stats() const;
 
  private:

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <sstream>
@@ -15,7 +14,6 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/base/log.h"
 #include "common/link/endpoint.h"
 
 namespace sheen {
@@ -23,8 +21,6 @@ namespace {
 
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
 constexpr std::uintmax_t kMaxAllowlistBytes = 1 << 20;
-constexpr std::chrono::minutes kToldAgainAfter{1};
-constexpr std::size_t kMostSubjects = 256;  ///< a minute: who comes with ever new keys does not fill the disk
 
 /// Changes whenever the file is replaced or written to.
 std::string stamp_of(const std::filesystem::path& path) {
@@ -116,13 +112,6 @@ void Wakeup::drain() {
   [[maybe_unused]] const ssize_t n = ::read(fd_, &count, sizeof count);
 }
 
-void RefusalLog::tell(const std::string& subject, const std::string& message) {
-  const auto now = std::chrono::steady_clock::now();
-  std::erase_if(told_, [&](const auto& entry) { return now - entry.second >= kToldAgainAfter; });
-  if (told_.size() >= kMostSubjects || !told_.insert({subject, now}).second) return;
-  log_warning("link", message);
-}
-
 ZapHandler::ZapHandler(zmq::context_t& context, const std::filesystem::path& allowlist, std::set<std::string> roles)
     : socket_(std::make_unique<zmq::socket_t>(context, zmq::socket_type::rep)),
       allowlist_(allowlist),
@@ -136,7 +125,7 @@ void* ZapHandler::socket() {
   return socket_->handle();
 }
 
-void ZapHandler::answer(RefusalLog& log) {
+void ZapHandler::answer(SparingLog& log) {
   std::vector<zmq::message_t> request;  // version, request id, domain, address, identity, mechanism, key
   while (receive_parts(*socket_, 7, request)) {
     std::string why = "malformed authentication request", key;
@@ -173,7 +162,7 @@ std::string ZapHandler::refusal(const std::string& public_key) {
 SocketEvents::SocketEvents(zmq::context_t& context, zmq::socket_t& watched, const std::string& name)
     : watched_(watched), socket_(std::make_unique<zmq::socket_t>(context, zmq::socket_type::pair)) {
   const std::string address = "inproc://events-" + name;
-  constexpr int kEvents = ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
+  constexpr int kEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
                           ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                           ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
   if (zmq_socket_monitor(watched.handle(), address.c_str(), kEvents) != 0) throw zmq::error_t();
@@ -199,6 +188,7 @@ std::vector<SocketEvents::Kind> SocketEvents::drain() {
     std::uint32_t value = 0;
     if (parts[0].size() >= sizeof event + sizeof value)
       std::memcpy(&value, parts[0].data<std::uint8_t>() + sizeof event, sizeof value);
+    if (event == ZMQ_EVENT_ACCEPTED) kinds.push_back(Kind::kAccepted);
     if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) kinds.push_back(Kind::kConnected);
     if (event == ZMQ_EVENT_DISCONNECTED) kinds.push_back(Kind::kDisconnected);
     if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) kinds.push_back(Kind::kKeyRefused);
@@ -221,9 +211,13 @@ void set_common_options(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::sndbuf, 256 * 1024);
   socket.set(zmq::sockopt::rcvbuf, 256 * 1024);
   socket.set(zmq::sockopt::handshake_ivl, 2000);
-  socket.set(zmq::sockopt::heartbeat_ivl, 500);
-  socket.set(zmq::sockopt::heartbeat_timeout, 1500);
-  socket.set(zmq::sockopt::heartbeat_ttl, 1500);
+  socket.set(zmq::sockopt::rcvhwm, 0);
+  socket.set(zmq::sockopt::heartbeat_ivl, 0);
+  socket.set(zmq::sockopt::tcp_keepalive, 1);  // a cut cable is noticed within two seconds or so
+  socket.set(zmq::sockopt::tcp_keepalive_idle, 1);
+  socket.set(zmq::sockopt::tcp_keepalive_intvl, 1);
+  socket.set(zmq::sockopt::tcp_keepalive_cnt, 2);
+  socket.set(zmq::sockopt::tcp_maxrt, 2000);
   socket.set(zmq::sockopt::reconnect_ivl, 100);
   socket.set(zmq::sockopt::reconnect_ivl_max, 500);  // a link that comes back is in use within a second
 }

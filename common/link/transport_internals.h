@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/base/clock.h"
+#include "common/base/sparing_log.h"
 #include "common/link/transport.h"
 
 namespace zmq {
@@ -63,16 +64,6 @@ class Wakeup {
   int fd_;
 };
 
-/// Tells the log who was refused and why: at once, and again at most once per minute.
-class RefusalLog {
- public:
-  /// `subject`: the key or the kind of fault, of which one line per minute is enough.
-  void tell(const std::string& subject, const std::string& message);
-
- private:
-  std::map<std::string, std::chrono::steady_clock::time_point> told_;
-};
-
 /// Answers the authentication requests (ZeroMQ RFC 27) of all CURVE servers in one context. Must exist before they
 /// bind.
 class ZapHandler {
@@ -80,7 +71,7 @@ class ZapHandler {
   ZapHandler(zmq::context_t& context, const std::filesystem::path& allowlist, std::set<std::string> roles);
   ~ZapHandler();
   void* socket();
-  void answer(RefusalLog& log);  ///< all requests that wait; never blocks
+  void answer(SparingLog& log);  ///< all requests that wait; never blocks
   /// Empty when the key may still be connected, else why not.
   std::string refusal(const std::string& public_key);
   std::uint64_t refused() const { return refused_; }
@@ -99,7 +90,7 @@ class SocketEvents {
  public:
   /// `kHandshakeFailed`: the two sides' keys do not fit, or only one has any. `kHandshakeBroken`: the other side went
   /// away before it, or said nothing for too long.
-  enum class Kind { kConnected, kDisconnected, kKeyRefused, kHandshakeFailed, kHandshakeBroken };
+  enum class Kind { kAccepted, kConnected, kDisconnected, kKeyRefused, kHandshakeFailed, kHandshakeBroken };
   SocketEvents(zmq::context_t& context, zmq::socket_t& watched, const std::string& name);
   ~SocketEvents();
   void* socket();
@@ -113,8 +104,19 @@ class SocketEvents {
 /// Leaves signals to the other threads: here they would only interrupt system calls.
 void block_signals();
 
-/// Heartbeats, buffers, no lingering: the same on every socket that leaves the process.
+/// The same on every socket that leaves the process, but for a watcher's limit on what waits. Chosen so that no peer
+/// can end the process (docs/decisions/hostile_peers.md): libzmq 4.3.4 aborts where a connection whose input it has
+/// stopped breaks, so it must never stop one for a full queue, nor send heartbeats on one. Whoever has the socket
+/// therefore takes at once what comes, and hangs up on a flood.
 void set_common_options(zmq::socket_t& socket);
+
+/// Messages in one go, without a pause, after which a peer floods: many times what honest ones have on their way, and
+/// what a busy reader of small messages still keeps up with.
+inline constexpr int kFlood = 100'000;
+/// Of a peer that says something every second: without a word for so long it has left, or is frozen.
+inline constexpr std::chrono::milliseconds kSilence{5000};
+/// After a fault in a thread's round, before the next.
+inline constexpr std::chrono::milliseconds kFaultPause{100};
 void set_curve_server(zmq::socket_t& socket, const CurveKeys& keys);
 void set_curve_client(zmq::socket_t& socket, const CurveKeys& keys, const std::string& server_public_key);
 
