@@ -85,6 +85,10 @@ struct Session::Impl {
   void open_for_writing();
   void open_for_reading();
   void tell() const;
+  std::optional<std::uint64_t> find(const Capture& capture) const;
+  void require_unlocked() const;
+  std::optional<std::uint64_t> give_its_row_to_what_is_written();
+  void require_same(const Capture& capture, std::uint64_t index) const;
   IndexedFile file_of(std::uint64_t index) const;
   template <typename Read>
   auto read_or_name_the_remedy(std::uint64_t index, const Read& read) const;
@@ -96,9 +100,11 @@ struct Session::Impl {
   std::optional<FileDescriptor> lock;  // held by the one writer
   std::unique_ptr<SessionIndex> index;
   bool index_is_usable = true;
-  std::uint64_t next_file = 0;  ///< number of the file that comes next
   std::vector<std::string> diagnosis;
-  mutable std::mutex mutex;
+  std::mutex appending;                     ///< one `append` at a time: guards the next two
+  std::uint64_t next_file = 0;              ///< number of the file that comes next
+  std::optional<FoundCapture> without_row;  ///< that is on the disk
+  mutable std::mutex mutex;                 ///< guards `index`; never held while a file is written
 };
 
 /// Opens the index, or takes what it still gives, and says what it should hold.
@@ -146,6 +152,39 @@ void Session::Impl::open_for_reading() {
 
 void Session::Impl::tell() const {
   for (const std::string& line : diagnosis) log_warning("session", line);
+}
+
+std::optional<std::uint64_t> Session::Impl::find(const Capture& capture) const {
+  const std::lock_guard guard(mutex);
+  return index->find(capture.source_session, capture.sequence);
+}
+
+/// What cannot be kept is not written.
+void Session::Impl::require_unlocked() const {
+  const std::lock_guard guard(mutex);
+  index->require_unlocked();
+}
+
+/// The index of the last file, where it had no row yet: it is on the disk, and the index was locked meanwhile.
+std::optional<std::uint64_t> Session::Impl::give_its_row_to_what_is_written() {
+  if (!without_row) return std::nullopt;
+  const std::lock_guard guard(mutex);
+  const std::uint64_t number = index->append(*without_row);
+  without_row.reset();
+  return number;
+}
+
+void Session::Impl::require_same(const Capture& capture, std::uint64_t number) const {
+  Capture there;
+  try {
+    there = read_capture_file(captures, file_of(number));
+  } catch (const FileError&) {  // a damaged one is told when it is read, and no reason to refuse this one
+    return;
+  }
+  if (there.image == capture.image && there.mask == capture.mask) return;
+  throw TakenName(folder.string(), "holds another image as number " + std::to_string(capture.sequence) + " of \"" +
+                                       capture.source_session +
+                                       "\": two sources go by this name; give each its own, or a session of its own");
 }
 
 IndexedFile Session::Impl::file_of(std::uint64_t number) const {
@@ -233,16 +272,21 @@ Session Session::open_to_withdraw(const fs::path& folder) {
   }
 }
 
+/// Packing and flushing a capture takes as long as the disk does: meanwhile others may look up, and take back.
 std::uint64_t Session::append(const Capture& capture) {
   impl_->require_writable();
-  const std::lock_guard guard(impl_->mutex);
-  if (const auto there = impl_->index->find(capture.source_session, capture.sequence)) return *there;
+  const std::lock_guard in_turn(impl_->appending);
+  impl_->give_its_row_to_what_is_written();
+  if (const auto there = impl_->find(capture)) {
+    impl_->require_same(capture, *there);
+    return *there;
+  }
+  impl_->require_unlocked();
   const EncodedCapture encoded = encode_capture(capture, MessageType::kKeep, Codec::kDeltaZstd);
-  // Should the row fail, the file stays: whoever opens the session next takes it in or sets it aside.
-  return impl_->index->append(capture.source_session, capture.sequence, [&] {
-    while (std::filesystem::exists(impl_->captures / capture_file_name(impl_->next_file))) ++impl_->next_file;
-    return write_capture_file(impl_->captures, impl_->next_file++, encoded);
-  });
+  while (fs::exists(impl_->captures / capture_file_name(impl_->next_file))) ++impl_->next_file;
+  impl_->without_row = FoundCapture{capture.source_session, capture.sequence,
+                                    write_capture_file(impl_->captures, impl_->next_file++, encoded)};
+  return *impl_->give_its_row_to_what_is_written();
 }
 
 std::uint64_t Session::size() const {

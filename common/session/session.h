@@ -37,8 +37,9 @@ class Session {
   ~Session();
 
   /// Appends and flushes; returns the capture's index. A (source_session, sequence) that is there already returns the
-  /// index it has. Throws FileError, a full disk included, and within a second SessionBusy; the session stays usable
-  /// and consistent.
+  /// index it has, or throws TakenName where that one has another image or mask. Nobody else waits meanwhile, whether
+  /// to read or to take back. Throws FileError, a full disk included, and within a second SessionBusy: then the same
+  /// capture may be appended again; the session stays usable and consistent.
   std::uint64_t append(const Capture& capture);
   std::uint64_t size() const;
   /// Throws DamagedCapture naming the file when it is missing or its checksum is wrong.

@@ -248,12 +248,15 @@ std::optional<std::uint64_t> SessionIndex::find(const std::string& source_sessio
   return query.integer(0);
 }
 
-std::uint64_t SessionIndex::append(const std::string& source_session, std::uint64_t sequence,
-                                   const std::function<IndexedFile()>& write_file) {
+void SessionIndex::require_unlocked() const {
+  const Transaction nothing(impl_->file, impl_->db.get());
+}
+
+std::uint64_t SessionIndex::append(const FoundCapture& capture) {
   const Unflushed unflushed(*impl_);
   Transaction transaction(impl_->file, impl_->db.get());
   const std::uint64_t index = size();
-  impl_->insert({index, source_session, sequence, write_file()});
+  impl_->insert({index, capture.source_session, capture.sequence, capture.file});
   transaction.commit();
   return index;
 }

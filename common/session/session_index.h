@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -55,11 +54,10 @@ class SessionIndex {
 
   std::uint64_t size() const;
   std::optional<std::uint64_t> find(const std::string& source_session, std::uint64_t sequence) const;
-  /// Adds a row for the file that `write_file` writes, once nobody else can keep the row from being written. Returns
-  /// its index. Not flushed to the disk, for the file tells as much: the next call that is, or SQLite's next
-  /// checkpoint, does that.
-  std::uint64_t append(const std::string& source_session, std::uint64_t sequence,
-                       const std::function<IndexedFile()>& write_file);
+  void require_unlocked() const;  ///< throws SessionBusy
+  /// Adds a row for a file that is on the disk. Returns its index. Not flushed to the disk, for the file tells as much:
+  /// the next call that is, or SQLite's next checkpoint, does that.
+  std::uint64_t append(const FoundCapture& capture);
   std::optional<IndexedFile> file(std::uint64_t index) const;
   std::map<std::string, std::uint64_t> held() const;
   bool set_withdrawn(std::uint64_t index, bool withdrawn);

@@ -30,6 +30,13 @@ class SessionBusy : public FileError {
   using FileError::FileError;
 };
 
+/// A capture to be appended has the source session and the number of one that is there, and another image: two sources
+/// go by one name.
+class TakenName : public FileError {
+ public:
+  using FileError::FileError;
+};
+
 /// One capture cannot be read. The others can.
 class DamagedCapture : public FileError {
  public:
