@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/datasets/dataset.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
-#include <cmath>
-#include <set>
+#include <map>
+#include <mutex>
+#include <optional>
 
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/progress.h"
 #include "common/datasets/camera_path.h"
-#include "common/datasets/colmap.h"
+#include "common/datasets/colmap_dataset.h"
+#include "common/datasets/file_finder.h"
+#include "common/datasets/image_inspection.h"
 #include "common/datasets/transforms_json.h"
-#include "common/image/exif.h"
 #include "common/image/image_io.h"
 
 namespace sheen {
@@ -20,102 +25,114 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Views as they are described, their images not yet looked at.
+struct Description {
+  std::vector<DatasetView> views;
+  std::string contents;  ///< what names it
+  std::string remark;
+};
+
 bool is_file(const fs::path& path) {
   std::error_code ignored;
   return fs::is_regular_file(path, ignored);
 }
 
-/// The file itself, or the picture that it names without its extension. Empty when there is neither.
-fs::path find_image(const fs::path& root, const std::string& name) {
-  const fs::path path = root / fs::path(name).lexically_normal();
-  if (is_file(path)) return path;
-  for (const char* extension : {".png", ".jpg", ".jpeg", ".webp", ".exr", ".PNG", ".JPG", ".JPEG", ".WEBP", ".EXR"})
-    if (const fs::path candidate = path.string() + extension; is_file(candidate)) return candidate;
-  return {};
+Description read_transforms(const fs::path& file, ImageAccount& account) {
+  const FileFinder finder(file.parent_path());
+  Description description{.views = {}, .contents = read_file(file), .remark = {}};
+  description.views = parse_transforms(file.string(), description.contents,
+                                       {.find = [&](const std::string& name) { return finder.find_image(name); },
+                                        .size = read_image_size,
+                                        .left_out =
+                                            [&](const std::string& name, const std::string& why) {
+                                              account.left_out.push_back({name, why});
+                                            }});
+  return description;
 }
 
-/// Of all that the views deliver: description, images and masks, in their order. Images are hashed rather than dated:
-/// a copy of the folder is the same data set, and an image that was drawn again is another one.
-std::string identity(const std::string& description, const std::vector<DatasetView>& views) {
-  std::string contents = content_hash(description);
+/// One file for training and one for testing, as NeRF's synthetic scenes have it.
+std::optional<Description> read_split_transforms(const fs::path& root, ImageAccount& account) {
+  const fs::path train = root / "transforms_train.json", val = root / "transforms_val.json";
+  if (!is_file(train)) return std::nullopt;
+  const fs::path test = is_file(root / "transforms_test.json") ? root / "transforms_test.json" : val;
+  Description all = read_transforms(train, account);
+  for (DatasetView& view : all.views) view.purpose = Purpose::kTraining;
+  all.remark = train.string() + ": its views are used to build";
+  if (is_file(test)) {
+    const Description held_out = read_transforms(test, account);
+    for (const DatasetView& view : held_out.views) all.views.emplace_back(view).purpose = Purpose::kHeldOut;
+    all.contents = content_hash(all.contents) + content_hash(held_out.contents);
+    all.remark += ", those of " + test.filename().string() + " are held out";
+  }
+  if (test != val && is_file(val)) all.remark += "; " + val.filename().string() + " is not read";
+  return all;
+}
+
+Description read_description(const fs::path& folder, const fs::path& root, ImageAccount& account) {
+  std::error_code ignored;
+  const fs::path transforms = fs::is_directory(folder, ignored) ? folder / "transforms.json" : folder;
+  if (is_file(transforms)) return read_transforms(transforms, account);
+  if (const auto split = read_split_transforms(root, account)) return *split;
+  if (auto colmap = load_colmap(root, account)) return {std::move(colmap->views), colmap->description, colmap->models};
+  throw FileError(folder.string(),
+                  "holds neither a transforms.json (or transforms_train.json) nor a COLMAP model (cameras and images, "
+                  ".bin or .txt)");
+}
+
+/// Two views of one file would be two photographs of the same pixels, or a test view that was trained with.
+void refuse_shared_images(const fs::path& folder, const std::vector<DatasetView>& views) {
+  std::map<fs::path, std::string> names;
+  for (const DatasetView& view : views)
+    if (const auto [first, is_new] = names.emplace(view.image_path.lexically_normal(), view.name); !is_new)
+      throw FileError(folder.string(),
+                      "\"" + first->second + "\" and \"" + view.name + "\" are one image, " + view.image_path.string());
+}
+
+/// Files that no view names; one that is named and cannot be read is not among them.
+void look_for_others(const fs::path& root, const std::vector<DatasetView>& views, ImageAccount& account) {
+  std::vector<fs::path> images, masks;
   for (const DatasetView& view : views) {
-    contents += content_hash_of_file(view.image_path);
-    contents += view.mask_path ? content_hash_of_file(*view.mask_path) : "no mask";
+    images.push_back(view.image_path);
+    if (view.mask_path) masks.push_back(*view.mask_path);
   }
+  look_for_unused(account, root, images, masks);
+}
+
+/// Looks at all files; only views that can be used stay. @return the hash of what they deliver. Images are hashed
+/// rather than dated: a copy of the folder is the same data set, and an image that was drawn again is another one.
+std::string inspect_all(std::vector<DatasetView>& views, const std::string& description, ImageAccount& account) {
+  std::vector<ImageInspection> found(views.size());
+  Progress progress("looking at images", views.size());
+  std::mutex told;
+  std::size_t done = 0;
+  tbb::parallel_for(std::size_t(0), views.size(), [&](std::size_t i) {
+    found[i] = inspect(views[i]);
+    const std::lock_guard lock(told);
+    progress.update(++done);
+  });
+  std::string contents = content_hash(description);
+  std::vector<DatasetView> usable;
+  std::size_t alphas = 0, files = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!found[i].damage.empty()) {
+      account.left_out.push_back({views[i].name, found[i].damage});
+      continue;
+    }
+    contents += found[i].contents;
+    if (views[i].mask_path) {
+      ++files;
+      account.unused_alphas += found[i].alpha;
+    } else {
+      alphas += found[i].alpha;
+    }
+    if (found[i].grey) account.grey.push_back(views[i].name);
+    usable.push_back(std::move(views[i]));
+  }
+  views = std::move(usable);
+  account.masks = files + alphas;
+  account.masks_are_alpha = alphas > 0;
+  if (account.grey.size() == views.size()) account.grey.clear();
   return content_hash(contents);
-}
-
-Dataset load_transforms(const fs::path& file) {
-  Dataset dataset;
-  dataset.root = file.parent_path();
-  const std::string text = read_file(file);
-  dataset.views = parse_transforms(
-      file.string(), text, {[&](const std::string& name) { return find_image(dataset.root, name); }, read_image_size});
-  dataset.hash = identity(text, dataset.views);
-  return dataset;
-}
-
-DatasetView colmap_view(const fs::path& root, const std::string& file, const ColmapImage& image,
-                        const ColmapCameras& cameras) {
-  const auto fail = [&](const std::string& what) { throw FileError(file, "image " + image.name + ": " + what); };
-  DatasetView view;
-  view.name = image.name;
-  try {
-    view.camera_from_object = colmap_pose(image);
-  } catch (const Error& error) {
-    fail(error.what());
-  }
-  const auto camera = cameras.find(image.camera_id);
-  if (camera == cameras.end()) fail("there is no camera " + std::to_string(image.camera_id));
-  view.camera = camera->second;
-  const fs::path in_images = root / "images" / image.name, in_root = root / image.name;
-  view.image_path = is_file(in_images) ? in_images : in_root;
-  if (!is_file(view.image_path)) fail("there is no such image in " + root.string() + " or its folder images");
-  if (const fs::path mask = root / "masks" / (image.name + ".png"); is_file(mask)) view.mask_path = mask;
-  return view;
-}
-
-Dataset load_colmap(const fs::path& root, const fs::path& model) {
-  const bool binary = is_file(model / "cameras.bin") && is_file(model / "images.bin");
-  const fs::path cameras_file = model / (binary ? "cameras.bin" : "cameras.txt");
-  const fs::path images_file = model / (binary ? "images.bin" : "images.txt");
-  const std::string cameras_bytes = read_file(cameras_file), images_bytes = read_file(images_file);
-  const ColmapCameras cameras = binary ? parse_colmap_cameras_binary(cameras_file.string(), cameras_bytes)
-                                       : parse_colmap_cameras_text(cameras_file.string(), cameras_bytes);
-  const std::vector<ColmapImage> images = binary ? parse_colmap_images_binary(images_file.string(), images_bytes)
-                                                 : parse_colmap_images_text(images_file.string(), images_bytes);
-  if (images.empty()) throw FileError(images_file.string(), "holds no image");
-  Dataset dataset;
-  dataset.root = root;
-  std::set<std::string> names;
-  for (const ColmapImage& image : images) {
-    if (!names.insert(image.name).second)
-      throw FileError(images_file.string(), "image " + image.name + " is listed twice");
-    dataset.views.push_back(colmap_view(root, images_file.string(), image, cameras));
-  }
-  dataset.hash = identity(content_hash(cameras_bytes) + content_hash(images_bytes), dataset.views);
-  return dataset;
-}
-
-/// The folder below `root` that holds a COLMAP model; empty when there is none.
-fs::path find_colmap(const fs::path& root) {
-  for (const fs::path& folder : {root, root / "sparse" / "0", root / "sparse"})
-    for (const char* extension : {".bin", ".txt"})
-      if (is_file(folder / (std::string("cameras") + extension)) &&
-          is_file(folder / (std::string("images") + extension)))
-        return folder;
-  return {};
-}
-
-void add_exif(DatasetView& view) {
-  constexpr std::size_t kBytesBeforePixels = 1 << 18;
-  const std::string start = read_file_start(view.image_path, kBytesBeforePixels);
-  view.exif_orientation = read_exif_orientation(start);
-  const auto exif = read_exif_exposure(start);
-  if (!exif) return;
-  view.exposure_s = exif->exposure_s;
-  const double iso = exif->iso > 0 ? exif->iso : 100, f_number = exif->f_number > 0 ? exif->f_number : 1;
-  view.gain_db = 20 * std::log10(iso / 100 / (f_number * f_number));
 }
 
 /// Turning the pixels would part them from poses that were found in the stored picture, as COLMAP finds them; leaving
@@ -127,8 +144,7 @@ std::string orientation_warning(const std::vector<DatasetView>& views) {
   const auto others = std::count_if(first + 1, views.end(), turned);
   return first->image_path.string() + (others > 0 ? " and " + std::to_string(others) + " others" : "") +
          ": EXIF says that the picture must be rotated; the pixels are used as they are stored. If the poses belong "
-         "to "
-         "the rotated picture, rotate the files themselves (exiftran -a)";
+         "to the rotated picture, rotate the files themselves (exiftran -a)";
 }
 
 std::string description(const Camera& camera) {
@@ -139,24 +155,37 @@ std::string description(const Camera& camera) {
   return text;
 }
 
+void require_size(const DatasetView& view, const fs::path& path, const ImageSize& size) {
+  const Camera& camera = view.camera;
+  if (size.width == camera.width && size.height == camera.height) return;
+  const bool turned = view.exif_orientation > 4 && size.width == camera.height && size.height == camera.width;
+  throw FileError(
+      path.string(),
+      "is " + std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels, but its camera is " +
+          std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+          (turned ? "; its EXIF data say that it must be rotated: rotate the file itself (exiftran -a)" : ""));
+}
+
 }  // namespace
 
 Dataset load_dataset(const fs::path& folder) {
   std::error_code ignored;
   if (!fs::exists(folder, ignored)) throw FileError(folder.string(), "no such folder");
-  const fs::path root = fs::is_directory(folder, ignored) ? folder : folder.parent_path();
-  const fs::path transforms = fs::is_directory(folder, ignored) ? folder / "transforms.json" : folder;
-  const fs::path colmap = find_colmap(root);
   Dataset dataset;
-  if (is_file(transforms))
-    dataset = load_transforms(transforms);
-  else if (!colmap.empty())
-    dataset = load_colmap(root, colmap);
-  else
-    throw FileError(folder.string(),
-                    "holds neither a transforms.json nor a COLMAP model (cameras and images, .bin or .txt)");
-  for (DatasetView& view : dataset.views) add_exif(view);
-  dataset.warning = orientation_warning(dataset.views);
+  dataset.root = fs::is_directory(folder, ignored) ? folder : folder.parent_path();
+  ImageAccount& account = dataset.account;
+  Description description = read_description(folder, dataset.root, account);
+  refuse_shared_images(folder, description.views);
+  account.images = description.views.size();
+  account.of = account.images + account.left_out.size();
+  refuse_few(folder, account);
+  look_for_others(dataset.root, description.views, account);
+  dataset.hash = inspect_all(description.views, description.contents, account);
+  account.images = description.views.size();
+  refuse_few(folder, account);
+  dataset.views = std::move(description.views);
+  const std::string orientation = orientation_warning(dataset.views);
+  dataset.warning = description.remark + (description.remark.empty() || orientation.empty() ? "" : "\n") + orientation;
   return dataset;
 }
 
@@ -171,6 +200,13 @@ std::vector<DatasetView> load_cameras(const fs::path& transforms_json) {
                           UnknownNames::kIgnored);
 }
 
+void check_sizes(const Dataset& dataset) {
+  for (const DatasetView& view : dataset.views) {
+    require_size(view, view.image_path, view.image_size);
+    if (view.mask_path) require_size(view, *view.mask_path, view.mask_size);
+  }
+}
+
 Capture read_capture(const Dataset& dataset, std::size_t index) {
   const DatasetView& view = dataset.views.at(index);
   Capture capture;
@@ -179,22 +215,11 @@ Capture read_capture(const Dataset& dataset, std::size_t index) {
   capture.camera_frame_id = index;
   capture.name = view.name;
   capture.camera = view.camera;
-  capture.image = read_image(view.image_path);
-  const auto check_size = [&](const fs::path& path, int width, int height) {
-    if (width == view.camera.width && height == view.camera.height) return;
-    const bool turned = view.exif_orientation > 4 && width == view.camera.height && height == view.camera.width;
-    throw FileError(path.string(), "is " + std::to_string(width) + " x " + std::to_string(height) +
-                                       " pixels, but its camera is " + std::to_string(view.camera.width) + " x " +
-                                       std::to_string(view.camera.height) +
-                                       (turned ? "; its EXIF data say that it must be rotated: rotate the file itself "
-                                                 "(exiftran -a)"
-                                               : ""));
-  };
-  check_size(view.image_path, capture.image.width, capture.image.height);
-  if (view.mask_path) {
-    capture.mask = read_mask(*view.mask_path);
-    check_size(*view.mask_path, capture.mask.width(), capture.mask.height());
-  }
+  MaskedImage masked = read_masked_image(view.image_path);
+  capture.image = std::move(masked.image);
+  capture.mask = view.mask_path ? read_mask(*view.mask_path) : std::move(masked.mask);
+  require_size(view, view.image_path, {capture.image.width, capture.image.height});
+  if (view.mask_path) require_size(view, *view.mask_path, {capture.mask.width(), capture.mask.height()});
   capture.exposure.exposure_s = view.exposure_s.value_or(0);
   capture.exposure.gain_db = view.gain_db;
   capture.exposure.locked = view.exposure_locked;

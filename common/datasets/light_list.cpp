@@ -6,20 +6,20 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <string>
 
-#include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/format.h"
 #include "common/base/length_limit.h"
 #include "common/capture/capture_validation.h"
-#include "common/image/image_io.h"
 
 namespace sheen {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostImages = 4096, kMostBytes = std::size_t{1} << 22;
+constexpr std::size_t kMostImages = 4096;
 constexpr double kUnitWithin = 0.02;
 constexpr std::string_view kSpace = " \t\r";
 
@@ -38,13 +38,23 @@ std::string_view last_word(std::string_view& line) {
   return word;
 }
 
+/// As programs of any country write it: "0,5" is a half, too.
 template <typename Number>
-std::optional<Number> number(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
+std::optional<Number> number(std::string_view written) {
+  std::string word(written.substr(written.starts_with('+') ? 1 : 0));
+  std::replace(word.begin(), word.end(), ',', '.');
   Number value{};
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
   return value;
+}
+
+/// A name without the quotes round it.
+std::string_view unquoted(std::string_view name) {
+  for (const char quote : {'"', '\''})
+    if (name.size() > 2 && name.front() == quote && name.back() == quote)
+      return trimmed(name.substr(1, name.size() - 2));
+  return name;
 }
 
 /// The shortest text that reads back as the same number.
@@ -113,43 +123,6 @@ LightKind likely_kind(const std::string& file, const std::vector<Line>& lines, c
                             " directions\" or \"" + count + " positions\"");
 }
 
-/// What a person may want to correct.
-std::string doubt_about(const fs::path& list, std::string_view text, const std::vector<LitView>& views) {
-  if (views.front().light.kind != LightKind::kDirectional || parse_heading("", lines_of(text)).kind) return {};
-  const std::string count = std::to_string(views.size());
-  return list.string() + ": " + count + " lights of length 1 are taken for directions of far lights; if they are " +
-         "places on a dome of 1 m radius, let the first line say \"" + count + " positions\"";
-}
-
-bool is_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
-fs::path image_of(const fs::path& list, const std::string& name) {
-  const fs::path folder = list.parent_path();
-  const std::string last = name.substr(name.find_last_of("/\\") + 1);
-  for (const fs::path& path : {folder / name, folder / last})
-    if (is_file(path)) return path;
-  throw FileError(list.string(), "names " + name + ", but there is no such image beside it");
-}
-
-/// A pinhole that looks straight at the origin.
-PosedCamera standing_camera(const ImageSize& size) {
-  PosedCamera posed;
-  const double focal = std::max(size.width, size.height);
-  posed.camera = {.width = size.width,
-                  .height = size.height,
-                  .fx = focal,
-                  .fy = focal,
-                  .cx = (size.width - 1) / 2.0,
-                  .cy = (size.height - 1) / 2.0};
-  posed.camera_from_object.rotation =
-      Eigen::Quaterniond(0, 1, 0, 0);  // y up and z towards the eye become down and away
-  posed.camera_from_object.translation = {0, 0, 1};
-  return posed;
-}
-
 }  // namespace
 
 std::vector<LitView> parse_light_list(const std::string& file, std::string_view text) {
@@ -171,6 +144,7 @@ std::vector<LitView> parse_light_list(const std::string& file, std::string_view 
       if (!value || !(std::abs(*value) <= kLongestLength)) fail(lines[i], "must be a name and three numbers, x y z");
       view.light.position[axis] = *value;
     }
+    rest = unquoted(rest);
     view.name = rest;
     if (rest.empty() || !is_plain_text(view.name)) fail(lines[i], "must begin with the name of an image");
     if (!names.insert(rest).second) fail(lines[i], view.name + " stands there twice");
@@ -197,49 +171,24 @@ std::string light_list_text(std::span<const LitView> views) {
   return text;
 }
 
+std::string assumption_about(const std::string& file, std::string_view text, std::span<const LitView> views) {
+  if (parse_heading(file, lines_of(text)).kind) return {};
+  const std::string count = std::to_string(views.size());
+  const auto may_say = [&](const char* kind) { return "let the first line say \"" + count + " " + kind + "\""; };
+  if (views.front().light.kind == LightKind::kDirectional)
+    return file + ": " + count +
+           " lights of length 1 are taken for directions of far lights; if they are places on a " +
+           "dome of 1 m radius, " + may_say("positions");
+  const auto length = [](const LitView& view) { return view.light.position.norm(); };
+  const auto [near, far] = std::minmax_element(
+      views.begin(), views.end(), [&](const LitView& a, const LitView& b) { return length(a) < length(b); });
+  return file + ": " + count + format(" lights of length %.3g to %.3g", length(*near), length(*far)) +
+         " are taken for places in metres; if they are directions of far lights, whose lengths say nothing, " +
+         may_say("directions");
+}
+
 std::vector<LitView> load_lights(const fs::path& list) {
-  return parse_light_list(list.string(), read_file(list, kMostBytes));
-}
-
-LightList load_light_list(const fs::path& list) {
-  const std::string text = read_file(list, kMostBytes);
-  LightList lights{.views = parse_light_list(list.string(), text)};
-  lights.doubt = doubt_about(list, text, lights.views);
-  ImageSize first;
-  std::string bytes = content_hash(text);
-  for (const LitView& view : lights.views) {
-    const fs::path image = image_of(list, view.name);
-    const ImageSize size = read_image_size(image);
-    if (lights.images.empty()) first = size;
-    if (size.width != first.width || size.height != first.height)
-      throw FileError(image.string(), "is " + std::to_string(size.width) + " x " + std::to_string(size.height) +
-                                          " pixels, but " + lights.images.front().string() + " is " +
-                                          std::to_string(first.width) + " x " + std::to_string(first.height) +
-                                          ": all images of a list are of one camera that stands still");
-    bytes += content_hash(read_file(image));
-    lights.images.push_back(image);
-  }
-  lights.camera = standing_camera(first);
-  lights.hash = content_hash(bytes);
-  return lights;
-}
-
-Capture read_capture(const LightList& list, std::size_t index) {
-  Capture capture;
-  capture.source_session = "lights:" + list.hash;
-  capture.sequence = index + 1;
-  capture.camera_frame_id = index;
-  capture.name = list.views.at(index).name;
-  capture.camera = list.camera.camera;
-  capture.image = read_image(list.images.at(index));
-  if (capture.image.width != capture.camera.width || capture.image.height != capture.camera.height)
-    throw FileError(list.images[index].string(), "has changed its size");
-  capture.mask = ImageU8(capture.camera.width, capture.camera.height, 1, 255);
-  capture.pose.status = PoseStatus::kGiven;
-  capture.pose.camera_from_object = list.camera.camera_from_object;
-  capture.light = list.views[index].light;
-  capture.verdict = FrameVerdict::kKeyframe;
-  return capture;
+  return parse_light_list(list.string(), read_file(list, kMostListBytes));
 }
 
 }  // namespace sheen

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/datasets/dataset.h"
+#include "common/datasets/file_finder.h"
 #include "common/datasets/light_list.h"
 
 namespace sheen {
@@ -17,16 +18,21 @@ StoredImages of_list(const std::filesystem::path& path) {
           .session = "lights:" + list->hash,
           .cameras = {list->camera},
           .motion = watch.motion(),
+          .account = list->account,
+          .summary = in_words(list->account, path.parent_path()),
           .warning = list->doubt,
           .read = [list](std::size_t i) { return read_capture(*list, i); }};
 }
 
 StoredImages of_dataset(const std::filesystem::path& path) {
   auto dataset = std::make_shared<const Dataset>(load_dataset(path));
+  check_sizes(*dataset);
   StoredImages images{.size = dataset->views.size(),
                       .session = "dataset:" + dataset->hash,
                       .cameras = {},
                       .motion = {},
+                      .account = dataset->account,
+                      .summary = in_words(dataset->account, dataset->root),
                       .warning = dataset->warning,
                       .read = [dataset](std::size_t i) { return read_capture(*dataset, i); }};
   MotionWatch watch;
@@ -40,8 +46,12 @@ StoredImages of_dataset(const std::filesystem::path& path) {
 
 }  // namespace
 
+bool is_light_list(const std::filesystem::path& path) {
+  return loose_name(path.extension().string()) == ".lp";
+}
+
 StoredImages open_stored_images(const std::filesystem::path& path) {
-  return path.extension() == ".lp" ? of_list(path) : of_dataset(path);
+  return is_light_list(path) ? of_list(path) : of_dataset(path);
 }
 
 }  // namespace sheen

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "common/base/errors.h"
+#include "common/datasets/file_finder.h"
 #include "common/datasets/pose_check.h"
 
 namespace sheen {
@@ -161,6 +162,21 @@ std::string in_its_words(std::string wrong) {
   return wrong;
 }
 
+/// A frame cannot be used, but the others can.
+class NoImage : public Error {
+ public:
+  using Error::Error;
+};
+
+ImageSize size_of(const std::filesystem::path& image, const ImageFiles& images) {
+  try {
+    return images.size(image);
+  } catch (const FileError& error) {
+    if (!images.left_out) throw;
+    throw NoImage(error.what());
+  }
+}
+
 Camera parse_camera(const Fields& fields, const std::filesystem::path& image, const ImageFiles& images) {
   Camera camera;
   const auto w = fields.number("w"), h = fields.number("h");
@@ -169,7 +185,7 @@ Camera parse_camera(const Fields& fields, const std::filesystem::path& image, co
     camera.width = side(fields, "w", *w);
     camera.height = side(fields, "h", *h);
   } else {
-    const ImageSize size = images.size(image);
+    const ImageSize size = size_of(image, images);
     camera.width = side(fields, "w", size.width);
     camera.height = side(fields, "h", size.height);
   }
@@ -223,12 +239,9 @@ LightState parse_light(const Fields& fields) {
   return light;
 }
 
-std::string normal_name(const std::string& file_path) {
-  return std::filesystem::path(file_path).lexically_normal().generic_string();
-}
-
-/// The lists that say which views are held out.
-void apply_lists(const Fields& top, std::vector<DatasetView>& views, UnknownNames unknown_names) {
+/// The lists that say which views are held out; they may name those left out.
+void apply_lists(const Fields& top, std::vector<DatasetView>& views, const std::set<std::string>& left_out,
+                 UnknownNames unknown_names) {
   std::map<std::string, DatasetView*> by_name;
   for (DatasetView& view : views) by_name[normal_name(view.name)] = &view;
   std::set<const DatasetView*> training, held_out;
@@ -240,9 +253,10 @@ void apply_lists(const Fields& top, std::vector<DatasetView>& views, UnknownName
     if (!list->is_array()) top.fail(field, "must be a list of file names");
     for (const Json& entry : *list) {
       if (!entry.is_string()) top.fail(field, "must be a list of file names");
-      const auto found = by_name.find(normal_name(entry.get<std::string>()));
+      const std::string name = normal_name(entry.get<std::string>());
+      const auto found = by_name.find(name);
       if (found == by_name.end()) {
-        if (unknown_names == UnknownNames::kIgnored) continue;
+        if (unknown_names == UnknownNames::kIgnored || left_out.contains(name)) continue;
         top.fail(field, "no frame has the file_path \"" + shown(entry.get<std::string>()) + "\"");
       }
       if (std::string_view(field) == "train_filenames") training.insert(found->second);
@@ -263,8 +277,9 @@ DatasetView parse_frame(const Fields& fields, const ImageFiles& images) {
   if (!name || name->empty()) fields.fail("file_path", "is missing");
   if (name->find('\0') != std::string::npos) fields.fail("file_path", "is not a file name");
   view.name = *name;
-  view.image_path = images.find(view.name);
-  if (view.image_path.empty()) fields.fail("file_path", "there is no such image");
+  std::replace(view.name.begin(), view.name.end(), '\\', '/');
+  view.image_path = images.find(*name);
+  if (view.image_path.empty()) throw NoImage("there is no such image");
   if (const auto mask = fields.text("mask_path")) {
     if (mask->find('\0') == std::string::npos) view.mask_path = images.find(*mask);
     if (!view.mask_path || view.mask_path->empty())
@@ -297,7 +312,7 @@ std::vector<DatasetView> parse_transforms(const std::string& file, const std::st
 
   std::vector<DatasetView> views;
   std::map<std::string, std::size_t> first_of_name;
-  std::size_t masks = 0;
+  std::set<std::string> left_out;
   for (std::size_t i = 0; i < frames->size(); ++i) {
     const Json& frame = (*frames)[i];
     const auto label = frame.is_object() ? frame.find("file_path") : frame.end();
@@ -306,14 +321,18 @@ std::vector<DatasetView> parse_transforms(const std::string& file, const std::st
     const std::string where = "frame " + std::to_string(i) + name;
     if (!frame.is_object()) throw FileError(file, where + ": must be a JSON object");
     const Fields fields(file, where, frame, &json);
-    views.push_back(parse_frame(fields, images));
-    const auto [first, is_new] = first_of_name.emplace(normal_name(views.back().name), i);
+    const std::string file_path = fields.text("file_path").value_or("");
+    const auto [first, is_new] = first_of_name.emplace(normal_name(file_path), i);
     if (!is_new) fields.fail("file_path", "is that of frame " + std::to_string(first->second) + " again");
-    if (views.back().mask_path) ++masks;
-    if (masks != 0 && masks != views.size())
-      fields.fail("mask_path", "either all frames have a mask or none; this one and those before differ");
+    try {
+      views.push_back(parse_frame(fields, images));
+    } catch (const NoImage& error) {
+      if (!images.left_out) fields.fail("file_path", error.what());
+      images.left_out(file_path, error.what());
+      left_out.insert(normal_name(file_path));
+    }
   }
-  apply_lists(top, views, unknown_names);
+  apply_lists(top, views, left_out, unknown_names);
   return views;
 }
 

@@ -69,8 +69,6 @@ const char* light_key(const LightState& light) {
 
 std::string transforms_text(const std::filesystem::path& file, const std::vector<DatasetView>& views) {
   if (views.empty()) throw FileError(file.string(), "cannot be written: there are no views");
-  const bool masks =
-      std::all_of(views.begin(), views.end(), [](const DatasetView& v) { return v.mask_path.has_value(); });
   const bool lists =
       std::any_of(views.begin(), views.end(), [](const DatasetView& v) { return v.purpose == Purpose::kHeldOut; });
   const Json shared_camera = camera_fields(views[0].camera);
@@ -90,7 +88,7 @@ std::string transforms_text(const std::filesystem::path& file, const std::vector
   for (const DatasetView& view : views) {
     Json frame;
     frame["file_path"] = view.name;
-    if (masks) frame["mask_path"] = relative_name(*view.mask_path, file.parent_path());
+    if (view.mask_path) frame["mask_path"] = relative_name(*view.mask_path, file.parent_path());
     if (!model) frame["camera_model"] = camera_model({&view, 1});
     if (!one_camera) frame.update(camera_fields(view.camera));
     const Eigen::Matrix4d object_from_gl =

@@ -89,9 +89,26 @@ std::string_view exif_of_png(std::string_view file) {
   }
 }
 
+std::string_view exif_of_webp(std::string_view file) {
+  const Bytes bytes(file, /*big_endian=*/false);
+  constexpr std::string_view kSignature("Exif\0\0", 6);
+  for (std::size_t at = 12;;) {  // behind RIFF, length, WEBP: chunks of type, length, content of an even length
+    const auto length = bytes.integer(at + 4, 4);
+    if (!length || file.size() - at < 8 + std::size_t(*length)) return {};
+    if (file.substr(at, 4) == "EXIF") {
+      std::string_view content = file.substr(at + 8, *length);
+      if (content.starts_with(kSignature))
+        content.remove_prefix(kSignature.size());  // some programs write it here, too
+      return content;
+    }
+    at += 8 + std::size_t(*length) + (*length & 1);
+  }
+}
+
 std::optional<Tiff> find_tiff(std::string_view file) {
   if (file.starts_with("\xFF\xD8")) return read_tiff(exif_of_jpeg(file));
   if (file.starts_with("\x89PNG")) return read_tiff(exif_of_png(file));
+  if (file.starts_with("RIFF") && file.substr(0, 12).ends_with("WEBP")) return read_tiff(exif_of_webp(file));
   return std::nullopt;
 }
 

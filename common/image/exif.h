@@ -13,7 +13,8 @@ struct ExifExposure {
   double f_number = 0;  ///< 0 = not said
 };
 
-/// From the bytes of a JPEG (APP1 segment) or PNG (eXIf chunk). Empty where there is no exposure time, or no sense in
+/// From the bytes of a JPEG (APP1 segment), PNG (eXIf chunk) or WebP (EXIF chunk), all of them: PNG and WebP have it
+/// before or behind the pixels. Empty where there is no exposure time, or no sense in
 /// it.
 std::optional<ExifExposure> read_exif_exposure(std::string_view file);
 

@@ -2,6 +2,7 @@
 #include "common/image/exr.h"
 
 #include <ImfChannelList.h>
+#include <ImfEnvmapAttribute.h>
 #include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -28,6 +29,7 @@ namespace sheen {
 namespace {
 
 constexpr std::string_view kNumbers[] = {"expTime", "isoSpeed", "aperture"};
+constexpr const char *kEnvironment = "envmap", *kCube = "cube", *kLatLong = "latlong";
 constexpr int kMaxSide = 1 << 20;
 
 /// Threads that compress and decompress, one pool for the process.
@@ -58,7 +60,9 @@ Imf::Header header_of(const ExrPartInfo& part, int picture_width, int picture_he
 
 void add_attributes(const ExrAttributes& attributes, Imf::Header& header) {
   for (const auto& [name, text] : attributes)
-    if (is_number_attribute(name))
+    if (name == kEnvironment)
+      header.insert(name, Imf::EnvmapAttribute(text == kCube ? Imf::ENVMAP_CUBE : Imf::ENVMAP_LATLONG));
+    else if (is_number_attribute(name))
       header.insert(name, Imf::FloatAttribute(std::strtof(text.c_str(), nullptr)));
     else
       header.insert(name, Imf::StringAttribute(text));
@@ -139,11 +143,9 @@ double block_pixels(const Imf::Header& header, double width) {
   }
 }
 
-ExrPart read_part(Imf::MultiPartInputFile& file, int index, std::uintmax_t file_bytes) {
-  const Imf::Header& header = file.header(index);
-  ExrPart part;
+ExrPartInfo info_of(const Imf::Header& header, const std::string& where) {
+  ExrPartInfo part;
   part.name = header.hasName() ? header.name() : "";
-  const std::string where = "part " + std::to_string(index) + (part.name.empty() ? "" : " (\"" + part.name + "\")");
   if (header.hasType() && Imf::isDeepData(header.type())) throw Error(where + " is deep; only flat parts can be read");
 
   part.precision = ExrPrecision::kHalf;
@@ -157,23 +159,52 @@ ExrPart read_part(Imf::MultiPartInputFile& file, int index, std::uintmax_t file_
   std::sort(part.channels.begin(), part.channels.end(), channel_before);
 
   const Imath::Box2i window = header.dataWindow(), picture = header.displayWindow();
-  const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1,
-                     height = std::int64_t(window.max.y) - window.min.y + 1;
-  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide)
-    throw Error(where + " claims " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
-  // No compression packs more densely than this, but for pictures too small to matter.
-  const double pixels = std::max(double(width) * double(height), block_pixels(header, double(width)));
-  const double claimed = pixels * double(part.channels.size()) * sizeof(float);
-  if (claimed > 64e6 + 2000.0 * double(file_bytes))
-    throw Error(where + " claims " + std::to_string(width) + " x " + std::to_string(height) +
-                " pixels, more than the file can hold");
-  part.image = ImageF(int(width), int(height), int(part.channels.size()));
-  part.left = window.min.x - picture.min.x;
-  part.top = window.min.y - picture.min.y;
+  const auto side = [&](int first, int last) {
+    const std::int64_t size = std::int64_t(last) - first + 1;
+    if (size < 1 || size > kMaxSide) throw Error(where + " claims a side of " + std::to_string(size) + " pixels");
+    return static_cast<int>(size);
+  };
+  part.width = side(window.min.x, window.max.x);
+  part.height = side(window.min.y, window.max.y);
+  part.picture = {side(picture.min.x, picture.max.x), side(picture.min.y, picture.max.y)};
+  const auto offset = [&](int first, int first_of_picture) {
+    const std::int64_t from = std::int64_t(first) - first_of_picture;
+    if (std::abs(from) > kMaxSide) throw Error(where + " lies " + std::to_string(from) + " pixels off its picture");
+    return static_cast<int>(from);
+  };
+  part.left = offset(window.min.x, picture.min.x);
+  part.top = offset(window.min.y, picture.min.y);
+  return part;
+}
 
+std::string name_of_part(const Imf::MultiPartInputFile& file, int index) {
+  const Imf::Header& header = file.header(index);
+  const std::string name = header.hasName() ? header.name() : "";
+  return "part " + std::to_string(index) + (name.empty() ? "" : " (\"" + name + "\")");
+}
+
+/// The pixels of the channels that `info` names.
+ExrPart read_part(Imf::MultiPartInputFile& file, int index, const ExrPartInfo& info, std::uintmax_t file_bytes) {
+  const Imf::Header& header = file.header(index);
+  const std::string where = name_of_part(file, index);
+  // No compression packs more densely than this, but for pictures too small to matter.
+  const double pixels = std::max(double(info.width) * info.height, block_pixels(header, info.width));
+  const double claimed = pixels * double(info.channels.size()) * sizeof(float);
+  if (claimed > 64e6 + 2000.0 * double(file_bytes))
+    throw Error(where + " claims " + std::to_string(info.width) + " x " + std::to_string(info.height) +
+                " pixels, more than the file can hold");
+  ExrPart part{.name = info.name,
+               .channels = info.channels,
+               .image = ImageF(info.width, info.height, int(info.channels.size())),
+               .precision = info.precision,
+               .left = info.left,
+               .top = info.top,
+               .picture = info.picture};
+
+  const Imath::Box2i window = header.dataWindow();
   Imf::FrameBuffer buffer;
   for (std::size_t c = 0; c < part.channels.size(); ++c)
-    buffer.insert(part.channels[c], slice(part.image.data(), Imf::FLOAT, int(c), int(width), part.image.channels(),
+    buffer.insert(part.channels[c], slice(part.image.data(), Imf::FLOAT, int(c), info.width, part.image.channels(),
                                           window.min.x, window.min.y));
   try {
     Imf::InputPart in(file, index);
@@ -183,6 +214,23 @@ ExrPart read_part(Imf::MultiPartInputFile& file, int index, std::uintmax_t file_
     throw Error(where + ": " + error.what());
   }
   return part;
+}
+
+/// Opens the file for `use(file, its size in bytes)`; what goes wrong names it.
+template <typename Use>
+auto with_exr(const std::filesystem::path& path, Use use) {
+  std::error_code missing;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
+  if (missing) throw FileError(path.string(), "cannot be read: " + missing.message());
+  try {
+    check_exr_attributes(path);
+    Imf::MultiPartInputFile in(path.c_str(), pool_threads(), /*reconstructChunkOffsetTable=*/false);
+    return use(in, bytes);
+  } catch (const FileError&) {
+    throw;  // from `use`, which knows more
+  } catch (const std::exception& error) {
+    throw FileError(path.string(), std::string("cannot be read as OpenEXR: ") + error.what());
+  }
 }
 
 std::string shortest_text(float value) {
@@ -195,7 +243,9 @@ ExrAttributes read_attributes(const Imf::Header& header) {
   for (auto a = header.begin(); a != header.end(); ++a) {
     const std::string name = a.name();
     if (name == "name" || name == "type") continue;
-    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
+    if (const auto* map = dynamic_cast<const Imf::EnvmapAttribute*>(&a.attribute()))
+      attributes[name] = map->value() == Imf::ENVMAP_CUBE ? kCube : kLatLong;
+    else if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
       attributes[name] = text->value();
     else if (const auto* number = dynamic_cast<const Imf::FloatAttribute*>(&a.attribute());
              number && is_number_attribute(name))
@@ -214,16 +264,18 @@ const ExrPart* ExrFile::find(const std::string& name) const {
 void write_exr(const std::filesystem::path& path, const ExrFile& file) {
   std::vector<ExrPartInfo> parts;
   for (const ExrPart& part : file.parts)
-    parts.push_back(
-        {part.name, part.channels, part.image.width(), part.image.height(), part.precision, part.left, part.top});
+    parts.push_back({part.name, part.channels, part.image.width(), part.image.height(), part.precision, part.left,
+                     part.top, part.picture});
   write_exr(path, parts, file.attributes, [&](std::size_t i) { return file.parts[i].image; });
 }
 
 void write_exr(const std::filesystem::path& path, const std::vector<ExrPartInfo>& parts,
                const ExrAttributes& attributes, const std::function<ImageF(std::size_t)>& image) {
   check_writable(path, parts);
-  // The picture's size is shared by all parts: that of part 0, where it was not cropped.
-  const int width = parts[0].left + parts[0].width, height = parts[0].top + parts[0].height;
+  // The picture's size is shared by all parts: that of part 0.
+  const ExrPartInfo& first = parts[0];
+  const int width = first.picture.width > 0 ? first.picture.width : first.left + first.width;
+  const int height = first.picture.height > 0 ? first.picture.height : first.top + first.height;
   std::vector<Imf::Header> headers;
   for (const ExrPartInfo& part : parts) headers.push_back(header_of(part, width, height));
   add_attributes(attributes, headers[0]);
@@ -256,22 +308,30 @@ ExrFile read_exr(const std::filesystem::path& path) {
   return file;
 }
 
+std::vector<ExrPartInfo> read_exr_parts(const std::filesystem::path& path) {
+  return with_exr(path, [](const Imf::MultiPartInputFile& in, std::uintmax_t) {
+    std::vector<ExrPartInfo> parts;
+    for (int i = 0; i < in.parts(); ++i) parts.push_back(info_of(in.header(i), name_of_part(in, i)));
+    return parts;
+  });
+}
+
+ExrPart read_exr_channels(const std::filesystem::path& path, int part, const std::vector<std::string>& channels) {
+  return with_exr(path, [&](Imf::MultiPartInputFile& in, std::uintmax_t bytes) {
+    ExrPartInfo info = info_of(in.header(part), name_of_part(in, part));
+    info.channels = channels;
+    return read_part(in, part, info, bytes);
+  });
+}
+
 ExrAttributes read_exr(const std::filesystem::path& path, const std::function<bool(const std::string& part)>& wanted,
                        const std::function<void(ExrPart&&)>& visit) {
-  std::error_code missing;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
-  if (missing) throw FileError(path.string(), "cannot be read: " + missing.message());
-  try {
-    check_exr_attributes(path);
-    Imf::MultiPartInputFile in(path.c_str(), pool_threads(), /*reconstructChunkOffsetTable=*/false);
+  return with_exr(path, [&](Imf::MultiPartInputFile& in, std::uintmax_t bytes) {
     for (int i = 0; i < in.parts(); ++i)
-      if (wanted(in.header(i).hasName() ? in.header(i).name() : "")) visit(read_part(in, i, bytes));
+      if (wanted(in.header(i).hasName() ? in.header(i).name() : ""))
+        visit(read_part(in, i, info_of(in.header(i), name_of_part(in, i)), bytes));
     return read_attributes(in.header(0));
-  } catch (const FileError&) {
-    throw;  // from `visit`, which knows more
-  } catch (const std::exception& error) {
-    throw FileError(path.string(), std::string("cannot be read as OpenEXR: ") + error.what());
-  }
+  });
 }
 
 }  // namespace sheen

@@ -20,6 +20,7 @@ struct ExrPartInfo {
   int width = 0, height = 0;
   ExrPrecision precision = ExrPrecision::kFloat;
   int left = 0, top = 0;  ///< of the image in the picture that the file describes; not 0 where it was cropped
+  ImageSize picture{};    ///< which all parts have in common; 0 x 0 in what is written: it ends where the image ends
 };
 
 /// A part with its pixels.
@@ -29,10 +30,11 @@ struct ExrPart {
   ImageF image;
   ExrPrecision precision = ExrPrecision::kFloat;
   int left = 0, top = 0;
+  ImageSize picture{};  ///< as in `ExrPartInfo`
 };
 
 /// Attributes of the file ("cameraModel", "sheen.metrics", ...) as text; the standard's numbers ("expTime", "isoSpeed",
-/// "aperture") are stored as such.
+/// "aperture") are stored as such, and so is "envmap": "latlong" or "cube".
 using ExrAttributes = std::map<std::string, std::string>;
 
 struct ExrFile {
@@ -56,6 +58,12 @@ void write_exr(const std::filesystem::path& path, const ImageF& image);
 /// Channels come as R, G, B, A and then by name. Throws FileError for anything that is not a readable EXR of flat
 /// scan-line or tiled parts.
 ExrFile read_exr(const std::filesystem::path& path);
+
+/// What parts there are, without their pixels. Throws FileError likewise.
+std::vector<ExrPartInfo> read_exr_parts(const std::filesystem::path& path);
+
+/// Of a part, which is numbered, some channels in the order asked for. Throws FileError.
+ExrPart read_exr_channels(const std::filesystem::path& path, int part, const std::vector<std::string>& channels);
 
 /// The same part by part: only those that are `wanted` are read and handed to `visit`. Returns the attributes.
 ExrAttributes read_exr(const std::filesystem::path& path, const std::function<bool(const std::string& part)>& wanted,

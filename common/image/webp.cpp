@@ -4,6 +4,7 @@
 #include <webp/decode.h>
 #include <webp/encode.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "common/base/errors.h"
@@ -13,6 +14,13 @@ namespace {
 
 const std::uint8_t* data_of(std::string_view bytes) {
   return reinterpret_cast<const std::uint8_t*>(bytes.data());
+}
+
+WebPBitstreamFeatures features_of(std::string_view bytes) {
+  WebPBitstreamFeatures features;
+  if (WebPGetFeatures(data_of(bytes), bytes.size(), &features) != VP8_STATUS_OK)
+    throw Error("is a damaged WebP picture");
+  return features;
 }
 
 /// `configure`: says how.
@@ -68,6 +76,25 @@ ImageU8 decode_webp(std::string_view bytes) {
   if (!WebPDecodeRGBInto(data_of(bytes), bytes.size(), rgb.data(), rgb.size(), 3 * width))
     throw Error("is a damaged WebP picture");
   return rgb;
+}
+
+Cutout decode_webp_cutout(std::string_view bytes) {
+  if (!features_of(bytes).has_alpha) return {decode_webp(bytes), {}};
+  const auto [width, height] = decode_webp_size(bytes);
+  ImageU8 rgba(width, height, 4);
+  if (!WebPDecodeRGBAInto(data_of(bytes), bytes.size(), rgba.data(), rgba.size(), 4 * width))
+    throw Error("is a damaged WebP picture");
+  Cutout out{ImageU8(width, height, 3), ImageU8(width, height, 1)};
+  for (std::size_t i = 0; i < out.alpha.size(); ++i) {
+    std::copy_n(rgba.data() + 4 * i, 3, out.colours.data() + 3 * i);
+    out.alpha.data()[i] = rgba.data()[4 * i + 3];
+  }
+  return out;
+}
+
+ImageU8 decode_webp_mask(std::string_view bytes) {
+  constexpr int kLossy = 1;
+  return mask_of_drawing(decode_webp_cutout(bytes), features_of(bytes).format == kLossy);
 }
 
 }  // namespace sheen

@@ -145,6 +145,13 @@ json live_report(const Reconstruction& reconstruction, const Reconstruction::Jud
   return report;
 }
 
+json files_report(const ImageAccount& account) {
+  json left_out = json::array();
+  for (const auto& [name, why] : account.left_out) left_out.push_back({{"name", name}, {"why", why}});
+  return {{"images", account.images}, {"of", account.of},         {"masks", account.masks},
+          {"left_out", left_out},     {"unused", account.unused}, {"grey", account.grey}};
+}
+
 json file_report(const std::filesystem::path& path, const SmallFile& file) {
   return {{"path", path.string()}, {"bytes", file.bytes}, {"loss_db", file.loss_db}, {"as_asked", file.as_asked}};
 }

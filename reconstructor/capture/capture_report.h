@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
+#include "common/datasets/image_account.h"
 #include "reconstructor/capture/capture_loop.h"
 #include "reconstructor/capture/reconstruction.h"
 #include "reconstructor/capture/saved_model.h"
@@ -17,6 +18,9 @@ nlohmann::json reconstruction_report(const Reconstruction& reconstruction, const
 /// durable.
 nlohmann::json live_report(const Reconstruction& reconstruction, const Reconstruction::Judgement& judged,
                            const LoopStatus& status);
+
+/// What became of the image files of a data set.
+nlohmann::json files_report(const ImageAccount& account);
 
 /// Of a model that was saved as one small file.
 nlohmann::json file_report(const std::filesystem::path& path, const SmallFile& file);

@@ -75,11 +75,14 @@ CaptureSet open_capture_set(const std::filesystem::path& folder) {
             .motion = [session, kept] { return motion_between(*session, kept); }};
   }
   StoredImages images = open_stored_images(folder);
-  if (!images.warning.empty()) std::fprintf(stderr, "%s\n", images.warning.c_str());
+  for (const std::string& words : {images.summary, images.warning})
+    if (!words.empty()) std::fprintf(stderr, "%s\n", words.c_str());
   return {.size = images.size,
+          .damaged = images.account.left_out.size(),
           .read = std::move(images.read),
           .cameras = std::move(images.cameras),
-          .motion = [motion = images.motion] { return motion; }};
+          .motion = [motion = images.motion] { return motion; },
+          .files = std::move(images.account)};
 }
 
 }  // namespace sheen

@@ -7,6 +7,7 @@
 #include "common/base/files.h"
 #include "common/base/format.h"
 #include "common/capture/moved_origin.h"
+#include "common/datasets/stored_images.h"
 #include "common/image/webp.h"
 #include "reconstructor/capture/reconstruction.h"
 #include "reconstructor/radiance/capture_rules.h"
@@ -124,7 +125,7 @@ double PhotographArchive::psnr_db(const ModelSettings& settings) const {
 }
 
 double PhotographArchive::psnr_db(const ModelSettings& settings, const fs::path& archive) const {
-  const CaptureSet coded = open_capture_set(archive);
+  const StoredImages coded = open_stored_images(archive);
   return psnr_db(settings, [&](std::size_t frame) {
     if (frames_[frame].view.purpose == Purpose::kHeldOut) return levelled(read(frame), frames_[frame].gain);
     Capture capture = in_frame_at(mesh_->origin, coded.read(frame));

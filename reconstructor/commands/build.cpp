@@ -161,6 +161,7 @@ void build(BuildArguments arguments) {
                                 progress_bar("saving"));
   if (!arguments.out.empty() && !small) note_judgement(judged.model, arguments.out);
   nlohmann::json report = reconstruction_report(reconstruction, judged);
+  if (captures.files) report["files"] = files_report(*captures.files);
   if (request.automatic()) report["model_choice"] = {{"model", scene.kind->name()}, {"why", why}};
   if (small) report["file"] = file_report(arguments.out, *small);
   if (arguments.refine) report["refinement"] = std::move(refinement);

@@ -7,6 +7,7 @@
 #include "common/base/errors.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
+#include "common/datasets/stored_images.h"
 #include "common/geometry/mesh.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/saved_model.h"
@@ -55,7 +56,7 @@ std::vector<HeldOutView> read_images(const EvaluateArguments& arguments, const C
 
 void evaluate(const EvaluateArguments& arguments) {
   ReportFile json(arguments.json);
-  if (std::filesystem::path(arguments.dataset).extension() == ".lp") {
+  if (is_light_list(arguments.dataset)) {
     if (arguments.baselines || !arguments.truth.empty())
       throw ConfigError("--baselines and --truth are for views; a list of lights has none");
     json.write(to_text(evaluate_lights(arguments.model, arguments.dataset)));

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "common/base/json_fields.h"
-#include "common/image/exr.h"
+#include "common/image/exr_environment.h"
 #include "reconstructor/render/luminaires.h"
 
 namespace sheen {
@@ -77,20 +77,7 @@ class LampReader {
 }  // namespace
 
 LitPicture load_environment(const std::filesystem::path& map, std::span<const LightState> known) {
-  const ExrFile file = read_exr(map);
-  const auto part = std::find_if(file.parts.begin(), file.parts.end(), [](const ExrPart& candidate) {
-    return candidate.channels.size() >= 3 && candidate.channels[0] == "R" && candidate.channels[1] == "G" &&
-           candidate.channels[2] == "B";
-  });
-  if (part == file.parts.end()) throw FileError(map.string(), "has no part with the channels R, G, B");
-  ImageF radiance(part->image.width(), part->image.height(), 3);
-  const int channels = part->image.channels();
-  for (std::size_t i = 0; i < radiance.size(); ++i) {
-    radiance.data()[i] = part->image.data()[i / 3 * static_cast<std::size_t>(channels) + i % 3];
-    if (!std::isfinite(radiance.data()[i]))
-      throw FileError(map.string(), "has a pixel that is not finite: " + std::to_string(i / 3));
-  }
-  const EnvironmentLights found = lights_of(radiance, known);
+  const EnvironmentLights found = lights_of(read_exr_environment(map), known);
   if (found.left_out > 0.005)
     std::printf("%s: %.0f %% of its light comes from where the model's images had none, and is left out\n",
                 map.string().c_str(), 100 * found.left_out);

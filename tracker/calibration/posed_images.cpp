@@ -15,7 +15,9 @@ namespace sheen {
 PosedImages open_posed_images(const std::filesystem::path& folder) {
   if (!Session::exists(folder)) {
     const auto dataset = std::make_shared<Dataset>(load_dataset(folder));
-    if (!dataset->warning.empty()) std::fprintf(stderr, "%s\n", dataset->warning.c_str());
+    check_sizes(*dataset);
+    for (const std::string& words : {in_words(dataset->account, dataset->root), dataset->warning})
+      if (!words.empty()) std::fprintf(stderr, "%s\n", words.c_str());
     return {dataset->views.size(), [dataset](std::size_t i) { return read_capture(*dataset, i); }};
   }
   const auto session = std::make_shared<Session>(Session::open_read_only(folder));

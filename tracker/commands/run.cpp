@@ -141,8 +141,8 @@ void run(const RunArguments& arguments) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     cameras[i].sink = &sink.of(i);
     cameras[i].options.source_session = session;
-    if (const std::string doubt = cameras[i].source->warning(); !doubt.empty())
-      std::cerr << "sheen-tracker: " << doubt << '\n';
+    if (const std::string remarks = cameras[i].source->remarks(); !remarks.empty())
+      std::cerr << "sheen-tracker: " << remarks << '\n';
   }
   RigTracking tracking(std::move(cameras));
   std::cerr << "sheen-tracker: " << sources_of(config) << " to " << sender.endpoint() << '\n';

@@ -23,7 +23,9 @@ class DatasetSource : public FrameSource {
   std::string session() const override { return images_.session; }
   std::uint64_t session_size() const override { return images_.size; }
   RigMotion motion() const override { return images_.motion; }
-  std::string warning() const override { return images_.warning; }
+  std::string remarks() const override {
+    return images_.summary + (images_.warning.empty() ? "" : "\n") + images_.warning;
+  }
 
  private:
   const StoredImages images_;

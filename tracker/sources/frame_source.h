@@ -56,8 +56,8 @@ class FrameSource {
   /// What changes between its frames, as far as the source itself knows.
   virtual RigMotion motion() const { return {}; }
 
-  /// What is doubtful about the source, a sentence for a person; empty: nothing.
-  virtual std::string warning() const { return {}; }
+  /// What a person should know about the source, a line each; empty: nothing.
+  virtual std::string remarks() const { return {}; }
 
   bool ended() const { return state() == SourceState::kEnded; }
 };

@@ -157,7 +157,7 @@ TEST_F(DatasetIdentity, CoversAllThatAColmapModelDelivers) {
   expect_covers("images.txt", "1 1 0 0 0 1 2 4 1 0.png\n\n2 1 0 0 0 1 2 3 2 1.png\n\n");
   expect_covers("images.txt", "2 1 0 0 0 1 2 3 2 1.png\n\n1 1 0 0 0 1 2 3 1 0.png\n\n");
   const std::string before = hash();
-  fs::rename(folder.path() / "masks/0.png.png", folder.path() / "masks/away.png");
+  fs::remove(folder.path() / "masks/0.png.png");
   EXPECT_NE(hash(), before) << "without its mask";
 }
 
@@ -183,8 +183,10 @@ TEST(Dataset, SizesThatDoNotMatchNameBoth) {
   const TempFolder folder;
   write_transforms(folder.path() / "transforms.json", make_dataset(folder));
   const Dataset dataset = load_dataset(folder.path());
+  check_sizes(dataset);
   write_png(folder.path() / "images/0.png", ImageU8(7, 8, 3));
   expect_error([&] { read_capture(dataset, 0); }, {"images/0.png", "7 x 8", "12 x 8"});
+  expect_error([&] { check_sizes(load_dataset(folder.path())); }, {"images/0.png", "7 x 8", "12 x 8"});
   write_png(folder.path() / "masks/1.png", ImageU8(13, 9, 1));
   expect_error([&] { read_capture(dataset, 1); }, {"masks/1.png", "13 x 9", "13 x 8"});
 }
@@ -235,7 +237,7 @@ TEST(Dataset, CamerasAloneNeedNoImages) {
   ASSERT_EQ(cameras.size(), 3u);
   EXPECT_EQ(cameras[2].camera.width, 14);
   EXPECT_EQ(cameras[2].purpose, Purpose::kHeldOut);
-  expect_error([&] { load_dataset(folder.path()); }, {"transforms.json", "frame 0", "images/0.png"});
+  expect_error([&] { load_dataset(folder.path()); }, {"only 0 of its 3 images", "images/0.png", "no such image"});
   auto some = nlohmann::json::parse(read_file(folder.path() / "transforms.json"));
   some["frames"].erase(2);  // which test_filenames and val_filenames name
   const auto path = folder.write("some.json", some.dump());
@@ -254,6 +256,7 @@ TEST(Dataset, ColmapFoldersWithMasks) {
     folder.write(std::string(place) + "cameras.txt", "1 PINHOLE 12 8 20 20 6 4\n2 PINHOLE 13 8 20 20 6.5 4\n");
     folder.write(std::string(place) + "images.txt", "1 1 0 0 0 1 2 3 1 0.png\n\n2 0 1 0 0 1 2 3 2 1.png\n1 2 -1\n");
     fs::rename(folder.path() / "masks/0.png", folder.path() / "masks/0.png.png");
+    fs::remove(folder.path() / "masks/1.png");
     const Dataset dataset = load_dataset(folder.path());
     ASSERT_EQ(dataset.views.size(), 2u);
     EXPECT_EQ(dataset.views[0].purpose, Purpose::kUnspecified);
@@ -276,7 +279,7 @@ TEST(Dataset, ColmapModelsThatContradictThemselves) {
     expect_error([&] { load_dataset(folder.path()); }, words);
   };
   refused("1 1 0 0 0 1 2 3 5 0.png\n", {"images.txt", "image 0.png", "camera 5"});
-  refused("1 1 0 0 0 1 2 3 1 9.png\n", {"images.txt", "image 9.png", "no such image"});
+  refused("1 1 0 0 0 1 2 3 1 9.png\n", {"only 0 of its 1 images", "9.png", "no such image"});
   refused("1 2 0 0 0 1 2 3 1 0.png\n", {"images.txt", "image 0.png", "unit quaternion"});
   refused("1 1 0 0 0 1 2 3 1 0.png\n\n2 1 0 0 0 1 2 3 1 0.png\n", {"image 0.png", "twice"});
   refused("# nothing\n", {"images.txt", "no image"});

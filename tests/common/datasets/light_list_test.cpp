@@ -126,6 +126,27 @@ TEST_F(LightFolder, ImagesAreFoundByTheLastPartOfTheirName) {
   EXPECT_TRUE(capture.pose.usable());
 }
 
+TEST_F(LightFolder, NamesOfAWindowsMachine) {
+  image("a.png", 6, 4);
+  image("M\xc3\xbcnze.png", 6, 4);
+  const LightList lights =
+      load_light_list(list("  2 \r\n\"C:\\RTI Projekte\\A.PNG\"\t0,0\t0,6\t0,8\r\n'x\\Mu\xcc\x88nze.png' 0 0 1\r\n"));
+  ASSERT_EQ(lights.images.size(), 2u);
+  EXPECT_EQ(lights.images[0], temp_.path() / "a.png");
+  EXPECT_EQ(lights.views[0].light.position, Eigen::Vector3d(0, 0.6, 0.8).normalized());
+}
+
+TEST_F(LightFolder, MissingAndDamagedImagesAreLeftOutAndTold) {
+  for (const char* name : {"a.png", "b.png", "c.png"}) image(name, 6, 4);
+  temp_.write("b.png", "no picture");
+  const LightList lights = load_light_list(list("4\na.png 0 0 1\nb.png 0 1 0\nc.png 1 0 0\nd.png 0 0 1\n"));
+  ASSERT_EQ(lights.views.size(), 2u);
+  EXPECT_EQ(lights.views[1].name, "c.png");
+  EXPECT_EQ(read_capture(lights, 1).light.position, Eigen::Vector3d(1, 0, 0));
+  EXPECT_THAT(in_words(lights.account, temp_.path()), AllOf(HasSubstr("2 of 4 images"), HasSubstr("left out: b.png: "),
+                                                            HasSubstr("left out: d.png: there is no")));
+}
+
 /// The list's axes are the object's: x right, y up, z towards the camera.
 TEST_F(LightFolder, TheCameraLooksAtTheListsAxes) {
   image("a.png", 64, 48);
@@ -151,7 +172,8 @@ TEST_F(LightFolder, MissingAndUnequalImagesAreRefused) {
     }
     return std::string();
   };
-  EXPECT_THAT(what("2\na.png 0 0 1\nc.png 0 1 0\n"), HasSubstr("names c.png, but there is no such image"));
+  EXPECT_THAT(what("3\na.png 0 0 1\nc.png 0 1 0\nd.png 1 0 0\n"),
+              AllOf(HasSubstr("only 1 of its 3 images"), HasSubstr("c.png: there is no such image")));
   EXPECT_THAT(what("2\na.png 0 0 1\nb.png 0 1 0\n"),
               AllOf(HasSubstr("b.png: is 4 x 6 pixels"), HasSubstr("a.png is 6 x 4")));
 }

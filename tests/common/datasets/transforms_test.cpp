@@ -178,14 +178,13 @@ TEST(Transforms, OneExposureOfAllIsSaid) {
   expect_error([&] { parse(json); }, {"exposure_locked", "true or false"});
 }
 
-TEST(Transforms, MasksForAllOrNone) {
+TEST(Transforms, MasksForAllOrSome) {
   Json json = valid();
   for (Json& frame : json["frames"]) frame["mask_path"] = "mask.png";
   EXPECT_EQ(parse(json)[2].mask_path, std::filesystem::path("/data/mask.png"));
   json["frames"][1].erase("mask_path");
-  expect_error([&] { parse(json); }, {"frame 1", "images/b.jpg", "mask_path"});
-  json["frames"][0].erase("mask_path");
-  expect_error([&] { parse(json); }, {"frame 2", "mask_path"});
+  EXPECT_FALSE(parse(json)[1].mask_path);
+  EXPECT_TRUE(parse(json)[2].mask_path);
 }
 
 TEST(Transforms, RoundedRotationsAreRepairedAndWrongOnesRefused) {
@@ -254,6 +253,15 @@ TEST(Transforms, MissingFilesAreNamed) {
   const ImageFiles none{[](const std::string&) { return std::filesystem::path(); }, nullptr};
   expect_error([&] { parse_transforms("t.json", valid().dump(), none); },
                {"t.json", "frame 0", "file_path", "no such"});
+  std::vector<std::string> left_out;
+  const ImageFiles one{
+      [](const std::string& name) { return std::filesystem::path(name == "images/b.jpg" ? name : ""); }, nullptr,
+      [&](const std::string& name, const std::string& why) { left_out.push_back(name + ": " + why); }};
+  Json json = valid();
+  json["test_filenames"] = {"images/c.jpg"};
+  EXPECT_EQ(parse_transforms("t.json", json.dump(), one).size(), 1u) << "which the lists may still name";
+  EXPECT_EQ(left_out, (std::vector<std::string>{"images/a.jpg: there is no such image",
+                                                "./images/c.jpg: there is no such image"}));
 }
 
 TEST(Transforms, TextThatIsNoJson) {

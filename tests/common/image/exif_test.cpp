@@ -66,9 +66,18 @@ std::string png_with(const std::string& tiff) {
          tiff + "....";
 }
 
+/// Behind the pixels, as WebP has it; their odd length is filled up.
+std::string webp_with(const std::string& exif) {
+  const auto size = [](std::size_t n) { return std::string{char(n), char(n >> 8), 0, 0}; };
+  const std::string chunks = "WEBPVP8L" + size(3) + std::string("\1\2\3\0", 4) + "EXIF" + size(exif.size()) + exif;
+  return "RIFF" + size(chunks.size()) + chunks;
+}
+
 TEST(Exif, ExposureOfBothByteOrdersAndContainers) {
   for (const bool big_endian : {false, true})
-    for (const std::string& file : {jpeg_with(Tiff(big_endian).bytes()), png_with(Tiff(big_endian).bytes())}) {
+    for (const std::string& file :
+         {jpeg_with(Tiff(big_endian).bytes()), png_with(Tiff(big_endian).bytes()), webp_with(Tiff(big_endian).bytes()),
+          webp_with(std::string("Exif\0\0", 6) + Tiff(big_endian).bytes())}) {
       const auto exif = read_exif_exposure(file);
       ASSERT_TRUE(exif);
       EXPECT_DOUBLE_EQ(exif->exposure_s, 1.0 / 250);
@@ -89,8 +98,9 @@ TEST(Exif, NothingWhereThereIsNothing) {
 }
 
 TEST(Exif, CutOffOrDamagedIsNeverReadPastItsEnd) {
-  const std::string whole = jpeg_with(Tiff(false).bytes()), in_png = png_with(Tiff(true).bytes());
-  for (const std::string& file : {whole, in_png})
+  const std::string whole = jpeg_with(Tiff(false).bytes()), in_png = png_with(Tiff(true).bytes()),
+                    in_webp = webp_with(Tiff(true).bytes());
+  for (const std::string& file : {whole, in_png, in_webp})
     for (std::size_t size = 0; size < file.size(); ++size) {
       const std::vector<char> exact(file.begin(), file.begin() + std::ptrdiff_t(size));  // a sanitizer sees its end
       read_exif_exposure({exact.data(), exact.size()});

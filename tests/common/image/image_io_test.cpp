@@ -160,7 +160,6 @@ TEST(WebP, KeepsAPictureWithinItsQualityOrExactly) {
   EXPECT_TRUE(std::equal(image.data(), image.data() + image.size(), read_image(exact).bytes.begin()));
   EXPECT_EQ(read_image_size(lossy).width, 65);
   EXPECT_EQ(read_image_size(exact).height, 43);
-  EXPECT_EQ(read_mask(exact).at(7, 5), image.at(7, 5, 0));
   EXPECT_THROW(encode_webp(ImageU8(4, 4, 1), 90), Error);
 }
 
@@ -203,7 +202,7 @@ TEST(ImageFiles, MissingEmptyAndUnknown) {
   expect_error([&] { write_png(folder.path() / "a.png", ImageU8(4, 4, 2)); }, {"a.png", "1, 3 or 4 channels"});
 }
 
-TEST(ExrImages, LinearFloatsOfTheFirstPart) {
+TEST(ExrImages, LinearFloats) {
   const TempFolder folder;
   ImageF image(3, 2, 3);
   for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] = 0.37f * float(i) - 1;
@@ -232,23 +231,6 @@ TEST(ExrImages, RefusesWhatIsNoPicture) {
   file.parts.push_back({"normals", {"X", "Y", "Z"}, ImageF(2, 2, 3)});
   write_exr(folder.path() / "xyz.exr", file);
   expect_error([&] { read_image(folder.path() / "xyz.exr"); }, {"xyz.exr", "R, G, B"});
-  file.parts[0] = {"beauty", {"R", "G", "B"}, ImageF(2, 2, 3), ExrPrecision::kHalf, 1, 0};
-  write_exr(folder.path() / "crop.exr", file);
-  expect_error([&] { read_image(folder.path() / "crop.exr"); }, {"crop.exr", "crop"});
-}
-
-TEST(Mask, FirstChannelOfAnything8Bit) {
-  const TempFolder folder;
-  ImageU8 image(2, 1, 3);
-  image.at(0, 0, 1) = 200;
-  image.at(1, 0, 0) = 255;
-  write_png(folder.path() / "a.png", image);
-  const ImageU8 mask = read_mask(folder.path() / "a.png");
-  EXPECT_EQ(mask.channels(), 1);
-  EXPECT_EQ(mask.at(0, 0), 0);
-  EXPECT_EQ(mask.at(1, 0), 255);
-  write_exr(folder.path() / "a.exr", ImageF(2, 1, 1));
-  expect_error([&] { read_mask(folder.path() / "a.exr"); }, {"a.exr", "8-bit"});
 }
 
 }  // namespace

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/datasets/dataset.h"
+#include "common/datasets/file_finder.h"
+
+namespace sheen {
+
+/// Views of the COLMAP model with most images: in `root`, `root/sparse` or a folder in that; of several with as many
+/// the first. Empty where there is none. Images that are missing stand in the account. Throws FileError.
+struct ColmapViews {
+  std::vector<DatasetView> views;
+  std::string description;  ///< the bytes of its files, hashed
+  std::string models;       ///< a sentence where there are several
+};
+std::optional<ColmapViews> load_colmap(const std::filesystem::path& root, ImageAccount& account);
+
+/// The mask of an image below `masks` or `mask`: IMAGE.png as COLMAP has it, IMAGE itself, or its stem with another
+/// extension, also with `_mask` behind it. Empty where there is none.
+std::filesystem::path find_colmap_mask(const FileFinder& finder, const std::string& image);
+
+}  // namespace sheen
