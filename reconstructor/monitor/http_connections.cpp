@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/monitor/http_connections.h"
 
+#include <arpa/inet.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -21,6 +22,8 @@
 #include <vector>
 
 #include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
+#include "common/base/sparing_log.h"
 
 namespace sheen {
 namespace {
@@ -49,14 +52,14 @@ class Descriptor {
   int fd_;
 };
 
-/// An address without its port.
-std::string bytes_of(const sockaddr_storage& address) {
-  if (address.ss_family == AF_INET) {
-    const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
-    return {reinterpret_cast<const char*>(&v4.sin_addr), sizeof(v4.sin_addr)};
-  }
-  const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address);
-  return {reinterpret_cast<const char*>(&v6.sin6_addr), sizeof(v6.sin6_addr)};
+/// An address without its port, as a person writes it.
+std::string text_of(const sockaddr_storage& address) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  const bool v4 = address.ss_family == AF_INET;
+  const void* const bytes = v4 ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in&>(address).sin_addr)
+                               : &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
+  ::inet_ntop(address.ss_family, bytes, text.data(), text.size());
+  return text.data();
 }
 
 int port_of(int socket) {
@@ -109,7 +112,12 @@ struct Connection {
 struct HttpConnections::Impl {
   Impl(const std::string& host, int port, Answer a, const HttpLimits& l)
       : answer(std::move(a)), limits(l), listener(listen_on(host, port)), wake(::eventfd(0, EFD_CLOEXEC)) {
-    thread = std::jthread([this](const std::stop_token& stop) { run(stop); });
+    const auto tell = [this](const std::exception_ptr& error) { begin_anew(words_of(error)); };
+    thread = guarded_thread(
+        [this, tell](const std::stop_token& stop) {
+          while (!stop.stop_requested()) guarded([this] { serve_those_that_are_ready(); }, tell);
+        },
+        tell);
   }
   ~Impl() {
     thread.request_stop();
@@ -118,7 +126,8 @@ struct HttpConnections::Impl {
     thread.join();
   }
 
-  void run(const std::stop_token& stop);
+  void serve_those_that_are_ready();
+  void begin_anew(const std::string& after);
   int patience() const;
   void accept_all();
   void make_room_for(const std::string& address);
@@ -131,23 +140,26 @@ struct HttpConnections::Impl {
   Descriptor listener, wake;
   std::list<Connection> connections;  ///< the oldest first
   Clock::time_point accept_from;
+  SparingLog log{"monitor"};
   std::jthread thread;
 };
 
-void HttpConnections::Impl::run(const std::stop_token& stop) {
-  std::vector<pollfd> polled;
-  while (!stop.stop_requested()) {
-    polled = {{wake.get(), POLLIN, 0}, {Clock::now() >= accept_from ? listener.get() : -1, POLLIN, 0}};
-    for (const Connection& c : connections) polled.push_back({c.socket.get(), c.wanted(), 0});
-    if (::poll(polled.data(), polled.size(), patience()) < 0 && errno != EINTR)
-      accept_from = Clock::now() + kAcceptPause;
-    auto ready = polled.begin() + 2;
-    for (auto c = connections.begin(); c != connections.end(); ++ready) {
-      const bool stays = ready->revents == 0 || go_on(*c);
-      c = stays && Clock::now() < c->deadline ? std::next(c) : connections.erase(c);
-    }
-    if (polled[1].revents != 0) accept_all();
+void HttpConnections::Impl::serve_those_that_are_ready() {
+  std::vector<pollfd> polled{{wake.get(), POLLIN, 0}, {Clock::now() >= accept_from ? listener.get() : -1, POLLIN, 0}};
+  for (const Connection& c : connections) polled.push_back({c.socket.get(), c.wanted(), 0});
+  if (::poll(polled.data(), polled.size(), patience()) < 0 && errno != EINTR) accept_from = Clock::now() + kAcceptPause;
+  auto ready = polled.begin() + 2;
+  for (auto c = connections.begin(); c != connections.end(); ++ready) {
+    const bool stays = ready->revents == 0 || go_on(*c);
+    c = stays && Clock::now() < c->deadline ? std::next(c) : connections.erase(c);
   }
+  if (polled[1].revents != 0) accept_all();
+}
+
+void HttpConnections::Impl::begin_anew(const std::string& after) {
+  connections.clear();
+  accept_from = Clock::now() + kAcceptPause;
+  log.tell(after, "the page's connections were closed: " + after);
 }
 
 /// Milliseconds until something is due; -1: nothing is.
@@ -171,7 +183,7 @@ void HttpConnections::Impl::accept_all() {
       if (errno != EAGAIN && errno != EWOULDBLOCK) accept_from = Clock::now() + kAcceptPause;
       return;
     }
-    std::string address = bytes_of(from);
+    std::string address = text_of(from);
     make_room_for(address);
     connections.push_back(
         {.socket = std::move(socket), .address = std::move(address), .deadline = Clock::now() + limits.request});
@@ -222,7 +234,7 @@ bool HttpConnections::Impl::read_request(Connection& connection) const {
   if (end != std::string::npos) {
     connection.request.resize(end + kEnd.size());
     try {
-      send_answer(connection, answer(connection.request));
+      send_answer(connection, answer(connection.request, connection.address));
     } catch (const std::exception&) {  // what one client asks must not end a capture
       return false;
     }

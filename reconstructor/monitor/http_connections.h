@@ -24,9 +24,9 @@ struct HttpLimits {
 /// connection, the oldest one is closed. Bodies of requests are not read.
 class HttpConnections {
  public:
-  /// From a whole request header (with its empty line) to the whole answer; empty: the connection is closed. Called on
-  /// the connections' thread.
-  using Answer = std::function<std::string(const std::string& request)>;
+  /// From a whole request header (with its empty line), and the address it came from, to the whole answer; empty: the
+  /// connection is closed. Called on the connections' thread.
+  using Answer = std::function<std::string(const std::string& request, const std::string& address)>;
 
   /// Port 0: any free one. Throws DeviceError: an unknown host, an address that is not this machine's, a port in use.
   HttpConnections(const std::string& host, int port, Answer answer, const HttpLimits& limits = {});

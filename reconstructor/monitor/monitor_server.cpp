@@ -12,10 +12,12 @@
 #include <string_view>
 
 #include "common/base/errors.h"
+#include "common/base/sparing_log.h"
 #include "reconstructor/monitor/http_connections.h"
 #include "reconstructor/monitor/metrics.h"
 #include "reconstructor/monitor/status_json.h"
 #include "reconstructor/monitor/status_page.h"
+#include "reconstructor/monitor/token_guesses.h"
 
 namespace sheen {
 namespace {
@@ -46,7 +48,7 @@ std::string essential(const std::string& request) {
 /// A request that is there in full, and the answer as it is written.
 class TextStream : public httplib::Stream {
  public:
-  explicit TextStream(std::string request) : request_(std::move(request)) {}
+  TextStream(std::string request, std::string address) : request_(std::move(request)), address_(std::move(address)) {}
   std::string take_answer() { return std::move(answer_); }
 
   bool is_readable() const override { return true; }
@@ -60,20 +62,20 @@ class TextStream : public httplib::Stream {
     answer_.append(from, size);
     return static_cast<ssize_t>(size);
   }
-  void get_remote_ip_and_port(std::string&, int&) const override {}
+  void get_remote_ip_and_port(std::string& ip, int&) const override { ip = address_; }
   void get_local_ip_and_port(std::string&, int&) const override {}
   socket_t socket() const override { return 0; }
 
  private:
-  std::string request_, answer_;
+  std::string request_, address_, answer_;
   std::size_t read_ = 0;
 };
 
 /// httplib as a parser and a router: its own connections keep a thread for each client, however slow.
 class Router : public httplib::Server {
  public:
-  std::string answer(const std::string& request) {
-    TextStream stream(essential(request));
+  std::string answer(const std::string& request, const std::string& address) {
+    TextStream stream(essential(request), address);
     bool closed = true;
     process_request(stream, closed, closed, nullptr);
     return stream.take_answer();
@@ -91,8 +93,11 @@ std::string without_port(const std::string& host) {
   return colon == std::string::npos || host.ends_with("]") ? host : host.substr(0, colon);
 }
 
-bool same_secret(const std::string& a, const std::string& b) {
-  return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
+/// Of the header, else of the address.
+std::string token_of(const Request& request) {
+  constexpr std::string_view kBearer = "Bearer ";
+  const std::string header = request.get_header_value("Authorization");
+  return header.starts_with(kBearer) ? header.substr(kBearer.size()) : request.get_param_value("token");
 }
 
 void require_valid(const MonitorOptions& options) {
@@ -121,6 +126,8 @@ struct MonitorServer::Impl {
   mutable std::mutex mutex;
   std::shared_ptr<const Published> published =
       std::make_shared<const Published>(Published{.state = {}, .pictures = {}, .when = Clock::now()});
+  SparingLog log{"monitor"};
+  std::optional<TokenGuesses> guesses;         // used by the connections' thread only
   std::optional<HttpConnections> connections;  // last: it ends before what it answers from
 
   std::shared_ptr<const Published> latest() const {
@@ -128,11 +135,11 @@ struct MonitorServer::Impl {
     return published;
   }
 
-  bool refused(const Request& request, Response& response) const;
+  bool refused(const Request& request, Response& response);
   void add_routes();
 };
 
-bool MonitorServer::Impl::refused(const Request& request, Response& response) const {
+bool MonitorServer::Impl::refused(const Request& request, Response& response) {
   response.set_header("Cache-Control", "no-store");
   response.set_header("X-Content-Type-Options", "nosniff");
   response.set_header("Referrer-Policy", "no-referrer");
@@ -145,10 +152,14 @@ bool MonitorServer::Impl::refused(const Request& request, Response& response) co
     response.set_content("This page answers to 127.0.0.1 and localhost only.\n", "text/plain");
     return true;
   }
-  constexpr std::string_view kBearer = "Bearer ";
-  const std::string header = request.get_header_value("Authorization");
-  if (header.starts_with(kBearer) && same_secret(header.substr(kBearer.size()), options.token)) return false;
-  if (same_secret(request.get_param_value("token"), options.token)) return false;
+  const TokenGuesses::Verdict verdict = guesses->judge(request.remote_addr, token_of(request), Clock::now());
+  if (verdict == TokenGuesses::Verdict::kRight) return false;
+  if (verdict == TokenGuesses::Verdict::kNotLookedAt) {
+    response.status = 429;
+    response.set_header("Retry-After", "10");
+    response.set_content("Too many wrong tokens came from this address: try again in a while.\n", "text/plain");
+    return true;
+  }
   response.status = 401;
   response.set_header("WWW-Authenticate", "Bearer realm=\"sheen\"");
   response.set_content("A token is needed: \"Authorization: Bearer TOKEN\", or ?token=TOKEN in the address.\n",
@@ -205,9 +216,14 @@ MonitorServer::MonitorServer(const MonitorOptions& options) : impl_(std::make_un
   require_valid(options);
   if (sodium_init() < 0) throw DeviceError("libsodium could not be initialised");
   impl_->options = options;
+  impl_->guesses.emplace(options.token, [impl = impl_.get()](const std::string& address, const std::string& message) {
+    impl->log.tell(address, message);
+  });
   impl_->add_routes();
   impl_->connections.emplace(options.host, options.port,
-                             [impl = impl_.get()](const std::string& request) { return impl->http.answer(request); });
+                             [impl = impl_.get()](const std::string& request, const std::string& address) {
+                               return impl->http.answer(request, address);
+                             });
 }
 
 MonitorServer::~MonitorServer() = default;

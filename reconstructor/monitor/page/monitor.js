@@ -214,7 +214,7 @@ let latest = null;
 async function poll() {
   try {
     const answer = await fetch(withToken("status.json"), {cache: "no-store", signal: AbortSignal.timeout(4000)});
-    if (!answer.ok) throw new Error(answer.status === 401 ? "the token is wrong or missing" : "HTTP " + answer.status);
+    if (!answer.ok) throw new Error(answer.status === 401 ? "the token is wrong or missing" : answer.status === 429 ? "too many wrong tokens" : "HTTP " + answer.status);
     show(await answer.json());
   } catch (error) {
     document.body.dataset.state = "unreachable";

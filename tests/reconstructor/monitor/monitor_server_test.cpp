@@ -154,6 +154,16 @@ TEST(MonitorServer, AsksForItsToken) {
   EXPECT_EQ(get(server, std::string("/status.json?token=") + kToken)->status, 200);
 }
 
+TEST(MonitorServer, GuessesAreSlowed) {
+  MonitorServer server({.port = 0, .token = kToken});
+  int status = 401;
+  for (int i = 0; i < 100 && status == 401; ++i)
+    status = get(server, "/status.json?token=guess" + std::to_string(i))->status;
+  EXPECT_EQ(status, 429);
+  EXPECT_EQ(get(server, std::string("/status.json?token=") + kToken)->status, 429);
+  EXPECT_EQ(get(server, "/")->status, 401) << "no token is no guess";
+}
+
 TEST(MonitorServer, WithoutTokenAnswersToLoopbackNamesOnly) {
   MonitorServer server({.port = 0});
   EXPECT_EQ(get(server, "/status.json", {{"Host", "localhost:" + std::to_string(server.port())}})->status, 200);
