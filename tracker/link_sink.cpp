@@ -15,7 +15,8 @@ class LinkSink::Entrance : public CaptureSink {
     capture.times.sent_ns = steady_now_ns();
     const std::lock_guard lock(link_.mutex_);  // the sender numbers them in this order
     if (!link_.sender_.keep(std::move(capture), timeout)) return false;
-    link_.kept_by_.push_back(camera_);
+    link_.waiting_.push_back(camera_);
+    link_.forget_acknowledged();
     return true;
   }
   void live(Capture capture) override {
@@ -38,10 +39,16 @@ CaptureSink& LinkSink::of(std::size_t camera) {
   return *entrances_.at(camera);
 }
 
-std::vector<std::uint64_t> LinkSink::unacknowledged() const {
+void LinkSink::forget_acknowledged() {
+  const std::uint64_t acknowledged = sender_.stats().acknowledged;
+  for (; forgotten_ < acknowledged && !waiting_.empty(); ++forgotten_) waiting_.pop_front();
+}
+
+std::vector<std::uint64_t> LinkSink::unacknowledged() {
   const std::lock_guard lock(mutex_);
+  forget_acknowledged();
   std::vector<std::uint64_t> waiting(entrances_.size(), 0);
-  for (std::size_t i = sender_.stats().acknowledged; i < kept_by_.size(); ++i) ++waiting[kept_by_[i]];
+  for (const std::uint32_t camera : waiting_) ++waiting[camera];
   return waiting;
 }
 

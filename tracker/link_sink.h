@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -21,14 +22,18 @@ class LinkSink {
 
   CaptureSink& of(std::size_t camera);
   /// By camera: keyframes that the link took and that no receiver has acknowledged.
-  std::vector<std::uint64_t> unacknowledged() const;
+  std::vector<std::uint64_t> unacknowledged();
 
  private:
   class Entrance;
   CaptureSender& sender_;
   std::vector<std::unique_ptr<Entrance>> entrances_;
-  mutable std::mutex mutex_;
-  std::vector<std::uint32_t> kept_by_;  ///< camera of each keyframe, in the order in which they are acknowledged
+  void forget_acknowledged();
+
+  std::mutex mutex_;
+  /// Camera of each keyframe that waits, in the order in which they are acknowledged: no more than the sender retains.
+  std::deque<std::uint32_t> waiting_;
+  std::uint64_t forgotten_ = 0;  ///< keyframes that were acknowledged
 };
 
 }  // namespace sheen

@@ -7,6 +7,8 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/guarded_thread.h"
+
 namespace sheen {
 namespace {
 
@@ -52,6 +54,7 @@ struct RigTracking::Impl {
   std::int64_t published_ns = 0;
 
   void track(std::size_t i, const Hooks& hooks);
+  void fail(std::size_t i, const std::exception_ptr& error);
   void take_status(std::size_t i, const Status& status, const Hooks& hooks);
 };
 
@@ -95,12 +98,18 @@ void RigTracking::Impl::track(std::size_t i, const Hooks& hooks) {
   if (hooks.progress) hooks.progress(report);
 }
 
+void RigTracking::Impl::fail(std::size_t i, const std::exception_ptr& error) {
+  const std::lock_guard lock(mutex);
+  report[i].report.failure = error;
+}
+
 RigReport RigTracking::run(const Hooks& hooks) {
   {
     std::vector<std::jthread> threads;
     for (std::size_t i = 1; i < impl_->loops.size(); ++i)
-      threads.emplace_back([this, i, &hooks] { impl_->track(i, hooks); });
-    impl_->track(0, hooks);
+      threads.push_back(guarded_thread([this, i, &hooks] { impl_->track(i, hooks); },
+                                       [this, i](const std::exception_ptr& error) { impl_->fail(i, error); }));
+    guarded([&] { impl_->track(0, hooks); }, [this](const std::exception_ptr& error) { impl_->fail(0, error); });
   }
   const std::lock_guard lock(impl_->mutex);
   if (hooks.publish) hooks.publish(joined(impl_->statuses));

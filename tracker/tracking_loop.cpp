@@ -13,6 +13,8 @@
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/format.h"
+#include "common/base/guarded_thread.h"
+#include "common/base/sparing_log.h"
 #include "common/capture/frame_advice.h"
 
 namespace sheen {
@@ -154,19 +156,23 @@ struct TrackingLoop::Impl {
   void note(const std::string& fate, bool kept, const std::string& trouble);
   bool keep(const Capture& capture, const Hooks& hooks);
   void publish(const Hooks& hooks);
+  /// What only shows the capture cannot end it.
+  template <typename Showing>
+  void unharmed(const Showing& showing) {
+    guarded(showing, [this](const std::exception_ptr& error) {
+      const std::string what = words_of(error);
+      shows_log.tell(what, "the capture goes on, though it could not be shown: " + what);
+    });
+  }
+  SparingLog shows_log{"tracker"};
 };
 
 void TrackingLoop::Impl::grab(const std::stop_token& stop) {
-  try {
-    while (!stop.stop_requested() && !source.ended() &&
-           (options.max_frames == 0 || grabbed_count < options.max_frames)) {
-      auto frame = source.next(kPoll);
-      if (!frame) continue;
-      ++grabbed_count;
-      if (source.live() ? !grabbed.try_push(std::move(*frame)) : !grabbed.push(std::move(*frame))) ++overrun_count;
-    }
-  } catch (...) {
-    grab_error = std::current_exception();
+  while (!stop.stop_requested() && !source.ended() && (options.max_frames == 0 || grabbed_count < options.max_frames)) {
+    auto frame = source.next(kPoll);
+    if (!frame) continue;
+    ++grabbed_count;
+    if (source.live() ? !grabbed.try_push(std::move(*frame)) : !grabbed.push(std::move(*frame))) ++overrun_count;
   }
   grabbed.close();
 }
@@ -176,7 +182,7 @@ void TrackingLoop::Impl::track(const Hooks& hooks) {
     auto frame = grabbed.pop_for(kPoll);
     if (!frame && grabbed.closed() && grabbed.size() == 0) return;
     if (frame) send(measure(std::move(*frame)), hooks);
-    publish(hooks);
+    unharmed([&] { publish(hooks); });
   }
 }
 
@@ -279,7 +285,7 @@ void TrackingLoop::Impl::send(Measured measured, const Hooks& hooks) {
   if (capture.verdict == FrameVerdict::kIncomplete) return;  // part of the picture is missing: nothing to look at
   if (capture.verdict != FrameVerdict::kKeyframe) {
     ++report.live;
-    sink.live(std::move(capture));
+    unharmed([&] { sink.live(std::move(capture)); });
     return;
   }
   ++report.unsent;  // until the link has it
@@ -293,7 +299,7 @@ bool TrackingLoop::Impl::keep(const Capture& capture, const Hooks& hooks) {
   for (int waits = 0; !source.live() || waits < kLiveKeepWaits; ++waits) {
     if (sink.keep(capture, kKeepWait)) return true;
     if (hooks.stop()) return false;
-    publish(hooks);
+    unharmed([&] { publish(hooks); });
   }
   return false;
 }
@@ -339,12 +345,12 @@ TrackingLoop::~TrackingLoop() = default;
 
 TrackingReport TrackingLoop::run(const Hooks& hooks) {
   Impl& loop = *impl_;
-  std::jthread grabber([&loop](const std::stop_token& stop) { loop.grab(stop); });
-  try {
-    loop.track(hooks);
-  } catch (const std::exception&) {
-    loop.report.failure = std::current_exception();
-  }
+  std::jthread grabber = guarded_thread([&loop](const std::stop_token& stop) { loop.grab(stop); },
+                                        [&loop](const std::exception_ptr& error) {
+                                          loop.grab_error = error;
+                                          loop.grabbed.close();
+                                        });
+  guarded([&] { loop.track(hooks); }, [&](const std::exception_ptr& error) { loop.report.failure = error; });
   grabber.request_stop();
   loop.grabbed.close();
   grabber.join();
@@ -354,7 +360,7 @@ TrackingReport TrackingLoop::run(const Hooks& hooks) {
   loop.report.overrun = loop.overrun_count;
   loop.report.source = loop.source.stats();
   loop.published_ns = 0;
-  loop.publish(hooks);
+  loop.unharmed([&] { loop.publish(hooks); });
   return loop.report;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -53,9 +54,12 @@ class RecordingSink : public CaptureSink {
     kept.push_back(std::move(capture));
     return true;
   }
-  void live(Capture capture) override { shown.push_back(std::move(capture)); }
+  void live(Capture capture) override {
+    if (fails_to_show) throw std::bad_alloc();
+    shown.push_back(std::move(capture));
+  }
 
-  bool full = false, slow = false;
+  bool full = false, slow = false, fails_to_show = false;
   std::vector<Capture> kept, shown;
 };
 
@@ -259,6 +263,27 @@ TEST_F(TrackedStage, AFullLinkIsCountedAndTheViewStaysWanted) {
   const TrackingReport report = TrackingLoop(source, sink, rig(), {}).run(kNoHooks);
   expect_accounted(report);
   EXPECT_EQ(report.unsent, 2u);  // the second is not too near: the first was never taken
+}
+
+TEST_F(TrackedStage, WhatCannotBeShownEndsNoCapture) {
+  ScriptedSource source(false);
+  RecordingSink sink;
+  sink.fails_to_show = true;
+  for (std::uint64_t i = 0; i < 6; ++i) source.frames.push_back(frame(pictures[i % 3], i));  // three are seen twice
+  TrackingLoop loop(source, sink, rig(), {});
+  int published = 0;
+  const TrackingReport report = loop.run({.stop = [] { return false; },
+                                          .publish =
+                                              [&](const Status&) {
+                                                ++published;
+                                                throw std::bad_alloc();
+                                              },
+                                          .progress = {}});
+  EXPECT_GT(published, 0);
+  EXPECT_EQ(report.failure_text(), "");
+  EXPECT_EQ(report.judged, 6u);
+  EXPECT_EQ(sink.kept.size(), 3u);
+  expect_accounted(report);
 }
 
 TEST_F(TrackedStage, StopsAfterTheAskedNumberOfFramesAndOnRequest) {

@@ -18,8 +18,10 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <new>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
+#include <stdexcept>
 #include <thread>
 
 #include "common/base/errors.h"
@@ -228,6 +230,29 @@ class Feed : public ::testing::Test {
   }
   const std::shared_ptr<Bench> bench_ = std::make_shared<Bench>();
 };
+
+/// One whose driver throws what it likes, now and then.
+class FaultyDevice : public DeviceConnection {
+ public:
+  std::optional<Frame> read() override {
+    if (++reads_ % 3 == 0) throw std::bad_alloc();
+    return Frame{};
+  }
+  double frame_rate_hz() const override { return 100; }
+
+ private:
+  int reads_ = 0;
+};
+
+TEST(FaultyFeed, WhateverADriverThrowsTheDeviceIsOpenedAgain) {
+  std::atomic<int> opened = 0;
+  DeviceFeed feed([&opened]() -> std::unique_ptr<DeviceConnection> {
+    if (++opened % 2 == 0) throw std::runtime_error("not now");
+    return std::make_unique<FaultyDevice>();
+  });
+  for (int frames = 0; frames < 8;) frames += feed.next(std::chrono::seconds(10)).has_value();
+  EXPECT_GE(feed.stats().reopened, 3u);
+}
 
 TEST_F(Feed, ADeviceThatIsUnpluggedIsOpenedAgain) {
   const auto source = feed();

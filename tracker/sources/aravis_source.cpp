@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
 #include "tracker/sources/aravis_camera.h"
 #include "tracker/sources/frame_ids.h"
 
@@ -27,7 +28,7 @@ constexpr milliseconds kCloseBound{500};  ///< closing a vanished camera takes 5
 std::future<void> close_aside(std::shared_ptr<AravisCamera> camera) {
   std::packaged_task<void()> close([camera = std::move(camera)]() mutable { camera.reset(); });
   std::future<void> done = close.get_future();
-  std::thread(std::move(close)).detach();
+  detached_thread(std::move(close), [](const std::exception_ptr&) {});  // the future has what it throws
   return done;
 }
 
@@ -102,14 +103,14 @@ void AravisSource::Impl::start_reopening() {
             auto camera = std::make_shared<AravisCamera>(id, settings);
             camera->start();
             return camera;
-          } catch (const DeviceError&) {
+          } catch (const std::exception&) {  // it is not there yet, or there is no memory for it now
             std::this_thread::sleep_for(kRetry);
           }
         }
         return nullptr;
       });
   reopening = open.get_future();
-  std::thread(std::move(open)).detach();
+  detached_thread(std::move(open), [](const std::exception_ptr&) {});  // the future has what it throws
 }
 
 void AravisSource::Impl::watch() {

@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
 
 namespace sheen {
 namespace {
@@ -42,6 +42,7 @@ struct DeviceFeed::Shared {
   void put(Frame frame);
   std::unique_ptr<DeviceConnection> reopened();
   void run(std::unique_ptr<DeviceConnection> device);
+  void end(const std::string& why);
 };
 
 bool DeviceFeed::Shared::stopped_while(milliseconds pause) const {
@@ -72,9 +73,9 @@ std::unique_ptr<DeviceConnection> DeviceFeed::Shared::reopened() {
       trouble.clear();
       frame_rate_hz = device->frame_rate_hz();
       return device;
-    } catch (const DeviceError& error) {
+    } catch (...) {
       const std::lock_guard lock(mutex);
-      trouble = error.what();
+      trouble = words_of(std::current_exception());
     }
   }
   return nullptr;
@@ -86,20 +87,24 @@ void DeviceFeed::Shared::run(std::unique_ptr<DeviceConnection> device) {
     changed.wait(lock, [this] { return started || stopping; });
   }
   while (device && !stopped_while(milliseconds(0))) {
-    std::optional<Frame> frame;
-    try {
-      frame = device->read();
-    } catch (const DeviceError&) {  // it is gone
-    }
-    if (frame) {
-      put(*std::move(frame));
-      continue;
-    }
+    bool there = false;
+    const auto read_one = [&] {
+      std::optional<Frame> frame = device->read();
+      there = frame.has_value();
+      if (there) put(*std::move(frame));
+    };
+    guarded(read_one, [](const std::exception_ptr&) {});  // it is gone, or beyond us: `reopened` tells
+    if (there) continue;
     device.reset();
     device = reopened();
   }
   device.reset();
+  end({});
+}
+
+void DeviceFeed::Shared::end(const std::string& why) {
   const std::lock_guard lock(mutex);
+  trouble = why;
   closed = true;
   changed.notify_all();
 }
@@ -107,7 +112,8 @@ void DeviceFeed::Shared::run(std::unique_ptr<DeviceConnection> device) {
 DeviceFeed::DeviceFeed(OpenDevice open) : shared_(std::make_shared<Shared>(std::move(open))) {
   std::unique_ptr<DeviceConnection> device = shared_->open();
   shared_->frame_rate_hz = device->frame_rate_hz();
-  std::thread([shared = shared_, device = std::move(device)]() mutable { shared->run(std::move(device)); }).detach();
+  detached_thread([shared = shared_, device = std::move(device)]() mutable { shared->run(std::move(device)); },
+                  [shared = shared_](const std::exception_ptr& error) { shared->end(words_of(error)); });
 }
 
 DeviceFeed::~DeviceFeed() {
