@@ -112,7 +112,7 @@ TEST_F(DecodedVideo, AtAnOddAngleIsNamed) {
   const std::string file = write(quarters());
   turn(file, 0.966, 0.259, -0.259, 0.966);
   const auto source = open_video(file, {});
-  EXPECT_THAT(source->warning(), HasSubstr("no multiple of 90 degrees"));
+  EXPECT_THAT(source->remarks(), HasSubstr("no multiple of 90 degrees"));
   ASSERT_TRUE(source->next(std::chrono::milliseconds(0)));
 }
 
@@ -143,8 +143,8 @@ TEST_F(DecodedVideo, OfHighDynamicRangeIsBroughtToLightAndSaysSo) {
     const double stored = grey_at(VideoDecoder(file).next()->image, 0.5, 0.5) / 255.0;
     colour(file, 9, c.transfer, 9);
     const auto source = open_video(file, {});
-    EXPECT_THAT(source->warning(), HasSubstr(c.name));
-    EXPECT_THAT(source->warning(), HasSubstr(file));
+    EXPECT_THAT(source->remarks(), HasSubstr(c.name));
+    EXPECT_THAT(source->remarks(), HasSubstr(file));
     const auto frame = source->next(std::chrono::milliseconds(0));
     ASSERT_TRUE(frame);
     EXPECT_NEAR(grey_at(frame->image, 0.5, 0.5), srgb(c.light(stored)), 5);

@@ -55,7 +55,8 @@ LiveSource SourceArguments::open(const char* command) const {
     throw ConfigError("no source; give --source URI or a --config whose [source] has a uri");
   const EndOnStop opening("sheen-tracker: stopped before the source was open");
   std::unique_ptr<FrameSource> opened = open_source(parse_source_uri(*camera_config.source_uri), camera_config.source);
-  if (const std::string doubt = opened->warning(); !doubt.empty()) std::cerr << "sheen-tracker: " << doubt << '\n';
+  if (const std::string remarks = opened->remarks(); !remarks.empty())
+    std::cerr << "sheen-tracker: " << remarks << '\n';
   return {std::move(opened), command};
 }
 

@@ -171,7 +171,7 @@ std::string AravisSource::message() const {
   }
 }
 
-std::string AravisSource::warning() const {
+std::string AravisSource::remarks() const {
   return impl_->warning;
 }
 

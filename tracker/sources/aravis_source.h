@@ -20,7 +20,7 @@ class AravisSource : public FrameSource {
   std::optional<Frame> next(std::chrono::milliseconds timeout) override;
   SourceState state() const override;
   std::string message() const override;
-  std::string warning() const override;
+  std::string remarks() const override;
   SourceStats stats() const override;
   bool live() const override { return true; }
 

@@ -65,7 +65,7 @@ class VideoFileSource : public FrameSource {
   std::string message() const override {
     return path_ + (ended() ? " has ended" : ", frame " + std::to_string(frames_.load()));
   }
-  std::string warning() const override { return decoder_->warning(); }
+  std::string remarks() const override { return decoder_->warning(); }
 
  private:
   void check(const SourceSettings& settings) const;
