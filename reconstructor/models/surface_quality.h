@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "reconstructor/surface/sample_state.h"
+
 namespace sheen {
 
 /// How well a part of the surface is known, and why it is not.
@@ -25,13 +27,6 @@ struct SurfaceQuality {
   /// The quality heuristic, 0 = well known .. 1 = not at all: the error over 0.1 (20 dB); 1 where nothing was seen.
   float heuristic() const;
   QualityReason reason() const;
-};
-
-/// What the colour of a surface sample rests on.
-enum class SampleState : std::uint8_t {
-  kUnseen = 0,    ///< no image shows the sample: its colour is a guess
-  kImputed = 1,   ///< fewer than half of the images round it do: how it changes with the view is mostly inferred
-  kMeasured = 2,  ///< at least half of them do
 };
 
 /// One surface point as a model knows it.

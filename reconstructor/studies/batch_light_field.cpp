@@ -10,7 +10,7 @@
 
 #include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
 #include "reconstructor/models/surface_light_field/patch_interpolation.h"
-#include "reconstructor/models/surface_light_field/reflection_drift.h"
+#include "reconstructor/models/surface_light_field/reflection_fit.h"
 #include "reconstructor/models/surface_light_field/view_interpolation.h"
 #include "reconstructor/radiance/resampling.h"
 #include "reconstructor/surface/map_resolution.h"

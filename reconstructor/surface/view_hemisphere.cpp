@@ -28,14 +28,6 @@ std::array<float, 3> barycentric(const Eigen::Vector2f& a, const Eigen::Vector2f
 
 }  // namespace
 
-Eigen::Matrix3f hemisphere_frame(const Eigen::Vector3f& normal) {
-  const Eigen::Vector3f n = normal.normalized();
-  const Eigen::Vector3f tangent = n.unitOrthogonal();
-  Eigen::Matrix3f frame;
-  frame << tangent.transpose(), n.cross(tangent).transpose(), n.transpose();
-  return frame;
-}
-
 Eigen::Vector2f hemisphere_point(const Eigen::Matrix3f& frame, const Eigen::Vector3f& direction) {
   const Eigen::Vector3f local = frame * direction;
   const Eigen::Vector2f p = local.head<2>();

@@ -8,11 +8,9 @@
 #include <span>
 #include <vector>
 
-namespace sheen {
+#include "reconstructor/surface/hemisphere_frame.h"
 
-/// Orthonormal frame over a vertex: rows are the two tangents and the normal, so `frame * d` is the direction d in
-/// local coordinates; its first two entries are the point on the view map, in the unit disc (000 sec. 4.2).
-Eigen::Matrix3f hemisphere_frame(const Eigen::Vector3f& normal);
+namespace sheen {
 
 /// Where a direction falls on the view map. Directions below the horizon are moved to the rim.
 Eigen::Vector2f hemisphere_point(const Eigen::Matrix3f& frame, const Eigen::Vector3f& direction);

@@ -30,6 +30,7 @@ struct Room {
 };
 const std::vector<Room> kCommon = {
     {"base", ""},
+    {"parallel", ""},
     {"plot", "base"},
     {"geometry", "base"},
     {"stage", "base"},
@@ -48,7 +49,8 @@ const std::vector<Room> kReconstructor = {
     {"surface", "numerics"},
     {"radiance", "surface|numerics"},
     {"refinement", ""},
-    {"models", "radiance|surface|numerics|coding"},
+    {"light_field_file", "radiance|surface|numerics|coding"},
+    {"models", "light_field_file|radiance|surface|numerics|coding"},
     {"render", "models|surface|numerics"},
     {"monitor", ""},
     {"evaluation", "render|models|radiance|surface|numerics"},
@@ -76,6 +78,8 @@ std::vector<Rule> all_rules() {
       {"sources never include tests", kSources, "tests/.*", ""},
       {"numerics sees Eigen and the standard library only", "reconstructor/numerics/.*", ".*",
        "reconstructor/numerics/.*|Eigen/.*|[a-z0-9_]+"},
+      {"a file is decoded without threads, rays, pictures and the encoder", "reconstructor/light_field_file/[^/]*",
+       "reconstructor/light_field_file/encode/.*|tbb/.*|thread|future|common/(image|geometry/(?!mesh\\.h)).*", ""},
       {"models never include each other", "reconstructor/models/([^/]+)/.*", "reconstructor/models/[^/]+/.*",
        "reconstructor/models/$1/.*"},
       {"what all models share knows none of them", "reconstructor/models/[^/]+", "reconstructor/models/[^/]+/.*", ""},

@@ -7,8 +7,10 @@
 
 #include "common/base/crc32c.h"
 #include "common/base/errors.h"
+#include "reconstructor/light_field_file/encode/light_field_encoding.h"
+#include "reconstructor/light_field_file/light_field_file.h"
+#include "reconstructor/models/surface_light_field/compact/compact_light_field.h"
 #include "reconstructor/models/surface_light_field/compact/fit_patches.h"
-#include "reconstructor/models/surface_light_field/files/compact_file.h"
 #include "reconstructor/surface/view_hemisphere.h"
 #include "tests/fuzz/fuzz_input.h"
 
@@ -72,7 +74,7 @@ std::string valid_file() {
   const SurfaceLightFieldSnapshot model = small_model();
   const CanonicalMesh mesh = canonical_mesh(model.mesh());
   CompactModel patches = fit_patches(model, mesh, 0.1, 2);
-  return encode_compact(patches, mesh, 2, {});
+  return encode_light_field(patches, mesh, 2, {}, one_after_the_other);
 }
 
 constexpr std::size_t kStart = 12, kHead = 16;
@@ -133,7 +135,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     while (in.rest.size() >= 4) fuzz::damage_once(file, in);
   }
   try {
-    CompactModel model = decode_compact(file, "fuzzed");
+    CompactModel model = decode_light_field(file, "fuzzed", one_after_the_other);
     look_at_all(*std::make_shared<CompactLightField>(std::move(model), nullptr));
   } catch (const FileError&) {
   }

@@ -8,8 +8,8 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "reconstructor/coding/camera_json.h"
 #include "reconstructor/coding/chunk_file.h"
-#include "reconstructor/models/camera_json.h"
 
 namespace sheen {
 namespace {

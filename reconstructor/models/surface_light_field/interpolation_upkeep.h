@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/patch_model.h"
-#include "reconstructor/models/surface_light_field/patch_shapes.h"
-#include "reconstructor/models/surface_light_field/reflection_drift.h"
+#include "reconstructor/models/surface_light_field/reflection_fit.h"
 #include "reconstructor/models/surface_light_field/view_interpolation.h"
 
 namespace sheen {

@@ -2,6 +2,7 @@
 #include "reconstructor/models/surface_light_field/kind.h"
 
 #include "common/base/files.h"
+#include "reconstructor/light_field_file/light_field_file.h"
 #include "reconstructor/models/surface_light_field/files/compact_file.h"
 #include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/models/surface_light_field/files/model_layout.h"
@@ -28,7 +29,7 @@ class SurfaceLightFieldKind : public ModelKind {
                                              : load_compact(path, show));
   }
   bool compresses() const override { return true; }
-  bool reads_file(std::string_view start) const override { return is_compact(start); }
+  bool reads_file(std::string_view start) const override { return is_light_field_file(start); }
   ModelMetadata file_metadata(const std::filesystem::path& file) const override {
     return compact_metadata(read_file(file), file.string());
   }

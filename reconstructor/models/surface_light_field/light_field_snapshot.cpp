@@ -71,8 +71,11 @@ std::vector<SurfaceQuality> LightFieldSnapshot::quality_for(const Eigen::Vector3
   std::vector<SurfaceQuality> vertices(mesh_->vertices.size()), triangles;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 64), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (const SeenVertex* from = seen_vertex(v))
-        vertices[v] = assess_vertex(*from, (eye.cast<float>() - mesh_->vertices[v]).normalized(), common_sill());
+      if (const SeenVertex* from = seen_vertex(v)) {
+        SurfaceQuality& quality = vertices[v];
+        quality = assess_vertex(*from, (eye.cast<float>() - mesh_->vertices[v]).normalized(), common_sill());
+        quality.error = std::sqrt(quality.error * quality.error + missing_square_);
+      }
   });
   triangles.reserve(mesh_->triangles.size());
   for (std::size_t t = 0; t < mesh_->triangles.size(); ++t) {

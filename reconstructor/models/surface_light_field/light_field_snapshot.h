@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
+#include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/models/model_snapshot.h"
-#include "reconstructor/models/surface_light_field/patch_shapes.h"
-#include "reconstructor/models/surface_light_field/reflection_drift.h"
 #include "reconstructor/models/surface_light_field/surface_patch.h"
+#include "reconstructor/numerics/reflection_drift.h"
 #include "reconstructor/numerics/view_kernel.h"
 #include "reconstructor/radiance/exposure_field.h"
 #include "reconstructor/surface/map_layout.h"
@@ -43,13 +43,15 @@ struct SeenVertex {
 /// weighted barycentrically. Patches of triangles share maps.
 class LightFieldSnapshot : public ModelSnapshot {
  public:
+  /// `missing_square`: of what its file lacks, mean square of encoded values in pictures.
   LightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps, std::uint64_t version,
-                     ExposureField exposure, std::vector<PosedCamera> cameras)
+                     ExposureField exposure, std::vector<PosedCamera> cameras, float missing_square = 0)
       : mesh_(std::move(mesh)),
         maps_(std::move(maps)),
         version_(version),
         exposure_(std::move(exposure)),
-        cameras_(std::move(cameras)) {}
+        cameras_(std::move(cameras)),
+        missing_square_(missing_square) {}
 
   const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }
   std::uint64_t version() const override { return version_; }
@@ -89,6 +91,7 @@ class LightFieldSnapshot : public ModelSnapshot {
   std::uint64_t version_;
   ExposureField exposure_;
   std::vector<PosedCamera> cameras_;
+  float missing_square_;
 };
 
 }  // namespace sheen

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "reconstructor/models/surface_light_field/patch_shapes.h"
+#include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/radiance/resampling.h"
 #include "reconstructor/surface/map_layout.h"
 #include "reconstructor/surface/sample_visibility.h"

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "reconstructor/models/surface_light_field/patch_shapes.h"
+#include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/patch_snapshot.h"
-#include "reconstructor/models/surface_light_field/reflection_drift.h"
+#include "reconstructor/models/surface_light_field/reflection_fit.h"
 #include "reconstructor/models/surface_light_field/view_interpolation.h"
 #include "reconstructor/models/surface_light_field/view_set.h"
 

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/choice_schedule.h"
 #include "reconstructor/models/surface_light_field/map_detail.h"
 #include "reconstructor/models/surface_light_field/patch_interpolation.h"
-#include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/view_set.h"
 #include "reconstructor/numerics/online_svd.h"
 

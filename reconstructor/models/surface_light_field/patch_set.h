@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/constant_colour.h"
 #include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
 #include "reconstructor/models/surface_light_field/patch_column.h"
 #include "reconstructor/models/surface_light_field/patch_model.h"
-#include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/surface/map_layout.h"
 #include "reconstructor/surface/sample_visibility.h"
 

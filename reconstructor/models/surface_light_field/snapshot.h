@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/light_field_snapshot.h"
-#include "reconstructor/models/surface_light_field/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/patch_snapshot.h"
 
 namespace sheen {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "reconstructor/models/surface_light_field/patch_shapes.h"
+#include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/numerics/view_kriging.h"
 
 namespace sheen {

@@ -7,8 +7,9 @@
 #include <algorithm>
 
 #include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/base/order_statistics.h"
-#include "reconstructor/models/surface_light_field/files/compact_file.h"
+#include "reconstructor/light_field_file/file_layout.h"
 #include "reconstructor/numerics/view_kriging.h"
 #include "reconstructor/surface/view_hemisphere.h"
 
@@ -75,7 +76,8 @@ SnapshotFigures figures_of(const std::vector<std::shared_ptr<const SurfacePatch>
 }  // namespace
 
 CompactLightField::CompactLightField(CompactModel model, std::shared_ptr<const std::string> encoded)
-    : LightFieldSnapshot(model.mesh, model.maps, kOnlySnapshot, model.exposure, model.cameras),
+    : LightFieldSnapshot(model.mesh, model.maps, kOnlySnapshot, model.exposure, model.cameras,
+                         static_cast<float>(model.missing_square / (kGreyLevels * kGreyLevels))),
       shapes_(model.shapes),
       encoded_(std::move(encoded)) {
   const std::size_t vertices = model.mesh->vertices.size();
@@ -196,7 +198,7 @@ std::unique_ptr<Compression> CompactLightField::compression(CompressionTarget) c
 }
 
 void CompactLightField::save(const std::filesystem::path& path, const ModelMetadata& metadata, const StepsDone&) const {
-  save_compact(path, *encoded_, metadata);
+  write_file(path, with_notes(kLightFieldFile, *encoded_, metadata, path.string()));
 }
 
 }  // namespace sheen

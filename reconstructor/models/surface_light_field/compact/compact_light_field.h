@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "reconstructor/models/surface_light_field/compact/compact_model.h"
+#include "reconstructor/light_field_file/compact_model.h"
 #include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 #include "reconstructor/numerics/packed_columns.h"
 

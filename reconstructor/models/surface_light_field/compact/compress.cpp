@@ -15,8 +15,9 @@
 #include "common/geometry/ray_scene.h"
 #include "common/image/color.h"
 #include "reconstructor/coding/step_search.h"
+#include "reconstructor/light_field_file/encode/light_field_encoding.h"
+#include "reconstructor/light_field_file/light_field_file.h"
 #include "reconstructor/models/surface_light_field/compact/fit_patches.h"
-#include "reconstructor/models/surface_light_field/files/compact_file.h"
 
 namespace sheen {
 namespace {
@@ -146,7 +147,8 @@ class LightFieldCompression : public Compression {
   std::shared_ptr<const std::string> encoded(double step, const Rounding& rounding) {
     if (target_.progress) target_.progress(tries_++, std::size(kRoundings) * StepSearch::kMostTries);
     malloc_trim(0);  // what the try before took lies scattered
-    auto file = std::make_shared<const std::string>(encode_compact(model_, mesh_, static_cast<float>(step), rounding));
+    auto file = std::make_shared<const std::string>(
+        encode_light_field(model_, mesh_, static_cast<float>(step), rounding, in_parallel));
     malloc_trim(0);
     return file;
   }
@@ -213,7 +215,8 @@ class LightFieldCompression : public Compression {
   }
 
   static std::shared_ptr<const CompactLightField> open(const std::shared_ptr<const std::string>& bytes) {
-    auto opened = std::make_shared<CompactLightField>(decode_compact(*bytes, "the compressed model"), bytes);
+    auto opened =
+        std::make_shared<CompactLightField>(decode_light_field(*bytes, "the compressed model", in_parallel), bytes);
     malloc_trim(0);
     return opened;
   }

@@ -11,7 +11,7 @@
 #include <memory>
 #include <span>
 
-#include "reconstructor/models/surface_light_field/compact/grid_geometry.h"
+#include "reconstructor/light_field_file/grid_geometry.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/numerics/symmetric_eigen.h"
 #include "reconstructor/numerics/view_kriging.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "reconstructor/models/surface_light_field/compact/canonical_mesh.h"
-#include "reconstructor/models/surface_light_field/compact/compact_model.h"
+#include "reconstructor/light_field_file/compact_model.h"
+#include "reconstructor/light_field_file/encode/canonical_mesh.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 
 namespace sheen {

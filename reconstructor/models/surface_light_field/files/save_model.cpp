@@ -7,7 +7,7 @@
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "reconstructor/models/surface_light_field/files/json_parts.h"
+#include "reconstructor/light_field_file/json_parts.h"
 #include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/models/surface_light_field/files/model_layout.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/reflection_drift.h"
+#include "reconstructor/models/surface_light_field/reflection_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/compact/grid_geometry.h"
+#include "reconstructor/light_field_file/grid_geometry.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "reconstructor/coding/powers.h"
-#include "reconstructor/models/surface_light_field/compact/canonical_mesh.h"
+#include "reconstructor/light_field_file/encode/canonical_mesh.h"
 #include "tests/support/test_meshes.h"
 
 namespace sheen {

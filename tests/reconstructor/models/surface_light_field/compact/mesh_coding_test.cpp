@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/compact/mesh_coding.h"
+#include "reconstructor/light_field_file/mesh_coding.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,11 @@
 #include <set>
 #include <string>
 
-#include "reconstructor/models/surface_light_field/compact/canonical_mesh.h"
-#include "reconstructor/models/surface_light_field/compact/resolution_coding.h"
-#include "reconstructor/models/surface_light_field/compact/state_coding.h"
+#include "reconstructor/light_field_file/encode/canonical_mesh.h"
+#include "reconstructor/light_field_file/encode/resolution_encoding.h"
+#include "reconstructor/light_field_file/encode/state_encoding.h"
+#include "reconstructor/light_field_file/resolution_coding.h"
+#include "reconstructor/light_field_file/state_coding.h"
 #include "reconstructor/surface/map_resolution.h"
 #include "tests/support/test_meshes.h"
 

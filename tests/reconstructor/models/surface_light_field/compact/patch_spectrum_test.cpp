@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/compact/patch_spectrum.h"
+#include "reconstructor/light_field_file/encode/patch_quantising.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "reconstructor/models/surface_light_field/compact/band_rounding.h"
+#include "reconstructor/light_field_file/encode/band_rounding.h"
 #include "reconstructor/surface/map_layout.h"
 
 namespace sheen {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/compact/patch_steps.h"
+#include "reconstructor/light_field_file/encode/patch_steps.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "reconstructor/light_field_file/file_layout.h"
 #include "tests/support/test_meshes.h"
 
 namespace sheen {
@@ -38,7 +39,7 @@ CompactModel square_under_a_camera() {
 
 TEST(PatchSteps, AreFinerWhereASampleHasMorePixels) {
   const CompactModel model = square_under_a_camera();
-  const std::vector<std::int8_t> steps = choose_patch_steps(model);
+  const std::vector<std::int8_t> steps = choose_patch_steps(model, one_after_the_other);
   ASSERT_EQ(steps.size(), model.shapes.patches.size());
   for (std::size_t p = 0; p < steps.size(); ++p) {
     const double samples_per_triangle = static_cast<double>(model.shapes.patches[p].samples) /
@@ -54,7 +55,7 @@ TEST(PatchSteps, WithoutImagesAllAreTheModels) {
   CompactModel model = square_under_a_camera();
   for (CompactVertex& vertex : model.vertices) vertex = {};
   find_sources(model);
-  EXPECT_EQ(choose_patch_steps(model), std::vector<std::int8_t>(model.shapes.patches.size(), 0));
+  EXPECT_EQ(choose_patch_steps(model, one_after_the_other), std::vector<std::int8_t>(model.shapes.patches.size(), 0));
 }
 
 }  // namespace

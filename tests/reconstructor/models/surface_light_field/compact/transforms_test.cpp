@@ -8,9 +8,9 @@
 #include <set>
 #include <utility>
 
-#include "reconstructor/models/surface_light_field/compact/lattice_spectrum.h"
-#include "reconstructor/models/surface_light_field/compact/view_haar.h"
-#include "reconstructor/models/surface_light_field/patch_shapes.h"
+#include "reconstructor/light_field_file/lattice_spectrum.h"
+#include "reconstructor/light_field_file/patch_shapes.h"
+#include "reconstructor/light_field_file/view_haar.h"
 #include "tests/support/test_meshes.h"
 
 namespace sheen {

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "common/base/crc32c.h"
+#include "reconstructor/light_field_file/light_field_file.h"
+#include "tests/golden/contents.h"
+
+namespace sheen {
+namespace {
+
+/// Numbers as they would stand in memory that is little-endian.
+class Checksum {
+ public:
+  void add(std::int64_t number) {
+    for (int byte = 0; byte < 8; ++byte) bytes_.push_back(static_cast<std::uint8_t>(number >> (8 * byte)));
+  }
+  template <typename Numbers>
+  void add_all(const Numbers& numbers) {
+    add(static_cast<std::int64_t>(numbers.size()));
+    for (const auto number : numbers) add(static_cast<std::int64_t>(number));
+  }
+  FileContents::Part part(const std::string& name) const { return {name, crc32c(bytes_)}; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+void add_map(Checksum& sum, const QuantisedMap& map, std::size_t bands) {
+  sum.add(map.empty());
+  for (std::size_t b = 0; !map.empty() && b < bands; ++b) sum.add_all(map.band(b));
+}
+
+std::vector<FileContents::Part> whole_numbers(const QuantisedModel& quantised) {
+  const CompactModel& model = quantised.model;
+  Checksum mesh, lattices, eyes, vertices, patches, states;
+  for (const Triangle& triangle : model.grid->triangles) mesh.add_all(triangle);
+  for (const GridMesh::Point& point : model.grid->points) mesh.add_all(point);
+  for (std::size_t t = 0; t < model.maps->triangles(); ++t) lattices.add(model.maps->resolution(t));
+  lattices.add_all(model.shapes.patch_of);
+  for (const GridMesh::Point& eye : model.eyes) eyes.add_all(eye);
+  vertices.add_all(model.source);
+  for (const CompactVertex& vertex : model.vertices) {
+    for (const std::int64_t number :
+         {std::int64_t{vertex.seen}, std::int64_t{vertex.kernel}, std::int64_t{vertex.drift},
+          std::int64_t{vertex.views_folded}, static_cast<std::int64_t>(vertex.views.size())})
+      vertices.add(number);
+    for (const CompactView& view : vertex.views) {
+      vertices.add(view.image);
+      vertices.add(view.moved);
+    }
+  }
+  for (std::size_t p = 0; p < quantised.patches.size(); ++p) {
+    const QuantisedPatch& patch = quantised.patches[p];
+    const std::size_t bands = 3 * quantised.layout.patches.tile_sizes[p].size();
+    add_map(patches, patch.mean, bands);
+    patches.add(static_cast<std::int64_t>(patch.terms.size()));
+    for (const QuantisedTerm& term : patch.terms) {
+      patches.add_all(term.coefficients);
+      patches.add(term.scale);
+      add_map(patches, term.map, bands);
+    }
+    for (const SampleState state : model.patches[p].state) states.add(static_cast<std::int64_t>(state));
+  }
+  return {mesh.part("mesh"),         lattices.part("lattices"), eyes.part("eyes"),
+          vertices.part("vertices"), patches.part("patches"),   states.part("states")};
+}
+
+}  // namespace
+
+FileContents contents_of_light_field(std::string_view bytes, const std::string& file) {
+  QuantisedModel quantised = read_light_field(bytes, file, one_after_the_other);
+  FileContents contents{.whole_numbers = whole_numbers(quantised)};
+  const CompactModel model = std::move(quantised).dequantised(one_after_the_other);
+  auto& means = contents.pictures.emplace_back();
+  constexpr Eigen::Index kApart = 41;  // enough of them
+  for (const Patch& patch : model.patches)
+    for (Eigen::Index i = 0; i < patch.mean.size(); i += kApart)
+      means.push_back(static_cast<std::uint8_t>(std::clamp(patch.mean[i] + 0.5f, 0.0f, 255.0f)));
+  return contents;
+}
+
+}  // namespace sheen
