@@ -29,8 +29,9 @@ constexpr std::int64_t kPublishEvery_ns = 200'000'000;
 constexpr std::int64_t kSilent_ns = 1'000'000'000;  ///< a person is told that a camera delivers nothing
 constexpr double kMoved_px = 1;                     ///< by which a still camera's tags are elsewhere
 constexpr std::size_t kTimesKept = 4096;
-constexpr std::size_t kLatest =
-    12;  ///< frames that say whether something is wrong now: one that is kept, and nothing is
+/// Frames that say whether something is wrong now (one that is kept, and nothing is): so many, or those of a second.
+constexpr std::size_t kLatest = 12;
+constexpr std::int64_t kLatest_ns = 1'000'000'000;
 
 void note_time(TrackingReport& report, const std::string& stage, double ms) {
   std::vector<float>& times = report.stage_ms[stage];
@@ -68,8 +69,15 @@ std::string calibration_hash(const Rig& rig) {
   return content_hash(calibration);
 }
 
+GateOptions gate_of(GateOptions gate, const FrameSource& source) {
+  if (gate.max_uncertainty_px == 0)
+    gate.max_uncertainty_px = source.compressed() ? kCompressedUncertainty_px : kCameraUncertainty_px;
+  return gate;
+}
+
 /// What became of a frame, for a person.
 struct Fate {
+  std::int64_t taken_ns = 0;
   bool kept = false;
   std::string trouble;  ///< empty: nothing that a person should know
 };
@@ -84,7 +92,7 @@ std::string trouble_of(const std::deque<Fate>& latest) {
   }
   const auto most =
       std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return 2 * most->second >= kLatest ? most->first : "";
+  return 2 * most->second >= latest.size() ? most->first : "";
 }
 
 /// RMS, pixels, of the tags that a frame's pose rests on, under another pose.
@@ -121,7 +129,8 @@ struct TrackingLoop::Impl {
   std::optional<std::int64_t> stale_since_ns;
   SourceState published_state = SourceState::kStarting;
   std::string last_verdict;
-  std::deque<Fate> latest;  ///< the newest last
+  std::deque<Fate> latest;    ///< the newest last
+  double uncertainty_px = 0;  ///< of the last pose that was too uncertain
   std::optional<PoseEstimate> still_pose;
 
   Impl(FrameSource& s, CaptureSink& k, std::optional<Rig> r, const TrackingOptions& o)
@@ -132,7 +141,7 @@ struct TrackingLoop::Impl {
         region(rig ? object_region(rig->stage) : ObjectRegion{}),
         calibration(rig ? calibration_hash(*rig) : ""),
         stage_hash(rig ? rig->stage.hash() : ""),
-        gate(o.gate, region),
+        gate(gate_of(o.gate, s), region),
         grabbed(o.queue) {
     if (!rig) return;
     StageFinderOptions find = o.finder;
@@ -153,7 +162,8 @@ struct TrackingLoop::Impl {
   void find_pose(const Frame& frame, Capture& capture);
   void judge(Frame& frame, Capture& capture);
   void send(Measured measured, const Hooks& hooks);
-  void note(const std::string& fate, bool kept, const std::string& trouble);
+  void note(const std::string& verdict, Fate fate);
+  std::string trouble() const;
   bool keep(const Capture& capture, const Hooks& hooks);
   void publish(const Hooks& hooks);
   /// What only shows the capture cannot end it.
@@ -263,12 +273,21 @@ void TrackingLoop::Impl::find_pose(const Frame& frame, Capture& capture) {
 void TrackingLoop::Impl::judge(Frame& frame, Capture& capture) {
   const StageTimer timer(report, "gate");
   capture.verdict = gate.judge(rig->camera, frame.image, frame.complete, capture.pose, capture.light);
+  if (capture.verdict == FrameVerdict::kUncertainPose) uncertainty_px = gate.uncertainty_px(rig->camera, capture.pose);
 }
 
-void TrackingLoop::Impl::note(const std::string& fate, bool kept, const std::string& trouble) {
-  last_verdict = fate;
-  latest.push_back({kept, trouble});
-  if (latest.size() > kLatest) latest.pop_front();
+void TrackingLoop::Impl::note(const std::string& verdict, Fate fate) {
+  last_verdict = verdict;
+  latest.push_back(std::move(fate));
+  while (latest.size() > kLatest && latest.back().taken_ns - latest.front().taken_ns > kLatest_ns) latest.pop_front();
+}
+
+/// With the figures that decide, where a key of the configuration does.
+std::string TrackingLoop::Impl::trouble() const {
+  const std::string trouble = trouble_of(latest);
+  if (trouble != advice(FrameVerdict::kUncertainPose)) return trouble;
+  return trouble +
+         format(" (it is %.2f px, [gate] max_uncertainty_px is %g)", uncertainty_px, gate.max_uncertainty_px());
 }
 
 void TrackingLoop::Impl::send(Measured measured, const Hooks& hooks) {
@@ -278,10 +297,12 @@ void TrackingLoop::Impl::send(Measured measured, const Hooks& hooks) {
   ++report.poses[capture.pose.status];
   if (!measured.refusal.empty()) {
     ++report.rig_refusals[measured.refusal];
-    return note(measured.refusal, false, "the rig does not bear it out: " + measured.refusal);
+    return note(measured.refusal,
+                {capture.times.device_ns, false, "the rig does not bear it out: " + measured.refusal});
   }
   ++report.verdicts[capture.verdict];
-  note(to_string(capture.verdict), capture.verdict == FrameVerdict::kKeyframe, advice(capture.verdict));
+  note(to_string(capture.verdict),
+       {capture.times.device_ns, capture.verdict == FrameVerdict::kKeyframe, advice(capture.verdict)});
   if (capture.verdict == FrameVerdict::kIncomplete) return;  // part of the picture is missing: nothing to look at
   if (capture.verdict != FrameVerdict::kKeyframe) {
     ++report.live;
@@ -314,7 +335,7 @@ void TrackingLoop::Impl::publish(const Hooks& hooks) {
   report.overrun = overrun_count;
   if (state != SourceState::kStale) stale_since_ns.reset();
   if (state == SourceState::kStale && !stale_since_ns) stale_since_ns = now;
-  report.trouble = stale_since_ns && now - *stale_since_ns >= kSilent_ns ? source.message() : trouble_of(latest);
+  report.trouble = stale_since_ns && now - *stale_since_ns >= kSilent_ns ? source.message() : trouble();
   if (hooks.progress) hooks.progress(report);
   if (!hooks.publish) return;
   Status status{.role = "tracker",

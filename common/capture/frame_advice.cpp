@@ -16,7 +16,7 @@ const char* advice(FrameVerdict verdict) {
     case FrameVerdict::kUnderexposed:
       return "too dark: lengthen the exposure, or add light";
     case FrameVerdict::kUncertainPose:
-      return "uncertain pose: show more of the stage, or come nearer";
+      return "uncertain pose: show more of the stage, come nearer, or allow more";
     case FrameVerdict::kIncomplete:
       return "frames arrive incomplete: sheen-tracker doctor checks the camera's network";
     case FrameVerdict::kKeyframe:

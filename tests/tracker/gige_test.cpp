@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <map>
@@ -11,6 +12,7 @@
 
 #include "common/base/errors.h"
 #include "tracker/camera_server/camera_server.h"
+#include "tracker/sources/aravis_devices.h"
 #include "tracker/sources/aravis_source.h"
 
 namespace sheen {
@@ -110,6 +112,15 @@ TEST_F(Gige, AMissingCameraIsAClearError) {
   } catch (const DeviceError& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("127.0.0.43 does not answer"));
   }
+}
+
+TEST_F(Gige, ACameraOfThisMachineDeliversUnderTheNameThatIsListed) {
+  CameraServer server(recording, {.address = "127.0.0.1"});
+  const std::vector<CameraDevice> listed = discover_cameras();
+  const auto ours = std::ranges::find(listed, std::string("127.0.0.1"), &CameraDevice::address);
+  ASSERT_NE(ours, listed.end());
+  AravisSource source(ours->id, {});
+  EXPECT_TRUE(next_frame(source, milliseconds(2000))) << ours->id;
 }
 
 TEST_F(Gige, WhatCannotBeServedIsAClearError) {

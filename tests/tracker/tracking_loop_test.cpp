@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracker/tracking_loop.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -31,10 +32,12 @@ class ScriptedSource : public FrameSource {
   std::string message() const override { return "scripted"; }
   SourceStats stats() const override { return {.frames = next_, .missed = missed}; }
   bool live() const override { return live_; }
+  bool compressed() const override { return lossy; }
   std::string session() const override { return session_name; }
 
   std::vector<Frame> frames;
   std::string session_name;
+  bool lossy = false;
   int throw_at = -1;
   std::uint64_t missed = 0;
 
@@ -242,6 +245,32 @@ TEST_F(TrackedStage, SaysWhatIsWrongWhileItRefusesWhatComes) {
   EXPECT_EQ(sent.refused.at("motion_blur"), 15u);
   EXPECT_EQ(sent.refused.count("keyframe"), 0u);
   EXPECT_EQ(live_line(alone(report)), "TOO FAST: MOTION BLUR  16 frames, 1 kept, 15 refused (15 motion_blur)");
+}
+
+/// Noise as strong as what compression leaves of edges: 0.05 pixels are out of reach.
+TEST_F(TrackedStage, WhatIsTooUncertainForACameraIsWhatCompressedVideoHas) {
+  ScriptedSource camera(false), video(false);
+  std::mt19937 rng(3);
+  for (std::uint64_t i = 0; i < 15; ++i) {
+    ImageU8 picture = pictures[i % 3];
+    testing::add_pixel_noise(picture, 24, rng);
+    camera.frames.push_back(frame(picture, i + 1));
+  }
+  video.frames = camera.frames;
+  video.lossy = true;
+  RecordingSink sink;
+  EXPECT_GT(TrackingLoop(camera, sink, rig(), {}).run(kNoHooks).verdicts[FrameVerdict::kUncertainPose], 0u);
+  EXPECT_EQ(TrackingLoop(video, sink, rig(), {}).run(kNoHooks).verdicts[FrameVerdict::kUncertainPose], 0u);
+
+  TrackingOptions strict;
+  strict.gate.max_uncertainty_px = 0.002;
+  ScriptedSource again(false);
+  again.frames = video.frames;
+  again.lossy = true;
+  const TrackingReport refused = TrackingLoop(again, sink, rig(), strict).run(kNoHooks);
+  EXPECT_THAT(refused.trouble, ::testing::MatchesRegex("uncertain pose: .* \\(it is 0\\.[0-9]+ px, \\[gate\\] "
+                                                       "max_uncertainty_px is 0\\.002\\)"));
+  EXPECT_THAT(live_line(alone(refused)), ::testing::HasSubstr("OR ALLOW MORE (it is 0."));
 }
 
 TEST_F(TrackedStage, ACameraFasterThanTheTrackerLosesCountedFrames) {

@@ -98,6 +98,7 @@ TEST_F(DecodedVideo, IsTurnedAsItsFileSays) {
     EXPECT_EQ(video.width(), c.width);
     EXPECT_EQ(video.height(), kWidth + kHeight - c.width);
     EXPECT_EQ(video.warning(), "");
+    EXPECT_TRUE(video.lossy());
     const auto picture = video.next();
     ASSERT_TRUE(picture);
     EXPECT_EQ(validation_error(picture->image), "");

@@ -63,6 +63,7 @@ class VideoFile : public ::testing::Test {
 TEST_F(VideoFile, GivesEachFrameAsItWasWritten) {
   const auto source = open_video(file_, {.width = 160, .height = 120, .frame_rate_hz = kRate, .exposure_us = 4000});
   EXPECT_FALSE(source->live());
+  EXPECT_FALSE(source->compressed()) << "FFV1 loses nothing";
   for (int i = 0; i < kFrames; ++i) {
     const auto frame = source->next(milliseconds(0));
     ASSERT_TRUE(frame) << i;

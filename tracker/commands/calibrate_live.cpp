@@ -77,7 +77,10 @@ void collect_views(LiveSource& source, const CalibrationTarget& target, const Le
     const std::optional<Frame> frame = source.next();
     if (!frame) break;
     if (!collector) collector.emplace(target, ImageSize{frame->image.width, frame->image.height}, fit);
-    const double at_s = 1e-9 * static_cast<double>(frame->times.grabbed_ns);
+    // By the camera's clock: frames that waited here, or that were skipped under load, are as far apart as it took
+    // them.
+    const std::int64_t taken_ns = frame->times.device_ns > 0 ? frame->times.device_ns : frame->times.grabbed_ns;
+    const double at_s = 1e-9 * static_cast<double>(taken_ns);
     const SeenView seen = collector->see(grey_image(frame->image), at_s, frame->exposure.exposure_s);
     if (seen == SeenView::kKept) write_png(free_name(folder, number), viewable(frame->image));
     line.show(*collector, seen);

@@ -9,15 +9,17 @@
 namespace sheen {
 namespace {
 
-constexpr std::chrono::seconds kQuiet{3};  // between two lines where there is no terminal
-constexpr std::size_t kWidth = 100;        // of a line that is written over
+constexpr std::chrono::seconds kQuiet{3};    // between two lines where there is no terminal ...
+constexpr std::chrono::seconds kAlways{10};  // ... and without news
+constexpr std::size_t kWidth = 100;          // of a line that is written over
 
 }  // namespace
 
 std::string live_line(const RigReport& rig) {
   const TrackingReport report = total(rig);
   std::string text = report.trouble;
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+  const auto figures = std::find(text.begin(), text.end(), '(');  // and keys of the configuration
+  std::transform(text.begin(), figures, text.begin(), [](unsigned char c) { return std::toupper(c); });
   if (!text.empty()) text += "  ";
   std::string reasons;
   std::uint64_t refused = 0;
@@ -35,7 +37,10 @@ std::string live_line(const RigReport& rig) {
   return reasons.empty() ? text : text + " (" + reasons + ")";
 }
 
-LiveLine::LiveLine(std::FILE* stream) : stream_(stream), terminal_(::isatty(::fileno(stream)) == 1) {}
+LiveLine::LiveLine(std::FILE* stream)
+    : stream_(stream),
+      terminal_(::isatty(::fileno(stream)) == 1),
+      told_at_(std::chrono::steady_clock::now() - kQuiet) {}
 
 LiveLine::~LiveLine() {
   if (terminal_) std::fputs("\r\033[K", stream_);
@@ -51,11 +56,15 @@ void LiveLine::show(const RigReport& rig) {
     return;
   }
   const auto now = std::chrono::steady_clock::now();
-  if (trouble == told_ || (told_at_ && now - *told_at_ < kQuiet)) return;
+  const auto since = now - told_at_;
+  if (since < (trouble == told_ ? kAlways : kQuiet)) return;
+  const std::uint64_t kept = total(rig).kept;
+  const bool again = !told_.empty() && trouble.empty() && kept > told_kept_;
   told_ = trouble;
   told_at_ = now;
-  std::fprintf(stream_, "sheen-tracker: %s%s\n", told_.empty() ? "frames are kept again: " : "",
-               live_line(rig).c_str());
+  told_kept_ = kept;
+  std::fprintf(stream_, "sheen-tracker: %s%s\n", again ? "frames are kept again: " : "", live_line(rig).c_str());
+  std::fflush(stream_);
 }
 
 }  // namespace sheen

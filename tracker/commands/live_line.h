@@ -2,8 +2,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
-#include <optional>
 #include <string>
 
 #include "tracker/tracking_report.h"
@@ -11,7 +11,8 @@
 namespace sheen {
 
 /// What `run` tells the person who holds the camera while it runs: on a terminal one line that is written over, with
-/// what is wrong in front; elsewhere a line when something begins or ceases to be wrong, at most every few seconds.
+/// what is wrong in front; elsewhere a line when something begins or ceases to be wrong, at most every few seconds, and
+/// one every ten seconds without news.
 class LiveLine {
  public:
   explicit LiveLine(std::FILE* stream = stderr);
@@ -25,7 +26,8 @@ class LiveLine {
   std::FILE* stream_;
   bool terminal_;
   std::string told_;
-  std::optional<std::chrono::steady_clock::time_point> told_at_;
+  std::chrono::steady_clock::time_point told_at_;
+  std::uint64_t told_kept_ = 0;
 };
 
 /// "TOO FAST: MOTION BLUR  56 frames, 1 kept, 55 refused (54 motion_blur, 1 too_near)". Of several cameras with what

@@ -54,7 +54,7 @@ std::string validation_error(const GateOptions& o) {
   if (!(o.min_bright >= 0 && o.min_bright < 1)) return "min_bright must lie in 0..1";
   if (!(o.min_angle_deg >= 0 && o.min_angle_deg < 180)) return "min_angle_deg must lie in 0..180";
   if (!(o.min_distance_m >= 0 && o.min_distance_m <= 1000)) return "min_distance_m must lie in 0..1000";
-  if (!(o.max_uncertainty_px >= 0.001 && o.max_uncertainty_px <= 1000))
+  if (o.max_uncertainty_px != 0 && !(o.max_uncertainty_px >= 0.001 && o.max_uncertainty_px <= 1000))
     return "max_uncertainty_px must lie in 0.001..1000";
   return {};
 }
@@ -92,7 +92,9 @@ double BlurPredictor::predict(const Camera& camera, const ObjectRegion& region, 
 }
 
 KeyframeGate::KeyframeGate(const GateOptions& options, const ObjectRegion& region)
-    : options_(options), region_(region) {}
+    : options_(options), region_(region) {
+  if (options_.max_uncertainty_px == 0) options_.max_uncertainty_px = kCameraUncertainty_px;
+}
 
 FrameVerdict KeyframeGate::judge(const Camera& camera, const RawImage& image, bool complete, const PoseEstimate& pose,
                                  const LightState& light) const {
@@ -102,10 +104,17 @@ FrameVerdict KeyframeGate::judge(const Camera& camera, const RawImage& image, bo
   if (pose.blur_px > options_.max_blur_px) return FrameVerdict::kMotionBlur;
   const FrameVerdict exposure = judge_exposure(camera, image, pose.camera_from_object);
   if (exposure != FrameVerdict::kKeyframe) return exposure;
-  for (const Eigen::Vector3d& point : probes(region_))
-    if (!(point_uncertainty_px(camera, pose, point) <= options_.max_uncertainty_px))
-      return FrameVerdict::kUncertainPose;
+  if (!(uncertainty_px(camera, pose) <= options_.max_uncertainty_px)) return FrameVerdict::kUncertainPose;
   return too_near(pose.camera_from_object, light) ? FrameVerdict::kTooNear : FrameVerdict::kKeyframe;
+}
+
+double KeyframeGate::uncertainty_px(const Camera& camera, const PoseEstimate& pose) const {
+  double largest = 0;
+  for (const Eigen::Vector3d& point : probes(region_)) {
+    const double here = point_uncertainty_px(camera, pose, point);
+    if (!(here <= largest)) largest = here;  // NaN, too
+  }
+  return largest;
 }
 
 void KeyframeGate::remember(const PoseEstimate& pose, const LightState& light) {

@@ -14,13 +14,17 @@ namespace sheen {
 /// Defaults rest on measurements with a synthetic stage of 24 tags at 0.55 to 0.75 m and f = 1200 px.
 struct GateOptions {
   int min_tags = 6;
-  double max_blur_px = 2;            ///< 4 px already cost 0.4 mm of the camera's place (p95), 12 px 28 mm
-  double max_overexposed = 0.1;      ///< part of the stage's pixels at full scale; highlights stay well below
-  double min_bright = 0.1;           ///< of full scale: the 99th percentile on the stage must reach it
-  double min_angle_deg = 1;          ///< a frame is too near when an earlier keyframe differs by less than this ...
-  double min_distance_m = 0.01;      ///< ... and by less than this: about 1 deg at 0.6 m; so for a lamp that moves
-  double max_uncertainty_px = 0.05;  ///< standard deviation of where the object appears
+  double max_blur_px = 2;         ///< 4 px already cost 0.4 mm of the camera's place (p95), 12 px 28 mm
+  double max_overexposed = 0.1;   ///< part of the stage's pixels at full scale; highlights stay well below
+  double min_bright = 0.1;        ///< of full scale: the 99th percentile on the stage must reach it
+  double min_angle_deg = 1;       ///< a frame is too near when an earlier keyframe differs by less than this ...
+  double min_distance_m = 0.01;   ///< ... and by less than this: about 1 deg at 0.6 m; so for a lamp that moves
+  double max_uncertainty_px = 0;  ///< standard deviation of where the object appears; 0: what the source allows
 };
+/// `max_uncertainty_px` where none is given. Compression moves edges: no pose of such a video is as certain as a
+/// camera's, and its pictures are no sharper either.
+inline constexpr double kCameraUncertainty_px = 0.05, kCompressedUncertainty_px = 0.3;
+
 /// Empty, or which option is out of range.
 std::string validation_error(const GateOptions& options);
 
@@ -60,6 +64,9 @@ class KeyframeGate {
   /// Judges a frame with its solved pose (blur included) and its light. Does not remember it.
   FrameVerdict judge(const Camera& camera, const RawImage& image, bool complete, const PoseEstimate& pose,
                      const LightState& light = {}) const;
+  /// Pixels; the largest over the object.
+  double uncertainty_px(const Camera& camera, const PoseEstimate& pose) const;
+  double max_uncertainty_px() const { return options_.max_uncertainty_px; }
   /// Remembers a keyframe that was taken, so that its neighbours in the same light are too near.
   void remember(const PoseEstimate& pose, const LightState& light = {});
 

@@ -68,6 +68,18 @@ class Call {
   GError* error_ = nullptr;
 };
 
+bool is_loopback(GSocketAddress* address) {
+  return address && G_IS_INET_SOCKET_ADDRESS(address) &&
+         g_inet_address_get_is_loopback(g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address)));
+}
+
+/// "127.0.0.1"
+std::string address_of(GSocketAddress* address) {
+  const std::unique_ptr<char, void (*)(void*)> text(
+      g_inet_address_to_string(g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address))), g_free);
+  return text.get();
+}
+
 void on_control_lost(ArvDevice*, std::atomic<bool>* lost) {
   *lost = true;
 }
@@ -86,6 +98,8 @@ struct AravisCamera::Impl {
   double frame_rate_hz = 0;
 
   void open();
+  void connect(const std::string& name);
+  bool reached_from_afar() const;
   void set_up(const SourceSettings& settings);
   void reset();
   void set_region(const SourceSettings& settings);
@@ -108,17 +122,32 @@ AravisCamera::~AravisCamera() {
 }
 
 void AravisCamera::Impl::open() {
+  connect(id);
+  // One of this machine, found by its name over a network's interface, would send its images to that network.
+  if (reached_from_afar())
+    connect(address_of(arv_gv_device_get_device_address(ARV_GV_DEVICE(arv_camera_get_device(camera.get())))));
+  ArvDevice* device = arv_camera_get_device(camera.get());
+  if (ARV_IS_GV_DEVICE(device) && !arv_gv_device_is_controller(ARV_GV_DEVICE(device)))
+    throw DeviceError("camera " + id + " is controlled by another program; end it, or wait some seconds if it crashed");
+  lost_handler = g_signal_connect(device, "control-lost", G_CALLBACK(on_control_lost), &lost);
+}
+
+void AravisCamera::Impl::connect(const std::string& name) {
+  camera.reset();  // a camera has one controller
   GError* error = nullptr;
-  camera.reset(arv_camera_new(id.c_str(), &error));
+  camera.reset(arv_camera_new(name.c_str(), &error));
   const std::string reason = error ? error->message : "";
   g_clear_error(&error);
   if (!camera)
     throw DeviceError("camera " + id + " does not answer" + (reason.empty() ? "" : " (" + reason + ")") +
                       "; `sheen-tracker cameras` lists those that do");
-  ArvDevice* device = arv_camera_get_device(camera.get());
-  if (ARV_IS_GV_DEVICE(device) && !arv_gv_device_is_controller(ARV_GV_DEVICE(device)))
-    throw DeviceError("camera " + id + " is controlled by another program; end it, or wait some seconds if it crashed");
-  lost_handler = g_signal_connect(device, "control-lost", G_CALLBACK(on_control_lost), &lost);
+}
+
+bool AravisCamera::Impl::reached_from_afar() const {
+  ArvDevice* const device = arv_camera_get_device(camera.get());
+  if (!ARV_IS_GV_DEVICE(device)) return false;
+  return is_loopback(arv_gv_device_get_device_address(ARV_GV_DEVICE(device))) &&
+         !is_loopback(arv_gv_device_get_interface_address(ARV_GV_DEVICE(device)));
 }
 
 void AravisCamera::Impl::set_up(const SourceSettings& settings) {

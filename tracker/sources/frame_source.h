@@ -56,6 +56,9 @@ class FrameSource {
   /// What changes between its frames, as far as the source itself knows.
   virtual RigMotion motion() const { return {}; }
 
+  /// Whether its images were compressed with losses, which moves edges by parts of a pixel.
+  virtual bool compressed() const { return false; }
+
   /// What a person should know about the source, a line each; empty: nothing.
   virtual std::string remarks() const { return {}; }
 

@@ -150,6 +150,11 @@ double VideoDecoder::announced_frames() const {
   return duration > 0 ? std::floor(static_cast<double>(duration) / AV_TIME_BASE * frame_rate_hz() + 0.5) : 0;
 }
 
+bool VideoDecoder::lossy() const {
+  const AVCodecDescriptor* const codec = avcodec_descriptor_get(impl_->stream->codecpar->codec_id);
+  return !codec || (codec->props & AV_CODEC_PROP_LOSSY);
+}
+
 std::string VideoDecoder::warning() const {
   std::string said;
   if (!impl_->turn)

@@ -22,6 +22,7 @@ class VideoDecoder {
   int height() const;
   double frame_rate_hz() const;     ///< 0: not known
   double announced_frames() const;  ///< often an estimate; 0 where the file says nothing
+  bool lossy() const;               ///< whether its compression loses anything
   /// What a person should know of its colours or how it is turned, a sentence; empty: nothing.
   std::string warning() const;
 

@@ -34,6 +34,7 @@ class VideoDeviceSource : public FrameSource {
   SourceState state() const override { return feed_.state(); }
   SourceStats stats() const override { return feed_.stats(); }
   bool live() const override { return true; }
+  bool compressed() const override { return true; }  // most devices send MJPEG, and do not say so here
   std::string message() const override {
     const std::string name = "video device " + path_;
     switch (state()) {
@@ -66,6 +67,7 @@ class VideoFileSource : public FrameSource {
     return path_ + (ended() ? " has ended" : ", frame " + std::to_string(frames_.load()));
   }
   std::string remarks() const override { return decoder_->warning(); }
+  bool compressed() const override { return decoder_->lossy(); }
 
  private:
   void check(const SourceSettings& settings) const;
