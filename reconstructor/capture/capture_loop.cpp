@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/clock.h"
+#include "common/base/guarded_thread.h"
 #include "common/base/log.h"
 #include "reconstructor/capture/background_threads.h"
 #include "reconstructor/capture/capture_storing.h"
@@ -19,8 +20,9 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPoll{50};
 constexpr int kLateSnapshotFactor = 5;
-constexpr int kSnapshotsRest = 2;   // times as long as the last snapshot took, before the next
-constexpr int kJudgementsRest = 4;  // times as long as the last live judgement took, before the next
+constexpr int kSnapshotsRest = 2;         // times as long as the last snapshot took, before the next
+constexpr std::size_t kMostTimed = 4096;  // images whose latency is measured while they wait
+constexpr int kJudgementsRest = 4;        // times as long as the last live judgement took, before the next
 
 double seconds_since(std::int64_t steady_ns) {
   return 1e-9 * static_cast<double>(steady_now_ns() - steady_ns);
@@ -46,8 +48,10 @@ CaptureLoop::~CaptureLoop() {
 }
 
 void CaptureLoop::start() {
-  receive_thread_ = std::jthread([this] { receive(stop_receiving_.get_token()); });
-  ingest_thread_ = std::jthread([this] { ingest(stop_ingesting_.get_token()); });
+  const auto end = [this](const std::exception_ptr& error) { fail(words_of(error)); };
+  receive_thread_ = guarded_thread([this] { receive(stop_receiving_.get_token()); }, end);
+  ingest_thread_ =
+      guarded_thread([this] { BackgroundThreads().run([this] { ingest(stop_ingesting_.get_token()); }); }, end);
 }
 
 void CaptureLoop::finish() {
@@ -65,14 +69,23 @@ void CaptureLoop::stop() {
   if (ingest_thread_.joinable()) ingest_thread_.join();
 }
 
+/// What only shows or judges the capture cannot end it.
+template <typename Watching>
+bool CaptureLoop::unharmed(const Watching& watching) {
+  return guarded(watching, [this](const std::exception_ptr& error) {
+    const std::string what = words_of(error);
+    watchers_log_.tell(what, "the capture goes on, though whoever watches it has failed: " + what);
+  });
+}
+
 void CaptureLoop::receive(std::stop_token stop) {
   std::uint64_t journaled = status().journaled;
   while (!stop.stop_requested()) {
     std::optional<TrackerLinks::Arrival> arrival = links_->next(kPoll);
     if (arrival && !store(*arrival, journaled, stop)) return;
-    report_links(arrival, journaled);
+    unharmed([&] { report_links(arrival, journaled); });
     // After it is stored and acknowledged: tracker and model do not wait for those who watch.
-    if (arrival && observer_.on_capture) observer_.on_capture(arrival->received.capture);
+    if (arrival && observer_.on_capture) unharmed([&] { observer_.on_capture(arrival->received.capture); });
   }
 }
 
@@ -81,7 +94,7 @@ bool CaptureLoop::store(TrackerLinks::Arrival& arrival, std::uint64_t& journaled
   if (arrival.received.live) return true;
   try {
     arrival.stored_as = store_capture(session_, *links_, arrival, stop);
-    journaled = std::max(journaled, *arrival.stored_as + 1);
+    if (arrival.stored_as) journaled = std::max(journaled, *arrival.stored_as + 1);
   } catch (const SessionBusy&) {
     return false;  // asked to stop while it waited
   } catch (const std::exception& error) {
@@ -97,11 +110,12 @@ void CaptureLoop::report_links(const std::optional<TrackerLinks::Arrival>& arriv
   const std::lock_guard lock(mutex_);
   status_.links = std::move(links);
   status_.journaled = journaled;
-  if (arrival && !arrival->received.live) {
+  if (arrival && arrival->stored_as) {
     if (const std::optional<ClockOffset>& clock = status_.links[arrival->tracker].stats.clock) {
       const std::int64_t grabbed_ns = arrival->received.capture.times.grabbed_ns - clock->offset_ns;
       status_.latency.to_disk.add(seconds_since(grabbed_ns));
       if (arrival->stored_as >= status_.ingested) grabbed_ns_[*arrival->stored_as] = grabbed_ns;  // or sent twice
+      if (grabbed_ns_.size() > kMostTimed) grabbed_ns_.erase(grabbed_ns_.begin());
     }
   }
   journaled_changed_.notify_all();
@@ -120,7 +134,6 @@ struct CaptureLoop::Pending {
 };
 
 void CaptureLoop::ingest(std::stop_token stop) {
-  const BackgroundThreads background;
   try {
     const Session journal = patiently(stop, [&] { return Session::open_read_only(folder_); });
     Pending pending{.judge_interval = options_.judge_interval};
@@ -143,9 +156,8 @@ void CaptureLoop::ingest(std::stop_token stop) {
         break;
       judge_when_due(late, pending);
     }
-  } catch (const std::exception& error) {
-    const bool stopped_waiting = stop.stop_requested() && dynamic_cast<const SessionBusy*>(&error);
-    if (!stopped_waiting) return fail(error.what());
+  } catch (const SessionBusy&) {
+    if (!stop.stop_requested()) throw;
   }
   finished_ = true;
 }
@@ -173,22 +185,23 @@ void CaptureLoop::show_when_due(bool late, bool ended, Pending& pending) {
 
 void CaptureLoop::show(Pending& pending) {
   const auto begun = Clock::now();
-  if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot(), reconstruction_.shared_painter());
+  pending.unshown = !unharmed([this] {
+    if (observer_.on_snapshot) observer_.on_snapshot(reconstruction_.snapshot(), reconstruction_.shared_painter());
+  });
   {
     const std::lock_guard lock(mutex_);
     for (const std::int64_t grabbed_ns : std::exchange(unshown_grabbed_ns_, {}))
-      if (observer_.on_snapshot) status_.latency.to_picture.add(seconds_since(grabbed_ns));
+      if (observer_.on_snapshot && !pending.unshown) status_.latency.to_picture.add(seconds_since(grabbed_ns));
   }
   pending.last_shown = Clock::now();
   pending.snapshot_took = pending.last_shown - begun;
-  pending.unshown = false;
 }
 
 /// Images come first: while some wait (`late`), nothing is judged.
 void CaptureLoop::judge_when_due(bool late, Pending& pending) {
   if (!pending.unjudged || late || Clock::now() - pending.last_judged < pending.judge_interval) return;
   const auto begun = Clock::now();
-  judge_live();
+  unharmed([this] { judge_live(); });
   pending.last_judged = Clock::now();
   pending.judge_interval =
       std::max<Clock::duration>(options_.judge_interval, kJudgementsRest * (pending.last_judged - begun));
@@ -321,7 +334,7 @@ void CaptureLoop::ingest_next(const Session& journal, std::uint64_t index) {
     status_.last = report;
     if (grabbed) {
       status_.latency.to_model.add(seconds_since(grabbed.mapped()));
-      unshown_grabbed_ns_.push_back(grabbed.mapped());
+      if (unshown_grabbed_ns_.size() < kMostTimed) unshown_grabbed_ns_.push_back(grabbed.mapped());
     }
   }
   status_.images_per_s = reconstruction_.account().images_per_s();

@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/sparing_log.h"
 #include "common/session/session.h"
 #include "reconstructor/capture/reconstruction.h"
 #include "reconstructor/capture/tracker_links.h"
@@ -68,7 +69,8 @@ struct LoopStatus {
   std::string error;  ///< what stopped the loop, if anything did (a full disk, say)
 };
 
-/// Who watches a loop. Calls come from the loop's threads, must be quick and must not throw.
+/// Who watches a loop. Calls come from the loop's threads and must be quick. What they throw is logged, and ends
+/// nothing.
 struct LoopObserver {
   /// With a painter of its mesh.
   std::function<void(std::shared_ptr<const ModelSnapshot>, std::shared_ptr<const RayPainter>)> on_snapshot;
@@ -121,6 +123,8 @@ class CaptureLoop {
  private:
   struct Pending;
   void receive(std::stop_token stop);
+  template <typename Watching>
+  bool unharmed(const Watching& watching);
   bool store(TrackerLinks::Arrival& arrival, std::uint64_t& journaled, const std::stop_token& stop);
   void report_links(const std::optional<TrackerLinks::Arrival>& arrival, std::uint64_t journaled);
   void ingest(std::stop_token stop);
@@ -164,6 +168,7 @@ class CaptureLoop {
   /// no snapshot shows yet.
   std::map<std::uint64_t, std::int64_t> grabbed_ns_;
   std::vector<std::int64_t> unshown_grabbed_ns_;
+  SparingLog watchers_log_{"display"};
   std::string effort_record_;  ///< as the session has it
   std::atomic<bool> finished_{false};
   // Not the threads' own: either may ask both to stop while `start` still assigns them.

@@ -5,13 +5,19 @@
 
 namespace sheen {
 
-std::uint64_t store_capture(Session& session, TrackerLinks& links, TrackerLinks::Arrival& arrival,
-                            const std::stop_token& stop) {
+std::optional<std::uint64_t> store_capture(Session& session, TrackerLinks& links, TrackerLinks::Arrival& arrival,
+                                           const std::stop_token& stop) {
   Capture& capture = arrival.received.capture;
   capture.times.received_ns = steady_now_ns();
-  const std::uint64_t index = patiently(stop, [&] { return session.append(capture); });
-  links.acknowledge(arrival);
-  return index;
+  try {
+    const std::uint64_t index = patiently(stop, [&] { return session.append(capture); });
+    links.acknowledge(arrival);
+    return index;
+  } catch (const TakenName& error) {
+    log_error("session", error.what(), {{"endpoint", links.endpoint(arrival.tracker)}});
+    links.refuse(arrival, error.what());
+    return std::nullopt;
+  }
 }
 
 }  // namespace sheen

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -29,8 +30,9 @@ auto patiently(const std::stop_token& stop, const Action& action) {
 }
 
 /// Makes a capture that came durable, then acknowledges it; returns its index. Throws FileError, or SessionBusy once it
-/// is asked to stop: it is then not acknowledged, and the tracker keeps it.
-std::uint64_t store_capture(Session& session, TrackerLinks& links, TrackerLinks::Arrival& arrival,
-                            const std::stop_token& stop);
+/// is asked to stop: it is then not acknowledged, and the tracker keeps it. Nothing where another source has stored
+/// another image by that name: then no more is taken of this one, and its tracker is told.
+std::optional<std::uint64_t> store_capture(Session& session, TrackerLinks& links, TrackerLinks::Arrival& arrival,
+                                           const std::stop_token& stop);
 
 }  // namespace sheen

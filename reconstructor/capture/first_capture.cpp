@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "common/base/guarded_thread.h"
 #include "reconstructor/capture/capture_storing.h"
 
 namespace sheen {
@@ -32,14 +33,15 @@ FirstCapture::FirstCapture(Session& session, TrackerLinks& links, bool once,
       links_(links),
       once_(once),
       on_link_(std::move(on_link)),
-      thread_([this](const std::stop_token& stop) {
-        try {
-          look(stop);
-        } catch (...) {
-          failure_ = std::current_exception();
-        }
-        over_ = true;
-      }) {}
+      thread_(guarded_thread(
+          [this](const std::stop_token& stop) {
+            look(stop);
+            over_ = true;
+          },
+          [this](const std::exception_ptr& error) {
+            failure_ = error;
+            over_ = true;
+          })) {}
 
 std::optional<FirstCapture::Found> FirstCapture::take() {
   thread_.request_stop();
@@ -101,7 +103,7 @@ void FirstCapture::look(const std::stop_token& stop) {
     if (!arrival || arrival->received.live) continue;
     Capture& capture = arrival->received.capture;
     if (capture.pose.usable()) note(motion.emplace(completed(link.motion, capture.light)), stop);
-    store_capture(session_, links_, *arrival, stop);
+    if (!store_capture(session_, links_, *arrival, stop)) continue;
     if (capture.pose.usable()) found_ = {std::move(capture), *motion};
   }
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
 #include "common/base/log.h"
 #include "common/geometry/mesh_io.h"
 #include "reconstructor/capture/background_threads.h"
@@ -75,7 +76,13 @@ LiveRefinement::LiveRefinement(CaptureLoop& loop, std::filesystem::path session_
 LiveRefinement::~LiveRefinement() = default;
 
 void LiveRefinement::start() {
-  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  // Whatever goes wrong here, the capture ends with the mesh that it has.
+  const auto give_up = [this](const std::exception_ptr& error) {
+    loop_.tell(std::nullopt);
+    loop_.no_other_mesh_follows();
+    log_error("mesh", "it is not refined any more: " + words_of(error));
+  };
+  thread_ = guarded_thread([this](const std::stop_token& stop) { run(stop); }, give_up);
 }
 
 nlohmann::json LiveRefinement::report() const {
@@ -83,14 +90,10 @@ nlohmann::json LiveRefinement::report() const {
   return *looks_;
 }
 
-/// Whatever goes wrong here, the capture ends with the mesh that it has.
 void LiveRefinement::run(const std::stop_token& stop) {
-  const BackgroundThreads background;
   try {
-    look_until_over(stop);
+    BackgroundThreads().run([&] { look_until_over(stop); });
   } catch (const Stopped&) {
-  } catch (const std::exception& error) {
-    log_error("mesh", std::string("it is not refined any more: ") + error.what());
   }
   loop_.tell(std::nullopt);
   loop_.no_other_mesh_follows();

@@ -31,11 +31,12 @@ void adapt_update_fraction(EffortControl& control, std::uint64_t number, const I
 /// Once for each source, however many models are made of it, and again for a camera of it of which something else is
 /// known.
 void say_what_is_known_of_light(const Capture& capture) {
+  constexpr std::size_t kMostSources = 64;  // names that somebody makes up fill neither the memory nor the log
   static std::mutex mutex;
   static std::set<std::string> said;
   const std::lock_guard lock(mutex);
   const std::string known = capture.source_session + ": " + photometric_knowledge(capture);
-  if (!said.insert(known).second) return;
+  if (said.size() >= kMostSources || !said.insert(known).second) return;
   if (capture.photometry && !capture.photometry->vignette.none()) return;
   log_info("light", std::string("what the camera makes of light: ") + photometric_knowledge(capture) +
                         "; `sheen-tracker calibrate photometric` measures it");

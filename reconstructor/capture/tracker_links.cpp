@@ -90,6 +90,10 @@ void TrackerLinks::acknowledge(const Arrival& arrival) {
   receivers_.at(arrival.tracker)->acknowledge(capture.source_session, capture.sequence);
 }
 
+void TrackerLinks::refuse(const Arrival& arrival, const std::string& reason) {
+  receivers_.at(arrival.tracker)->refuse(arrival.received.capture.source_session, reason);
+}
+
 std::vector<LinkState> TrackerLinks::states() const {
   std::vector<LinkState> states;
   for (std::size_t i = 0; i < receivers_.size(); ++i) states.push_back({endpoints_[i], receivers_[i]->stats()});

@@ -40,6 +40,9 @@ class TrackerLinks {
   std::optional<Arrival> next(std::chrono::milliseconds timeout);
   /// Call once the capture is durable.
   void acknowledge(const Arrival& arrival);
+  /// No more is taken of the arrival's source by that link, also of what waits, and its tracker is told why.
+  void refuse(const Arrival& arrival, const std::string& reason);
+  const std::string& endpoint(std::size_t tracker) const { return endpoints_.at(tracker); }
   std::vector<LinkState> states() const;
 
  private:

@@ -2,10 +2,10 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
-#include <thread>
 #include <utility>
 
 #include "common/base/command_line.h"
@@ -14,6 +14,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/log.h"
+#include "common/base/repeated_work.h"
 #include "common/base/report_file.h"
 #include "common/base/service_manager.h"
 #include "common/base/stop_signal.h"
@@ -113,28 +114,21 @@ std::string take_back_last(CaptureLoop& loop) {
   }
 }
 
-/// Keeps window, status page and log informed until it goes, on a thread of its own.
-class Publisher {
- public:
-  Publisher(const CaptureLoop& loop, const CaptureEnd& end, LiveDisplay& display, MonitorServer* monitor, bool window)
-      : thread_([&loop, &end, &display, monitor, window](const std::stop_token& stop) {
-          auto last_monitor = std::chrono::steady_clock::now() - kMonitorInterval;
-          EndStage last_stage = EndStage::kCapturing;
-          for (; !stop.stop_requested(); std::this_thread::sleep_for(kDisplayInterval)) {
-            const EndProgress progress = end.progress();
-            const LoopStatus status = loop.status();
-            if (window) display.publish_to_window(status, progress);
-            const auto now = std::chrono::steady_clock::now();
-            if (!monitor || (now - last_monitor < kMonitorInterval && progress.stage == last_stage)) continue;
-            last_monitor = now;
-            last_stage = progress.stage;
-            monitor->publish(display.monitor_state(status, progress));
-          }
-        }) {}
-
- private:
-  std::jthread thread_;
-};
+/// What keeps window and status page informed, when it is called again and again.
+std::function<void()> publishing(const CaptureLoop& loop, const CaptureEnd& end, LiveDisplay& display,
+                                 MonitorServer* monitor, bool window) {
+  return [&loop, &end, &display, monitor, window, last_monitor = std::chrono::steady_clock::now() - kMonitorInterval,
+          last_stage = EndStage::kCapturing]() mutable {
+    const EndProgress progress = end.progress();
+    const LoopStatus status = loop.status();
+    if (window) display.publish_to_window(status, progress);
+    const auto now = std::chrono::steady_clock::now();
+    if (!monitor || (now - last_monitor < kMonitorInterval && progress.stage == last_stage)) return;
+    last_monitor = now;
+    last_stage = progress.stage;
+    monitor->publish(display.monitor_state(status, progress));
+  };
+}
 
 /// What would build the model of the session's captures later.
 std::string build_command(const ServeArguments& arguments) {
@@ -341,7 +335,8 @@ void serve(ServeArguments arguments) {
   loop.start();
   if (refinement) refinement->start();
   if (!waits) tell_it_waits(names);
-  const Publisher publisher(loop, end, display, monitor ? &*monitor : nullptr, window != nullptr);
+  const RepeatedWork publisher("display", kDisplayInterval,
+                               publishing(loop, end, display, monitor ? &*monitor : nullptr, window != nullptr));
   const auto over = [&loop] { return loop.finished() || loop.status().no_more_captures || stop_requested(); };
   wait_until(over, window, display.feed(), [&loop] { return take_back_last(loop); });
   tell_service_is_stopping();

@@ -7,7 +7,9 @@
 #include <thread>
 
 #include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
 #include "common/base/log.h"
+#include "common/base/sparing_log.h"
 #include "reconstructor/models/model_registry.h"
 #include "reconstructor/scene/mesh_scale.h"
 #include "reconstructor/scene/model_choice.h"
@@ -31,10 +33,19 @@ void require_display() {
 void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const ViewerFeed& feed,
                 const std::function<std::string()>& take_back) {
   std::stop_source done;
-  std::jthread look([&](const std::stop_token& closed) {
-    while (!closed.stop_requested() && !over()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    done.request_stop();
-  });
+  SparingLog log("capture");
+  const auto tell = [&log](const std::exception_ptr& error) { log.tell(words_of(error), words_of(error)); };
+  const auto is_over = [&] {
+    bool is = false;
+    guarded([&] { is = over(); }, tell);  // what cannot be told now can be later
+    return is;
+  };
+  std::jthread look = guarded_thread(
+      [&](const std::stop_token& closed) {
+        while (!closed.stop_requested() && !is_over()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        done.request_stop();
+      },
+      tell);
   if (window) {
     try {
       return window->run(feed, done.get_token(), take_back);

@@ -9,6 +9,7 @@
 
 #include "common/base/command_line.h"
 #include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
 #include "common/base/length_limit.h"
 #include "common/base/quantity.h"
 #include "common/image/image_io.h"
@@ -29,7 +30,12 @@ struct ViewArguments {
 class Opening {
  public:
   Opening(const ModelKind& kind, const std::filesystem::path& path, ViewerFeed& feed)
-      : thread_([this, &kind, path, &feed] { open(kind, path, feed); }) {}
+      : thread_(guarded_thread([this, &kind, path, &feed] { open(kind, path, feed); },
+                               [this](const std::exception_ptr& error) {
+                                 error_ = error;
+                                 over_ = true;
+                                 failure_.request_stop();
+                               })) {}
 
   std::stop_token failed() const { return failure_.get_token(); }
   bool over() const { return over_; }
@@ -41,7 +47,7 @@ class Opening {
   }
 
  private:
-  void open(const ModelKind& kind, const std::filesystem::path& path, ViewerFeed& feed) try {
+  void open(const ModelKind& kind, const std::filesystem::path& path, ViewerFeed& feed) {
     constexpr double kFractionOfOneStage = 0.3;  // a bar that moves; nobody knows how long each takes
     ViewerState state;
     state.work = WorkInHand{"OPENING the model", 0, {}};
@@ -54,10 +60,6 @@ class Opening {
     state.work.reset();
     feed.publish(std::move(state));
     over_ = true;
-  } catch (...) {
-    error_ = std::current_exception();
-    over_ = true;
-    failure_.request_stop();
   }
 
   std::exception_ptr error_;

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "common/base/guarded_thread.h"
+#include "common/base/log.h"
 #include "common/registration/placement_check.h"
 
 namespace sheen {
@@ -15,7 +17,7 @@ void PlacementWatch::look(const Capture& capture) {
   first_.push_back(capture);
   if (first_.size() < kImagesToCheck) return;
   looked_ = true;
-  judge_ = std::jthread([this, captures = std::exchange(first_, {})]() mutable {
+  auto judge = [this, captures = std::exchange(first_, {})]() mutable {
     std::vector<RegistrationImage> images;
     bool on_stage = false;
     for (Capture& one : captures) {
@@ -24,6 +26,9 @@ void PlacementWatch::look(const Capture& capture) {
       one = {};  // what it takes is not needed longer
     }
     if (const std::string found = placement_warning(mesh_, images, on_stage); !found.empty()) warn_(found);
+  };
+  judge_ = guarded_thread(std::move(judge), [](const std::exception_ptr& error) {
+    log_error("mesh", "whether it stands where the object is was not found out: " + words_of(error));
   });
 }
 

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <atomic>
+#include <new>
+#include <stdexcept>
 #include <thread>
 
 #include "reconstructor/capture/capture_loop.h"
@@ -28,13 +31,14 @@ class CaptureLoopFaults : public ::testing::Test {
     images_ = captures({object_.surface, analytic::two_terms(0.1)}, analytic::eyes(kImages, 0.5, 0.55));
   }
 
-  void start(Session session, const std::string& tracker = "tcp://127.0.0.1:9") {
+  void start(Session session, const std::string& tracker = "tcp://127.0.0.1:9",
+             LoopObserver observer = {.on_snapshot = [](auto, auto) {}}) {
     reconstruction_ = std::make_unique<Reconstruction>(*object_.mesh, plain_options());
     ReceiverOptions link = testing::receiver_options(tracker);
     link.held = session.held();
-    loop_ = std::make_unique<CaptureLoop>(folder_, std::move(session),
-                                          std::make_unique<TrackerLinks>(std::vector{link}), *reconstruction_,
-                                          CaptureLoopOptions{}, LoopObserver{.on_snapshot = [](auto, auto) {}});
+    loop_ =
+        std::make_unique<CaptureLoop>(folder_, std::move(session), std::make_unique<TrackerLinks>(std::vector{link}),
+                                      *reconstruction_, CaptureLoopOptions{}, std::move(observer));
     loop_->start();
   }
   bool ingests(std::uint64_t captures) {
@@ -88,6 +92,63 @@ TEST_F(CaptureLoopFaults, TakingADamagedImageBackEndsInTheModelWithoutIt) {
       << loop_->status().error;
   EXPECT_TRUE(ingests(kImages));
   EXPECT_TRUE(loop_->status().counts.refused.empty());
+}
+
+TEST_F(CaptureLoopFaults, WhoWatchesMayFailAndTheCaptureGoesOn) {
+  CaptureSender sender(testing::sender_options(testing::kAnyPort, kSource));
+  std::atomic<int> snapshots = 0, shown = 0, captures = 0, links = 0;
+  start(Session::create(folder_), sender.endpoint(),
+        {.on_snapshot =
+             [&](auto, auto) {
+               if (++snapshots <= 2) throw std::bad_alloc();
+               ++shown;
+             },
+         .on_capture =
+             [&](const Capture&) {
+               if (++captures % 2 == 1) throw std::runtime_error("the preview cannot be drawn");
+               throw 7;
+             },
+         .on_link =
+             [&](const std::vector<LinkState>&) {
+               if (++links % 2 == 1) throw std::bad_alloc();
+             }});
+  for (const Capture& image : images_) ASSERT_TRUE(sender.keep(image, kLong));
+  EXPECT_TRUE(ingests(kImages)) << loop_->status().error;
+  EXPECT_TRUE(eventually([&] { return sender.stats().acknowledged == kImages && captures == int{kImages}; }));
+  EXPECT_TRUE(eventually([&] { return shown > 0; })) << "a snapshot that was not shown is shown later";
+  EXPECT_EQ(loop_->status().error, "");
+  EXPECT_FALSE(loop_->finished());
+}
+
+TEST_F(CaptureLoopFaults, OfTwoSourcesByOneNameOneIsRefusedAndTold) {
+  CaptureSender one(testing::sender_options(testing::kAnyPort, kSource)),
+      other(testing::sender_options(testing::kAnyPort, kSource));
+  reconstruction_ = std::make_unique<Reconstruction>(*object_.mesh, plain_options());
+  loop_ = std::make_unique<CaptureLoop>(
+      folder_, Session::create(folder_),
+      std::make_unique<TrackerLinks>(
+          std::vector{testing::receiver_options(one.endpoint()), testing::receiver_options(other.endpoint())}),
+      *reconstruction_, CaptureLoopOptions{}, LoopObserver{});
+  loop_->start();
+  std::vector<Capture> others = images_;
+  for (Capture& image : others) image.image.bytes.at(0) ^= 1;
+  for (std::size_t i = 0; i < kImages; ++i) {
+    ASSERT_TRUE(one.keep(images_[i], kLong));
+    ASSERT_TRUE(other.keep(others[i], kLong));
+  }
+  ASSERT_TRUE(ingests(kImages)) << loop_->status().error;
+  const bool first = one.stats().acknowledged > 0;
+  CaptureSender &stored = first ? one : other, &refused = first ? other : one;
+  EXPECT_TRUE(eventually([&] { return stored.stats().acknowledged == kImages; }));
+  EXPECT_TRUE(eventually([&] { return !refused.stats().last_refusal.empty(); }));
+  EXPECT_THAT(refused.stats().last_refusal, ::testing::HasSubstr("another image"));
+  EXPECT_FALSE(refused.finish(300ms));
+  EXPECT_EQ(refused.stats().acknowledged, 0u);
+  EXPECT_THAT(loop_->status().link().last_error, ::testing::HasSubstr("another image"));
+  const Session session = Session::open_read_only(folder_);
+  for (std::uint64_t i = 0; i < kImages; ++i)
+    EXPECT_EQ(session.read(i).image, (first ? images_ : others)[i].image) << "never some of each";
+  EXPECT_EQ(session.size(), kImages);
 }
 
 /// Keeps the database locked as a browser of databases does, until it goes.

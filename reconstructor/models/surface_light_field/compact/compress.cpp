@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <random>
@@ -21,6 +22,8 @@
 
 namespace sheen {
 namespace {
+
+constexpr std::size_t kMostCameras = UINT16_MAX;  // views name theirs by 16 bits in a file
 
 constexpr std::size_t kEyes = 12, kRaysPerEye = 40000;
 
@@ -240,6 +243,9 @@ class LightFieldCompression : public Compression {
 }  // namespace
 
 std::unique_ptr<Compression> compress(const SurfaceLightFieldSnapshot& snapshot, CompressionTarget target) {
+  if (const std::size_t cameras = snapshot.cameras().size(); cameras > kMostCameras)
+    throw ConfigError("a small file holds at most " + std::to_string(kMostCameras) + " cameras, and this model has " +
+                      std::to_string(cameras) + "; build it from fewer images, or save it without --bytes and --loss");
   return std::make_unique<LightFieldCompression>(snapshot, std::move(target));
 }
 

@@ -14,6 +14,7 @@
 #include "reconstructor/models/surface_light_field/files/compact_file.h"
 #include "reconstructor/models/surface_light_field/kind.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
 
 namespace sheen {
@@ -252,6 +253,16 @@ TEST_F(CompactLightFieldTest, DamageIsFoundByItsChunk) {
   }
   write_file(file, "sheenSLF");
   EXPECT_THROW(load_compact(file), FileError);
+}
+
+TEST(CompactCameras, MoreThanIndicesCountAreRefusedBeforeTheWork) {
+  const auto mesh = std::make_shared<Mesh>();
+  mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh->triangles = {{0, 1, 2}};
+  const auto maps = std::make_shared<MapLayout>(std::vector<std::uint8_t>{2});
+  const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, {.triangles = 1}));
+  const SurfaceLightFieldSnapshot snapshot(mesh, maps, shapes, {nullptr}, 1, {}, std::vector<PosedCamera>(65536));
+  testing::expect_error<ConfigError>([&] { snapshot.compression({}); }, {"65535 cameras", "has 65536"});
 }
 
 }  // namespace
