@@ -2,6 +2,7 @@
 #include "common/datasets/dataset.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <map>
@@ -45,7 +46,7 @@ Description read_transforms(const fs::path& file, ImageAccount& account) {
                                         .size = read_image_size,
                                         .left_out =
                                             [&](const std::string& name, const std::string& why) {
-                                              account.left_out.push_back({name, why});
+                                              account.left_out.push_back({name, why, finder.find_image(name)});
                                             }});
   return description;
 }
@@ -105,10 +106,13 @@ std::string inspect_all(std::vector<DatasetView>& views, const std::string& desc
   Progress progress("looking at images", views.size());
   std::mutex told;
   std::size_t done = 0;
-  tbb::parallel_for(std::size_t(0), views.size(), [&](std::size_t i) {
-    found[i] = inspect(views[i]);
-    const std::lock_guard lock(told);
-    progress.update(++done);
+  constexpr int kAtOnce = 4;  // each holds a decoded image
+  tbb::task_arena(std::min(kAtOnce, tbb::this_task_arena::max_concurrency())).execute([&] {
+    tbb::parallel_for(std::size_t(0), views.size(), [&](std::size_t i) {
+      found[i] = inspect(views[i]);
+      const std::lock_guard lock(told);
+      progress.update(++done);
+    });
   });
   std::string contents = content_hash(description);
   std::vector<DatasetView> usable;

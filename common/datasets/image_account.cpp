@@ -93,6 +93,7 @@ void look_for_unused(ImageAccount& account, const fs::path& root, std::span<cons
     stems.insert((normal.parent_path() / normal.stem()).string());
   }
   used.merge(keys(masks));
+  for (const ImageAccount::LeftOut& left_out : account.left_out) used.insert(key(left_out.file));
   for (const fs::path& file : image_files(root)) {
     const fs::path normal = file.lexically_normal();
     if (used.contains(normal.string())) continue;

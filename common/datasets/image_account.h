@@ -13,6 +13,7 @@ namespace sheen {
 struct ImageAccount {
   struct LeftOut {
     std::string name, why;
+    std::filesystem::path file = {};  ///< where there is one
   };
   std::size_t images = 0;           ///< that are used
   std::size_t of = 0;               ///< those, those left out, and those that lie beside them and are not named

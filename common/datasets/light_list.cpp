@@ -182,9 +182,12 @@ std::string assumption_about(const std::string& file, std::string_view text, std
   const auto length = [](const LitView& view) { return view.light.position.norm(); };
   const auto [near, far] = std::minmax_element(
       views.begin(), views.end(), [&](const LitView& a, const LitView& b) { return length(a) < length(b); });
-  return file + ": " + count + format(" lights of length %.3g to %.3g", length(*near), length(*far)) +
-         " are taken for places in metres; if they are directions of far lights, whose lengths say nothing, " +
-         may_say("directions");
+  const bool dome = length(*far) <= (1 + kUnitWithin) * length(*near);
+  return file + ": " + count +
+         (dome
+              ? format(" lights of length %.3g are taken for places on a dome of that radius, in metres", length(*far))
+              : format(" lights of length %.3g to %.3g are taken for places, in metres", length(*near), length(*far))) +
+         "; if they are directions of far lights, whose lengths say nothing, " + may_say("directions");
 }
 
 std::vector<LitView> load_lights(const fs::path& list) {

@@ -165,7 +165,8 @@ std::string in_its_words(std::string wrong) {
 /// A frame cannot be used, but the others can.
 class NoImage : public Error {
  public:
-  using Error::Error;
+  NoImage(std::string field, const std::string& what) : Error(what), field(std::move(field)) {}
+  const std::string field;
 };
 
 ImageSize size_of(const std::filesystem::path& image, const ImageFiles& images) {
@@ -173,7 +174,7 @@ ImageSize size_of(const std::filesystem::path& image, const ImageFiles& images) 
     return images.size(image);
   } catch (const FileError& error) {
     if (!images.left_out) throw;
-    throw NoImage(error.what());
+    throw NoImage("file_path", error.what());
   }
 }
 
@@ -279,11 +280,11 @@ DatasetView parse_frame(const Fields& fields, const ImageFiles& images) {
   view.name = *name;
   std::replace(view.name.begin(), view.name.end(), '\\', '/');
   view.image_path = images.find(*name);
-  if (view.image_path.empty()) throw NoImage("there is no such image");
+  if (view.image_path.empty()) throw NoImage("file_path", "there is no such image");
   if (const auto mask = fields.text("mask_path")) {
     if (mask->find('\0') == std::string::npos) view.mask_path = images.find(*mask);
     if (!view.mask_path || view.mask_path->empty())
-      fields.fail("mask_path", "there is no such file: \"" + shown(*mask) + "\"");
+      throw NoImage("mask_path", "there is no such mask: \"" + shown(*mask) + "\"");
   }
   view.camera_from_object = parse_pose(fields);
   view.light = parse_light(fields);
@@ -327,7 +328,7 @@ std::vector<DatasetView> parse_transforms(const std::string& file, const std::st
     try {
       views.push_back(parse_frame(fields, images));
     } catch (const NoImage& error) {
-      if (!images.left_out) fields.fail("file_path", error.what());
+      if (!images.left_out) fields.fail(error.field, error.what());
       images.left_out(file_path, error.what());
       left_out.insert(normal_name(file_path));
     }

@@ -18,7 +18,8 @@ struct ImageFiles {
   std::function<std::filesystem::path(const std::string& file_path)> find;
   /// Asked where the description gives no `w` and `h`. Throws FileError.
   std::function<ImageSize(const std::filesystem::path& image)> size;
-  /// Told of a frame without its image, or whose image has no size, and why; it is left out. Not given: an error.
+  /// Told of a frame without its image or mask, or whose image has no size, and why; it is left out. Not given: an
+  /// error.
   std::function<void(const std::string& file_path, const std::string& why)> left_out = {};
 };
 

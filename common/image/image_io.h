@@ -9,9 +9,9 @@
 
 namespace sheen {
 
-/// Reads JPEG, PNG, WebP (8 bit: grey or RGB, sRGB) or EXR (`read_exr_picture`). An alpha is the mask; colours are not
-/// multiplied by it. An EXIF orientation is not applied: poses belong to the pixels as they are stored. Throws
-/// FileError, for damaged data too.
+/// Reads JPEG, PNG, WebP (8 bit: grey or RGB, sRGB; of 16 bits the upper 8) or EXR (`read_exr_picture`). An alpha is
+/// the mask; colours are not multiplied by it. An EXIF orientation is not applied: poses belong to the pixels as they
+/// are stored. Throws FileError, for damaged data too.
 MaskedImage read_masked_image(const std::filesystem::path& path);
 /// Without the mask.
 RawImage read_image(const std::filesystem::path& path);

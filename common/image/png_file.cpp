@@ -22,12 +22,9 @@ struct PngImage {
   int width() const { return static_cast<int>(info.width); }
   int height() const { return static_cast<int>(info.height); }
   /// All pixels in that format; `colours` gets the palette of a format that has one.
-  template <typename Sample>
-  std::vector<Sample> read(png_uint_32 format, void* colours = nullptr) {
+  void read(png_uint_32 format, void* pixels, void* colours = nullptr) {
     info.format = format;
-    std::vector<Sample> pixels(PNG_IMAGE_SIZE(info) / sizeof(Sample));
-    if (!png_image_finish_read(&info, nullptr, pixels.data(), 0, colours)) fail();
-    return pixels;
+    if (!png_image_finish_read(&info, nullptr, pixels, 0, colours)) fail();
   }
 };
 
@@ -40,24 +37,26 @@ void begin(PngImage& png, std::string_view bytes) {
                 " pixels, more than the file can hold");
 }
 
-/// Of interleaved pixels, colours first.
-Cutout cutout(const std::vector<std::uint8_t>& pixels, int width, int height, int colours, bool alpha) {
-  Cutout out{ImageU8(width, height, colours), alpha ? ImageU8(width, height, 1) : ImageU8()};
-  const int channels = colours + (alpha ? 1 : 0);
-  for (std::size_t i = 0; i < std::size_t(width) * height; ++i) {
-    std::copy_n(&pixels[i * channels], colours, out.colours.data() + i * colours);
-    if (alpha) out.alpha.data()[i] = pixels[i * channels + colours];
+Cutout read_cutout(PngImage& png) {
+  // Of 16 bits the upper 8, which are sRGB unless the file says otherwise, as those of photographs are.
+  png.info.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
+  const bool colour = png.has(PNG_FORMAT_FLAG_COLOR);
+  const int colours = colour ? 3 : 1;
+  Cutout out{ImageU8(png.width(), png.height(), colours), {}};
+  if (!png.has(PNG_FORMAT_FLAG_ALPHA)) {
+    png.read(colour ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY, out.colours.data());
+    return out;
+  }
+  // Read with alpha: libpng would else blend it with a background.
+  ImageU8 pixels(png.width(), png.height(), colours + 1);
+  png.read(colour ? PNG_FORMAT_RGBA : PNG_FORMAT_GA, pixels.data());
+  out.alpha = ImageU8(png.width(), png.height(), 1);
+  for (std::size_t i = 0; i < out.alpha.size(); ++i) {
+    const std::uint8_t* pixel = pixels.data() + i * std::size_t(colours + 1);
+    std::copy_n(pixel, colours, out.colours.data() + i * std::size_t(colours));
+    out.alpha.data()[i] = pixel[colours];
   }
   return out;
-}
-
-Cutout read_cutout(PngImage& png) {
-  const bool colour = png.has(PNG_FORMAT_FLAG_COLOR);
-  // Read with alpha where there is one: libpng would else blend it with a background.
-  const bool alpha = png.has(PNG_FORMAT_FLAG_ALPHA);
-  const auto pixels = png.read<std::uint8_t>(colour ? (alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB)
-                                                    : (alpha ? PNG_FORMAT_GA : PNG_FORMAT_GRAY));
-  return cutout(pixels, png.width(), png.height(), colour ? 3 : 1, alpha);
 }
 
 /// A drawing in which 0 is background: the numbers of a palette's entries, or their colours where those say it.
@@ -68,14 +67,16 @@ Cutout read_palette_drawing(PngImage& png) {
   };
   std::vector<Entry> entries(256, Entry{});
   const std::size_t used = png.info.colormap_entries;
-  const auto numbers = png.read<std::uint8_t>(PNG_FORMAT_RGBA_COLORMAP, entries.data());
+  ImageU8 numbers(png.width(), png.height(), 1);
+  png.read(PNG_FORMAT_RGBA_COLORMAP, numbers.data(), entries.data());
   const bool by_number =
       entries[0].black() || std::none_of(entries.begin(), entries.begin() + static_cast<std::ptrdiff_t>(used),
                                          [](const Entry& entry) { return entry.black(); });
   Cutout out{ImageU8(png.width(), png.height(), 1), ImageU8(png.width(), png.height(), 1)};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const Entry& entry = entries[numbers[i]];
-    out.colours.data()[i] = by_number ? numbers[i] : entry.black() ? 0 : 255;
+    const std::uint8_t number = numbers.data()[i];
+    const Entry& entry = entries[number];
+    out.colours.data()[i] = by_number ? number : entry.black() ? 0 : 255;
     out.alpha.data()[i] = entry.a;
   }
   return out;
@@ -83,10 +84,11 @@ Cutout read_palette_drawing(PngImage& png) {
 
 /// The same of 16 bits: 255 where a sample is not 0.
 Cutout read_deep_drawing(PngImage& png) {
-  const auto samples = png.read<std::uint16_t>(PNG_FORMAT_LINEAR_RGB_ALPHA);  // the colours are multiplied by alpha
+  Image<std::uint16_t> samples(png.width(), png.height(), 4);
+  png.read(PNG_FORMAT_LINEAR_RGB_ALPHA, samples.data());  // the colours are multiplied by alpha
   Cutout out{ImageU8(png.width(), png.height(), 1), ImageU8(png.width(), png.height(), 1)};
   for (std::size_t i = 0; i < out.alpha.size(); ++i) {
-    const std::uint16_t* pixel = &samples[4 * i];
+    const std::uint16_t* pixel = samples.data() + 4 * i;
     out.colours.data()[i] = std::max({pixel[0], pixel[1], pixel[2]}) > 0 ? 255 : 0;
     out.alpha.data()[i] = static_cast<std::uint8_t>(pixel[3] >> 8);
   }
@@ -98,8 +100,6 @@ Cutout read_deep_drawing(PngImage& png) {
 Cutout decode_png(std::string_view bytes) {
   PngImage png;
   begin(png, bytes);
-  if (png.has(PNG_FORMAT_FLAG_LINEAR))
-    throw Error("a PNG of 16 bits per channel cannot be read; write 8 bits, or EXR for more");
   return read_cutout(png);
 }
 

@@ -8,7 +8,7 @@
 
 namespace sheen {
 
-/// Decodes a PNG of 8 bits a channel or less; colours are not multiplied by alpha. Throws Error for damaged data.
+/// Decodes a PNG, of 16 bits a channel the upper 8; colours are not multiplied by alpha. Throws Error for damaged data.
 Cutout decode_png(std::string_view bytes);
 ImageSize decode_png_size(std::string_view bytes);
 

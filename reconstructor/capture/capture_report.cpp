@@ -147,7 +147,7 @@ json live_report(const Reconstruction& reconstruction, const Reconstruction::Jud
 
 json files_report(const ImageAccount& account) {
   json left_out = json::array();
-  for (const auto& [name, why] : account.left_out) left_out.push_back({{"name", name}, {"why", why}});
+  for (const auto& [name, why, file] : account.left_out) left_out.push_back({{"name", name}, {"why", why}});
   return {{"images", account.images}, {"of", account.of},         {"masks", account.masks},
           {"left_out", left_out},     {"unused", account.unused}, {"grey", account.grey}};
 }

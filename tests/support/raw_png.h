@@ -16,9 +16,13 @@ struct RawPng {
   std::string pixels;                                       ///< rows without their filter bytes
   std::vector<std::pair<std::string, std::string>> behind;  ///< the pixels
 
+  /// What the file begins with: signature and IHDR.
+  std::string header() const {
+    return std::string("\x89PNG\r\n\x1a\n", 8) +
+           chunk("IHDR", big(width) + big(height) + std::string{char(depth), char(colour_type), 0, 0, 0});
+  }
   std::string bytes() const {
-    std::string file("\x89PNG\r\n\x1a\n", 8);
-    file += chunk("IHDR", big(width) + big(height) + std::string{char(depth), char(colour_type), 0, 0, 0});
+    std::string file = header();
     for (const auto& [type, data] : chunks) file += chunk(type, data);
     file += chunk("IDAT", stored(rows()));
     for (const auto& [type, data] : behind) file += chunk(type, data);

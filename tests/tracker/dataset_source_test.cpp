@@ -72,9 +72,11 @@ TEST_F(DatasetReplay, CrossesTheNetworkExactlyAsReadFromTheFiles) {
   EXPECT_TRUE(source.ended());
 }
 
-TEST_F(DatasetReplay, ABrokenImageIsAnErrorThatNamesIt) {
-  std::filesystem::resize_file(folder / "view3.png", 60);
+TEST_F(DatasetReplay, ABrokenImageIsLeftOutOrAnErrorThatNamesIt) {
   DatasetSource source(folder);
+  std::filesystem::resize_file(folder / "view3.png", 60);  // after it was looked at
+  EXPECT_EQ(DatasetSource(folder).session_size(), 5u);
+  EXPECT_NE(DatasetSource(folder).remarks().find("left out: view3.png"), std::string::npos);
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(source.next(milliseconds(10)));
   try {
     source.next(milliseconds(10));

@@ -160,6 +160,11 @@ TEST_F(DatasetFiles, SomeMasksAndAlphas) {
   json["frames"][1]["mask_path"] = "m.png";
   write("transforms.json", json.dump());
   EXPECT_THAT(told(), HasSubstr("3 of 3 images, 1 of 3 masks"));
+  json["frames"][0]["mask_path"] = "none.png";
+  write("transforms.json", json.dump());
+  EXPECT_THAT(told(), HasSubstr("2 of 3 images, 1 of 2 masks\nleft out: a.png: there is no such mask: \"none.png\""));
+  json["frames"][0].erase("mask_path");
+  write("transforms.json", json.dump());
   ImageU8 cutout(12, 8, 4, 255);
   cutout.at(3, 4, 3) = 0;
   for (const char* name : {"b.png", "c.png"}) write_png(root() / name, cutout);

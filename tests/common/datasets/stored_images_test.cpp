@@ -56,9 +56,11 @@ TEST_F(Stored, AListThatLeavesOpenWhatItsLightsAreIsDoubtful) {
   EXPECT_EQ(dome.read(1).light.kind, LightKind::kPoint);
   EXPECT_EQ(open_stored_images(temp_.write("far.lp", "2 directions\n" + lights)).warning, "");
   const StoredImages near = open_stored_images(temp_.write("near.LP", "2\na.png 0 0 2\nb.png 0 1 2\n"));
-  EXPECT_NE(near.warning.find("2 lights of length 2 to 2.24 are taken for places in metres"), std::string::npos);
+  EXPECT_NE(near.warning.find("2 lights of length 2 to 2.24 are taken for places, in metres"), std::string::npos);
   EXPECT_NE(near.warning.find("\"2 directions\""), std::string::npos);
   EXPECT_EQ(open_stored_images(temp_.write("near.lp", "2 positions\na.png 0 0 2\nb.png 0 1 2\n")).warning, "");
+  const StoredImages other = open_stored_images(temp_.write("dome.lp", "2\na.png 0 0 1.35\nb.png 0 0.81 1.08\n"));
+  EXPECT_NE(other.warning.find("2 lights of length 1.35 are taken for places on a dome"), std::string::npos);
   EXPECT_NE(near.summary.find("2 of 2 images, 0 masks"), std::string::npos);
 }
 

@@ -11,6 +11,7 @@
 #include "common/image/exr.h"
 #include "common/image/webp.h"
 #include "support/expect_error.h"
+#include "support/raw_png.h"
 #include "support/temp_folder.h"
 
 namespace sheen {
@@ -53,46 +54,34 @@ TEST(Png, GreyAndColourComeBackBitForBit) {
   }
 }
 
-// Written by hand: 2 x 1 pixels, RGBA, the first with alpha 0; deflate blocks stored without compression.
 TEST(Png, AlphaIsDroppedNotBlended) {
   const TempFolder folder;
-  const auto crc = [](const std::string& data) {
-    std::uint32_t value = 0xffffffffu;
-    for (const unsigned char byte : data) {
-      value ^= byte;
-      for (int bit = 0; bit < 8; ++bit) value = (value >> 1) ^ (value & 1 ? 0xedb88320u : 0);
-    }
-    return ~value;
-  };
-  const auto big = [](std::uint32_t v) { return std::string{char(v >> 24), char(v >> 16), char(v >> 8), char(v)}; };
-  const auto chunk = [&](const std::string& type, const std::string& data) {
-    return big(std::uint32_t(data.size())) + type + data + big(crc(type + data));
-  };
-  const std::string row("\0\x10\x20\x30\x00\x40\x50\x60\xff", 9);
-  std::uint32_t a = 1, b = 0;
-  for (const unsigned char byte : row) b = (b + (a = (a + byte) % 65521)) % 65521;
-  const std::string deflated = std::string("\x78\x01\x01\x09\x00\xf6\xff", 7) + row + big(b << 16 | a);
-  const std::string head("\x89PNG\r\n\x1a\n", 8);
-  const auto file = folder.write("a.png", head + chunk("IHDR", big(2) + big(1) + std::string("\x08\x06\0\0\0", 5)) +
-                                              chunk("IDAT", deflated) + chunk("IEND", ""));
-  const RawImage raw = read_image(file);
+  const std::string pixels("\x10\x20\x30\0\x40\x50\x60\xff", 8);  // the first is transparent
+  const RawImage raw = read_image(folder.write("a.png", RawPng{2, 1, 8, 6, {}, pixels, {}}.bytes()));
   EXPECT_EQ(raw.format, PixelFormat::kRGB8);
   EXPECT_EQ(raw.bytes, (std::vector<std::uint8_t>{0x10, 0x20, 0x30, 0x40, 0x50, 0x60}));
+}
 
-  // Headers of absurd size, and of 16 bits.
-  expect_error(
-      [&] {
-        read_image(
-            folder.write("b.png", head + chunk("IHDR", big(900000) + big(900000) + std::string("\x08\x02\0\0\0", 5)) +
-                                      chunk("IDAT", deflated) + chunk("IEND", "")));
-      },
-      {"b.png", "900000 x 900000", "more than the file can hold"});
-  expect_error(
-      [&] {
-        read_image(folder.write("c.png", head + chunk("IHDR", big(2) + big(1) + std::string("\x10\x02\0\0\0", 5)) +
-                                             chunk("IDAT", deflated) + chunk("IEND", "")));
-      },
-      {"c.png", "16 bits"});
+TEST(Png, OfSixteenBitsTheUpperEightAsTheyAreCoded) {
+  const TempFolder folder;
+  const std::string pixels("\x10\0\x20\x20\xff\xff\x40\0", 8);  // two of grey and alpha
+  const MaskedImage grey = read_masked_image(folder.write("a.png", RawPng{2, 1, 16, 4, {}, pixels, {}}.bytes()));
+  EXPECT_EQ(grey.image.bytes, (std::vector<std::uint8_t>{0x10, 0xff}));
+  EXPECT_EQ(grey.mask, ImageU8(2, 1, 1)) << "covered by a tenth and a quarter";
+  const std::string colours("\x10\0\x20\0\x30\0", 6);
+  const RawImage rgb = read_image(folder.write("b.png", RawPng{1, 1, 16, 2, {}, colours, {}}.bytes()));
+  EXPECT_EQ(rgb.bytes, (std::vector<std::uint8_t>{0x10, 0x20, 0x30}));
+  EXPECT_EQ(rgb.transfer, Transfer::kSrgb);
+}
+
+TEST(Png, ClaimedSizeIsNotBelieved) {
+  const TempFolder folder;
+  const RawPng absurd{900000, 900000, 8, 2, {}, {}, {}};
+  std::string bytes = RawPng{2, 1, 8, 2, {}, std::string(6, '\0'), {}}.bytes();
+  const std::string head = absurd.header();
+  bytes.replace(0, head.size(), head);
+  expect_error([&] { read_image(folder.write("b.png", bytes)); },
+               {"b.png", "900000 x 900000", "more than the file can hold"});
 }
 
 TEST(Png, ColoursAreWrittenBesideAlphaAsTheyAre) {
