@@ -338,7 +338,7 @@ void CaptureLoop::ingest_next(const Session& journal, std::uint64_t index) {
     }
   }
   status_.images_per_s = reconstruction_.account().images_per_s();
-  status_.effort = reconstruction_.effort();
+  status_.trade = reconstruction_.trade(status_.trade.health);
 }
 
 void CaptureLoop::judge_live() {
@@ -348,11 +348,13 @@ void CaptureLoop::judge_live() {
     held_out_curve_.judge(views, panel, reconstruction_.account().counts().accepted,
                           *reconstruction_.snapshot()->filled(), *reconstruction_.model().constant_colour(),
                           reconstruction_.painter());
+  const ModelFigures figures = reconstruction_.model().figures();
+  const NumericalHealth health = reconstruction_.health();
   const std::lock_guard lock(mutex_);
   status_.held_out_curve = held_out_curve_.points();
-  const ModelFigures figures = reconstruction_.model().figures();
   status_.rank_histogram = figures.rank_histogram;
   status_.model_bytes = figures.bytes;
+  status_.trade.health = health;
   for (const auto& [stage, seconds] : reconstruction_.account().stages()) status_.stage_s[stage] = seconds.median_s();
   status_.update = reconstruction_.account().updates();
 }

@@ -58,7 +58,7 @@ struct LoopStatus {
   ReceiverStats link() const { return joined(links); }  ///< as one
   IngestReport last;
   double images_per_s = 0;
-  Reconstruction::Effort effort;
+  Trade trade;
   std::vector<std::size_t> rank_histogram;
   std::uint64_t model_bytes = 0;
   std::map<std::string, double> stage_s;  ///< median per stage

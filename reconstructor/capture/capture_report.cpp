@@ -28,25 +28,24 @@ json to_json(const SettingValue& value) {
 }
 
 /// What was asked of the model, and whether it holds.
-json settings_report(const Reconstruction& reconstruction, double psnr_db) {
-  const Limits& limits = reconstruction.limits();
+json settings_report(const Reconstruction& reconstruction, const Trade& trade, double psnr_db) {
   const std::unique_ptr<ModelSettings> settings = reconstruction.model().settings().clone();
   json report{{"model", settings->kind()},
-              {"effort_level", reconstruction.effort().level},
-              {"update_fraction", reconstruction.effort().update_fraction}};
+              {"favour", trade.favour.empty() ? json() : json(trade.favour)},
+              {"effort_level", trade.effort_level},
+              {"effort_levels", trade.effort_levels},
+              {"update_fraction", trade.update_fraction}};
   for (const SettingKey& key : settings->keys()) report[key.name] = to_json(key.get());
-  if (limits.image_ms) {
-    const double image_ms = 1e3 * reconstruction.account().updates().median_s();
+  if (trade.budget_ms)
     report["budget"] = {
-        {"asked_ms", *limits.image_ms}, {"image_ms", image_ms}, {"holds", image_ms <= *limits.image_ms}};
-  }
-  if (limits.bytes) {
-    const double grown = reconstruction.resident_growth();
-    report["memory"] = {{"asked_bytes", *limits.bytes}, {"bytes", grown}, {"holds", grown <= *limits.bytes}};
-  }
-  if (limits.psnr_db)
+        {"asked_ms", *trade.budget_ms}, {"image_ms", trade.image_ms}, {"holds", trade.image_ms <= *trade.budget_ms}};
+  if (trade.memory_bytes)
+    report["memory"] = {{"asked_bytes", *trade.memory_bytes},
+                        {"bytes", trade.grown_bytes},
+                        {"holds", trade.grown_bytes <= *trade.memory_bytes}};
+  if (trade.target_db)
     report["target"] = {
-        {"asked_db", *limits.psnr_db}, {"psnr_db", json_number(psnr_db)}, {"reached", psnr_db >= *limits.psnr_db}};
+        {"asked_db", *trade.target_db}, {"psnr_db", json_number(psnr_db)}, {"reached", psnr_db >= *trade.target_db}};
   return report;
 }
 
@@ -103,7 +102,10 @@ json reconstruction_report(const Reconstruction& reconstruction, const Reconstru
                            {"vignette_measured", photometric.vignette},
                            {"not_measured", photometric.nothing}};
   report["memory"] = memory_report(reconstruction);
-  report["settings"] = settings_report(reconstruction, judged.model.psnr_db);
+  const NumericalHealth health = reconstruction.health();
+  report["settings"] = settings_report(reconstruction, reconstruction.trade(health), judged.model.psnr_db);
+  report["numerics"] = {{"orthogonality_lost", json_number(health.orthogonality_lost)},
+                        {"energy_lost", json_number(health.energy_lost)}};
   report["predicted_error"] = calibration_report(calibrate(judged.model));
   report["held_out"] = {{"views", judged.model.views.size()},
                         {"protocol", kScoreProtocol},

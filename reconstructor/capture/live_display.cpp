@@ -213,7 +213,8 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
                          .frames_waiting = status.waiting(),
                          .tracker_judged = stats.tracker.judged,
                          .tracker_refused = stats.tracker.refused,
-                         .images_per_s = status.images_per_s};
+                         .images_per_s = status.images_per_s,
+                         .trade = status.trade};
   if (status.counts.accepted > 0) figures.residual = status.last.relative_residual;
   if (std::isfinite(status.last.predicted_psnr_db)) figures.predicted_psnr_db = status.last.predicted_psnr_db;
   if (!status.held_out_curve.empty()) {
@@ -283,6 +284,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.picture_latency = summarize(status.latency.to_picture);
   state.rank_histogram = status.rank_histogram;
   state.model_bytes = status.model_bytes;
+  state.trade = status.trade;
   state.held_out_curve = status.held_out_curve;
   state.next_view = guidance_in_words(now);
   state.well_known = next_view_ && next_view_->well_known;

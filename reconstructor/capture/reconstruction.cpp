@@ -10,6 +10,7 @@
 #include "common/base/log.h"
 #include "common/capture/linear_capture.h"
 #include "reconstructor/effort/resident_memory.h"
+#include "reconstructor/models/factored_model.h"
 
 namespace sheen {
 namespace {
@@ -150,6 +151,27 @@ double Reconstruction::error_on(const std::vector<HeldOutView>& views) {
 
 Reconstruction::Effort Reconstruction::effort() const {
   return {effort_.level(), effort_.update_fraction(account_.counts().received)};
+}
+
+NumericalHealth Reconstruction::health() const {
+  const auto* const factored = dynamic_cast<const FactoredModel*>(model_.get());
+  return factored ? factored->health() : NumericalHealth{};
+}
+
+Trade Reconstruction::trade(const NumericalHealth& health) const {
+  const Effort now = effort();
+  const RunningStatistics& updates = account_.updates();
+  return {.favour = limits().favour,
+          .effort_level = now.level,
+          .effort_levels = effort_.levels(),
+          .update_fraction = now.update_fraction,
+          .image_ms = updates.count() > 0 ? 1e3 * updates.median_s() : 0,
+          .budget_ms = limits().image_ms,
+          .resident_bytes = resident_memory().bytes,
+          .grown_bytes = resident_growth(),
+          .memory_bytes = limits().bytes,
+          .target_db = limits().psnr_db,
+          .health = health};
 }
 
 IngestReport Reconstruction::take(const Capture& capture) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/capture/capture.h"
+#include "common/capture/trade.h"
 #include "common/geometry/mesh.h"
 #include "reconstructor/capture/capture_account.h"
 #include "reconstructor/effort/effort_plan.h"
@@ -75,6 +76,10 @@ class Reconstruction {
     bool operator==(const Effort&) const = default;
   };
   Effort effort() const;
+  /// Of a model of factorizations; else NaN.
+  NumericalHealth health() const;
+  /// `health`: as it was when it was last looked at.
+  Trade trade(const NumericalHealth& health) const;
   MemoryAccount memory() const;
   /// By which this process has grown since there is a reconstruction, in bytes: now, or when it was finished.
   double resident_growth() const;

@@ -15,6 +15,7 @@
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/capture/training_images.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/favour_option.h"
 #include "reconstructor/commands/light_report.h"
 #include "reconstructor/commands/limit_options.h"
 #include "reconstructor/commands/mesh_refining.h"
@@ -32,6 +33,7 @@ struct BuildArguments {
   std::string dataset, mesh, out, config, model, json;
   std::optional<int> hold_out;
   bool refine = false;
+  FavourArgument favour;
   LimitArguments limits;
   SizeArguments size;
 };
@@ -128,7 +130,9 @@ void build(BuildArguments arguments) {
   }
   ModelSettings& settings = *scene.settings;
   if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
+  arguments.favour.fill(arguments.limits, arguments.size, settings);
   Limits limits = arguments.limits.apply(settings);
+  limits.favour = arguments.favour.word;
   limits.shown = false;  // before it is finished
   const std::optional<double> tolerance = arguments.limits.between_lights(settings);
   const std::optional<CompressionTarget> size = arguments.size.target(*scene.kind);
@@ -193,6 +197,7 @@ void add_build_command(Command& program) {
               "kind of model, without a scene file: " + names_of_kinds() +
                   "; or auto: by what moves between the images, camera or light or both")
       .excludes({config});
+  arguments->favour.add_to(command);
   arguments->limits.add_to(
       command, "PSNR that held-out views must reach, such as 35dB; the cheapest setting that reaches it is searched");
   arguments->size.add_to(command);

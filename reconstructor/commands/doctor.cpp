@@ -14,10 +14,11 @@ struct DoctorArguments {
   std::string mesh, session, keys;
   std::vector<std::string> endpoints{"tcp://127.0.0.1:7410"}, tracker_keys;
   int monitor_port = 7480;
-  bool json = false;
+  bool json = false, numerics = false;
 };
 
 std::vector<SetupCheck> examine(const DoctorArguments& arguments) {
+  if (arguments.numerics) return check_numerics();
   std::vector<SetupCheck> checks{check_processor(), check_display(), check_monitor_port(arguments.monitor_port)};
   const auto add = [&checks](std::vector<SetupCheck> more) { checks.insert(checks.end(), more.begin(), more.end()); };
   if (!arguments.mesh.empty()) add(check_mesh(arguments.mesh));
@@ -48,6 +49,8 @@ void add_doctor_command(Command& program) {
   command.option("--tracker-key", arguments->tracker_keys, "the tracker's .pub file; once for each of several")
       .one_each_time();
   command.option("--monitor-port", arguments->monitor_port, "port of the status page").show_default();
+  command.flag("--numerics", arguments->numerics,
+               "instead: whether the factorization holds at the extremes on this machine; takes seconds");
   command.flag("--json", arguments->json, "print JSON");
   command.callback([arguments] { doctor(*arguments); });
 }

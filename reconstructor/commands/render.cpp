@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "common/base/command_line.h"
 #include "common/base/errors.h"
@@ -16,6 +17,7 @@
 #include "common/image/image_io.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/demand_pictures.h"
 #include "reconstructor/commands/picture_names.h"
 #include "reconstructor/commands/render_lights.h"
 #include "reconstructor/evaluation/held_out.h"
@@ -26,6 +28,7 @@ namespace {
 
 struct RenderArguments {
   std::string model, cameras, out, json;
+  bool demand = false;
   LightRequest light;
 };
 
@@ -60,6 +63,15 @@ nlohmann::json prediction_json(double predicted_db, const ErrorCalibration& cali
   return json;
 }
 
+/// Prints it, too: what the bright end of the pictures stands for.
+nlohmann::json demand_json(const DemandPictures& demand) {
+  nlohmann::json json;
+  for (const Demand each : kDemands) json[to_string(each)] = demand.most(each);
+  std::printf("what the scene required, bright for: %.3g terms, %.3g samples along a triangle, %.3g bytes a triangle\n",
+              demand.most(Demand::kRank), demand.most(Demand::kResolution), demand.most(Demand::kBytes));
+  return json;
+}
+
 /// What the camera's light keys say, for a model that knows moving light.
 LightState light_of(const DatasetView& view, const ModelSnapshot& model) {
   return model.light_kind() == LightKind::kFixed ? LightState{} : in_frame_at(model.mesh().origin, view.light);
@@ -79,6 +91,8 @@ void render(const RenderArguments& arguments) {
   std::vector<std::string> views;
   for (const DatasetView& view : cameras) views.push_back(view.name);
   const std::vector<std::filesystem::path> names = picture_names(views);
+  std::optional<DemandPictures> demand;
+  if (arguments.demand) demand.emplace(*saved.snapshot, arguments.model);
   const RayPainter painter(saved.snapshot->mesh());
   const Outlines outlines(saved.snapshot->mesh());
   const ErrorCalibration calibration = calibration_of(saved, arguments.model);
@@ -103,6 +117,8 @@ void render(const RenderArguments& arguments) {
     file.parts.push_back({"beauty", {"R", "G", "B", "A"}, premultiplied(painted), ExrPrecision::kHalf});
     file.parts.push_back({"heuristic", {"Y"}, painted.heuristic, ExrPrecision::kHalf});
     file.parts.push_back(coverage_part(painted));
+    if (demand)
+      demand->add(painter.cast(cameras[i].camera, cameras[i].camera_from_object), cameras[i].camera, name, file);
     write_exr(name + ".exr", file);
     pictures.push_back({{"file", names[i].string()}, {"predicted_psnr_db", json_number(db)}});
     progress.update(i + 1);
@@ -110,8 +126,9 @@ void render(const RenderArguments& arguments) {
   predicted_db /= static_cast<double>(predicted_views);  // NaN where none has one
   std::printf("%zu views rendered to %s\n", cameras.size(), out.string().c_str());
   print_prediction(predicted_db, calibration);
-  json.write(nlohmann::json{{"pictures", pictures}, {"predicted", prediction_json(predicted_db, calibration)}}.dump(2) +
-             "\n");
+  nlohmann::json report{{"pictures", pictures}, {"predicted", prediction_json(predicted_db, calibration)}};
+  if (demand) report["demand"] = demand_json(*demand);
+  json.write(report.dump(2) + "\n");
 }
 
 }  // namespace
@@ -139,6 +156,10 @@ void add_render_command(Command& program) {
       .needs(path)
       .show_default()
       .check(whole_number_in(2, 100'000));
+  command
+      .flag("--demand", arguments->demand,
+            "also what the scene required: terms, samples, bytes, as pictures and parts of the EXR")
+      .excludes({lights, luminaires, environment, path});
   command.option("--out", arguments->out, "folder for the pictures").required();
   command.option("--json", arguments->json, "report to write; - for standard output");
   command.callback([arguments] { render(*arguments); });

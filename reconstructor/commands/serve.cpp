@@ -28,6 +28,7 @@
 #include "reconstructor/capture/live_refinement.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/favour_option.h"
 #include "reconstructor/commands/limit_options.h"
 #include "reconstructor/commands/serve_end.h"
 #include "reconstructor/commands/serve_watch.h"
@@ -53,6 +54,7 @@ struct ServeArguments {
   std::vector<std::string> endpoints{ReceiverOptions{}.endpoint}, tracker_keys;
   std::string monitor_host = MonitorOptions{}.host, monitor_token_file;
   int monitor_port = MonitorOptions{}.port;
+  FavourArgument favour;
   LimitArguments limits;
   SizeArguments size;
   bool headless = false, once = false, no_monitor = false, refine = false;
@@ -146,10 +148,12 @@ struct Plan {
   std::optional<CompressionTarget> size;
 };
 
-Plan plan_for(const ServeArguments& arguments, SceneConfig scene) {
+Plan plan_for(ServeArguments arguments, SceneConfig scene) {
   Plan plan{std::move(scene), {}, {}};
   ModelSettings& settings = *plan.scene.settings;
+  arguments.favour.fill(arguments.limits, arguments.size, settings);
   plan.limits = arguments.limits.apply(settings);
+  plan.limits.favour = arguments.favour.word;
   if (arguments.limits.between_lights(settings))
     throw ConfigError("--tolerance: only `build` judges the lights of such a model");
   // Which maps and terms reach a PSNR shows when all images are there, or was measured: until then all that the target
@@ -367,6 +371,7 @@ void add_serve_command(Command& program) {
                   "; or auto: by what moves, camera or light or both, as the tracker announces it")
       .excludes({config});
   command.flag("--refine", a->refine, "correct the mesh against the images as they come, as `refine` does");
+  a->favour.add_to(command);
   a->limits.add_to(command,
                    "PSNR that held-out views must reach, such as 35dB; no patch is kept more exactly than that");
   a->size.add_to(command);

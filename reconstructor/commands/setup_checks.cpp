@@ -14,12 +14,14 @@
 #include <thread>
 
 #include "common/base/errors.h"
+#include "common/base/format.h"
 #include "common/base/quantity.h"
 #include "common/geometry/mesh.h"
 #include "common/link/endpoint.h"
 #include "common/link/transport.h"
 #include "common/session/session.h"
 #include "reconstructor/monitor/monitor_server.h"
+#include "reconstructor/numerics/self_test.h"
 #include "reconstructor/scene/mesh_scale.h"
 
 namespace sheen {
@@ -168,6 +170,17 @@ SetupCheck check_display() {
     return {"display", Finding::kWarn,
             "DISPLAY is " + display + ", but no X server runs there; unset it, or start one"};
   return {"display", Finding::kOk, display};
+}
+
+std::vector<SetupCheck> check_numerics() {
+  std::vector<SetupCheck> checks;
+  for (const NumericsCheck& check : numerics_self_test())
+    checks.push_back({"numerics", check.holds() ? Finding::kOk : Finding::kFail,
+                      check.name + format(" %.3g, at most %.3g", check.value, check.bound) +
+                          (check.holds() ? ""
+                                         : "; this program does not compute as it should here: build it for "
+                                           "this processor, and report the line")});
+  return checks;
 }
 
 SetupCheck check_processor() {

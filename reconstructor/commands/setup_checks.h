@@ -21,5 +21,7 @@ std::vector<SetupCheck> check_session(const std::filesystem::path& folder);
 SetupCheck check_monitor_port(int port);
 SetupCheck check_display();
 SetupCheck check_processor();
+/// The factorization of patches put to its extremes, as this program was compiled: a line for each.
+std::vector<SetupCheck> check_numerics();
 
 }  // namespace sheen

@@ -68,10 +68,12 @@ class Opening {
   std::jthread thread_;  // last: it uses the others
 };
 
+const std::string kModes = "appearance, heuristic, split, camera, rank, resolution, bytes";
+
 void view(const ViewArguments& arguments) {
   const auto [width, height] = parse_image_size("--size", arguments.size, 64);
   const std::optional<ViewMode> mode = view_mode_from(arguments.mode);
-  if (!mode) throw ConfigError("--mode: '" + arguments.mode + "' is not one of appearance, heuristic, split, camera");
+  if (!mode) throw ConfigError("--mode: '" + arguments.mode + "' is not one of " + kModes);
   const bool picture_only = !arguments.screenshot.empty();
   const ModelKind& kind = kind_of_model(arguments.model);
 
@@ -103,7 +105,7 @@ void add_view_command(Command& program) {
   Command command = program.subcommand("view", "Shows a saved model in a window; H lists the keys.");
   command.option("model", arguments->model, "saved model: a file or a folder").required();
   command.option("--screenshot", arguments->screenshot, "PNG to write instead of opening a window");
-  command.option("--mode", arguments->mode, "appearance, heuristic, split or camera").show_default();
+  command.option("--mode", arguments->mode, kModes).show_default();
   command.flag("--reasons", arguments->reasons, "colour where images are needed by the reason");
   command.flag("--states", arguments->states, "tint what is imputed or unseen");
   command.option("--size", arguments->size, "size of the window or the screenshot, pixels").show_default();

@@ -11,6 +11,7 @@ struct Limits {
   std::optional<double> image_ms;  ///< at most: wall time of folding one image in
   std::optional<double> bytes;     ///< at most: of the memory that is counted (`MemoryAccount`)
   std::optional<double> psnr_db;   ///< at least: of held-out views
+  std::string favour;              ///< the word that they follow from, for those who watch; empty: none
   bool shown = true;               ///< pictures are shown while the model grows, from snapshots that take memory too
 
   bool empty() const { return !image_ms && !bytes && !psnr_db; }

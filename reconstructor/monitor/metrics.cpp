@@ -115,6 +115,30 @@ void quality(const MonitorState& state, Exposition& out) {
   out.single("model_bytes", "gauge", "Memory of the model.", static_cast<double>(state.model_bytes));
 }
 
+/// What was asked for and whether it is kept has a sample only where it was asked for.
+void trade(const Trade& trade, Exposition& out) {
+  out.single("effort_level", "gauge", "Effort level of the model: 0 is all that the settings ask for.",
+             trade.effort_level);
+  out.single("effort_levels", "gauge", "Effort levels that the model has.", trade.effort_levels);
+  out.single("update_ratio", "gauge", "How much of what an image shows may be updated.", trade.update_fraction);
+  if (trade.budget_ms)
+    out.single("budget_seconds", "gauge", "Time per image that was asked for.", 1e-3 * *trade.budget_ms);
+  if (trade.budget_kept())
+    out.single("budget_kept", "gauge", "1 while the median image keeps the time asked for.", *trade.budget_kept());
+  out.single("resident_memory_bytes", "gauge", "Resident memory of the process.", trade.resident_bytes);
+  out.single("grown_memory_bytes", "gauge", "Resident memory by which the process has grown since there is a model.",
+             trade.grown_bytes);
+  if (trade.memory_bytes) out.single("memory_limit_bytes", "gauge", "Memory that was asked for.", *trade.memory_bytes);
+  if (trade.memory_kept())
+    out.single("memory_kept", "gauge", "1 while the memory grown is within what was asked for.", *trade.memory_kept());
+  if (!std::isnan(trade.health.orthogonality_lost))
+    out.single("orthogonality_loss", "gauge", "Largest entry of |B^T B - I| of the bases looked at.",
+               trade.health.orthogonality_lost);
+  if (!std::isnan(trade.health.energy_lost))
+    out.single("energy_loss_ratio", "gauge", "Of the energy of all columns, the part that factorizations let go of.",
+               trade.health.energy_lost);
+}
+
 void health(const MonitorState& state, CaptureState capture, MonitorState::Clock::time_point now, Exposition& out) {
   out.family("info", "gauge", "What runs here.");
   out.sample(1, {{"version", state.version}, {"model", state.model}, {"session", state.session_folder}});
@@ -143,6 +167,7 @@ std::string metrics_text(const MonitorState& state, CaptureState capture, Monito
   frames(state, out);
   speed(state, out);
   quality(state, out);
+  trade(state.trade, out);
   return out.take();
 }
 

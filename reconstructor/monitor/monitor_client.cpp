@@ -45,6 +45,9 @@ std::string described(const Json& status) {
   }
   if (const Json& rate = status.at("ingest_images_per_s"); rate.is_number() && rate.get<double>() > 0)
     line += format("  %.1f images/s", rate.get<double>());
+  if (const auto trade = status.find("trade"); trade != status.end())
+    for (const char* limit : {"budget", "memory"})
+      if (trade->value(std::string(limit) + "_kept", Json()) == false) line += std::string("  ") + limit + " NOT KEPT";
   for (const auto& [name, queue] : status.at("queues").items()) {
     line += "  " + name + " " + std::to_string(queue.at("depth").get<std::uint64_t>());
     if (const auto capacity = queue.at("capacity").get<std::uint64_t>(); capacity > 0)

@@ -11,6 +11,7 @@
 
 #include "common/base/running_statistics.h"
 #include "common/capture/held_out_point.h"
+#include "common/capture/trade.h"
 
 namespace sheen {
 
@@ -90,6 +91,7 @@ struct MonitorState {
   DurationSummary latency, model_latency, picture_latency;  ///< from the grab until durable, in the model, and shown
   std::vector<std::size_t> rank_histogram;                  ///< patches of rank 0, 1, ...
   std::uint64_t model_bytes = 0;
+  Trade trade;
 
   std::vector<HeldOutPoint> held_out_curve;
   std::string next_view;    ///< where to hold the camera next, for a person

@@ -22,6 +22,29 @@ Json to_json(const DurationSummary& durations) {
   return json;
 }
 
+/// Null where something was not asked for, or is not known yet.
+template <typename T>
+Json asked(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json to_json(const Trade& trade) {
+  return {{"favour", trade.favour.empty() ? Json() : Json(trade.favour)},
+          {"effort_level", trade.effort_level},
+          {"effort_levels", trade.effort_levels},
+          {"update_fraction", trade.update_fraction},
+          {"image_s", trade.image_ms > 0 ? Json(1e-3 * trade.image_ms) : Json()},
+          {"budget_s", trade.budget_ms ? Json(1e-3 * *trade.budget_ms) : Json()},
+          {"budget_kept", asked(trade.budget_kept())},
+          {"resident_bytes", trade.resident_bytes},
+          {"grown_bytes", trade.grown_bytes},
+          {"memory_bytes", asked(trade.memory_bytes)},
+          {"memory_kept", asked(trade.memory_kept())},
+          {"target_db", asked(trade.target_db)},
+          {"orthogonality_lost", json_number(trade.health.orthogonality_lost)},
+          {"energy_lost", json_number(trade.health.energy_lost)}};
+}
+
 Json curve_to_json(const std::vector<HeldOutPoint>& curve) {
   const std::size_t step = curve.size() / kCurvePoints + 1;
   Json json = Json::array();
@@ -82,6 +105,7 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
     json["queues"][name] = {{"depth", queue.depth}, {"capacity", queue.capacity}};
   json["rank_histogram"] = state.rank_histogram;
   json["model_bytes"] = state.model_bytes;
+  json["trade"] = to_json(state.trade);
   json["held_out_curve"] = curve_to_json(state.held_out_curve);
   json["pictures"] = {{"preview", pictures.preview}, {"camera", pictures.camera}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

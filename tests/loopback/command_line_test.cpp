@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/base/files.h"
 #include "common/geometry/mesh.h"
+#include "common/image/exr.h"
 #include "tests/loopback/ball_dataset.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/temp_folder.h"
@@ -64,6 +66,47 @@ TEST_F(CommandLineUse, JsonOnStandardOutputIsOneDocument) {
   EXPECT_TRUE(document(tracker({"stage", "--out", temp_.path() / "s.svg", "--json"}), 0).contains("tags"));
   EXPECT_TRUE(
       document(tracker({"keygen", "--out", temp_.path(), "--name", "desk", "--json"}), 0).contains("public_key"));
+}
+
+TEST_F(CommandLineUse, TheNumericsAreTestedOnTheMachineWhereTheyAreUsed) {
+  expect_outcome(run_to_end(reconstructor({"doctor", "--numerics"})), 0, {"near-duplicates: orthogonality lost"});
+}
+
+TEST_F(CommandLineUse, WhatTheSceneRequiredIsRenderedWhereItIsAskedFor) {
+  const fs::path model = temp_.path() / "model.slf", views = temp_.path() / "views", report = temp_.path() / "r.json";
+  expect_outcome(run_to_end(build({"--out", model})), 0, {});
+  const Words render =
+      reconstructor({"render", model, "--cameras", data_.folder / "transforms.json", "--out", views, "--json", report});
+  expect_outcome(run_to_end(render + Words{"--demand"}), 0, {"what the scene required"});
+  const Json json = Json::parse(read_file(report));
+  const std::string first = (views / json["pictures"][0]["file"].get<std::string>()).string();
+  for (const char* part : {"rank", "resolution", "bytes"}) {
+    EXPECT_GT(json["demand"][part], 0) << part;
+    EXPECT_TRUE(fs::exists(first + "." + part + ".png")) << part;
+    const ExrFile file = read_exr(first + ".exr");
+    ASSERT_TRUE(file.find(part)) << part;
+    const ImageF& values = file.find(part)->image;
+    EXPECT_GT(*std::max_element(values.data(), values.data() + values.size()), 0) << part;
+  }
+  expect_outcome(run_to_end(render), 0, {});
+  EXPECT_FALSE(read_exr(first + ".exr").find("rank")) << "only where it is asked for";
+}
+
+TEST_F(CommandLineUse, OneWordSetsLimitsAndSize) {
+  const fs::path report = temp_.path() / "report.json", small = temp_.path() / "small.slf";
+  expect_outcome(run_to_end(build({"--favour", "size", "--out", small, "--json", report})), 0, {});
+  Json settings = Json::parse(read_file(report))["settings"];
+  EXPECT_EQ(settings["favour"], "size");
+  EXPECT_EQ(settings["tolerance"], 0.02);
+  EXPECT_FALSE(settings.contains("budget"));
+  const auto bytes = fs::file_size(small);
+  expect_outcome(run_to_end(build({"--favour", "accuracy", "--out", temp_.path() / "large.slf"})), 0, {});
+  EXPECT_LT(bytes, fs::file_size(temp_.path() / "large.slf"));
+  expect_outcome(run_to_end(build({"--favour", "speed", "--budget", "9s", "--json", report})), 0, {});
+  settings = Json::parse(read_file(report))["settings"];
+  EXPECT_EQ(settings["budget"]["asked_ms"], 9000) << "what is given stays";
+  EXPECT_EQ(settings["effort_level"], 0);
+  expect_outcome(run_to_end(build({"--favour", "luck"})), 2, {"--favour", "luck"});
 }
 
 TEST_F(CommandLineUse, AStageFitsItsPaperAndKeepsItsLayout) {

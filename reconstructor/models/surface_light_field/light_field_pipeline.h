@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/capture/capture.h"
+#include "common/capture/trade.h"
 #include "common/geometry/mesh.h"
 #include "common/geometry/ray_scene.h"
 #include "reconstructor/models/appearance_model.h"
@@ -57,6 +58,7 @@ struct LightFieldPipeline {
   /// What the patches leave behind.
   struct Finished {
     ModelFigures figures;
+    NumericalHealth health;
     std::size_t snapshot_bytes;
     std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot;
   };

@@ -67,6 +67,20 @@ ViewAdvice LightFieldSnapshot::advise_next_view(const Eigen::Vector3d& eye) cons
   return sheen::advise_next_view(*this, eye);
 }
 
+std::vector<SurfaceDemand> LightFieldSnapshot::demand() const {
+  std::vector<std::size_t> sharers(patch_count());
+  for (std::size_t t = 0; t < mesh_->triangles.size(); ++t) ++sharers[place(t).patch];
+  std::vector<SurfaceDemand> demand(mesh_->triangles.size());
+  for (std::size_t t = 0; t < demand.size(); ++t) {
+    const std::size_t index = place(t).patch;
+    const std::shared_ptr<const SurfacePatch> in = patch(index);
+    if (!in || in->rank() == 0) continue;
+    demand[t] = {static_cast<float>(in->rank()), static_cast<float>(maps_->resolution(t)),
+                 static_cast<float>(patch_bytes(index)) / static_cast<float>(sharers[index])};
+  }
+  return demand;
+}
+
 std::vector<SurfaceQuality> LightFieldSnapshot::quality_for(const Eigen::Vector3d& eye) const {
   std::vector<SurfaceQuality> vertices(mesh_->vertices.size()), triangles;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 64), [&](const auto& range) {

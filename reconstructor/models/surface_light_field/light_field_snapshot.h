@@ -8,6 +8,7 @@
 
 #include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/models/surface_demand.h"
 #include "reconstructor/models/surface_light_field/surface_patch.h"
 #include "reconstructor/numerics/reflection_drift.h"
 #include "reconstructor/numerics/view_kernel.h"
@@ -41,7 +42,7 @@ struct SeenVertex {
 
 /// An immutable surface light field (000): a triangle's surface maps times the mean of its corners' view coefficients,
 /// weighted barycentrically. Patches of triangles share maps.
-class LightFieldSnapshot : public ModelSnapshot {
+class LightFieldSnapshot : public ModelSnapshot, public DemandingSurface {
  public:
   /// `missing_square`: of what its file lacks, mean square of encoded values in pictures.
   LightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps, std::uint64_t version,
@@ -60,12 +61,15 @@ class LightFieldSnapshot : public ModelSnapshot {
   std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
   ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
 
+  std::vector<SurfaceDemand> demand() const override;
+
   const std::shared_ptr<const MapLayout>& shared_maps() const { return maps_; }
   const MapLayout& maps() const { return *maps_; }
   const ExposureField& exposure() const { return exposure_; }
 
   virtual std::size_t patch_count() const = 0;
   virtual std::shared_ptr<const SurfacePatch> patch(std::size_t index) const = 0;  ///< null: no image has reached it
+  virtual std::size_t patch_bytes(std::size_t index) const = 0;                    ///< of one that is there
   virtual bool seen(std::size_t triangle) const = 0;  ///< some image showed something of its patch
   virtual TrianglePlace place(std::size_t triangle) const = 0;
   /// View coefficients for this eye: max_rank() x columns (`TrianglePlace::columns`), zero-padded. What a GPU needs per

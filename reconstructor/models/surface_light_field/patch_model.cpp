@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "reconstructor/numerics/shipped_factor.h"
+
 namespace sheen {
 namespace {
 
@@ -13,10 +15,9 @@ namespace {
 constexpr std::size_t kTestedRun = 16, kTestedEvery = 128;
 // A repetition differs by its own noise and by that of the view it repeats, of which a basis has averaged a part.
 constexpr double kRepeatedNoise = 1.5, kRepeatedColumn = 2;
-constexpr float kSensorVariance = 2e-5f;  // about one grey level of 255, encoded
-constexpr int kFirstMapChoice = 4;        // images; with fewer, all that differs is displayed
-constexpr int kFineChromaImages = 3;      // may ask for chroma as fine as luma; then what is displayed decides
-constexpr int kDifferently = 2;           // samples that so many times fewer images show are imputed, and say so
+constexpr int kFirstMapChoice = 4;    // images; with fewer, all that differs is displayed
+constexpr int kFineChromaImages = 3;  // may ask for chroma as fine as luma; then what is displayed decides
+constexpr int kDifferently = 2;       // samples that so many times fewer images show are imputed, and say so
 constexpr std::size_t kPackedValue = sizeof(std::int16_t), kPackedScale = sizeof(double);  // as PackedColumns has them
 
 /// Of a vertex in it: directions and reliabilities of its views; weights, mean and drift.
@@ -47,9 +48,7 @@ PatchModelOptions PatchModelOptions::limited_to(const PatchLimit& limit) const {
 }
 
 OnlineSvdOptions patch_factor_options(OnlineSvdOptions options) {
-  options.channels = 3;
-  options.sensor_variance = kSensorVariance;
-  return options;
+  return shipped_factor(options);
 }
 
 double image_weight(const OnlineSvdOptions& options, double fraction_shown) {
@@ -244,7 +243,7 @@ std::vector<std::uint8_t> PatchModel::known_rows(std::span<const std::uint8_t> v
 }
 
 void PatchModel::keep_fine_chroma(const Eigen::VectorXf& column, std::span<const std::uint8_t> visible) {
-  const MapSides chroma = planes_->sides_for_chroma_of(column, visible, std::sqrt(kSensorVariance));
+  const MapSides chroma = planes_->sides_for_chroma_of(column, visible, std::sqrt(static_cast<float>(kCameraVariance)));
   if (chroma != planes_->chroma_sides()) use(std::make_shared<const ColourPlanes>(planes_->sides(), chroma));
 }
 
@@ -330,7 +329,7 @@ double PatchModel::largest_bytes(const Counts& counts, const PatchModelOptions& 
          sizeof(std::uint16_t) * counts.samples +
          views * static_cast<double>(ViewSet::bytes_for(1, static_cast<std::size_t>(counts.vertices))) +
          OnlineSvd::bytes_for(counts.rows(), factor.terms_kept(), factor.block, views,
-                              factor.witnesses(static_cast<int>(counts.rows())), kSensorVariance > 0);
+                              factor.witnesses(static_cast<int>(counts.rows())), kCameraVariance > 0);
 }
 
 double PatchModel::largest_snapshot_bytes(const Counts& counts, const PatchModelOptions& options) {

@@ -8,11 +8,15 @@
 #include <iterator>
 #include <utility>
 
+#include "reconstructor/numerics/shipped_factor.h"
+
 namespace sheen {
 namespace {
 
 // Images from a little nearer show hardly more: maps are made for one that is nearer by this factor.
 constexpr double kFiner = 1.5;
+// Of thousands: bases are unpacked to be looked at, which a person who watches does not wait for.
+constexpr std::size_t kPatchesLookedAt = 32;
 
 std::vector<SurfaceSite> centres_of(const Mesh& mesh, const PatchShapes& shapes) {
   std::vector<SurfaceSite> centres;
@@ -312,6 +316,23 @@ std::vector<std::size_t> PatchSet::rank_histogram() const {
     ++histogram[rank];
   }
   return histogram;
+}
+
+NumericalHealth PatchSet::health() const {
+  std::vector<const OnlineSvd*> factors;
+  double energy = 0, lost = 0;
+  for (const auto& patch : models_) {
+    if (!patch || patch->factor().rank() == 0) continue;
+    factors.push_back(&patch->factor());
+    energy += patch->factor().energy();
+    lost += patch->factor().lost_energy();
+  }
+  if (!(energy > 0)) return {};
+  NumericalHealth health{.orthogonality_lost = 0, .energy_lost = lost / energy};
+  const std::size_t step = (factors.size() + kPatchesLookedAt - 1) / kPatchesLookedAt;
+  for (std::size_t i = 0; i < factors.size(); i += step)
+    health.orthogonality_lost = std::max(health.orthogonality_lost, orthogonality_lost(*factors[i]));
+  return health;
 }
 
 }  // namespace sheen

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "common/capture/trade.h"
 #include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/models/surface_light_field/constant_colour.h"
 #include "reconstructor/models/surface_light_field/interpolation_upkeep.h"
@@ -78,6 +79,8 @@ class PatchSet {
   std::size_t snapshot_bytes() const;
   /// [patches of rank 0, 1, ...], patches that no image reached left out.
   std::vector<std::size_t> rank_histogram() const;
+  /// Energy of all patches, orthogonality of a few dozen, evenly spread.
+  NumericalHealth health() const;
 
  private:
   struct NewSides {

@@ -40,6 +40,7 @@ class SurfaceLightFieldSnapshot : public LightFieldSnapshot {
 
   std::size_t patch_count() const override { return patches_.size(); }
   std::shared_ptr<const SurfacePatch> patch(std::size_t index) const override { return patches_[index]; }
+  std::size_t patch_bytes(std::size_t index) const override { return patches_[index]->bytes(); }
   bool seen(std::size_t triangle) const override;
   TrianglePlace place(std::size_t triangle) const override;
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const override;

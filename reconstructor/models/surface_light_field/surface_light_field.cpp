@@ -127,7 +127,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_
 void SurfaceLightField::finish() {
   LightFieldPipeline& p = *pipeline_;
   if (!p.patches) return;
-  p.finished = {figures(), snapshot_bytes(), nullptr};
+  p.finished = {figures(), health(), snapshot_bytes(), nullptr};
   p.visibility.reset();
   p.image = {};
   p.finished->snapshot = std::make_shared<SurfaceLightFieldSnapshot>(
@@ -159,6 +159,11 @@ ModelFigures SurfaceLightField::figures() const {
   const auto reached = std::reduce(figures.rank_histogram.begin(), figures.rank_histogram.end());
   if (reached > 0) figures.bytes_per_patch = static_cast<double>(figures.bytes) / static_cast<double>(reached);
   return figures;
+}
+
+NumericalHealth SurfaceLightField::health() const {
+  if (pipeline_->finished) return pipeline_->finished->health;
+  return pipeline_->patches ? pipeline_->patches->health() : NumericalHealth{};
 }
 
 MemoryAccount SurfaceLightField::memory(const CaptureSize& image) const {

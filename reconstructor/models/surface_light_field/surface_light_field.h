@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "reconstructor/models/appearance_model.h"
+#include "reconstructor/models/factored_model.h"
 #include "reconstructor/models/surface_light_field/constant_colour.h"
 #include "reconstructor/models/surface_light_field/snapshot.h"
 #include "reconstructor/models/surface_light_field/surface_light_field_options.h"
@@ -15,7 +16,7 @@ namespace sheen {
 struct LightFieldPipeline;
 
 /// The online surface light field (000): one online SVD per patch of triangles, fed image by image.
-class SurfaceLightField : public AppearanceModel {
+class SurfaceLightField : public AppearanceModel, public FactoredModel {
  public:
   /// Throws ConfigError when an option is out of range, naming it.
   /// `scene`: of the mesh, where there is one already; it is made once.
@@ -49,6 +50,7 @@ class SurfaceLightField : public AppearanceModel {
 
   const SurfaceLightFieldOptions& settings() const override;
   ModelFigures figures() const override;
+  NumericalHealth health() const override;
   MemoryAccount memory(const CaptureSize& image) const override;
   std::size_t bytes() const;           ///< of all patches
   std::size_t snapshot_bytes() const;  ///< of a snapshot of all patches

@@ -109,6 +109,28 @@ function drawCurve(curve) {
   g.beginPath(); g.arc(x(end.images), y(end.psnr_db), 4, 0, 7); g.fillStyle = colour("--accent"); g.fill();
 }
 
+// Effort, time and memory against what was asked for, and how soundly the model holds what it was given.
+function tradeRows(t) {
+  const part = (value) => value === null ? "–" : (100 * value).toPrecision(2) + " %";
+  const against = (name, value, limit, kept, shown) => ({
+    name: name, value: value || 0, scale: limit || value || 1, tone: kept === null ? "idle" : kept ? "good" : "bad",
+    shown: (value === null ? "–" : shown(value)) + (limit === null ? "" : " of " + shown(limit)) +
+      (kept === null ? "" : kept ? ", kept" : ", NOT KEPT")});
+  const full = t.effort_level === 0 && t.update_fraction === 1;
+  const left = t.effort_levels > 1 ? 1 - t.effort_level / t.effort_levels : 1;
+  return [
+    {name: "effort", value: left, scale: 1, tone: full ? "good" : "warn",
+      shown: t.effort_level === 0 ? "full" : "level " + t.effort_level + " of " + (t.effort_levels - 1)},
+    {name: "of each image", value: t.update_fraction, scale: 1, tone: t.update_fraction === 1 ? "good" : "warn",
+      shown: part(t.update_fraction)},
+    against("time per image", t.image_s, t.budget_s, t.budget_kept, (s) => fixed(1000 * s, 1) + " ms"),
+    against("memory grown", t.grown_bytes, t.memory_bytes, t.memory_kept, bytes),
+    {name: "energy lost", value: t.energy_lost || 0, scale: 1, tone: "idle", shown: part(t.energy_lost)},
+    {name: "orthogonality lost", value: 0, scale: 1, tone: "idle",
+      shown: t.orthogonality_lost === null ? "–" : t.orthogonality_lost.toExponential(1)},
+  ];
+}
+
 const shownPictures = {preview: -1, camera: -1};
 function picture(name, version) {
   if (shownPictures[name] === version) return;
@@ -187,6 +209,9 @@ function show(s) {
   bars("ranks", s.rank_histogram.map((n, rank) => (
     {name: "rank " + rank, value: n, shown: n, tone: rank === 0 ? "idle" : ""})), "No patches yet");
   text("bytes", s.model_bytes ? bytes(s.model_bytes) : "");
+
+  bars("trade", tradeRows(s.trade));
+  text("trade-detail", (s.trade.favour ? "favours " + s.trade.favour + "; " : "") + (s.trade.resident_bytes ? "process: " + bytes(s.trade.resident_bytes) : ""));
 
   $("links").replaceChildren(...s.links.map((l) => {
     const item = document.createElement("li"), dot = document.createElement("span");

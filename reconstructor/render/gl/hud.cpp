@@ -56,6 +56,12 @@ std::string title(const ViewControls& controls, const std::string& model) {
       return model + " | " + needs;
     case ViewMode::kCamera:
       return "camera image, tags, pose";
+    case ViewMode::kRank:
+      return "what the scene required: terms of a patch";
+    case ViewMode::kResolution:
+      return "what the scene required: samples along a triangle";
+    case ViewMode::kBytes:
+      return "what the scene required: bytes of a triangle";
   }
   return "";
 }
@@ -123,6 +129,32 @@ std::vector<Line> error_lines(const CaptureFigures& f) {
   return lines;
 }
 
+/// What is traded for what: in green what is kept, in red what is not.
+std::vector<Line> trade_lines(const Trade& trade) {
+  std::vector<Line> lines;
+  const bool full = trade.effort_level == 0 && trade.update_fraction == 1;
+  std::string effort = "full";
+  if (!full)
+    effort = format("level %d of %d, %.0f %% of each image", trade.effort_level, trade.effort_levels - 1,
+                    100 * trade.update_fraction);
+  if (!trade.favour.empty()) effort += ", favours " + trade.favour;
+  lines.push_back({"effort", effort, full ? kDim : kAmber});
+  const auto against = [&](const char* label, const std::string& value, const std::optional<bool>& kept) {
+    if (kept) lines.push_back({label, value + (*kept ? ", kept" : ", NOT KEPT"), *kept ? kGreen : kRed});
+  };
+  if (trade.budget_ms)
+    against("budget", format("%.1f of %.4g ms per image", trade.image_ms, *trade.budget_ms), trade.budget_kept());
+  if (trade.memory_bytes)
+    against("memory", format("%.0f of %.4g MB", 1e-6 * trade.grown_bytes, 1e-6 * *trade.memory_bytes),
+            trade.memory_kept());
+  if (!std::isnan(trade.health.energy_lost))
+    lines.push_back({"numerics",
+                     format("orthogonal to %.1g, %.2g %% of energy lost", trade.health.orthogonality_lost,
+                            100 * trade.health.energy_lost),
+                     kDim});
+  return lines;
+}
+
 }  // namespace
 
 /// Boxes at the bottom stand above the line that says where to go next.
@@ -140,6 +172,7 @@ void Hud::draw_figures(OverlayPainter& overlay) const {
     if (state.figures) add(frame_lines(*state.figures));
     if (ranks) add(rank_lines(*ranks));
     if (state.figures) add(error_lines(*state.figures));
+    if (state.figures) add(trade_lines(state.figures->trade));
     if (controls.follow) add({{"view", "follows the camera"}});
   }
   draw_box(overlay, overlay.advance(), overlay.advance(), lines);
@@ -238,6 +271,15 @@ void Hud::draw_legend(OverlayPainter& overlay) const {
                     {{255, 150, 40, 255}, "tag left out"},
                     {{64, 217, 255, 255}, "mesh at this pose"}};
       break;
+    case ViewMode::kRank:
+    case ViewMode::kResolution:
+    case ViewMode::kBytes:
+      if (!demand || demand->empty()) break;
+      for (int stop = kDemandColours - 1; stop >= 0; --stop)
+        swatches.push_back(
+            {rgba(demand_stop(stop)), format("%.3g%s", demand->most() * static_cast<float>(stop) / (kDemandColours - 1),
+                                             stop + 1 == kDemandColours ? " or more" : "")});
+      break;
   }
   if (swatches.empty()) return;
   std::size_t longest = 0;
@@ -276,6 +318,7 @@ void Hud::draw_help(OverlayPainter& overlay) const {
                           {"2", "where images are needed"},
                           {"3", "both, side by side"},
                           {"4", "camera image, tags, pose"},
+                          {"5", "what the scene required: terms; again: samples, bytes"},
                           {"W", "why images are needed: by reason"},
                           {"M", "what is measured, imputed, guessed"},
                           {"F", "follow the tracked camera"},

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstructor/render/demand_map.h"
 #include "reconstructor/render/gl/overlay_painter.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/gl/viewer_state.h"
@@ -18,6 +19,7 @@ struct Hud {
   const ViewControls& controls;
   const char* model;                       ///< what it is called: "surface light field"
   const SnapshotFigures* ranks = nullptr;  ///< null without a model
+  const DemandMap* demand = nullptr;       ///< null where it is not what is shown
   const Guidance* guidance = nullptr;      ///< null without a next view
   std::vector<std::string> notes;          ///< warnings and news, a line each
   void draw(OverlayPainter& overlay) const;

@@ -21,6 +21,19 @@ Eigen::Matrix4f clip_from_object(const Viewpoint& view, const BoundingSphere& ob
   return (projection * view.camera_from_object.matrix()).cast<float>();
 }
 
+std::optional<Demand> demand_of(SurfaceShading shading) {
+  switch (shading) {
+    case SurfaceShading::kRank:
+      return Demand::kRank;
+    case SurfaceShading::kResolution:
+      return Demand::kResolution;
+    case SurfaceShading::kBytes:
+      return Demand::kBytes;
+    default:
+      return std::nullopt;
+  }
+}
+
 Eigen::Vector3f reason_color(QualityReason reason) {
   switch (reason) {  // told apart by colour-blind people too (Okabe and Ito)
     case QualityReason::kGood:

@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/render/demand_map.h"
 #include "reconstructor/render/gl/orbit_camera.h"
 #include "reconstructor/render/gl/panel.h"
 
@@ -19,7 +21,13 @@ enum class SurfaceShading {
   kReasons,     ///< a colour a reason, as bright as the need: see `reason_color`
   kStates,      ///< kAppearance, tinted where samples are imputed or unseen: see `state_color`
   kPlain,       ///< the mesh in grey: all that there is before the first image
+  kRank,        ///< what the scene required, as `DemandMap` has it: terms,
+  kResolution,  ///< samples along a side of a map,
+  kBytes,       ///< memory
 };
+
+/// Of a shading that shows what the scene required.
+std::optional<Demand> demand_of(SurfaceShading shading);
 
 /// Colour of a reason in `SurfaceShading::kReasons` and in its legend: 0..1, sRGB-encoded.
 Eigen::Vector3f reason_color(QualityReason reason);

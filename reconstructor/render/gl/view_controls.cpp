@@ -27,12 +27,30 @@ const char* to_string(ViewMode mode) {
       return "split";
     case ViewMode::kCamera:
       return "camera";
+    case ViewMode::kRank:
+    case ViewMode::kResolution:
+    case ViewMode::kBytes:
+      return to_string(*demand_of(mode));
   }
   return "unknown";
 }
 
+std::optional<Demand> demand_of(ViewMode mode) {
+  switch (mode) {
+    case ViewMode::kRank:
+      return Demand::kRank;
+    case ViewMode::kResolution:
+      return Demand::kResolution;
+    case ViewMode::kBytes:
+      return Demand::kBytes;
+    default:
+      return std::nullopt;
+  }
+}
+
 std::optional<ViewMode> view_mode_from(std::string_view word) {
-  for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera})
+  for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera,
+                              ViewMode::kRank, ViewMode::kResolution, ViewMode::kBytes})
     if (word == to_string(mode)) return mode;
   return std::nullopt;
 }

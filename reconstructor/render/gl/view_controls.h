@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/render/demand_map.h"
 #include "reconstructor/render/gl/opening_view.h"
 #include "reconstructor/render/gl/orbit_camera.h"
 
@@ -17,9 +18,14 @@ enum class ViewMode {
   kHeuristic,   ///< where images are missing
   kSplit,       ///< both, side by side from the same eye
   kCamera,      ///< the camera's image, with tags and pose
+  kRank,        ///< what the scene required: terms,
+  kResolution,  ///< samples along a side of a map,
+  kBytes,       ///< memory
 };
 const char* to_string(ViewMode mode);
-/// Of "appearance", "heuristic", "split", "camera"; nothing for any other word.
+/// Of a mode that shows what the scene required.
+std::optional<Demand> demand_of(ViewMode mode);
+/// Of "appearance", "heuristic", "split", "camera", "rank", "resolution", "bytes"; nothing for any other word.
 std::optional<ViewMode> view_mode_from(std::string_view word);
 
 /// What the person at the window has chosen.

@@ -72,6 +72,15 @@ std::vector<ViewerScene::SurfacePanel> ViewerScene::surface_panels(const ViewerS
       break;
     case ViewMode::kCamera:
       break;
+    case ViewMode::kRank:
+      add({0, 0, width, height}, SurfaceShading::kRank);
+      break;
+    case ViewMode::kResolution:
+      add({0, 0, width, height}, SurfaceShading::kResolution);
+      break;
+    case ViewMode::kBytes:
+      add({0, 0, width, height}, SurfaceShading::kBytes);
+      break;
   }
   return panels;
 }
@@ -181,6 +190,12 @@ void ViewerScene::draw_guides(const ViewerState& state, const SurfacePanel& surf
   overlay_.flush(panel);
 }
 
+const DemandMap& ViewerScene::demand_map(const std::shared_ptr<const ModelSnapshot>& snapshot, Demand demand) {
+  if (!demand_ || demand_->of != demand || demand_->snapshot != snapshot)
+    demand_ = ShownDemand{demand, snapshot, DemandMap(*snapshot, demand)};
+  return demand_->map;
+}
+
 void ViewerScene::draw_hud(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes) {
   if (state.snapshot && state.snapshot != counted_) {
     ranks_ = state.snapshot->figures();
@@ -193,7 +208,17 @@ void ViewerScene::draw_hud(const ViewerState& state, const ViewControls& control
                                      : controls.orbit.viewpoint(overlay_.width(), overlay_.height()).camera_from_object;
     guidance = guide(here, bounding_sphere(state.snapshot->mesh()).centre, state.next_view->eye);
   }
-  Hud{state, controls, model_, state.snapshot ? &ranks_ : nullptr, guidance ? &*guidance : nullptr, std::move(notes)}
+  const DemandMap* demand = nullptr;
+  if (const std::optional<Demand> shown = demand_of(controls.mode); shown && state.snapshot)
+    demand = &demand_map(state.snapshot, *shown);
+  if (demand && demand->empty()) notes.push_back("this kind of model has no patches");
+  Hud{.state = state,
+      .controls = controls,
+      .model = model_,
+      .ranks = state.snapshot ? &ranks_ : nullptr,
+      .demand = demand,
+      .guidance = guidance ? &*guidance : nullptr,
+      .notes = std::move(notes)}
       .draw(overlay_);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,12 +49,20 @@ class ViewerScene {
   void draw_guides(const ViewerState& state, const SurfacePanel& surface);
   void draw_hud(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes);
 
+  struct ShownDemand {
+    Demand of;
+    std::shared_ptr<const ModelSnapshot> snapshot;
+    DemandMap map;
+  };
+  const DemandMap& demand_map(const std::shared_ptr<const ModelSnapshot>& snapshot, Demand demand);
+
   const char* model_;  ///< what it is called
   std::unique_ptr<ModelDrawer> surface_;
   CameraPicture camera_;
   OverlayPainter overlay_;
   std::shared_ptr<const ModelSnapshot> counted_;  ///< of which `ranks_` are
   SnapshotFigures ranks_;
+  std::optional<ShownDemand> demand_;  ///< the last one asked for
 };
 
 }  // namespace sheen

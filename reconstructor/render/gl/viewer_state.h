@@ -9,6 +9,7 @@
 #include <string>
 
 #include "common/capture/capture.h"
+#include "common/capture/trade.h"
 #include "reconstructor/models/model_snapshot.h"
 
 namespace sheen {
@@ -36,6 +37,7 @@ struct CaptureFigures {
   std::optional<double> predicted_psnr_db;  ///< of the last image, from those before it
   std::optional<double> held_out_psnr_db;
   std::optional<double> held_out_ssim;
+  Trade trade;
 };
 
 /// Where an image is needed most.

@@ -118,6 +118,11 @@ struct ViewerWindow::Impl {
       case GLFW_KEY_4:
         controls.mode = static_cast<ViewMode>(key - GLFW_KEY_1);
         break;
+      case GLFW_KEY_5:  // one after the other
+        controls.mode = controls.mode == ViewMode::kRank         ? ViewMode::kResolution
+                        : controls.mode == ViewMode::kResolution ? ViewMode::kBytes
+                                                                 : ViewMode::kRank;
+        break;
       case GLFW_KEY_W:
         controls.reasons = !controls.reasons;
         break;

@@ -184,6 +184,9 @@ TEST_F(CaptureLoopTest, AnIdleLoopJudgesNoMore) {
   std::this_thread::sleep_for(milliseconds(500));  // fifty judgements, were they made
   EXPECT_EQ(loop_->status().held_out_curve.size(), points);
   EXPECT_GT(loop_->status().model_bytes, 0u);
+  EXPECT_GT(loop_->status().trade.image_ms, 0);
+  EXPECT_GT(loop_->status().trade.resident_bytes, 0);
+  EXPECT_GE(loop_->status().trade.health.energy_lost, 0) << "looked at with each judgement";
   Session::open_to_withdraw(folder_).set_withdrawn(5, true);
   wait_until([&](const LoopStatus& s) { return s.exact && s.counts.withdrawn == 1 && judged(s); });
 }

@@ -52,6 +52,26 @@ TEST(Metrics, SayWhatTheStateSays) {
             1);
 }
 
+TEST(Metrics, SayWhatIsTradedForWhat) {
+  MonitorState state = sample_monitor_state();
+  const Exposition metrics = exposition_of(state);
+  EXPECT_EQ(metrics.value("sheen_effort_level"), 2);
+  EXPECT_EQ(metrics.value("sheen_effort_levels"), 6);
+  EXPECT_EQ(metrics.value("sheen_update_ratio"), 0.5);
+  EXPECT_NEAR(metrics.value("sheen_budget_seconds"), 0.1, 1e-12);
+  EXPECT_EQ(metrics.value("sheen_budget_kept"), 0);
+  EXPECT_EQ(metrics.value("sheen_resident_memory_bytes"), 431e6);
+  EXPECT_EQ(metrics.value("sheen_grown_memory_bytes"), 386e6);
+  EXPECT_EQ(metrics.value("sheen_memory_limit_bytes"), 500e6);
+  EXPECT_EQ(metrics.value("sheen_memory_kept"), 1);
+  EXPECT_EQ(metrics.value("sheen_orthogonality_loss"), 3e-7);
+  EXPECT_EQ(metrics.value("sheen_energy_loss_ratio"), 2.5e-4);
+  state.trade = {};
+  for (const char* family : {"sheen_budget_seconds", "sheen_budget_kept", "sheen_memory_limit_bytes",
+                             "sheen_memory_kept", "sheen_orthogonality_loss", "sheen_energy_loss_ratio"})
+    EXPECT_FALSE(exposition_of(state).types.contains(family)) << family << ": nobody asked for it, or it is not known";
+}
+
 TEST(Metrics, FollowTheNamingRules) {
   const Exposition metrics = exposition_of(sample_monitor_state());
   for (const auto& [family, type] : metrics.types) {

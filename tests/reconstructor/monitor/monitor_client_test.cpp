@@ -17,7 +17,8 @@ TEST(MonitorClient, ReadsAReconstructorsStatusAsALine) {
   MonitorServer server({.port = 0, .token = "0123456789abcdef"});
   server.publish(sample_monitor_state());
   EXPECT_EQ(status_line(fetch_status(server.url(), "0123456789abcdef")),
-            "live  121 images of 160  34.31 dB (constant colour 28.87)  8.4 images/s  journal 5  send 31/64");
+            "live  121 images of 160  34.31 dB (constant colour 28.87)  8.4 images/s  budget NOT KEPT  journal 5  send "
+            "31/64");
   EXPECT_THROW(fetch_status(server.url(), ""), DeviceError);
   EXPECT_THROW(fetch_status(server.url(), "0123456789abcdeX"), DeviceError);
 }

@@ -35,6 +35,17 @@ MonitorState sample_monitor_state() {
   state.picture_latency = summarize(picture_latency);
   state.rank_histogram = {14, 820, 1940, 2210, 870, 190, 33};
   state.model_bytes = 48'200'000;
+  state.trade = {.favour = "speed",
+                 .effort_level = 2,
+                 .effort_levels = 6,
+                 .update_fraction = 0.5,
+                 .image_ms = 121,
+                 .budget_ms = 100,
+                 .resident_bytes = 431e6,
+                 .grown_bytes = 386e6,
+                 .memory_bytes = 500e6,
+                 .target_db = 35,
+                 .health = {.orthogonality_lost = 3e-7, .energy_lost = 2.5e-4}};
   for (std::uint64_t n = 12; n <= 120; n += 4) {
     const double x = static_cast<double>(n);
     state.held_out_curve.push_back({.images = n,

@@ -36,6 +36,33 @@ TEST(StatusJson, SaysWhatTheStateSays) {
   EXPECT_EQ(json["pictures"]["camera"], 0);
 }
 
+TEST(StatusJson, SaysWhatIsTradedForWhat) {
+  MonitorState state = sample_monitor_state();
+  const auto trade_of = [&] {
+    return nlohmann::json::parse(status_json(state, CaptureState::kLive, 0, 0, {}))["trade"];
+  };
+  const auto trade = trade_of();
+  EXPECT_EQ(trade["favour"], "speed");
+  EXPECT_EQ(trade["effort_level"], 2);
+  EXPECT_EQ(trade["effort_levels"], 6);
+  EXPECT_EQ(trade["update_fraction"], 0.5);
+  EXPECT_NEAR(trade["image_s"].get<double>(), 0.121, 1e-12);
+  EXPECT_NEAR(trade["budget_s"].get<double>(), 0.1, 1e-12);
+  EXPECT_EQ(trade["budget_kept"], false);
+  EXPECT_EQ(trade["resident_bytes"], 431e6);
+  EXPECT_EQ(trade["grown_bytes"], 386e6);
+  EXPECT_EQ(trade["memory_bytes"], 500e6);
+  EXPECT_EQ(trade["memory_kept"], true);
+  EXPECT_EQ(trade["target_db"], 35);
+  EXPECT_EQ(trade["orthogonality_lost"], 3e-7);
+  EXPECT_EQ(trade["energy_lost"], 2.5e-4);
+  state.trade = {.budget_ms = 100};
+  const auto unknown = trade_of();
+  for (const char* key :
+       {"favour", "image_s", "budget_kept", "memory_bytes", "memory_kept", "orthogonality_lost", "energy_lost"})
+    EXPECT_TRUE(unknown[key].is_null()) << key << " is neither kept nor broken before an image";
+}
+
 TEST(StatusJson, UnknownIsNullAndBadTextIsRepaired) {
   MonitorState state = sample_monitor_state();
   state.held_out_curve.back().psnr_db = kNaN;

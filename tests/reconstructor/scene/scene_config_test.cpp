@@ -11,6 +11,7 @@
 
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
+#include "common/base/files.h"
 #include "reconstructor/capture/reconstruction.h"
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 #include "reconstructor/studies/tradeoff.h"
@@ -27,6 +28,16 @@ SurfaceLightFieldOptions load_options(const std::filesystem::path& file) {
 
 TEST(SceneConfig, TheExampleIsRead) {
   EXPECT_STREQ(load_scene_config(SHEEN_EXAMPLES "/scene.toml").kind->name(), "surface_light_field");
+}
+
+TEST(SceneConfig, TheExampleHasEveryKeyWithItsDefault) {
+  const std::string text = read_file(SHEEN_EXAMPLES "/scene.toml");
+  SurfaceLightFieldOptions example = load_options(SHEEN_EXAMPLES "/scene.toml"), defaults;
+  const std::vector<SettingKey> read = example.keys(), known = defaults.keys();
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    EXPECT_NE(text.find("\n" + known[i].name + " = "), std::string::npos) << known[i].name;
+    EXPECT_EQ(read[i].get(), known[i].get()) << known[i].name;
+  }
 }
 
 TEST(SceneConfig, AllKeysAreTaken) {

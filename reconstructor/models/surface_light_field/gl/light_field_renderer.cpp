@@ -30,6 +30,8 @@ GlProgram surface_program(const SurfaceShaderVariant& variant) {
   for (int state = 0; state < 2; ++state)
     glUniform3fv(program.uniform(("state_colors[" + std::to_string(state) + "]").c_str()), 1,
                  state_color(static_cast<SampleState>(state)).data());
+  for (int stop = 0; stop < kDemandColours; ++stop)
+    glUniform3fv(program.uniform(("demand_colors[" + std::to_string(stop) + "]").c_str()), 1, demand_stop(stop).data());
   check_gl("setting up the light field's shader");
   return program;
 }
@@ -176,6 +178,7 @@ bool LightFieldRenderer::upload_patches(const LightFieldSnapshot& snapshot) {
   shown_ = snapshot.with_patches(uploaded_);
   coefficients_eye_.reset();
   quality_eye_.reset();
+  demand_.reset();
   return done == changed.size();
 }
 
@@ -194,6 +197,16 @@ void LightFieldRenderer::upload_quality(const Eigen::Vector3d& eye) {
     quality.emplace_back(q.heuristic(), static_cast<float>(q.reason()));
   quality_.assign(quality.size(), quality.data());
   quality_eye_ = eye;
+  demand_.reset();
+}
+
+void LightFieldRenderer::upload_demand(Demand demand) {
+  if (demand_ == demand) return;
+  std::vector<Eigen::Vector2f> levels;
+  for (const float level : DemandMap(*shown_, demand).levels()) levels.emplace_back(level, 0.0f);
+  quality_.assign(levels.size(), levels.data());
+  demand_ = demand;
+  quality_eye_.reset();
 }
 
 void LightFieldRenderer::upload_order(const Eigen::Vector3d& eye) {
@@ -214,6 +227,8 @@ void LightFieldRenderer::draw(const Viewpoint& viewpoint, const DrawArea& area, 
   const Eigen::Vector3d eye = viewpoint.eye();
   if (shading == SurfaceShading::kAppearance || shading == SurfaceShading::kStates)
     upload_coefficients(eye);
+  else if (const std::optional<Demand> demand = demand_of(shading))
+    upload_demand(*demand);
   else if (shading != SurfaceShading::kPlain)
     upload_quality(eye);
 

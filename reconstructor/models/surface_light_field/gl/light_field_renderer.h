@@ -44,6 +44,7 @@ class LightFieldRenderer : public ModelDrawer {
   bool upload_patches(const LightFieldSnapshot& snapshot);
   void upload_coefficients(const Eigen::Vector3d& eye);
   void upload_quality(const Eigen::Vector3d& eye);
+  void upload_demand(Demand demand);  ///< in the place of the quality
   /// The order in which triangles are drawn: what can hide others first, so that little is shaded in vain.
   void upload_order(const Eigen::Vector3d& eye);
 
@@ -58,7 +59,7 @@ class LightFieldRenderer : public ModelDrawer {
   BufferTexture resolutions_;   ///< per triangle
   BufferTexture slots_;         ///< per patch: first texel, rank | buffer << 16
   BufferTexture coefficients_;  ///< per column: `stride_` values
-  BufferTexture quality_;       ///< per triangle: heuristic, reason
+  BufferTexture quality_;       ///< per triangle: heuristic, reason; or a level of demand
 
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const MapLayout> maps_;
@@ -73,6 +74,7 @@ class LightFieldRenderer : public ModelDrawer {
   std::shared_ptr<const LightFieldSnapshot> shown_;
   ExposureField exposure_;
   int stride_ = 0;
+  std::optional<Demand> demand_;  ///< that `quality_` has; empty: it has quality, or must be made again
   std::optional<Eigen::Vector3d> coefficients_eye_, quality_eye_, order_eye_;  ///< empty: to be computed again
 };
 

@@ -41,6 +41,7 @@ uniform float exposure;            // of this eye: ExposureField
 uniform float pixel_size;          // DrawArea
 uniform vec3 reason_colors[5];     // by QualityReason
 uniform vec3 state_colors[2];      // by SampleState: unseen, imputed
+uniform vec3 demand_colors[4];     // from little to much
 flat in int triangle;
 centroid in vec3 beta;
 in vec3 position_object;
@@ -150,6 +151,13 @@ void main() {
   }
   if (shading == 0 || shading == 3) {
     color = vec4(appearance(), 1);
+    return;
+  }
+  if (shading > 4) {
+    float level = texelFetch(quality, triangle).x, place = 3.0 * level;
+    int below = clamp(int(place), 0, 2);
+    vec3 hue = mix(demand_colors[below], demand_colors[below + 1], place - float(below));
+    color = vec4(level < 0.0 ? unknown_color() : hue * (0.8 + 0.2 * facing()), 1);
     return;
   }
   vec2 need = gl_FrontFacing ? texelFetch(quality, triangle).xy : vec2(1, 1);  // the back: not at all, unseen

@@ -141,6 +141,34 @@ TEST_F(Window, TheHeuristicIsThePaintersInRed) {
   EXPECT_LT(sum / count, 0.05) << "8 bits of a dark green leave that much";
 }
 
+TEST_F(Window, WhatTheSceneRequiredIsInItsColours) {
+  const auto snapshot = SyntheticLightField({}).snapshot();
+  const RayPainter painter(snapshot->mesh());
+  ViewControls& controls = window_->controls();
+  for (const ViewMode mode : {ViewMode::kRank, ViewMode::kResolution, ViewMode::kBytes}) {
+    controls.mode = mode;
+    const ImageU8 picture = draw(snapshot);
+    const Viewpoint view = controls.orbit.viewpoint(kWidth, kHeight);
+    const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
+    const ImageU8 mask = interior(hits, 0.02);
+    const DemandMap truth(*snapshot, *demand_of(mode));
+    int count = 0, off = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const Hit& hit = hits[static_cast<std::size_t>(y * kWidth + x)];
+        if (!mask.at(x, y) || truth.levels()[hit.triangle] < 0) continue;
+        // Shape darkens all channels alike, to four fifths at most.
+        const Eigen::Vector3f colour = 255 * demand_colour(truth.levels()[hit.triangle]);
+        const Eigen::Vector3f shown(picture.at(x, y, 0), picture.at(x, y, 1), picture.at(x, y, 2));
+        const float shape = shown.dot(colour) / colour.squaredNorm();
+        ++count;
+        off += shape < 0.77f || shape > 1.03f || (shown - shape * colour).cwiseAbs().maxCoeff() > 2;
+      }
+    EXPECT_GT(count, 10000) << to_string(mode);
+    EXPECT_LT(off, 0.02 * count) << to_string(mode) << ": only where another triangle begins";
+  }
+}
+
 TEST_F(Window, TheBackOfTheSurfaceIsAStripedGuessAsInTheRayPainter) {
   const SyntheticLightField light_field({.unseen = 0});
   const auto snapshot = light_field.snapshot();

@@ -187,7 +187,8 @@ TEST(StrokeFont, EveryGlyphIsThereAndDiffersFromAllOthers) {
 }
 
 TEST(ViewMode, NamesRoundTrip) {
-  for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera})
+  for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera,
+                              ViewMode::kRank, ViewMode::kResolution, ViewMode::kBytes})
     EXPECT_EQ(view_mode_from(to_string(mode)), mode);
   EXPECT_FALSE(view_mode_from("Split"));
   EXPECT_FALSE(view_mode_from(""));

@@ -157,6 +157,8 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
   EXPECT_TRUE(differs(&ViewControls::follow));
   EXPECT_TRUE(differs(&ViewControls::states));
   EXPECT_FALSE(differs(&ViewControls::reasons)) << "the light field has none";
+  state.figures->trade = {.effort_level = 2, .effort_levels = 6, .image_ms = 40, .budget_ms = 33};
+  EXPECT_GT(largest_difference(window_->draw_once(state), pictures[0]), 60) << "a budget that is not kept is seen";
 }
 
 TEST_F(Window, BeforeTheFirstImageTheMeshIsThereInGrey) {
