@@ -1,15 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/scene/scene_mesh.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "common/base/errors.h"
+#include "common/base/format.h"
 #include "reconstructor/scene/memory_warning.h"
 
 namespace sheen {
+namespace {
+
+/// What makes its own surface takes the object to stand at the origin of the poses' frame.
+void check_origin_can_be_seen(std::span<const PosedCamera> cameras) {
+  constexpr double kFarthest = 1e4;  // of the cameras' distance from each other: from there all see the same
+  double apart = 0;
+  const Eigen::Vector3d first = camera_centre(cameras.front().camera_from_object);
+  for (const PosedCamera& camera : cameras)
+    apart = std::max(apart, (camera_centre(camera.camera_from_object) - first).norm());
+  if (!(apart > 0 && first.norm() > kFarthest * apart)) return;
+  throw ConfigError(
+      format("without --mesh the object is taken to stand at the origin of the poses' frame, which is "
+             "%.4g km from the cameras: give --mesh, or move the frame",
+             first.norm() / 1e3));
+}
+
+}  // namespace
 
 Mesh load_mesh_and_warn(const std::filesystem::path& path, const ModelSettings& settings,
                         std::span<const PosedCamera> cameras) {
@@ -32,6 +51,7 @@ Mesh surface_for(const ModelSettings& settings, const std::string& mesh, std::sp
   if (surface_needs_camera(settings, mesh)) {
     if (!mesh.empty())
       throw ConfigError(std::string("--mesh: ") + settings.kind() + " makes its own surface; leave it out");
+    if (!cameras.empty()) check_origin_can_be_seen(cameras);
     if (std::optional<Mesh> own = cameras.empty() ? std::nullopt : settings.own_mesh(cameras.front())) return *own;
   }
   if (mesh.empty())

@@ -19,7 +19,8 @@ Mesh load_mesh_and_warn(const std::filesystem::path& path, const ModelSettings& 
 
 /// What a model with these settings models the surface of: the scene's mesh, or what the model makes itself of what the
 /// first camera sees. `mesh`: as the user gave it, empty where there is none. Throws ConfigError naming --mesh where
-/// the model needs one or takes none, and what loading a mesh throws.
+/// the model needs one or takes none, or where the cameras stand too far from the origin of their frame for a model
+/// that makes its own, and what loading a mesh throws.
 Mesh surface_for(const ModelSettings& settings, const std::string& mesh, std::span<const PosedCamera> cameras);
 
 /// Whether `surface_for` waits for a camera.

@@ -61,6 +61,29 @@ TEST_F(Lumigraph, NeedsNoMesh) {
                  {"1 pictures rendered"});
 }
 
+/// What it sees lies in a flat box of kilometres, which is not to be filled with cells as fine as the others' pixels.
+TEST_F(Lumigraph, OneCameraFarOffTakesNoMoreMemory) {
+  Json json = Json::parse(read_file(rig_ / "transforms.json"));
+  const Json nearby = json["frames"][0]["transform_matrix"];
+  for (Json& frame : json["frames"])
+    if (frame["transform_matrix"] == nearby) frame["transform_matrix"][2][3] = nearby[2][3].get<double>() + 65'000;
+  write_file(rig_ / "transforms.json", json.dump());
+  expect_outcome(run_to_end(reconstructor({"build", rig_, "--model", "intrinsic-lumigraph", "--out", model_})), 0,
+                 {"images added to the model"});
+  const fs::path list = temp_.write("test.lp", "1\nnear.png 0.5 -0.6 1\n");
+  expect_outcome(run_to_end(reconstructor({"render", model_, "--lights", list, "--out", out_})), 0,
+                 {"1 pictures rendered"});
+}
+
+TEST_F(Lumigraph, WithoutAMeshTheObjectIsLookedForAtTheOrigin) {
+  Json json = Json::parse(read_file(rig_ / "transforms.json"));
+  for (Json& frame : json["frames"])
+    frame["transform_matrix"][1][3] = frame["transform_matrix"][1][3].get<double>() + 4'649'776.5;
+  write_file(rig_ / "transforms.json", json.dump());
+  expect_outcome(run_to_end(reconstructor({"build", rig_, "--model", "intrinsic-lumigraph", "--out", model_})), 2,
+                 {"without --mesh", "4650 km from the cameras"});
+}
+
 TEST_F(Lumigraph, WantsItsLights) {
   Json json = Json::parse(read_file(rig_ / "transforms.json"));
   for (Json& frame : json["frames"]) frame.erase("light_position");

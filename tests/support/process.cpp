@@ -65,7 +65,6 @@ Process::Process(const std::vector<std::string>& arguments, const ProcessOptions
     if (options.file_bytes) {
       const rlimit limit{*options.file_bytes, *options.file_bytes};
       ::setrlimit(RLIMIT_FSIZE, &limit);
-      ::signal(SIGXFSZ, SIG_IGN);
     }
     ::execvpe(argv[0], argv.data(), envp.data());
     ::_exit(127);

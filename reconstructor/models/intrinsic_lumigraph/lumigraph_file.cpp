@@ -22,7 +22,7 @@ constexpr ChunkFormat kFormat{.magic = "sheenILG", .version = 2, .title = "intri
 constexpr const char *kViewsFile = "views.ilg", *kMeshFile = "mesh.ply";
 // More than anybody honest asks for.
 constexpr std::size_t kMostViews = 100000, kMostLights = 4096;
-constexpr int kMostSide = 1 << 15, kMostCellsOnASide = 1 << 14;
+constexpr int kMostSide = 1 << 15;
 constexpr std::size_t kMostCells = std::size_t{1} << 27;
 
 OrderedJson describe(const LumigraphData& data) {
@@ -57,7 +57,7 @@ ShadowHull described_hull(const Json& json) {
                             size = json_numbers(json.at("size"), "hull: size ", 3);
   const double cell = json.at("cell");
   for (const double side : size)
-    if (!(side >= 0 && side <= kMostCellsOnASide && side == std::floor(side)))
+    if (!(side >= 0 && side <= ShadowHull::kMostCellsOnASide && side == std::floor(side)))
       throw std::invalid_argument("hull: size cannot be");
   const Eigen::Vector3i cells = Eigen::Map<const Eigen::Vector3d>(size.data()).cast<int>();
   if (cells_in(cells) > kMostCells || !(cell >= 0 && cell < 1e6) || (cells_in(cells) > 0 && !(cell > 0)))

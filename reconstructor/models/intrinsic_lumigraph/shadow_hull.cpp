@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector3f;
 using Eigen::Vector3i;
 
-constexpr double kMostCells = 24e6;
+constexpr double kMostCells = 24e6, kMostWithBorder = 1.25 * kMostCells;
 constexpr float kPixelsPerCell = 1.2f;
 constexpr double kOutliers = 0.002;  // of the points along each axis, on either side, that do not stretch the grid
 constexpr float kBefore = 0.016f;    // of the depth: a cell this far before a camera's surface is looked through
@@ -57,6 +57,22 @@ ImageU8 bright_pixels(const IntrinsicView& view) {
     for (int x = 0; x < w; ++x)
       bright.at(x, y) = levels.at<std::uint8_t>(y, x) >= kLeastBright * around.at<std::uint8_t>(y, x);
   return bright;
+}
+
+/// Cells of a grid round a box, with a border.
+Eigen::Array3d sides_in_cells(const Eigen::Array3d& box, double cell) {
+  return (box / cell).ceil() + 2;
+}
+
+/// The smallest side of a cell, from `least` on, at which the grid has no more of them than it may.
+float cell_for(const Eigen::Array3d& box, double least) {
+  constexpr double kCoarser = 1.1;
+  double cell = std::max(least, std::cbrt(box.prod() / kMostCells));
+  const auto too_many = [&](const Eigen::Array3d& sides) {  // a flat box is mostly border
+    return !(sides.prod() <= kMostWithBorder && sides.maxCoeff() <= ShadowHull::kMostCellsOnASide);
+  };
+  while (too_many(sides_in_cells(box, cell))) cell *= kCoarser;
+  return static_cast<float>(cell);
 }
 
 bool faces(const IntrinsicView& view, std::size_t pixel, const Vector3f& incidence) {
@@ -144,8 +160,8 @@ void ShadowHull::place_grid(std::span<const IntrinsicView* const> views) {
     low[static_cast<Eigen::Index>(k)] = places[k][cut];
     high[static_cast<Eigen::Index>(k)] = places[k][points - 1 - cut];
   }
-  cell_ = kPixelsPerCell * static_cast<float>(footprint / static_cast<double>(points));
-  cell_ = std::max(cell_, static_cast<float>(std::cbrt(double((high - low).prod()) / kMostCells)));
+  const Eigen::Array3d box = (high - low).cast<double>().array();
+  cell_ = cell_for(box, kPixelsPerCell * static_cast<float>(footprint / static_cast<double>(points)));
   origin_ = low.array() - cell_;
   size_ = ((high - low) / cell_).array().ceil().cast<int>() + 2;
   cells_.assign(

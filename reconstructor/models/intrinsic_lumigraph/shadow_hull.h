@@ -17,6 +17,7 @@ namespace sheen {
 class ShadowHull {
  public:
   static constexpr std::uint8_t kSolid = 15;  ///< of a cell through which no light is seen to pass
+  static constexpr int kMostCellsOnASide = 1 << 14;
 
   ShadowHull() = default;
   /// Of views with depth and masks of where each light arrives.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/errors.h"
+#include "common/capture/moved_origin.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_meshes.h"
 
@@ -82,6 +83,22 @@ TEST(MeshScale, ALiveCaptureIsJudgedOnceByItsFirstKeyframes) {
 TEST(MeshScale, SaysTheSize) {
   EXPECT_EQ(size_text(sphere_mesh(0.05f, 2)), "100 x 100 x 100 mm");
   EXPECT_EQ(size_text(sphere_mesh(2, 2)), "4 x 4 x 4 m");
+}
+
+TEST(MeshScale, AMeshFarFromZeroIsJudgedWhereItStands) {
+  const Eigen::Vector3d place(10, 0, 0);
+  std::vector<PosedCamera> there;
+  for (const PosedCamera& camera : cameras(0.2)) there.push_back(in_frame_at(-place, camera));
+  for (const auto& [scale, fitting] : {std::pair{1.0, 1.0}, {1000.0, 0.0}}) {
+    std::vector<Eigen::Vector3d> vertices;
+    const Mesh ball = sphere_mesh(0.05f, 2);
+    for (const Eigen::Vector3f& v : ball.vertices) vertices.push_back(scale * (v.cast<double>() + place));
+    const Mesh mesh = mesh_of(vertices, ball.triangles);
+    ASSERT_FALSE(mesh.origin.isZero(0));
+    const MeshScale judged = judge_scale(mesh, there);
+    EXPECT_EQ(judged.fitting, fitting);
+    EXPECT_EQ(judged.remedy.value_or(1), 1 / scale);
+  }
 }
 
 }  // namespace
