@@ -64,6 +64,7 @@ struct CompactModel {
   std::size_t patch_triangles = 1;      ///< that `shapes` were cut by
   PatchShapes shapes;
   std::vector<Patch> patches;  ///< as `shapes` has them
+  float brightest = 0;         ///< of the colours that images showed, in grey levels: none is drawn brighter
   int layers = 0;              ///< of the file
   int missing_layers = 0;      ///< of them: the file was cut short
   double missing_square = 0;   ///< what these would add to pictures: mean square per value, in grey levels

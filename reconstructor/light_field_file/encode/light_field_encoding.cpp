@@ -25,6 +25,7 @@ OrderedJson description_of(const CompactModel& model, float step, const std::vec
                    {"patch_triangles", model.patch_triangles},
                    {"layers", layer_squares.size()},
                    {"layer_squares", layer_squares},
+                   {"brightest", model.brightest},
                    {"kernels", kernels},
                    {"reflection", reflection_to_json(model.reflection.get())},
                    {"exposure", exposure_to_json(model.exposure)},

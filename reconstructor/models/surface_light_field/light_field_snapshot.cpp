@@ -23,6 +23,7 @@ class LightFieldShader : public ViewShader {
         maps_(snapshot.shared_maps()),
         coefficients_(snapshot.coefficients_for(eye)),
         exposure_(snapshot.exposure().at(eye)),
+        brightest_(snapshot.brightest()),
         quality_(snapshot.quality_for(eye)) {
     patches_.reserve(snapshot.patch_count());
     for (std::size_t i = 0; i < snapshot.patch_count(); ++i) patches_.push_back(snapshot.patch(i));
@@ -38,7 +39,7 @@ class LightFieldShader : public ViewShader {
     const Eigen::VectorXf h = (1 - u - v) * corner(0) + u * corner(1) + v * corner(2);
     const LatticeStencil stencil = lattice_stencil(maps_->resolution(triangle), u, v);
     const auto first = static_cast<int>(place.first_sample);
-    const Eigen::Vector3f encoded = patch->colour(first, stencil, h);
+    const Eigen::Vector3f encoded = patch->colour(first, stencil, h).cwiseMin(brightest_);
     SampleState state = SampleState::kUnseen;
     for (int k = 0; k < 3; ++k)
       if (stencil.weight[k] > 0.25f) state = std::max(state, patch->state(first + stencil.index[k]));
@@ -53,7 +54,7 @@ class LightFieldShader : public ViewShader {
   std::vector<std::shared_ptr<const SurfacePatch>> patches_;
   std::vector<TrianglePlace> places_;  ///< per triangle
   Eigen::MatrixXf coefficients_;
-  float exposure_;
+  float exposure_, brightest_;
   std::vector<SurfaceQuality> quality_;
 };
 
@@ -88,7 +89,7 @@ std::vector<SurfaceQuality> LightFieldSnapshot::quality_for(const Eigen::Vector3
       if (const SeenVertex* from = seen_vertex(v)) {
         SurfaceQuality& quality = vertices[v];
         quality = assess_vertex(*from, (eye.cast<float>() - mesh_->vertices[v]).normalized(), common_sill());
-        quality.error = std::sqrt(quality.error * quality.error + missing_square_);
+        quality.error = std::sqrt(quality.error * quality.error + file_.missing_square);
       }
   });
   triangles.reserve(mesh_->triangles.size());

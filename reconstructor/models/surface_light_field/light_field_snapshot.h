@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -40,19 +41,24 @@ struct SeenVertex {
   int views_folded = 0;                      ///< images ingested, thinned ones included
 };
 
+/// What is known of a model by the file that it comes from.
+struct FileFacts {
+  float missing_square = 0;                                  ///< of what it lacks: of encoded values in pictures
+  float brightest = std::numeric_limits<float>::infinity();  ///< encoded colour that is drawn
+};
+
 /// An immutable surface light field (000): a triangle's surface maps times the mean of its corners' view coefficients,
 /// weighted barycentrically. Patches of triangles share maps.
 class LightFieldSnapshot : public ModelSnapshot, public DemandingSurface {
  public:
-  /// `missing_square`: of what its file lacks, mean square of encoded values in pictures.
   LightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps, std::uint64_t version,
-                     ExposureField exposure, std::vector<PosedCamera> cameras, float missing_square = 0)
+                     ExposureField exposure, std::vector<PosedCamera> cameras, FileFacts file = {})
       : mesh_(std::move(mesh)),
         maps_(std::move(maps)),
         version_(version),
         exposure_(std::move(exposure)),
         cameras_(std::move(cameras)),
-        missing_square_(missing_square) {}
+        file_(file) {}
 
   const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }
   std::uint64_t version() const override { return version_; }
@@ -66,6 +72,7 @@ class LightFieldSnapshot : public ModelSnapshot, public DemandingSurface {
   const std::shared_ptr<const MapLayout>& shared_maps() const { return maps_; }
   const MapLayout& maps() const { return *maps_; }
   const ExposureField& exposure() const { return exposure_; }
+  float brightest() const { return file_.brightest; }
 
   virtual std::size_t patch_count() const = 0;
   virtual std::shared_ptr<const SurfacePatch> patch(std::size_t index) const = 0;  ///< null: no image has reached it
@@ -95,7 +102,7 @@ class LightFieldSnapshot : public ModelSnapshot, public DemandingSurface {
   std::uint64_t version_;
   ExposureField exposure_;
   std::vector<PosedCamera> cameras_;
-  float missing_square_;
+  FileFacts file_;
 };
 
 }  // namespace sheen

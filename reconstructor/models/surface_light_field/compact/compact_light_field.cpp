@@ -50,6 +50,13 @@ std::shared_ptr<const VertexViews> vertex_views(const CompactModel& model, const
   return views;
 }
 
+/// Interpolation goes a little beyond the brightest colour that images showed.
+FileFacts facts_of(const CompactModel& model) {
+  constexpr float kBeyond = 1.1f;
+  return {static_cast<float>(model.missing_square / (kGreyLevels * kGreyLevels)),
+          kBeyond * model.brightest / kGreyLevels};
+}
+
 SnapshotFigures figures_of(const std::vector<std::shared_ptr<const SurfacePatch>>& patches) {
   SnapshotFigures figures;
   std::vector<int> ranks;
@@ -76,8 +83,7 @@ SnapshotFigures figures_of(const std::vector<std::shared_ptr<const SurfacePatch>
 }  // namespace
 
 CompactLightField::CompactLightField(CompactModel model, std::shared_ptr<const std::string> encoded)
-    : LightFieldSnapshot(model.mesh, model.maps, kOnlySnapshot, model.exposure, model.cameras,
-                         static_cast<float>(model.missing_square / (kGreyLevels * kGreyLevels))),
+    : LightFieldSnapshot(model.mesh, model.maps, kOnlySnapshot, model.exposure, model.cameras, facts_of(model)),
       shapes_(model.shapes),
       encoded_(std::move(encoded)) {
   const std::size_t vertices = model.mesh->vertices.size();

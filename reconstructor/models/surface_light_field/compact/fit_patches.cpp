@@ -124,7 +124,9 @@ class PatchFit {
     find_sources(model_);
     normals_ = vertex_normals(mesh);
     model_.patches.resize(model_.shapes.patches.size());
+    brightest_.resize(model_.patches.size(), 0);
     tbb::parallel_for(std::size_t{0}, model_.patches.size(), [&](std::size_t i) { fit_patch(i); });
+    for (const float colour : brightest_) model_.brightest = std::max(model_.brightest, colour);
     return std::move(model_);
   }
 
@@ -200,6 +202,7 @@ class PatchFit {
       gather(t, images, columns.middleRows(3 * Eigen::Index{first}, 3 * samples),
              std::span(patch.state).subspan(first, static_cast<std::size_t>(samples)));
     }
+    brightest_[index] = columns.maxCoeff();
     patch.mean = columns.rowwise().mean();
     columns.colwise() -= patch.mean;
 
@@ -295,6 +298,7 @@ class PatchFit {
   CompactModel model_;
   std::vector<std::vector<std::uint16_t>> grown_;  ///< per patch of the snapshot: the images that its views are of
   std::vector<Eigen::Vector3f> normals_;           ///< per vertex
+  std::vector<float> brightest_;                   ///< per patch: colour
 };
 
 }  // namespace

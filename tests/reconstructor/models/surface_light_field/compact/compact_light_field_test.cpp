@@ -11,6 +11,8 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/image/color.h"
+#include "reconstructor/light_field_file/light_field_file.h"
 #include "reconstructor/models/surface_light_field/files/compact_file.h"
 #include "reconstructor/models/surface_light_field/kind.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
@@ -196,6 +198,23 @@ TEST_F(CompactLightFieldTest, TheBeginningOfAFileIsACoarserModel) {
   }
   EXPECT_GE(drawn, 4u);
   EXPECT_NEAR(before, psnr_db(*small.snapshot, scene_), 1e-9);
+}
+
+// A damaged file with right checksums asks for anything.
+TEST_F(CompactLightFieldTest, NothingIsDrawnBrighterThanWhatImagesShowed) {
+  const auto file = temp_.path() / "model";
+  compressed({.loss_db = 0.5}).snapshot->save(file, {}, {});
+  CompactModel model = decode_light_field(read_file(file), "model", one_after_the_other);
+  EXPECT_GT(model.brightest, 100);
+  EXPECT_LT(model.brightest, 300);
+  for (Patch& patch : model.patches) patch.coefficients *= 1e5f;
+  const float most = 1.1f * model.brightest / 255;
+  const auto damaged = std::make_shared<CompactLightField>(std::move(model), nullptr);
+  const auto shader = damaged->shader_for({Eigen::Vector3d(0.1, 0.05, 0.48)});
+  float brightest = 0;
+  for (std::uint32_t t = 0; t < damaged->mesh().triangles.size(); ++t)
+    brightest = std::max(brightest, srgb_encode(shader->shade(t, 0.3f, 0.3f).rgb.maxCoeff()));
+  EXPECT_NEAR(brightest, most, 1e-3f);
 }
 
 TEST_F(CompactLightFieldTest, OpensInStagesOnOneMeshUpToTheWholeModel) {
