@@ -13,6 +13,8 @@ namespace sheen {
 namespace {
 
 constexpr std::chrono::milliseconds kRedraw{100};
+constexpr std::chrono::seconds kNextLine{10};  ///< where there is no terminal
+constexpr int kLineWidth = 100;
 constexpr int kNarrowestBar = 8;
 
 std::mutex terminal_mutex;
@@ -49,7 +51,7 @@ Progress::Progress(std::string label, std::uint64_t total, std::FILE* stream)
       stream_(stream),
       terminal_(isatty(fileno(stream)) == 1),
       started_(std::chrono::steady_clock::now()),
-      shown_(started_ - kRedraw) {}
+      shown_(terminal_ ? started_ - kRedraw : started_) {}
 
 Progress::~Progress() {
   if (!terminal_) return;
@@ -60,11 +62,16 @@ Progress::~Progress() {
 
 void Progress::update(std::uint64_t done) {
   const auto now = std::chrono::steady_clock::now();
-  if (!terminal_ || now - shown_ < kRedraw) return;
+  if (terminal_ ? now - shown_ < kRedraw : now - shown_ < kNextLine) return;
   shown_ = now;
   const std::lock_guard lock(terminal_mutex);
-  bar_on = stream_;
   const double elapsed_s = std::chrono::duration<double>(now - started_).count();
+  if (!terminal_) {
+    std::fprintf(stream_, "%s\n", progress_line(label_, done, total_, elapsed_s, kLineWidth).c_str());
+    std::fflush(stream_);
+    return;
+  }
+  bar_on = stream_;
   // One column stays free: a full line makes some terminals wrap.
   std::fprintf(stream_, "\r%s\x1b[K",
                progress_line(label_, done, total_, elapsed_s, terminal_width(stream_) - 1).c_str());
@@ -79,6 +86,7 @@ ProgressPause::ProgressPause() : lock_(terminal_mutex) {
 std::string progress_line(const std::string& label, std::uint64_t done, std::uint64_t total, double elapsed_s,
                           int width) {
   const double rate = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0;
+  if (total == 0 && done == 0) return (label + " ...").substr(0, static_cast<std::size_t>(std::max(width, 0)));
   std::string figures = std::to_string(done);
   if (total > 0) {
     const double fraction = std::min(1.0, static_cast<double>(done) / static_cast<double>(total));

@@ -18,7 +18,7 @@ using StepsDone = std::function<void(std::size_t done, std::size_t steps)>;
 int terminal_width(std::FILE* stream);
 
 /// A progress bar on a terminal: fraction done, rate, time left. Where `stream` is no terminal (a pipe, a file) it
-/// writes nothing. The line is cleared at the end. Whoever prints meanwhile does so within a `ProgressPause`.
+/// writes a line every ten seconds. The bar goes at the end. Whoever prints meanwhile does so within a `ProgressPause`.
 class Progress {
  public:
   /// `total` 0: unknown; counts and rate only.
@@ -51,7 +51,7 @@ class ProgressPause {
   std::lock_guard<std::mutex> lock_;
 };
 
-/// What `Progress` shows, in at most `width` columns (40 or more):
+/// What `Progress` shows, in at most `width` columns (40 or more); without a bar where there is no room or no total:
 ///   building [#########.........] 45/90  50 %  5.2/s  9 s left
 std::string progress_line(const std::string& label, std::uint64_t done, std::uint64_t total, double elapsed_s,
                           int width);

@@ -9,6 +9,8 @@ namespace sheen {
 
 namespace {
 
+constexpr double kWideOpen = 0.25;  ///< a box without its lid has 0.2
+
 struct Edge {
   std::uint32_t low, high;
   bool upwards;  ///< the triangle runs from low to high
@@ -51,6 +53,19 @@ void count_components(const Mesh& mesh, MeshDiagnosis& diagnosis) {
   }
 }
 
+/// The part of the surface that would close the mesh, seen from outside. The volume of one that is wide open, as things
+/// on a table top are, depends on the point that it is counted from, and its sign says nothing.
+double open_part(const Mesh& mesh) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double area = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Eigen::Vector3d normal = mesh.area_normal(t).cast<double>();
+    sum += normal;
+    area += normal.norm();
+  }
+  return area > 0 ? sum.norm() / area : 0;
+}
+
 double signed_volume(const Mesh& mesh) {
   const Eigen::Vector3d centre = bounding_sphere(mesh).centre;  // keeps the sum small where a mesh is open or far off
   double six_volumes = 0;
@@ -70,7 +85,7 @@ MeshDiagnosis diagnose(const Mesh& mesh) {
   diagnosis.triangles = mesh.triangles.size();
   count_edges(mesh, diagnosis);
   count_components(mesh, diagnosis);
-  diagnosis.signed_volume = signed_volume(mesh);
+  if (open_part(mesh) < kWideOpen) diagnosis.signed_volume = signed_volume(mesh);
   return diagnosis;
 }
 

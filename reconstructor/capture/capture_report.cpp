@@ -160,9 +160,11 @@ json file_report(const std::filesystem::path& path, const SmallFile& file) {
 
 void print_summary(const json& report) {
   const auto withdrawn = report["frames"]["withdrawn"].get<unsigned long long>();
-  std::printf("%llu images added to the model at %.1f images/s, %llu held out",
-              report["frames"]["accepted"].get<unsigned long long>(), report["ingest_images_per_s"].get<double>(),
-              report["frames"]["held_out"].get<unsigned long long>());
+  if (const auto added = report["frames"]["accepted"].get<unsigned long long>(); added > 0)
+    std::printf("%llu images added to the model at %.1f images/s", added, report["ingest_images_per_s"].get<double>());
+  else
+    std::printf("no image was added to the model");
+  std::printf(", %llu held out", report["frames"]["held_out"].get<unsigned long long>());
   if (withdrawn > 0) std::printf(", %llu withdrawn", withdrawn);
   std::printf("\n");
   const json& held_out = report["held_out"];

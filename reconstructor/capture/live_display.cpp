@@ -18,7 +18,10 @@ namespace {
 
 constexpr int kPreviewWidth = 480;
 constexpr int kJpegQuality = 80;
-constexpr std::chrono::seconds kTurn{3};  ///< for which one of several cameras is shown
+constexpr std::chrono::seconds kTurn{3};    ///< for which one of several cameras is shown
+constexpr double kFewWait = 3, kLag_s = 1;  ///< images that may wait, or as many as are added in this time
+constexpr double kSameView = 0.94;          ///< cosine of 20 degrees
+constexpr int kInsists = 8;                 ///< snapshots in a row
 
 std::shared_ptr<const std::string> jpeg_text(const ImageU8& image) {
   const std::vector<std::uint8_t> bytes = encode_jpeg(image, kJpegQuality);
@@ -121,10 +124,15 @@ Viewpoint first_look(const std::shared_ptr<const Mesh>& mesh) {
   return controls.orbit.viewpoint(kPreviewWidth, 3 * kPreviewWidth / 4);
 }
 
+/// What the model has to say of the next view is old while images wait.
+bool lags(const LoopStatus& status) {
+  return static_cast<double>(status.waiting()) > std::max(kFewWait, status.images_per_s * kLag_s);
+}
+
 std::optional<WorkInHand> work_of(const EndProgress& end) {
-  const auto done = [&end](const char* what) {
-    std::string text = what;
-    if (end.total > 0) text += " " + std::to_string(end.done) + " of " + std::to_string(end.total);
+  const auto done = [&end](std::string text, const char* of) {
+    if (end.total > 0)
+      text += std::string(": ") + of + " " + std::to_string(end.done) + " of " + std::to_string(end.total);
     return text;
   };
   constexpr const char* kNoModel = "Q: end now, without the model; the images are kept";
@@ -134,13 +142,13 @@ std::optional<WorkInHand> work_of(const EndProgress& end) {
     case EndStage::kCapturing:
       break;
     case EndStage::kFinishing:
-      return WorkInHand{done("FINISHING: image"), fraction, kNoModel};
+      return WorkInHand{done("FINISHING", "image"), fraction, kNoModel};
     case EndStage::kRefining:
-      return WorkInHand{done("REFINING the mesh: step"), fraction, kNoModel};
+      return WorkInHand{done("REFINING the mesh", "step"), fraction, kNoModel};
     case EndStage::kSaving:
-      return WorkInHand{done("SAVING the model: part"), fraction, kNoModel};
+      return WorkInHand{done("SAVING the model", "part"), fraction, kNoModel};
     case EndStage::kJudging:
-      return WorkInHand{done("JUDGING the model on held-out views: picture"), fraction, kNoReport};
+      return WorkInHand{done("JUDGING the model on held-out views", "picture"), fraction, kNoReport};
   }
   return std::nullopt;
 }
@@ -229,7 +237,7 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
                  .capture = now.capture,
                  .figures = figures,
                  .link = link_of(stats, end, now.capture_at),
-                 .next_view = next_view_,
+                 .next_view = lags(status) ? std::nullopt : next_view_,
                  .work = work_of(end),
                  .message = std::move(message),
                  .trouble = trouble_of(stats, end)});
@@ -286,8 +294,10 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.model_bytes = status.model_bytes;
   state.trade = status.trade;
   state.held_out_curve = status.held_out_curve;
-  state.next_view = guidance_in_words(now);
-  state.well_known = next_view_ && next_view_->well_known;
+  if (!lags(status)) {
+    state.next_view = guidance_in_words(now);
+    state.well_known = next_view_ && next_view_->well_known;
+  }
   state.preview_jpeg = preview_jpeg_;
   state.camera_jpeg = camera_jpeg_;
   return state;
@@ -314,9 +324,22 @@ void LiveDisplay::update_next_view(const Latest& now) {
   if (!now.snapshot || !now.capture || !now.capture->pose.usable() || now.number == advised_) return;
   advised_ = now.number;
   const ViewAdvice advice = now.snapshot->advise_next_view(camera_centre(now.capture->pose.camera_from_object));
+  if (next_view_ && !advice.well_known() && keeps_asking_for(*next_view_, now, advice.eye)) return;
+  otherwise_ = 0;
   next_view_ = NextView{advice.eye, advice.reason, advice.well_known()};
   if (!next_view_->well_known) return;
   next_view_->reason = format("%.0f dB are expected even from the least known place", advice.worst_psnr_db);
+}
+
+/// Whoever is on the way somewhere is not sent elsewhere by every image: only once they are there, or when several
+/// snapshots in a row want another view.
+bool LiveDisplay::keeps_asking_for(const NextView& asked, const Latest& now, const Eigen::Vector3d& wanted) {
+  if (asked.well_known) return false;
+  const Eigen::Vector3d centre = bounding_sphere(now.snapshot->mesh()).centre;
+  if (guide(now.capture->pose.camera_from_object, centre, asked.eye).there()) return false;
+  const double cosine = (wanted - centre).normalized().dot((asked.eye - centre).normalized());
+  otherwise_ = cosine > kSameView ? 0 : otherwise_ + 1;
+  return otherwise_ < kInsists;
 }
 
 std::string LiveDisplay::guidance_in_words(const Latest& now) const {

@@ -57,6 +57,7 @@ class LiveDisplay {
   Latest latest() const;
   void update_previews(const Latest& now);
   void update_next_view(const Latest& now);
+  bool keeps_asking_for(const NextView& asked, const Latest& now, const Eigen::Vector3d& wanted);
   std::string guidance_in_words(const Latest& now) const;
 
   Names names_;
@@ -69,6 +70,7 @@ class LiveDisplay {
   std::shared_ptr<const std::string> preview_jpeg_, camera_jpeg_;
   std::uint64_t advised_ = 0;  ///< likewise
   std::optional<NextView> next_view_;
+  int otherwise_ = 0;  ///< snapshots in a row that want another view than `next_view_`
 };
 
 /// What the monitor page shows before the first image, while it is not known what will be modelled.

@@ -285,8 +285,6 @@ void serve(ServeArguments arguments) {
     throw ConfigError(std::string("--refine: ") + plan->scene.kind->name() + " has no mesh to refine; leave it out");
   const bool waits = !plan || (arguments.mesh.empty() && surface_needs_camera(*plan->scene.settings, arguments.mesh));
   std::unique_ptr<Reconstruction> reconstructed = waits ? nullptr : reconstruction_for(arguments, *plan, {});
-  Session session = open_session(arguments.session, arguments.mesh);
-  if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
 
   LiveDisplay::Names names = names_of(arguments, trackers);
   if (plan) names.model = plan->scene.kind->name();
@@ -297,6 +295,8 @@ void serve(ServeArguments arguments) {
   if (!arguments.headless && !plan) require_display();
   ViewerWindow* window = screen ? &*screen : nullptr;
 
+  Session session = open_session(arguments.session, arguments.mesh);  // not before all else is there that it needs
+  if (session.size() > 0) log_info("session", "resumed", {{"captures", session.size()}});
   for (ReceiverOptions& tracker : trackers) tracker.held = session.held();
   auto links = std::make_unique<TrackerLinks>(trackers);
   LinkLog link_log;

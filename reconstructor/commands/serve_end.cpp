@@ -20,16 +20,17 @@ namespace {
 
 constexpr std::chrono::milliseconds kEarlyEndPatience{700};
 
-/// A bar per stage on the terminal.
+/// A bar per stage on the terminal, also while it is not known how much there is to do.
 class EndBar {
  public:
   void show(const EndProgress& end) {
-    if (end.stage == EndStage::kCapturing || end.total == 0) return;
-    if (end.stage != shown_ || !bar_) {
+    if (end.stage == EndStage::kCapturing) return;
+    if (end.stage != shown_ || end.total != total_ || !bar_) {
       bar_.reset();  // takes its line away before the next one draws
       bar_.emplace(name_of(end.stage), end.total);
     }
     shown_ = end.stage;
+    total_ = end.total;
     bar_->update(end.done);
   }
 
@@ -50,6 +51,7 @@ class EndBar {
   }
 
   EndStage shown_ = EndStage::kCapturing;
+  std::uint64_t total_ = 0;
   std::optional<Progress> bar_;
 };
 

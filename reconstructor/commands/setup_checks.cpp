@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -31,6 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr double kGigabyte = 1e9;
 constexpr double kLeastRoom = 1 * kGigabyte;
+constexpr double kSmallestObject_m = 0.002, kLargestObject_m = 10;  // of the longest side; beyond, a unit is likelier
 constexpr double kAmpleRoom = 10 * kGigabyte;  // 300 images of 1024x768 take about 0.3 GB, photographs ten times that
 
 struct Address {
@@ -87,6 +89,15 @@ std::vector<SetupCheck> check_mesh(const fs::path& mesh) {
     std::vector<SetupCheck> checks{{"mesh", Finding::kOk,
                                     mesh.string() + ": " + std::to_string(diagnosis.triangles) + " triangles, " +
                                         std::to_string(diagnosis.vertices) + " vertices, " + size_text(loaded.mesh)}};
+    Eigen::AlignedBox3f box;
+    for (const Eigen::Vector3f& vertex : loaded.mesh.vertices) box.extend(vertex);
+    const double side = box.sizes().maxCoeff();
+    if (side < kSmallestObject_m || side > kLargestObject_m) {
+      checks.front().finding = Finding::kWarn;
+      checks.front().text += "; a mesh is in metres: is this one in " +
+                             std::string(side > kLargestObject_m ? "millimetres" : "another unit") +
+                             "? `sheen-tracker register --unit` brings it to metres";
+    }
     for (const std::string& warning : diagnosis.warnings()) checks.push_back({"mesh", Finding::kWarn, warning});
     return checks;
   } catch (const Error& error) {
@@ -156,7 +167,7 @@ SetupCheck check_monitor_port(int port) {
     const MonitorServer server({.port = port});
     return {"monitor page", Finding::kOk, server.url() + " is free"};
   } catch (const Error& error) {
-    return {"monitor page", Finding::kWarn, error.what()};
+    return {"monitor page", Finding::kFail, error.what()};  // `serve` does not start so
   }
 }
 

@@ -70,16 +70,24 @@ class Opening {
 
 const std::string kModes = "appearance, heuristic, split, camera, rank, resolution, bytes";
 
+/// The model itself, or where `serve` and the demo leave it: in a session, in a folder with a session.
+std::filesystem::path model_in(const std::filesystem::path& path) {
+  for (const std::filesystem::path& inside : {path / kSessionModel, path / "session" / kSessionModel})
+    if (!std::filesystem::exists(path / kModelJsonFile) && std::filesystem::exists(inside)) return inside;
+  return path;
+}
+
 void view(const ViewArguments& arguments) {
   const auto [width, height] = parse_image_size("--size", arguments.size, 64);
   const std::optional<ViewMode> mode = view_mode_from(arguments.mode);
   if (!mode) throw ConfigError("--mode: '" + arguments.mode + "' is not one of " + kModes);
   const bool picture_only = !arguments.screenshot.empty();
-  const ModelKind& kind = kind_of_model(arguments.model);
+  const std::filesystem::path model = model_in(arguments.model);
+  const ModelKind& kind = kind_of_model(model);
 
   ViewerFeed feed;
   std::optional<Opening> opening;
-  if (!picture_only) opening.emplace(kind, arguments.model, feed);
+  if (!picture_only) opening.emplace(kind, model, feed);
   ViewerWindow window(kind, {.width = width, .height = height, .visible = !picture_only});
   ViewControls& controls = window.controls();
   controls.mode = *mode;
@@ -89,7 +97,7 @@ void view(const ViewArguments& arguments) {
 
   if (picture_only) {
     ViewerState state;
-    state.snapshot = kind.load(arguments.model);
+    state.snapshot = kind.load(model);
     write_png(arguments.screenshot, window.draw_once(state));
     return;
   }
@@ -103,7 +111,7 @@ void view(const ViewArguments& arguments) {
 void add_view_command(Command& program) {
   auto arguments = std::make_shared<ViewArguments>();
   Command command = program.subcommand("view", "Shows a saved model in a window; H lists the keys.");
-  command.option("model", arguments->model, "saved model: a file or a folder").required();
+  command.option("model", arguments->model, "saved model: a file or a folder, or a session with one").required();
   command.option("--screenshot", arguments->screenshot, "PNG to write instead of opening a window");
   command.option("--mode", arguments->mode, kModes).show_default();
   command.flag("--reasons", arguments->reasons, "colour where images are needed by the reason");

@@ -9,6 +9,15 @@ namespace sheen {
 namespace {
 
 constexpr double kThereDeg = 4;
+constexpr double kSteepDeg = 75;  ///< of elevation: beyond it nobody walks round
+
+double azimuth_deg(const Eigen::Vector3d& direction) {
+  return std::atan2(direction.y(), direction.x()) / kDegree;
+}
+
+double elevation_deg(const Eigen::Vector3d& direction) {
+  return std::atan2(direction.z(), direction.head<2>().norm()) / kDegree;
+}
 
 }  // namespace
 
@@ -23,6 +32,8 @@ Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, 
   const Eigen::Vector3d right = image_up.cross(out).normalized();
   const Eigen::Vector3d up = out.cross(right);
   const Eigen::Vector3d next = (next_eye - centre).normalized();
+  if (std::abs(elevation_deg(out)) < kSteepDeg && std::abs(elevation_deg(next)) < kSteepDeg)
+    return {std::remainder(azimuth_deg(next) - azimuth_deg(out), 360), elevation_deg(next) - elevation_deg(out)};
   const Eigen::Vector2d across(next.dot(right), next.dot(up));
   const double degrees = std::atan2(across.norm(), next.dot(out)) / kDegree;
   const Eigen::Vector2d way = across.norm() > 1e-9 ? Eigen::Vector2d(across.normalized()) : Eigen::Vector2d(1, 0);

@@ -8,8 +8,9 @@
 
 namespace sheen {
 
-/// How to move from one eye to another by the shortest way over a sphere round the centre, as the person who holds the
-/// camera sees it: degrees along the way's first direction, positive to the right and up. Over the top is "up".
+/// How to move from one eye to another on a sphere round the centre, as a person with a camera does: round the object
+/// by so many degrees, positive to the right, and up or down by so many. z points up, as on the stage. Where the eye is
+/// nearly above or below the object, along the shortest way, in the directions of the picture.
 struct Guidance {
   double right_deg = 0, up_deg = 0;
   /// As near as a hand gets.

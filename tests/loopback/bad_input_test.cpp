@@ -172,6 +172,7 @@ TEST_F(BadInput, APortInUse) {
   expect_outcome(run_to_end(reconstructor({"serve", "--mesh", data_.mesh(), "--session", session_, "--headless",
                                            "--monitor-port", std::to_string(port)})),
                  1, {"monitor page", "port " + std::to_string(port), "choose another port"});
+  EXPECT_FALSE(std::filesystem::exists(session_)) << "nothing was begun";
 }
 
 TEST_F(BadInput, AnAddressThatOthersReachWithoutKeys) {

@@ -31,9 +31,10 @@ TEST(Progress, StartAndEndAndUnknownTotal) {
   EXPECT_THAT(progress_line("x", 10, 10, 2.0, 79), HasSubstr("10/10  100 %  5.0/s"));
   EXPECT_THAT(progress_line("x", 20, 10, 2.0, 79), HasSubstr("20/10  100 %"));
   EXPECT_EQ(progress_line("x", 20, 0, 2.0, 79), "x 20  10/s");
+  EXPECT_EQ(progress_line("saving", 0, 0, 2.0, 79), "saving ...") << "nobody knows how far it is";
 }
 
-TEST(Progress, SaysNothingInAPipe) {
+TEST(Progress, SaysNothingOfShortWorkInAPipe) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe2(ends.data(), O_NONBLOCK), 0);
   std::FILE* stream = ::fdopen(ends[1], "w");

@@ -59,6 +59,13 @@ TEST(MeshDiagnosis, CountsWhatIsWrong) {
   EXPECT_EQ(diagnose(open).boundary_edges, 3u);
   EXPECT_THAT(diagnose(open).warnings(), ElementsAre(HasSubstr("3 edges have a triangle on one side only")));
 
+  // A table top with nothing below it, and a thing that stands on it.
+  Mesh still_life = tetrahedron();
+  still_life.vertices.insert(still_life.vertices.end(), {{-9, -9, -3}, {9, -9, -3}, {0, 9, -3}});
+  still_life.triangles.push_back({4, 5, 6});
+  for (const std::string& warning : diagnose(still_life).warnings())
+    EXPECT_THAT(warning, ::testing::Not(HasSubstr("inside out")));
+
   Mesh inside_out = tetrahedron();
   for (Triangle& t : inside_out.triangles) std::swap(t[0], t[1]);
   EXPECT_NEAR(diagnose(inside_out).signed_volume, -1.0 / 6, 1e-12);

@@ -116,6 +116,30 @@ TEST(LiveDisplay, ThePageSaysInWhichDirectionTheNextImageIs) {
   observer.on_snapshot(reconstruction.snapshot(), reconstruction.shared_painter());
   EXPECT_THAT(display.monitor_state({}).next_view,
               ::testing::MatchesRegex("move [0-9]+ degrees (to the (left|right)(, [0-9]+ (up|down))?|up|down): .+"));
+
+  LoopStatus behind;
+  behind.journaled = 45;
+  behind.ingested = 3;
+  behind.images_per_s = 5;
+  EXPECT_EQ(display.monitor_state(behind).next_view, "") << "42 images wait: what is missing is not known";
+  EXPECT_FALSE(display.monitor_state(behind).well_known);
+  display.publish_to_window(behind);
+  EXPECT_FALSE(display.feed().latest()->next_view);
+  display.publish_to_window({});
+  ASSERT_TRUE(display.feed().latest()->next_view);
+
+  // Whoever is on the way there is not sent elsewhere by the next image.
+  const Eigen::Vector3d asked = display.feed().latest()->next_view->eye;
+  reconstruction.ingest(captures({object.surface, analytic::two_terms(0.1)}, {{0.1, 0.1, 0.5}}).front());
+  observer.on_snapshot(reconstruction.snapshot(), reconstruction.shared_painter());
+  display.publish_to_window({});
+  EXPECT_EQ(display.feed().latest()->next_view->eye, asked);
+}
+
+TEST(LiveDisplay, SaysNoNumbersOfAnEndThatHasNone) {
+  LiveDisplay display({});
+  display.publish_to_window({}, {EndStage::kSaving, 0, 0});
+  EXPECT_EQ(display.feed().latest()->work->what, "SAVING the model");
 }
 
 TEST(LiveDisplay, WhatIsReceivedIsUsedRefusedTakenBackOrWaits) {

@@ -47,6 +47,16 @@ TEST_F(SetupChecks, MeshIsReadAndItsFaultsNamed) {
   EXPECT_EQ(check_mesh(write("broken.obj", "v 0 0 0\nf 1 2 9\n")).front().finding, Finding::kFail);
 }
 
+TEST_F(SetupChecks, AMeshThatIsNotInMetresIsDoubted) {
+  for (const char* side : {"118", "2500", "0.0001"}) {
+    const std::string length = side;
+    const fs::path mesh = write("mesh.obj", "v 0 0 0\nv " + length + " 0 0\nv 0 " + length + " 0\nf 1 2 3\n");
+    const SetupCheck check = check_mesh(mesh).front();
+    EXPECT_EQ(check.finding, Finding::kWarn) << side;
+    EXPECT_THAT(check.text, HasSubstr("a mesh is in metres"));
+  }
+}
+
 TEST_F(SetupChecks, SecretKeyMustBeReadableAndPrivate) {
   generate_keys(folder_, "rig");
   const fs::path key = folder_ / "rig.key";
@@ -101,7 +111,7 @@ TEST_F(SetupChecks, MonitorPortInUseIsNoticed) {
   {
     const MonitorServer server({.port = 0});
     port = server.port();
-    EXPECT_EQ(check_monitor_port(port).finding, Finding::kWarn);
+    EXPECT_EQ(check_monitor_port(port).finding, Finding::kFail) << "`serve` does not start there";
   }
   EXPECT_EQ(check_monitor_port(port).finding, Finding::kOk);
 }

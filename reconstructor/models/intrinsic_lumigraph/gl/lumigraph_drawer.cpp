@@ -29,7 +29,7 @@ bool LumigraphDrawer::update(const std::shared_ptr<const ModelSnapshot>& snapsho
 }
 
 std::vector<std::string> LumigraphDrawer::notes() const {
-  return {"Ctrl and the mouse rotation the light"};
+  return {"Ctrl and drag: turn the light"};
 }
 
 void LumigraphDrawer::refresh(const Viewpoint& viewpoint, const LightState& light) {
