@@ -55,9 +55,7 @@ KrigingSystem kriging_system(const CompactModel& model, const CompactVertex& ver
     system.directions.col(j) = view.direction;
     system.reliability[j] = view.reliability;
   }
-  if (!vertex.drift || !model.reflection) return system;
-  system.drift.resize(views);
-  for (Eigen::Index j = 0; j < views; ++j) system.drift[j] = model.reflection->at(system.directions.col(j), normal);
+  if (vertex.drift && model.reflection) system.drift = model.reflection->at_each(system.directions, normal);
   return system;
 }
 

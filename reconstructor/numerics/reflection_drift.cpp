@@ -11,4 +11,10 @@ float ReflectionDrift::at(const Eigen::Vector3f& direction, const Eigen::Vector3
   return coefficients.dot(spherical_harmonics(mirrored(direction, normal)));
 }
 
+Eigen::VectorXf ReflectionDrift::at_each(const Eigen::Matrix3Xf& directions, const Eigen::Vector3f& normal) const {
+  Eigen::VectorXf drift(directions.cols());
+  for (Eigen::Index j = 0; j < drift.size(); ++j) drift[j] = at(directions.col(j), normal);
+  return drift;
+}
+
 }  // namespace sheen

@@ -18,6 +18,8 @@ struct ReflectionDrift {
 
   /// At the direction that `direction`, from the surface to the eye, is mirrored to about `normal`; both unit vectors.
   float at(const Eigen::Vector3f& direction, const Eigen::Vector3f& normal) const;
+  /// The same of many directions, 3 x views.
+  Eigen::VectorXf at_each(const Eigen::Matrix3Xf& directions, const Eigen::Vector3f& normal) const;
 };
 
 }  // namespace sheen

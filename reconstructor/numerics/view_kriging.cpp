@@ -22,6 +22,15 @@ using Eigen::VectorXf;
 /// A drift that the views hardly tell from a constant cannot be fitted.
 constexpr float kLeastDrift = 1e-6;
 
+/// Variance, in units of the sill, at which half of what the drift says is believed.
+constexpr double kHalfBelieved = 0.1;
+
+/// What is left of g, of which kriging is uncertain by g^2 / power. Never more than 0.57 of where half of it is left.
+double believed(double g, double power) {
+  const double uncertain = g * g / (power * kHalfBelieved);
+  return g / (1 + uncertain * uncertain);
+}
+
 template <typename Scalar>
 using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 template <typename Scalar>
@@ -105,6 +114,11 @@ class Kriging {
   }
   /// What Y Z with the drift is less: rank x views.
   Matrix<Scalar> taken_by_drift(const Matrix<Scalar>& y) const { return factor(y) * drift_weights_.transpose(); }
+  /// There must be a drift.
+  BelievedDrift believed_drift() const {
+    return {drift_weights_.template cast<float>(), static_cast<float>(drift_.dot(row_sums_) / total_),
+            static_cast<float>(drift_power_)};
+  }
   Vector<Scalar> mean(const Matrix<Scalar>& y) const {
     Vector<Scalar> mean = y * row_sums_ / total_;
     if (has_drift()) mean -= factor(y) * (drift_.dot(row_sums_) / total_);
@@ -154,6 +168,16 @@ bool ViewKriging::has_drift() const {
   return system_ && system_->kriging.has_drift();
 }
 
+BelievedDrift ViewKriging::believed_drift() const {
+  return system_->kriging.believed_drift();
+}
+
+float BelievedDrift::at(float drift_there, const VectorXf& covariances) const {
+  if (weights.size() == 0) return mean;
+  const float expected = mean + weights.dot(covariances);
+  return expected + static_cast<float>(believed(drift_there - expected, power));
+}
+
 ViewInterpolant ViewKriging::of(const Eigen::Ref<const MatrixXf>& coefficients) const {
   ViewInterpolant result;
   result.mean = VectorXf::Zero(coefficients.rows());
@@ -196,7 +220,7 @@ VectorXf krige_at(const Eigen::Vector3f& direction, float drift_there, const Eig
   if (drifts) {
     const VectorXd zf = by_drift - by_one * (by_drift.sum() / by_one.sum());
     const double power = varying.dot(zf);
-    if (power > kLeastDrift) weights += zf * ((drift_there - mean - varying.dot(weights)) / power);
+    if (power > kLeastDrift) weights += zf * (believed(drift_there - mean - varying.dot(weights), power) / power);
   }
   return (coefficients.cast<double>() * weights).cast<float>();
 }

@@ -23,6 +23,20 @@ struct ViewInterpolant {
   double sill = 0;
 };
 
+/// A drift as far as the views bear it out. Universal kriging is ordinary kriging plus `ViewInterpolant::drift` times
+/// what ordinary kriging of the drift itself leaves of it, g = f(d) - mean - weights . k(d), and its variance is that
+/// of ordinary kriging plus g^2 / power, in units of the sill. Between the views that is little. Beyond them the drift
+/// is extrapolated and that grows without bound: g fades as it does, and with it all that is more than ordinary
+/// kriging, which returns to the views' mean by itself.
+struct BelievedDrift {
+  Eigen::VectorXf weights;  ///< per view: Z f; empty where nothing but the mean is believed
+  float mean = 0;
+  float power = 1;  ///< f^T Z f
+
+  /// To take in place of f(d). `covariances`: k(d).
+  float at(float drift_there, const Eigen::VectorXf& covariances) const;
+};
+
 /// With fewer views a drift explains too much.
 inline constexpr int kFewestViewsWithDrift = 6;
 
@@ -33,8 +47,8 @@ ViewInterpolant krige(const Eigen::Matrix3Xf& directions, const Eigen::Ref<const
                       const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
                       const Eigen::VectorXf& drift = {});
 
-/// What `krige` and `interpolate` give for one unit direction, at which the drift is `drift_there`, without what other
-/// directions would need. No view gives zeros.
+/// What `krige`, `interpolate` and the believed drift give for one unit direction, at which the drift is `drift_there`,
+/// without what other directions would need. No view gives zeros.
 Eigen::VectorXf krige_at(const Eigen::Vector3f& direction, float drift_there, const Eigen::Matrix3Xf& directions,
                          const Eigen::Ref<const Eigen::MatrixXf>& coefficients,
                          const Eigen::Ref<const Eigen::VectorXf>& reliability, const ViewKernel& kernel,
@@ -49,7 +63,8 @@ class ViewKriging {
   ViewKriging(ViewKriging&&) noexcept;
   ~ViewKriging();
 
-  bool has_drift() const;  ///< the views are enough for one, and it varies over them
+  bool has_drift() const;                ///< the views are enough for one, and it varies over them
+  BelievedDrift believed_drift() const;  ///< there must be one
   ViewInterpolant of(const Eigen::Ref<const Eigen::MatrixXf>& coefficients) const;
 
  private:

@@ -60,6 +60,13 @@ class LightFieldShader : public ViewShader {
 
 }  // namespace
 
+void VertexViews::believe_reflection() {
+  if (!reflection) return;
+  const Eigen::VectorXf drift = reflection->at_each(directions, frame.row(2));
+  const ViewKriging kriging(directions, reliability, kernel, drift);
+  believed = kriging.has_drift() ? kriging.believed_drift() : BelievedDrift{.mean = drift.mean()};
+}
+
 std::unique_ptr<ViewShader> LightFieldSnapshot::shader_for(const ViewQuery& query) const {
   return std::make_unique<LightFieldShader>(*this, query.eye);
 }

@@ -17,9 +17,7 @@ namespace {
 /// Empty without a reflection.
 Eigen::VectorXf drift_of(const Eigen::Matrix3Xf& directions, const ReflectionDrift* reflection,
                          const Eigen::Vector3f& normal) {
-  Eigen::VectorXf drift(reflection ? directions.cols() : 0);
-  for (Eigen::Index j = 0; j < drift.size(); ++j) drift[j] = reflection->at(directions.col(j), normal);
-  return drift;
+  return reflection ? reflection->at_each(directions, normal) : Eigen::VectorXf();
 }
 
 const ReflectionDrift* drift_function(const SharedInterpolation& interpolation) {
@@ -66,7 +64,10 @@ Kriged kriged(const InterpolatedVertex& vertex, SiteViews seen) {
   views->best_cosine = (normal.transpose() * views->directions).maxCoeff();
   ViewKriging kriging(views->directions, views->reliability, views->kernel,
                       drift_of(views->directions, drift_function(interpolation), normal));
-  if (kriging.has_drift()) views->reflection = interpolation.reflection;
+  if (kriging.has_drift()) {
+    views->reflection = interpolation.reflection;
+    views->believed = kriging.believed_drift();
+  }
   return {std::move(views), std::move(kriging)};
 }
 
@@ -126,24 +127,6 @@ std::vector<std::shared_ptr<const PatchSnapshot>> interpolated(
   return snapshots;
 }
 
-namespace {
-
-ViewInterpolant interpolant_of(const SiteViews& views, const Eigen::MatrixXf& coefficients,
-                               const SharedInterpolation& interpolation, const Eigen::Vector3f& normal) {
-  return krige(views.directions, coefficients, views.reliability, interpolation.chosen.kernel,
-               drift_of(views.directions, drift_function(interpolation), normal));
-}
-
-Eigen::VectorXf from_direction(const ViewInterpolant& interpolant, const SiteViews& views,
-                               const SharedInterpolation& interpolation, const Eigen::Vector3f& normal,
-                               const Eigen::Vector3f& direction) {
-  Eigen::VectorXf h = interpolate(interpolant, views.directions, interpolation.chosen.kernel, direction);
-  if (interpolant.drift.size() > 0) h += interpolation.reflection->at(direction, normal) * interpolant.drift;
-  return h;
-}
-
-}  // namespace
-
 Eigen::VectorXf interpolated(const SiteViews& views, const Eigen::MatrixXf& coefficients,
                              const SharedInterpolation& interpolation, const Eigen::Vector3f& normal,
                              const Eigen::Vector3f& direction) {
@@ -154,11 +137,17 @@ Eigen::VectorXf interpolated(const SiteViews& views, const Eigen::MatrixXf& coef
 
 SmoothedViews smoothed(const SiteViews& views, const Eigen::MatrixXf& coefficients,
                        const SharedInterpolation& interpolation, const Eigen::Vector3f& normal) {
-  const ViewInterpolant interpolant = interpolant_of(views, coefficients, interpolation, normal);
+  const ViewKernel& kernel = interpolation.chosen.kernel;
+  const Eigen::VectorXf drift = drift_of(views.directions, drift_function(interpolation), normal);
+  const ViewKriging kriging(views.directions, views.reliability, kernel, drift);
+  const ViewInterpolant interpolant = kriging.of(coefficients);
   SmoothedViews smooth{Eigen::MatrixXf(coefficients.rows(), coefficients.cols()),
                        interpolant.leave_one_out / static_cast<double>(views.reliability.sum())};
-  for (Eigen::Index v = 0; v < coefficients.cols(); ++v)
-    smooth.coefficients.col(v) = from_direction(interpolant, views, interpolation, normal, views.directions.col(v));
+  for (Eigen::Index v = 0; v < coefficients.cols(); ++v) {
+    const Eigen::VectorXf k = covariances(kernel, views.directions, views.directions.col(v));
+    smooth.coefficients.col(v) = interpolant.mean + interpolant.weights * k;
+    if (kriging.has_drift()) smooth.coefficients.col(v) += kriging.believed_drift().at(drift[v], k) * interpolant.drift;
+  }
   return smooth;
 }
 

@@ -20,10 +20,10 @@ constexpr int kFineChromaImages = 3;  // may ask for chroma as fine as luma; the
 constexpr int kDifferently = 2;       // samples that so many times fewer images show are imputed, and say so
 constexpr std::size_t kPackedValue = sizeof(std::int16_t), kPackedScale = sizeof(double);  // as PackedColumns has them
 
-/// Of a vertex in it: directions and reliabilities of its views; weights, mean and drift.
+/// Of a vertex in it: directions, reliabilities and drift of its views; weights, mean and drift.
 template <typename Count>
 Count vertex_bytes(Count views, Count rank) {
-  return sizeof(VertexInterpolant) + sizeof(VertexViews) + 4 * sizeof(float) * views +
+  return sizeof(VertexInterpolant) + sizeof(VertexViews) + 5 * sizeof(float) * views +
          rank * (kPackedScale + kPackedValue * views + 2 * sizeof(float));
 }
 

@@ -38,7 +38,7 @@ void CoefficientsAtVertex::of(const VertexInterpolant& vertex, Eigen::Ref<Eigen:
   if (views_ != &views) {
     views_ = &views;
     covariances_ = covariances(views.kernel, views.directions, direction_);
-    reflected_ = views.reflection ? views.reflection->at(direction_, views.frame.row(2)) : 0;
+    reflected_ = views.reflected(direction_, covariances_);
   }
   vertex.weights.inner_products(covariances_, h);
   h += vertex.mean;

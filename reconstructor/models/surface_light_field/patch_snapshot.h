@@ -15,8 +15,8 @@ namespace sheen {
 
 /// View functions h_r of a patch at one of its vertices, interpolated by kriging between the patch's views as they are
 /// seen from the vertex:
-/// h(d) = mean + drift * reflection(d mirrored about the normal) + sum_j weights.row(j) * k(angle(d,
-/// directions.col(j))).
+/// h(d) = mean + drift * reflection(d mirrored about the normal, as far as it is believed) + sum_j weights.row(j) *
+/// k(angle(d, directions.col(j))).
 struct VertexInterpolant : SeenVertex {
   PackedColumns<float> weights;  ///< views x rank: kriging in its dual form, in fixed point
   Eigen::VectorXf mean;          ///< rank

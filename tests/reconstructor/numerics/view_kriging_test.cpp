@@ -268,7 +268,11 @@ TEST(ViewKriging, AtOneDirectionItIsTheSame) {
       for (const Eigen::VectorXf& f : {Eigen::VectorXf(), level, drift}) {
         const ViewInterpolant all = krige(directions, y, reliability, kernel, f);
         Eigen::VectorXf expected = interpolate(all, directions, kernel, at);
-        if (all.drift.size() > 0) expected += 0.7f * all.drift;
+        if (all.drift.size() > 0)
+          expected += ViewKriging(directions, reliability, kernel, f)
+                          .believed_drift()
+                          .at(0.7f, covariances(kernel, directions, at)) *
+                      all.drift;
         EXPECT_LT((krige_at(at, 0.7f, directions, y, reliability, kernel, f) - expected).norm(),
                   1e-4 * (1 + expected.norm()))
             << n << " views, drift of " << f.size();
@@ -276,6 +280,48 @@ TEST(ViewKriging, AtOneDirectionItIsTheSame) {
   }
   EXPECT_EQ(krige_at({0, 0, 1}, 0, Eigen::Matrix3Xf(3, 0), Eigen::MatrixXf(2, 0), Eigen::VectorXf(0), kViewKernels[0]),
             Eigen::Vector2f::Zero());
+}
+
+TEST(BelievedDrift, IsTheDriftWhereThereAreViews) {
+  const Eigen::Matrix3Xf directions = some_directions(20, 4);
+  const Eigen::VectorXf f = some_drift(directions);
+  for (const ViewKernel& kernel : kViewKernels) {
+    const BelievedDrift believed = ViewKriging(directions, Eigen::VectorXf::Ones(20), kernel, f).believed_drift();
+    for (int j = 0; j < 20; ++j)
+      EXPECT_NEAR(believed.at(f[j], covariances(kernel, directions, directions.col(j))), f[j],
+                  (0.02 + 0.1 * kernel.nugget) * f.norm());
+  }
+}
+
+TEST(BelievedDrift, OrdinaryKrigingIsLeftOfOneThatRunsAway) {
+  const Eigen::Matrix3Xf directions = some_directions(20, 4);
+  const Eigen::MatrixXf y = gaussian_matrix(2, 20, 5);
+  const Eigen::VectorXf ones = Eigen::VectorXf::Ones(20), f = some_drift(directions);
+  const Eigen::Vector3f at = Eigen::Vector3f(0.3f, 0.1f, -0.9f).normalized();
+  for (const ViewKernel& kernel : kViewKernels) {
+    const Eigen::VectorXf ordinary = krige_at(at, 0, directions, y, ones, kernel);
+    for (const float away : {-1e6f, 1e6f})
+      EXPECT_LT((krige_at(at, away, directions, y, ones, kernel, f) - ordinary).norm(), 1e-3);
+  }
+}
+
+TEST(BelievedDrift, AddsLessThanAStandardDeviationOfTheViewsAndChangesWithoutAStep) {
+  const int n = 12;
+  const Eigen::Matrix3Xf directions = some_directions(n, 4);
+  const Eigen::MatrixXf y = gaussian_matrix(1, n, 5);
+  const Eigen::VectorXf ones = Eigen::VectorXf::Ones(n), f = some_drift(directions);
+  const Eigen::Vector3f at = Eigen::Vector3f(0.3f, 0.1f, -0.9f).normalized();
+  for (const ViewKernel& kernel : kViewKernels) {
+    const float ordinary = krige_at(at, 0, directions, y, ones, kernel)[0];
+    const double deviation = std::sqrt(krige(directions, y, ones, kernel).sill);
+    float before = krige_at(at, -20, directions, y, ones, kernel, f)[0];
+    for (float there = -20; there < 20; there += 0.01f) {
+      const float now = krige_at(at, there, directions, y, ones, kernel, f)[0];
+      EXPECT_LT(std::abs(now - ordinary), deviation);
+      EXPECT_LT(std::abs(now - before), 0.1 * deviation);
+      before = now;
+    }
+  }
 }
 
 TEST(ViewKriging, NoViewAndOneViewAreFine) {

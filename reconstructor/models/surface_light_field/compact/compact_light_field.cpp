@@ -38,13 +38,16 @@ std::shared_ptr<const SurfacePatch> take_surface(Patch& patch) {
   return surface;
 }
 
-std::shared_ptr<const VertexViews> vertex_views(const CompactModel& model, const CompactVertex& vertex,
-                                                KrigingSystem system, const Eigen::Vector3f& normal) {
+std::shared_ptr<const VertexViews> vertex_views(const CompactModel& model, KrigingSystem system,
+                                                const ViewKriging& kriging, const Eigen::Vector3f& normal) {
   auto views = std::make_shared<VertexViews>();
   views->directions = std::move(system.directions);
   views->reliability = std::move(system.reliability);
   views->kernel = system.kernel;
-  if (vertex.drift) views->reflection = model.reflection;
+  if (kriging.has_drift()) {
+    views->reflection = model.reflection;
+    views->believed = kriging.believed_drift();
+  }
   views->frame = hemisphere_frame(normal);
   views->best_cosine = views->directions.cols() > 0 ? (normal.transpose() * views->directions).maxCoeff() : -1;
   return views;
@@ -134,8 +137,9 @@ void CompactLightField::interpolate_at(const CompactModel& model, std::size_t v,
           patch.coefficients.col(at[j]);
     first += patch.coefficients.rows();
   }
-  ViewInterpolant interpolant = krige(system.directions, coefficients, system.reliability, system.kernel, system.drift);
-  here.views = vertex_views(model, vertex, std::move(system), normal);
+  const ViewKriging kriging(system.directions, system.reliability, system.kernel, system.drift);
+  ViewInterpolant interpolant = kriging.of(coefficients);
+  here.views = vertex_views(model, std::move(system), kriging, normal);
   here.weights = PackedColumns<float>::fixed_point(interpolant.weights.transpose());
   here.mean = std::move(interpolant.mean);
   here.drift = std::move(interpolant.drift);
@@ -159,11 +163,11 @@ Eigen::MatrixXf CompactLightField::coefficients_for(const Eigen::Vector3d& eye) 
       if (!interpolant.views) continue;
       const Eigen::Vector3f direction = (eye.cast<float>() - mesh().vertices[v]).normalized();
       Eigen::VectorXf h(interpolant.mean.size());
-      interpolant.weights.inner_products(
-          covariances(interpolant.views->kernel, interpolant.views->directions, direction), h);
+      const VertexViews& views = *interpolant.views;
+      const Eigen::VectorXf k = covariances(views.kernel, views.directions, direction);
+      interpolant.weights.inner_products(k, h);
       h += interpolant.mean;
-      if (interpolant.drift.size() > 0)
-        h += interpolant.views->reflection->at(direction, interpolant.views->frame.row(2)) * interpolant.drift;
+      if (interpolant.drift.size() > 0) h += views.reflected(direction, k) * interpolant.drift;
       Eigen::Index first = 0;
       for (std::size_t i = 0; i < interpolant.patches.size(); ++i) {
         const auto& patch = patches_[interpolant.patches[i]];

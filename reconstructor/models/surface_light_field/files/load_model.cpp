@@ -357,10 +357,12 @@ void share_views(Patches& patches, const PatchShapes& shapes) {
     auto& there = round[shapes.patches[patch].vertices[entry.vertex]];
     const auto same =
         std::find_if(there.begin(), there.end(), [&](const auto& views) { return alike(*views, *patches.views[i]); });
-    if (same == there.end())
-      there.push_back(patches.views[i]);
-    else
+    if (same != there.end()) {
       patches.vertex(i).views = *same;
+    } else {
+      patches.views[i]->believe_reflection();
+      there.push_back(patches.views[i]);
+    }
   }
 }
 

@@ -56,7 +56,8 @@ Json conventions() {
       {"atlas", "patches one after the other, one pixel per sample, row by row"},
       {"view",
        "h(d) = mean + drift * L(d mirrored about the third row of frame) + sum over views of weight * "
-       "k(angle(d, direction)); L: reflection, orthonormal real spherical harmonics, (l, m) at l^2 + l + m; empty = 0"},
+       "k(angle(d, direction)); L: reflection, orthonormal real spherical harmonics, (l, m) at l^2 + l + m; empty = 0; "
+       "less and less is believed of it beyond the views: see BelievedDrift in view_kriging.h"},
       {"kernel",
        "k(t) by kernel_shape: 0 = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale), 1 = exp(-t / scale); the nugget "
        "is in the weights"},

@@ -66,6 +66,7 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> random_model(unsigned seed) {
       seen_from->kernel = kViewKernels[i + 1];  // of both shapes
       at.sill = 0.001f * static_cast<float>(i);
       at.residual = 0.1f * static_cast<float>(p);
+      seen_from->believe_reflection();
       seen_from->best_cosine = 1.0f / static_cast<float>(1 + i);
       at.views_folded = 10 + static_cast<int>(p);
       at.views = std::move(seen_from);
