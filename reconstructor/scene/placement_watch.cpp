@@ -25,7 +25,10 @@ void PlacementWatch::look(const Capture& capture) {
       on_stage |= !one.stage_hash.empty();
       one = {};  // what it takes is not needed longer
     }
-    if (const std::string found = placement_warning(mesh_, images, on_stage); !found.empty()) warn_(found);
+    if (const std::string found =
+            placement_warning(mesh_, images, {.on_stage = on_stage, .applied = {}, .more = {}}).text;
+        !found.empty())
+      warn_(found);
   };
   judge_ = guarded_thread(std::move(judge), [](const std::exception_ptr& error) {
     log_error("mesh", "whether it stands where the object is was not found out: " + words_of(error));

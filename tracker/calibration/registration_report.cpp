@@ -63,6 +63,7 @@ std::string registration_text(const Registration& registration) {
                   1e3 * registration.points->noise_m,
                   registration.points->noise_estimated ? "from the residuals" : "as the file says");
   }
+  if (!registration.undone.empty()) out << "the mesh was in another frame: " << registration.undone << '\n';
   if (registration.images) {
     const ImageRegistration& found = *registration.images;
     if (found.evidence == Evidence::kOutlines)
@@ -113,6 +114,7 @@ std::string registration_json(const Registration& registration) {
                 {"scale_percent", 100 * sigma[6]}}},
               {"covariance", covariance},
               {"warnings", registration.warnings}};
+  if (!registration.undone.empty()) report["frame_corrected"] = registration.undone;
   if (registration.points) report["points"] = points_json(*registration.points);
   if (registration.images) report["images"] = images_json(*registration.images);
   return report.dump(2) + "\n";

@@ -16,6 +16,8 @@ struct Registration {
   bool free_scale = false;
   std::optional<PointRegistration> points;
   std::optional<ImageRegistration> images;
+  std::string undone;                 ///< what the mesh's frame was corrected by before; empty: nothing
+  std::string not_found;              ///< why the mesh does not stand there after all; empty: it does
   std::vector<std::string> warnings;  ///< of both, and of how they agree
 };
 

@@ -60,6 +60,8 @@ void register_mesh_on_stage(const RegisterArguments& arguments) {
                     {arguments.free_scale, kUnits.at(arguments.unit)}, progress_bar("registering"));
   std::cout << registration_text(found) << std::flush;
   for (const std::string& warning : found.warnings) std::cerr << "warning: " << warning << '\n';
+  if (!found.not_found.empty())
+    throw Error("the mesh's place is not found, and nothing was written: " + found.not_found);
   save_ply(placed(mesh.mesh, found.placement.stage_from_mesh), arguments.out);
   if (!arguments.overlay.empty()) {
     Similarity before;

@@ -9,46 +9,11 @@
 #include <cmath>
 #include <random>
 
-#include "common/registration/placement_check.h"
-#include "tests/support/analytic_scene.h"
+#include "tests/common/registration/ellipsoid_photographs.h"
 #include "tests/support/expect_error.h"
-#include "tests/support/test_meshes.h"
 
 namespace sheen {
 namespace {
-
-const Camera kCamera{.width = 240, .height = 200, .fx = 420, .fy = 420, .cx = 119.5, .cy = 99.5};
-constexpr double kDistance = 0.5, kPixel = kDistance / 420;  // on the object, metres
-const Eigen::Vector3d kAxes(0.10, 0.075, 0.055);             // of the ellipsoid, metres
-
-/// Pictures are of a closed form; only the mesh that is registered is one.
-analytic::Surface ellipsoid() {
-  return [](const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) {
-    const Eigen::Vector3d e = eye.cwiseQuotient(kAxes), r = ray.cwiseQuotient(kAxes);
-    const double a = r.squaredNorm(), b = e.dot(r), c = e.squaredNorm() - 1;
-    return b * b > a * c && b < 0 ? (-b - std::sqrt(b * b - a * c)) / a : analytic::kMiss;
-  };
-}
-
-Mesh ellipsoid_mesh() {
-  Mesh mesh = sphere_mesh(1, 5);
-  for (Eigen::Vector3f& v : mesh.vertices) v = v.cwiseProduct(kAxes.cast<float>());
-  return mesh;
-}
-
-RegistrationImage photograph(const analytic::Scene& scene, const Eigen::Vector3d& eye, bool masked) {
-  Capture capture = analytic::capture(scene, kCamera, analytic::towards_origin(eye));
-  if (masked) {
-    const Rigid3 object_from_camera = capture.pose.camera_from_object.inverse();
-    capture.mask = ImageU8(kCamera.width, kCamera.height, 1);
-    for (int y = 0; y < kCamera.height; ++y)
-      for (int x = 0; x < kCamera.width; ++x) {
-        const Eigen::Vector3d ray = object_from_camera.rotation * *kCamera.ray({double(x), double(y)});
-        capture.mask.at(x, y) = scene.surface(object_from_camera.translation, ray) < analytic::kMiss ? 255 : 0;
-      }
-  }
-  return registration_image(capture);
-}
 
 std::vector<RegistrationImage> photographs(const analytic::Scene& scene, bool masks, int count = 24) {
   std::vector<RegistrationImage> images;
@@ -117,38 +82,6 @@ TEST(RegisterToImages, ThrowsWhereNoImageShowsTheMesh) {
   Similarity away;
   away.translation = {3, 0, 0};
   expect_error<Error>([&] { register_to_images(ellipsoid_mesh(), images, away, false); }, {"pose is roughly right"});
-}
-
-/// As a hand-held camera takes its first images: 12 degrees apart.
-std::vector<RegistrationImage> first_images(bool masks) {
-  std::vector<RegistrationImage> images;
-  for (int i = 0; i < static_cast<int>(kImagesToCheck); ++i) {
-    const double azimuth = 0.2 * i;
-    const Eigen::Vector3d eye = kDistance * Eigen::Vector3d(0.8 * std::cos(azimuth), 0.8 * std::sin(azimuth), 0.6);
-    images.push_back(photograph({ellipsoid(), analytic::diffuse(0.012)}, eye, masks));
-  }
-  return images;
-}
-
-TEST(PlacementWarning, ComesWithinThreeImagesWhereTheMeshStandsElsewhere) {
-  for (const bool masks : {false, true}) {
-    const std::vector<RegistrationImage> images = first_images(masks);
-    const Mesh right = ellipsoid_mesh();
-    EXPECT_EQ(placement_warning(right, images, false), "") << masks;
-    for (int axis = 0; axis < 3; ++axis) {
-      Mesh off = right;
-      for (Eigen::Vector3f& v : off.vertices) v[axis] += 0.010f;
-      EXPECT_THAT(placement_warning(off, images, false), ::testing::HasSubstr("register")) << masks << " " << axis;
-    }
-    Mesh lying = right;  // y up
-    for (Eigen::Vector3f& v : lying.vertices) v = Eigen::Vector3f(v.x(), -v.z(), v.y());
-    EXPECT_THAT(placement_warning(lying, images, false), ::testing::HasSubstr("register")) << masks;
-  }
-}
-
-TEST(PlacementWarning, NamesAMeshThatReachesBelowTheStage) {
-  const std::vector<RegistrationImage> none;
-  EXPECT_THAT(placement_warning(ellipsoid_mesh(), none, true), ::testing::HasSubstr("mm below the stage"));
 }
 
 TEST(Placement, StepsAreInverted) {

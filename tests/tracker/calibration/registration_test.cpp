@@ -9,6 +9,7 @@
 #include <cmath>
 #include <random>
 
+#include "tests/common/registration/lopsided_object.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/test_meshes.h"
@@ -247,6 +248,30 @@ TEST(RegisterPoints, SaysThatTheMeshIsALittleTooSmall) {
   const PointRegistration found = by_points(picked, ball());
   ASSERT_THAT(found.warnings, ElementsAre(HasSubstr("too small")));
   EXPECT_THAT(by_points(picked, ball(), {.free_scale = true}).warnings, IsEmpty());
+}
+
+/// The lopsided object's mesh, turned by 180 degrees about x.
+Mesh turned_over() {
+  Mesh mesh = lopsided_mesh();
+  for (Eigen::Vector3f& v : mesh.vertices) v = Eigen::Vector3f(v.x(), -v.y(), -v.z());
+  return mesh;
+}
+
+TEST(RegisterMesh, AMeshInAnotherFrameIsTurnedBackAndThatIsSaid) {
+  for (const bool masks : {false, true}) {
+    const Registration found = register_mesh(turned_over(), nullptr, {}, from_three_sides(lopsided(), masks), {});
+    EXPECT_EQ(found.not_found, "") << masks;
+    EXPECT_THAT(found.undone, HasSubstr("turn it by 180 degrees about x")) << masks;
+    const Mesh back = placed(turned_over(), found.placement.stage_from_mesh), right = lopsided_mesh();
+    for (std::size_t v = 0; v < right.vertices.size(); v += 100)
+      EXPECT_LT((back.vertices[v] - right.vertices[v]).norm(), 2 * kPixel) << masks;
+  }
+}
+
+TEST(RegisterMesh, AnotherObjectsMeshIsNotFound) {
+  Mesh other = sphere_mesh(0.05f, 4);
+  for (Eigen::Vector3f& v : other.vertices) v += Eigen::Vector3f(-0.03f, 0.04f, -0.02f);
+  EXPECT_NE(register_mesh(other, nullptr, {}, from_three_sides(lopsided(), true), {}).not_found, "");
 }
 
 TEST(Correspondences, AreReadAndRefusedByField) {
