@@ -281,7 +281,7 @@ TEST(CompactCameras, MoreThanIndicesCountAreRefusedBeforeTheWork) {
   const auto maps = std::make_shared<MapLayout>(std::vector<std::uint8_t>{2});
   const auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*mesh, *maps, {.triangles = 1}));
   const SurfaceLightFieldSnapshot snapshot(mesh, maps, shapes, {nullptr}, 1, {}, std::vector<PosedCamera>(65536));
-  testing::expect_error<ConfigError>([&] { snapshot.compression({}); }, {"65535 cameras", "has 65536"});
+  expect_error<ConfigError>([&] { snapshot.compression({}); }, {"65535 cameras", "has 65536"});
 }
 
 }  // namespace
