@@ -203,7 +203,8 @@ void LightFieldRenderer::upload_quality(const Eigen::Vector3d& eye) {
 void LightFieldRenderer::upload_demand(Demand demand) {
   if (demand_ == demand) return;
   std::vector<Eigen::Vector2f> levels;
-  for (const float level : DemandMap(*shown_, demand).levels()) levels.emplace_back(level, 0.0f);
+  const DemandMap asked(*shown_, demand);
+  for (const float level : asked.levels()) levels.emplace_back(level, 0.0f);
   quality_.assign(levels.size(), levels.data());
   demand_ = demand;
   quality_eye_.reset();
