@@ -17,11 +17,12 @@ namespace {
 /// What makes its own surface takes the object to stand at the origin of the poses' frame.
 void check_origin_can_be_seen(std::span<const PosedCamera> cameras) {
   constexpr double kFarthest = 1e4;  // of the cameras' distance from each other: from there all see the same
+  constexpr double kStill = 1e-10;   // of their distance from the origin: one camera, but for rounding
   double apart = 0;
   const Eigen::Vector3d first = camera_centre(cameras.front().camera_from_object);
   for (const PosedCamera& camera : cameras)
     apart = std::max(apart, (camera_centre(camera.camera_from_object) - first).norm());
-  if (!(apart > 0 && first.norm() > kFarthest * apart)) return;
+  if (!(apart > kStill * first.norm() && first.norm() > kFarthest * apart)) return;
   throw ConfigError(
       format("without --mesh the object is taken to stand at the origin of the poses' frame, which is "
              "%.4g km from the cameras: give --mesh, or move the frame",

@@ -61,15 +61,18 @@ std::uint8_t kernel_index(std::vector<ViewKernel>& kernels, const ViewKernel& ke
   return static_cast<std::uint8_t>(std::find(kernels.begin(), kernels.end(), kernel) - kernels.begin());
 }
 
-/// Coefficients of a patch's views, in grey levels: what kriging displays there, at any vertex, and what the nugget
-/// kept from being displayed.
+/// Coefficients of a patch's views, in grey levels, as they went into the kriging: what it says of them with all of the
+/// drift, believed or not, and what the nugget kept from being displayed.
 Eigen::MatrixXf view_coefficients(const VertexInterpolant& at) {
   const VertexViews& views = *at.views;
   const Eigen::MatrixXf weights = at.weights.unpacked();
   Eigen::MatrixXf coefficients(weights.cols(), views.directions.cols());
-  for (Eigen::Index j = 0; j < coefficients.cols(); ++j)
-    coefficients.col(j) = at.coefficients(views.directions.col(j)) +
+  for (Eigen::Index j = 0; j < coefficients.cols(); ++j) {
+    const Eigen::Vector3f direction = views.directions.col(j);
+    coefficients.col(j) = at.mean + weights.transpose() * covariances(views.kernel, views.directions, direction) +
                           weights.row(j).transpose() * (views.kernel.nugget / views.reliability[j]);
+    if (at.drift.size() > 0) coefficients.col(j) += views.reflection->at(direction, views.frame.row(2)) * at.drift;
+  }
   return kGreyLevels * coefficients;
 }
 
