@@ -22,13 +22,25 @@ using Eigen::VectorXf;
 /// A drift that the views hardly tell from a constant cannot be fitted.
 constexpr float kLeastDrift = 1e-6;
 
-/// Variance, in units of the sill, at which half of what the drift says is believed.
+/// Variance beyond that of the views, in units of the sill, at which half of what the drift says is believed.
 constexpr double kHalfBelieved = 0.1;
 
-/// What is left of g, of which kriging is uncertain by g^2 / power. Never more than 0.57 of where half of it is left.
-double believed(double g, double power) {
-  const double uncertain = g * g / (power * kHalfBelieved);
+/// What is left of g, of which kriging is uncertain by g^2 / power: all of it up to `known`.
+double believed(double g, double power, double known) {
+  const double uncertain = std::max(g * g / power - known, 0.0) / kHalfBelieved;
   return g / (1 + uncertain * uncertain);
+}
+
+/// g^2 / power at the view itself where it is largest: there g is what the nugget leaves of the drift, nugget /
+/// reliability * (Z f)_j.
+template <typename Weights, typename Reliability>
+double known_variance(const Weights& drift_weights, const Reliability& reliability, double nugget, double power) {
+  double known = 0;
+  for (Eigen::Index j = 0; j < drift_weights.size(); ++j) {
+    const double g = nugget / static_cast<double>(reliability[j]) * static_cast<double>(drift_weights[j]);
+    known = std::max(known, g * g / power);
+  }
+  return known;
 }
 
 template <typename Scalar>
@@ -80,7 +92,7 @@ template <typename Scalar>
 class Kriging {
  public:
   Kriging(const MatrixXf& angles, const Eigen::Ref<const VectorXf>& reliability, const ViewKernel& kernel)
-      : reliability_(reliability.template cast<Scalar>()) {
+      : reliability_(reliability.template cast<Scalar>()), nugget_(kernel.nugget) {
     Matrix<Scalar> covariance = covariances(kernel, angles).template cast<Scalar>();
     covariance.diagonal() += (kernel.nugget * reliability_.cwiseInverse());
     q_ = inverse(covariance);
@@ -116,8 +128,10 @@ class Kriging {
   Matrix<Scalar> taken_by_drift(const Matrix<Scalar>& y) const { return factor(y) * drift_weights_.transpose(); }
   /// There must be a drift.
   BelievedDrift believed_drift() const {
+    const auto power = static_cast<double>(drift_power_);
     return {drift_weights_.template cast<float>(), static_cast<float>(drift_.dot(row_sums_) / total_),
-            static_cast<float>(drift_power_)};
+            static_cast<float>(power),
+            static_cast<float>(known_variance(drift_weights_, reliability_, nugget_, power))};
   }
   Vector<Scalar> mean(const Matrix<Scalar>& y) const {
     Vector<Scalar> mean = y * row_sums_ / total_;
@@ -139,6 +153,7 @@ class Kriging {
   static constexpr Scalar kLeastDiagonal = std::max<Scalar>(Scalar(1e-9), 100 * std::numeric_limits<Scalar>::epsilon());
 
   Vector<Scalar> reliability_;
+  double nugget_;
   Matrix<Scalar> q_;
   Vector<Scalar> diagonal_, row_sums_;
   Scalar total_;
@@ -175,7 +190,7 @@ BelievedDrift ViewKriging::believed_drift() const {
 float BelievedDrift::at(float drift_there, const VectorXf& covariances) const {
   if (weights.size() == 0) return mean;
   const float expected = mean + weights.dot(covariances);
-  return expected + static_cast<float>(believed(drift_there - expected, power));
+  return expected + static_cast<float>(believed(drift_there - expected, power, known));
 }
 
 ViewInterpolant ViewKriging::of(const Eigen::Ref<const MatrixXf>& coefficients) const {
@@ -220,7 +235,10 @@ VectorXf krige_at(const Eigen::Vector3f& direction, float drift_there, const Eig
   if (drifts) {
     const VectorXd zf = by_drift - by_one * (by_drift.sum() / by_one.sum());
     const double power = varying.dot(zf);
-    if (power > kLeastDrift) weights += zf * (believed(drift_there - mean - varying.dot(weights), power) / power);
+    if (power > kLeastDrift) {
+      const double known = known_variance(zf, reliability, kernel.nugget, power);
+      weights += zf * (believed(drift_there - mean - varying.dot(weights), power, known) / power);
+    }
   }
   return (coefficients.cast<double>() * weights).cast<float>();
 }

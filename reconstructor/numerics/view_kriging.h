@@ -25,13 +25,14 @@ struct ViewInterpolant {
 
 /// A drift as far as the views bear it out. Universal kriging is ordinary kriging plus `ViewInterpolant::drift` times
 /// what ordinary kriging of the drift itself leaves of it, g = f(d) - mean - weights . k(d), and its variance is that
-/// of ordinary kriging plus g^2 / power, in units of the sill. Between the views that is little. Beyond them the drift
-/// is extrapolated and that grows without bound: g fades as it does, and with it all that is more than ordinary
-/// kriging, which returns to the views' mean by itself.
+/// of ordinary kriging plus g^2 / power, in units of the sill. At the views themselves that is what their noise leaves
+/// open, and all is believed. Beyond them the drift is extrapolated and it grows without bound: g fades as it does, and
+/// with it all that is more than ordinary kriging, which returns to the views' mean by itself.
 struct BelievedDrift {
   Eigen::VectorXf weights;  ///< per view: Z f; empty where nothing but the mean is believed
   float mean = 0;
   float power = 1;  ///< f^T Z f
+  float known = 0;  ///< the largest g^2 / power at the views themselves: so far all is believed
 
   /// To take in place of f(d). `covariances`: k(d).
   float at(float drift_there, const Eigen::VectorXf& covariances) const;

@@ -86,7 +86,7 @@ TEST(MeshScale, SaysTheSize) {
 }
 
 TEST(MeshScale, AMeshFarFromZeroIsJudgedWhereItStands) {
-  const Eigen::Vector3d place(10, 0, 0);
+  const Eigen::Vector3d place(0, 0, 10);  // a thousand times as far, no camera looks there
   std::vector<PosedCamera> there;
   for (const PosedCamera& camera : cameras(0.2)) there.push_back(in_frame_at(-place, camera));
   for (const auto& [scale, fitting] : {std::pair{1.0, 1.0}, {1000.0, 0.0}}) {
