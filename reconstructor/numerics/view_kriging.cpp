@@ -23,7 +23,7 @@ using Eigen::VectorXf;
 constexpr float kLeastDrift = 1e-6;
 
 /// Variance beyond that of the views, in units of the sill, at which half of what the drift says is believed.
-constexpr double kHalfBelieved = 0.1;
+constexpr double kHalfBelieved = 0.5;
 
 /// What is left of g, of which kriging is uncertain by g^2 / power: all of it up to `known`.
 double believed(double g, double power, double known) {
