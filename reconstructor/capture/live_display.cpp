@@ -12,6 +12,7 @@
 #include "common/image/linear_reader.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/guidance.h"
+#include "reconstructor/render/nearest_photograph.h"
 
 namespace sheen {
 namespace {
@@ -299,6 +300,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
     state.well_known = next_view_ && next_view_->well_known;
   }
   state.preview_jpeg = preview_jpeg_;
+  state.preview_note = preview_note_;
   state.camera_jpeg = camera_jpeg_;
   return state;
 }
@@ -314,6 +316,7 @@ void LiveDisplay::update_previews(const Latest& now) {
   drawn_ = now.number;
   const Viewpoint from = posed ? Viewpoint{preview_camera(now.capture->camera), now.capture->pose.camera_from_object}
                                : first_look(now.snapshot->shared_mesh());
+  preview_note_ = no_photograph_note(*now.snapshot, from.eye());
   if (untouched)
     preview_jpeg_ = jpeg_text(plain_picture(*now.painter, now.snapshot->mesh(), from.camera, from.camera_from_object));
   else

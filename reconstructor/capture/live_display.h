@@ -68,6 +68,7 @@ class LiveDisplay {
   std::uint64_t drawn_ = 0;                     ///< number of the snapshot
   std::shared_ptr<const Capture> drawn_capture_;
   std::shared_ptr<const std::string> preview_jpeg_, camera_jpeg_;
+  std::string preview_note_;
   std::uint64_t advised_ = 0;  ///< likewise
   std::optional<NextView> next_view_;
   int otherwise_ = 0;  ///< snapshots in a row that want another view than `next_view_`

@@ -21,6 +21,8 @@
 #include "reconstructor/commands/picture_names.h"
 #include "reconstructor/commands/render_lights.h"
 #include "reconstructor/evaluation/held_out.h"
+#include "reconstructor/render/guess_marks.h"
+#include "reconstructor/render/nearest_photograph.h"
 #include "reconstructor/render/ray_painter.h"
 
 namespace sheen {
@@ -28,7 +30,7 @@ namespace {
 
 struct RenderArguments {
   std::string model, cameras, out, json;
-  bool demand = false;
+  bool demand = false, mark_guesses = false;
   LightRequest light;
 };
 
@@ -63,6 +65,26 @@ nlohmann::json prediction_json(double predicted_db, const ErrorCalibration& cali
   return json;
 }
 
+/// The views that are far from every photograph.
+struct FarViews {
+  std::size_t count = 0;
+  std::string farthest;
+  double most_deg = 0;
+
+  void add(const std::string& view, double away_deg) {
+    if (!(away_deg > kFarFromPhotographsDeg)) return;
+    ++count;
+    if (away_deg <= most_deg) return;
+    farthest = view;
+    most_deg = away_deg;
+  }
+  void print(std::size_t views) const {
+    if (count == 0) return;
+    std::printf("%zu of %zu views are more than %.0f degrees from every photograph: %s is farthest, %.0f degrees\n",
+                count, views, kFarFromPhotographsDeg, farthest.c_str(), most_deg);
+  }
+};
+
 /// Prints it, too: what the bright end of the pictures stands for.
 nlohmann::json demand_json(const DemandPictures& demand) {
   nlohmann::json json;
@@ -79,7 +101,8 @@ LightState light_of(const DatasetView& view, const ModelSnapshot& model) {
 
 void render(const RenderArguments& arguments) {
   ReportFile json(arguments.json);
-  if (arguments.light.asked()) return render_lights(arguments.model, arguments.light, arguments.out, json);
+  if (arguments.light.asked())
+    return render_lights(arguments.model, arguments.light, arguments.mark_guesses, arguments.out, json);
   if (arguments.cameras.empty())
     throw ConfigError("--cameras is required: from where to render; or --lights, for a model that knows moving light");
   const SavedModel saved = open_model(arguments.model);
@@ -99,6 +122,7 @@ void render(const RenderArguments& arguments) {
   double predicted_db = 0;
   std::size_t predicted_views = 0;
   auto pictures = nlohmann::json::array();
+  FarViews far;
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const PosedCamera from =
@@ -112,7 +136,9 @@ void render(const RenderArguments& arguments) {
     }
     const std::string name = (out / names[i]).string();
     make_folder((out / names[i]).parent_path());
-    write_png(name + ".png", straight_srgb8(painted));
+    ImageU8 png = straight_srgb8(painted);
+    if (arguments.mark_guesses) mark_guesses(painted, png);
+    write_png(name + ".png", png);
     ExrFile file;
     file.parts.push_back({"beauty", {"R", "G", "B", "A"}, premultiplied(painted), ExrPrecision::kHalf});
     file.parts.push_back({"heuristic", {"Y"}, painted.heuristic, ExrPrecision::kHalf});
@@ -120,11 +146,16 @@ void render(const RenderArguments& arguments) {
     if (demand)
       demand->add(painter.cast(cameras[i].camera, cameras[i].camera_from_object), cameras[i].camera, name, file);
     write_exr(name + ".exr", file);
-    pictures.push_back({{"file", names[i].string()}, {"predicted_psnr_db", json_number(db)}});
+    const double away_deg = nearest_photograph_deg(*saved.snapshot, camera_centre(from.camera_from_object));
+    far.add(names[i].string(), away_deg);
+    pictures.push_back({{"file", names[i].string()},
+                        {"predicted_psnr_db", json_number(db)},
+                        {"nearest_photograph_deg", json_number(away_deg)}});
     progress.update(i + 1);
   }
   predicted_db /= static_cast<double>(predicted_views);  // NaN where none has one
   std::printf("%zu views rendered to %s\n", cameras.size(), out.string().c_str());
+  far.print(cameras.size());
   print_prediction(predicted_db, calibration);
   nlohmann::json report{{"pictures", pictures}, {"predicted", prediction_json(predicted_db, calibration)}};
   if (demand) report["demand"] = demand_json(*demand);
@@ -160,6 +191,8 @@ void add_render_command(Command& program) {
       .flag("--demand", arguments->demand,
             "also what the scene required: terms, samples, bytes, as pictures and parts of the EXR")
       .excludes({lights, luminaires, environment, path});
+  command.flag("--mark-guesses", arguments->mark_guesses,
+               "in the PNGs, stripe what no photograph shows and tint what is imputed");
   command.option("--out", arguments->out, "folder for the pictures").required();
   command.option("--json", arguments->json, "report to write; - for standard output");
   command.callback([arguments] { render(*arguments); });

@@ -18,6 +18,7 @@
 #include "reconstructor/commands/light_check.h"
 #include "reconstructor/commands/luminaire_file.h"
 #include "reconstructor/commands/picture_names.h"
+#include "reconstructor/render/guess_marks.h"
 #include "reconstructor/render/luminaires.h"
 #include "reconstructor/render/ray_painter.h"
 
@@ -62,8 +63,8 @@ std::vector<LitPicture> pictures_of(const ModelSnapshot& snapshot, const std::fi
 
 }  // namespace
 
-void render_lights(const std::filesystem::path& model, const LightRequest& request, const std::filesystem::path& out,
-                   ReportFile& json) {
+void render_lights(const std::filesystem::path& model, const LightRequest& request, bool marked,
+                   const std::filesystem::path& out, ReportFile& json) {
   install_stop_signals();
   const SavedModel saved = open_model(model);
   const std::vector<LitPicture> pictures = pictures_of(*saved.snapshot, model, request);
@@ -84,7 +85,9 @@ void render_lights(const std::filesystem::path& model, const LightRequest& reque
                                               {lights.begin() + 1, lights.end()});
     const std::string name = (out / names[i]).string();
     make_folder((out / names[i]).parent_path());
-    write_png(name + ".png", to_srgb8(painted.beauty));
+    ImageU8 png = to_srgb8(painted.beauty);
+    if (marked) mark_guesses(painted, png);
+    write_png(name + ".png", png);
     ExrFile file;
     file.parts.push_back({"beauty", {"R", "G", "B"}, painted.beauty, ExrPrecision::kHalf});
     write_exr(name + ".exr", file);

@@ -19,8 +19,9 @@ struct LightRequest {
 };
 
 /// Renders a saved model that knows moving light, seen by its own camera: linear EXR and PNG, named as in the list or
-/// file; `json` gets their list. Throws ConfigError for a model of fixed light or of another kind of light.
-void render_lights(const std::filesystem::path& model, const LightRequest& request, const std::filesystem::path& out,
-                   ReportFile& json);
+/// file; `json` gets their list. `marked`: guesses are marked in the PNGs (`mark_guesses`). Throws ConfigError for a
+/// model of fixed light or of another kind of light.
+void render_lights(const std::filesystem::path& model, const LightRequest& request, bool marked,
+                   const std::filesystem::path& out, ReportFile& json);
 
 }  // namespace sheen

@@ -33,8 +33,10 @@ struct ViewQuery {
 class ViewShader {
  public:
   virtual ~ViewShader() = default;
-  /// Radiance towards the eye at barycentric (u, v) of a triangle.
+  /// Radiance towards the eye at barycentric (u, v) of a triangle, of its front.
   virtual SurfaceSample shade(std::uint32_t triangle, float u, float v) const = 0;
+  /// The same of its back. A model of what images show of fronts knows nothing of it.
+  virtual SurfaceSample shade_back(std::uint32_t, float, float) const { return inside_sample(); }
   virtual SurfaceQuality quality(std::uint32_t triangle) const = 0;
 };
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "common/image/color.h"
+
 namespace sheen {
 namespace {
 
@@ -22,6 +24,10 @@ QualityReason SurfaceQuality::reason() const {
   if (best_cosine < kObliqueCosine) return QualityReason::kOblique;
   if (heuristic() < kGoodHeuristic) return QualityReason::kGood;
   return nearest_cosine < kFarCosine ? QualityReason::kSparseDirections : QualityReason::kHighResidual;
+}
+
+SurfaceSample inside_sample() {
+  return {Eigen::Vector3f::Constant(srgb_decode(kInsideGrey)), SampleState::kUnseen};
 }
 
 }  // namespace sheen

@@ -35,4 +35,8 @@ struct SurfaceSample {
   SampleState state = SampleState::kUnseen;
 };
 
+/// Grey of the inside of an open object, sRGB-encoded: images of the outside say nothing of it.
+inline constexpr float kInsideGrey = 0.35f;
+SurfaceSample inside_sample();
+
 }  // namespace sheen

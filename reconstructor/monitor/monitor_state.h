@@ -99,6 +99,7 @@ struct MonitorState {
   std::string hint;         ///< what to do while nothing comes: a command
 
   std::shared_ptr<const std::string> preview_jpeg;  ///< the model; null: none yet
+  std::string preview_note;                         ///< that no photograph is from there; empty: some are
   std::shared_ptr<const std::string> camera_jpeg;   ///< the newest camera image
 };
 

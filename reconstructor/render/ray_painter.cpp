@@ -36,6 +36,11 @@ std::array<Eigen::Vector2d, kRaysPerOutlinePixel> places_in_pixel() {
   return places;
 }
 
+/// What a ray meets.
+SurfaceSample sample_at(const ViewShader& shader, const Hit& hit) {
+  return hit.front ? shader.shade(hit.triangle, hit.u, hit.v) : shader.shade_back(hit.triangle, hit.u, hit.v);
+}
+
 /// A pixel that the lens cannot reach looks nowhere: an empty interval hits nothing.
 Ray ray_of(const Camera& camera, const Rigid3& object_from_camera, const Eigen::Vector2d& pixel) {
   const Eigen::Vector3f eye = object_from_camera.translation.cast<float>();
@@ -107,12 +112,11 @@ PaintedView RayPainter::paint(const ViewShader& shader, const Camera& camera, co
     for (int x = 0; x < w; ++x) {
       const Hit& hit = hits[x];
       if (!hit) continue;
-      SurfaceSample sample = shader.shade(hit.triangle, hit.u, hit.v);
-      // No image shows the back of a triangle: the colour of its front is the guess.
-      if (!hit.front) sample.state = SampleState::kUnseen;
+      const SurfaceSample sample = sample_at(shader, hit);
       for (int c = 0; c < 3; ++c) view.beauty.at(x, y, c) = sample.rgb[c];
       view.coverage.at(x, y) = coverage_of(sample.state);
-      const SurfaceQuality quality = hit.front ? shader.quality(hit.triangle) : SurfaceQuality{};
+      const bool known = hit.front || sample.state != SampleState::kUnseen;
+      const SurfaceQuality quality = known ? shader.quality(hit.triangle) : SurfaceQuality{};
       view.predicted_error.at(x, y) = quality.error;
       view.heuristic.at(x, y) = quality.heuristic();
       view.reason.at(x, y) = static_cast<std::uint8_t>(quality.reason()) + 1;
@@ -143,7 +147,7 @@ SmoothView RayPainter::paint_smooth(const Appearance& snapshot, const Outlines& 
       int surface = 0;
       for (const Hit& hit : hits) {
         if (!hit) continue;
-        sum += shader->shade(hit.triangle, hit.u, hit.v).rgb;
+        sum += sample_at(*shader, hit).rgb;
         ++surface;
       }
       view.alpha.at(x, y) = static_cast<float>(surface) / kRaysPerOutlinePixel;

@@ -13,7 +13,7 @@
 
 namespace sheen {
 
-// `PaintedView::coverage`; 0 where there is no surface. A triangle's back is unseen: its colour is that of its front.
+// `PaintedView::coverage`; 0 where there is no surface.
 inline constexpr std::uint8_t kCoverageUnseen = 128, kCoverageImputed = 192, kCoverageMeasured = 255;
 
 /// A picture of a model with what is known about each pixel.

@@ -116,6 +116,7 @@ TEST_F(MonitorPage, ShowsWhatWasPublished) {
   EXPECT_THAT(page, HasSubstr(element("psnr", "34.31")));
   EXPECT_THAT(page, HasSubstr(element("psnr-detail", "+5.44 dB over constant colour")));
   EXPECT_THAT(page, HasSubstr(element("ssim", "0.9612")));
+  EXPECT_THAT(page, HasSubstr(element("preview-note", "no photograph from here: the nearest is 34 degrees away")));
   EXPECT_THAT(page, HasSubstr(element("next-view", "Next: move the camera to the left of the object, lower")));
   EXPECT_THAT(page, AllOf(HasSubstr("object not in view"), HasSubstr("31 of 64"), HasSubstr("rank 3"),
                           HasSubstr("tcp://127.0.0.1:7410"), HasSubstr("refused: unknown key")));

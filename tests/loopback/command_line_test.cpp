@@ -10,6 +10,7 @@
 #include "common/base/files.h"
 #include "common/geometry/mesh.h"
 #include "common/image/exr.h"
+#include "common/image/image_io.h"
 #include "tests/loopback/ball_dataset.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/temp_folder.h"
@@ -90,6 +91,41 @@ TEST_F(CommandLineUse, WhatTheSceneRequiredIsRenderedWhereItIsAskedFor) {
   }
   expect_outcome(run_to_end(render), 0, {});
   EXPECT_FALSE(read_exr(first + ".exr").find("rank")) << "only where it is asked for";
+}
+
+TEST_F(CommandLineUse, WhereNoPhotographIsFromIsSaidAndGuessesAreMarkedOnDemand) {
+  const fs::path model = temp_.path() / "model.slf", views = temp_.path() / "views", report = temp_.path() / "r.json",
+                 cameras = temp_.path() / "below.json";
+  expect_outcome(run_to_end(build({"--out", model})), 0, {});
+  Json json = Json::parse(read_file(data_.folder / "transforms.json"));
+  for (const int axis : {1, 2})  // half a turn round x: from below, where nobody was
+    for (Json& number : json["frames"][2]["transform_matrix"][axis]) number = -number.get<double>();
+  write_file(cameras, json.dump());
+  const Words render = reconstructor({"render", model, "--cameras", cameras, "--out", views, "--json", report});
+  expect_outcome(run_to_end(render), 0,
+                 {"2 of 6 views are more than 15 degrees from every photograph: 1002 is farthest"});
+  const Json pictures = Json::parse(read_file(report))["pictures"];
+  EXPECT_GT(pictures[4]["nearest_photograph_deg"], 15) << "the one that was held out";
+  EXPECT_GT(pictures[2]["nearest_photograph_deg"], 15);
+  EXPECT_LT(pictures[0]["nearest_photograph_deg"], 0.1);
+
+  const RawImage plain = read_image(views / "1002.png");
+  const std::string exr = read_file(views / "1002.exr");
+  expect_outcome(run_to_end(render + Words{"--mark-guesses"}), 0, {});
+  EXPECT_EQ(read_file(views / "1002.exr"), exr) << "only pictures for people are marked";
+  const RawImage marked = read_image(views / "1002.png");
+  ASSERT_EQ(plain.format, PixelFormat::kRGB8);
+  const ImageF coverage = read_exr(views / "1002.exr").find("coverage")->image;
+  int guesses = 0;
+  for (int y = 0; y < coverage.height(); ++y)
+    for (int x = 0; x < coverage.width(); ++x) {
+      const bool guess = coverage.at(x, y) > 0 && coverage.at(x, y) < 1;
+      const std::size_t at = static_cast<std::size_t>(y) * plain.stride + 3 * static_cast<std::size_t>(x);
+      const bool same = std::equal(&plain.bytes[at], &plain.bytes[at] + 3, &marked.bytes[at]);
+      EXPECT_EQ(same, !guess) << x << " " << y;
+      guesses += guess;
+    }
+  EXPECT_GT(guesses, 100);
 }
 
 TEST_F(CommandLineUse, OneWordSetsLimitsAndSize) {

@@ -26,22 +26,28 @@ class BlendShader : public ViewShader {
 
   SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
     if (blend_.empty()) return {};
-    Vector3f point = point_of(model_.mesh(), triangle, u, v);
-    if (data_->of_images) {
-      const auto seen = blend_.along(eye_, point);
-      if (!seen) return {};
-      point = *seen;
-    }
-    const ViewBlend::Colours colours = blend_.at(point);
-    const float part = part_reached(point);
-    return {colours.dark + part * (colours.lit - colours.dark),
-            colours.seen ? SampleState::kMeasured : SampleState::kUnseen};
+    const Vector3f point = point_of(model_.mesh(), triangle, u, v);
+    if (!data_->of_images) return sample(point, model_.mesh().area_normal(triangle));
+    const auto seen = blend_.along(eye_, point);
+    return seen ? sample(*seen, Vector3f::Zero()) : SurfaceSample{};
+  }
+  /// Images may show the inside of an open object, too.
+  SurfaceSample shade_back(std::uint32_t triangle, float u, float v) const override {
+    if (blend_.empty() || data_->of_images) return inside_sample();
+    const SurfaceSample inside = sample(point_of(model_.mesh(), triangle, u, v), -model_.mesh().area_normal(triangle));
+    return inside.state == SampleState::kUnseen ? inside_sample() : inside;
   }
   SurfaceQuality quality(std::uint32_t) const override {
     return blend_.empty() ? SurfaceQuality{} : SurfaceQuality{true, static_cast<float>(data_->error), 1, 1};
   }
 
  protected:
+  SurfaceSample sample(const Vector3f& point, const Vector3f& facing) const {
+    const ViewBlend::Colours colours = blend_.at(point, facing);
+    const float part = part_reached(point);
+    return {colours.dark + part * (colours.lit - colours.dark),
+            colours.seen ? SampleState::kMeasured : SampleState::kUnseen};
+  }
   /// Of what a pixel round the point shows, how much the light reaches, 0..1.
   virtual float part_reached(const Vector3f& point) const = 0;
 

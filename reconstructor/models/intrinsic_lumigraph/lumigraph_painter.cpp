@@ -44,9 +44,15 @@ std::shared_ptr<const RelitView> LumigraphPainter::blended(const ViewBlend::Reli
   const float guess = static_cast<float>(std::max(1e-3, from_->camera_from_object.translation.z()));
   tbb::parallel_for(0, h, [&](int y) {
     for (int x = 0; x < w; ++x) {
-      const auto point = surface_ ? surface_->point(x, y) : blend.along(rays.eye(), rays.at(x, y, guess));
-      if (!point) continue;
-      const ViewBlend::Colours colours = blend.at(*point);
+      ViewBlend::Colours colours;
+      if (surface_) {
+        const Occluders::Place* place = surface_->place(x, y);
+        if (!place) continue;
+        colours = blend.at(place->point, place->facing);
+        if (!place->front && !colours.seen) colours.lit = colours.dark = inside_sample().rgb;
+      } else if (const auto point = blend.along(rays.eye(), rays.at(x, y, guess))) {
+        colours = blend.at(*point);
+      }
       Eigen::Vector3f::Map(out->lit.pixel(x, y)) = colours.lit;
       Eigen::Vector3f::Map(out->dark.pixel(x, y)) = colours.dark;
     }

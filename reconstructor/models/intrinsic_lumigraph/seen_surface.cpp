@@ -27,7 +27,8 @@ Occluders::Occluders(const Mesh& mesh) : mesh_(mesh), rays_(mesh) {
 Occluders::Place Occluders::place_or_none(const Ray& ray, const Hit& hit) const {
   if (!hit) return {Vector3f::Zero(), Vector3f::Zero()};
   const Vector3f normal = mesh_.area_normal(hit.triangle).normalized();
-  return {ray.origin + hit.distance * ray.direction, normal.dot(ray.direction) > 0 ? Vector3f(-normal) : normal};
+  const bool front = normal.dot(ray.direction) <= 0;
+  return {ray.origin + hit.distance * ray.direction, front ? normal : Vector3f(-normal), front};
 }
 
 std::optional<Ray> Occluders::shadow_ray(const Place& place, const Lamp& lamp) const {
@@ -92,10 +93,9 @@ ImageF SeenSurface::depth() const {
   return depth;
 }
 
-std::optional<Vector3f> SeenSurface::point(int x, int y) const {
+const Occluders::Place* SeenSurface::place(int x, int y) const {
   const Occluders::Place& seen = centres_[std::size_t(y) * from_.camera.width + x];
-  if (seen.facing.isZero()) return std::nullopt;
-  return seen.point;
+  return seen.facing.isZero() ? nullptr : &seen;
 }
 
 ImageF SeenSurface::normals() const {

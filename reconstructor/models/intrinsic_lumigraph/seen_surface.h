@@ -19,6 +19,7 @@ class Occluders {
 
   struct Place {
     Eigen::Vector3f point, facing;  ///< `facing`: unit, the side of the triangle that is seen
+    bool front = true;              ///< which side that is
   };
   const RayScene& rays() const { return rays_; }
   /// What a ray has hit; without a facing where that is nothing.
@@ -44,8 +45,8 @@ class SeenSurface {
 
   ImageF depth() const;    ///< z in camera coordinates at the pixels' centres; 0 where there is nothing
   ImageF normals() const;  ///< unit, towards the eye's side; object frame
-  /// Of the object at a pixel's centre.
-  std::optional<Eigen::Vector3f> point(int x, int y) const;
+  /// What is seen at a pixel's centre; null where that is nothing.
+  const Occluders::Place* place(int x, int y) const;
 
   /// Part of each pixel that a lamp's light reaches, 0..255. An edge of the shadow is resolved by 4 x 4 rays per pixel.
   ImageU8 reached(const Lamp& lamp) const;

@@ -53,7 +53,9 @@ ViewBlend::ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eig
                      const Relight& relit) {
   for (const WeightedView& near : views_near(data->views, eye)) {
     const auto& view = data->views[near.view];
-    views_.push_back({view, near.weight, relit(*view), view->from.camera_from_object.rotation.toRotationMatrix()});
+    const Rigid3& pose = view->from.camera_from_object;
+    views_.push_back(
+        {view, near.weight, relit(*view), pose.rotation.toRotationMatrix(), camera_centre(pose).cast<float>()});
   }
   std::stable_sort(views_.begin(), views_.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
 }
@@ -83,7 +85,7 @@ std::optional<Eigen::Vector3f> ViewBlend::along(const IntrinsicView& view, const
   return point;
 }
 
-ViewBlend::Colours ViewBlend::at(const Eigen::Vector3f& point) const {
+ViewBlend::Colours ViewBlend::at(const Eigen::Vector3f& point, const Eigen::Vector3f& facing) const {
   Colours sum, guess;
   float weights = 0;
   bool guessed = false;
@@ -93,7 +95,7 @@ ViewBlend::Colours ViewBlend::at(const Eigen::Vector3f& point) const {
     const auto pixel = from.camera.project(in_camera);
     if (!pixel || !from.camera.contains(*pixel, -0.5)) continue;
     const FourPixels near(prepared.view->depth, *pixel);
-    const bool seen = near.show(prepared.view->depth, in_camera.z());
+    const bool seen = near.show(prepared.view->depth, in_camera.z()) && facing.dot(prepared.eye - point) >= 0;
     if (!seen && guessed) continue;
     const RelitView& relit = *prepared.relit;
     const Eigen::Vector3f lit = near.mean(relit.lit), dark = relit.dark.empty() ? lit : near.mean(relit.dark);

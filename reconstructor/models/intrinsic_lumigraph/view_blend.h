@@ -22,8 +22,9 @@ class ViewBlend {
     Eigen::Vector3f lit = Eigen::Vector3f::Zero(), dark = Eigen::Vector3f::Zero();
     bool seen = false;  ///< some view shows the point; else the colours are what stands before it
   };
-  /// A view counts where its depth agrees with the point's.
-  Colours at(const Eigen::Vector3f& point) const;
+  /// A view counts where its depth agrees with the point's and it is on the side that the point is seen from, `facing`:
+  /// the inside of an open object does not look like its outside. Zero: the point has no sides.
+  Colours at(const Eigen::Vector3f& point, const Eigen::Vector3f& facing = Eigen::Vector3f::Zero()) const;
 
   /// Where a ray meets what a view shows, by its depth map: the heaviest view in whose image that is. None where it is
   /// beside all of them. `guess`: a point of the ray.
@@ -41,6 +42,7 @@ class ViewBlend {
     float weight = 1;
     std::shared_ptr<const RelitView> relit;
     Eigen::Matrix3d rotation;  ///< camera_from_object
+    Eigen::Vector3f eye;
   };
   std::vector<Prepared> views_;  ///< the heaviest first
 };

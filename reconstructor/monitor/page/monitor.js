@@ -229,6 +229,7 @@ function show(s) {
     return item;
   }));
   picture("preview", s.pictures.preview);
+  text("preview-note", s.pictures.preview_note);
   picture("camera", s.pictures.camera);
   text("photometric", s.photometric ? "light: " + s.photometric : "");
   text("version", "Sheen " + s.version);

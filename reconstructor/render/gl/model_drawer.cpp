@@ -39,25 +39,13 @@ Eigen::Vector3f reason_color(QualityReason reason) {
     case QualityReason::kGood:
       return {0.30f, 0.34f, 0.38f};
     case QualityReason::kUnseen:
-      return {0.80f, 0.47f, 0.65f};
+      return state_color(SampleState::kUnseen);
     case QualityReason::kOblique:
       return {0.90f, 0.62f, 0.00f};
     case QualityReason::kSparseDirections:
       return {0.34f, 0.71f, 0.91f};
     case QualityReason::kHighResidual:
       return {0.94f, 0.89f, 0.26f};
-  }
-  return {1, 1, 1};
-}
-
-Eigen::Vector3f state_color(SampleState state) {
-  switch (state) {
-    case SampleState::kUnseen:
-      return reason_color(QualityReason::kUnseen);
-    case SampleState::kImputed:
-      return {0.34f, 0.71f, 0.91f};
-    case SampleState::kMeasured:
-      break;
   }
   return {1, 1, 1};
 }

@@ -12,6 +12,7 @@
 #include "reconstructor/render/demand_map.h"
 #include "reconstructor/render/gl/orbit_camera.h"
 #include "reconstructor/render/gl/panel.h"
+#include "reconstructor/render/guess_marks.h"
 
 namespace sheen {
 
@@ -31,9 +32,6 @@ std::optional<Demand> demand_of(SurfaceShading shading);
 
 /// Colour of a reason in `SurfaceShading::kReasons` and in its legend: 0..1, sRGB-encoded.
 Eigen::Vector3f reason_color(QualityReason reason);
-
-/// Tint of samples that are not measured, in `SurfaceShading::kStates` and in its legend: 0..1, sRGB-encoded.
-Eigen::Vector3f state_color(SampleState state);
 
 /// OpenCV camera -> OpenGL clip space: pixel centres of the camera fall on pixel centres of the panel.
 Eigen::Matrix4f clip_from_object(const Viewpoint& view, const BoundingSphere& object);
@@ -62,6 +60,8 @@ class ModelDrawer {
   virtual bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) = 0;
   /// Draws with a depth test of its own; the background stays.
   virtual void draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) = 0;
+  /// Whether the picture is from the viewpoint's eye; else it is always from that of the images.
+  virtual bool follows_eye() const { return true; }
   /// What a person should know of the drawing, a line each: that the graphics memory is full, say.
   virtual std::vector<std::string> notes() const = 0;
 };

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstructor/render/nearest_photograph.h"
+
 namespace sheen {
 namespace {
 
@@ -202,6 +204,11 @@ void ViewerScene::draw_hud(const ViewerState& state, const ViewControls& control
     counted_ = state.snapshot;
   }
   for (std::string& note : surface_->notes()) notes.push_back(std::move(note));
+  if (const auto panels = surface_panels(state, controls, overlay_.width(), overlay_.height());
+      !panels.empty() && surface_->follows_eye()) {
+    const std::string note = no_photograph_note(*state.snapshot, panels.front().viewpoint.eye());
+    if (!note.empty()) notes.push_back(note);
+  }
   std::optional<Guidance> guidance;
   if (state.snapshot && state.next_view) {
     const Rigid3 here = posed(state) ? state.capture->pose.camera_from_object

@@ -102,6 +102,23 @@ TEST(LiveDisplay, CamerasAreShownInTurnWithoutAFlicker) {
   }
 }
 
+TEST(LiveDisplay, ThePageSaysWhereItsPictureIsOfAPlaceWithoutPhotographs) {
+  const Object object = square_object();
+  const auto images =
+      captures({object.surface, analytic::two_terms(0.1)}, {{0.02, 0, 0.5}, {0.05, 0.02, 0.5}, {0.35, 0, 0.35}});
+  Reconstruction reconstruction(*object.mesh, plain_options());
+  LiveDisplay display({});
+  LoopObserver observer = display.observer();
+  for (const Capture& image : {images[0], images[1]}) reconstruction.ingest(image);
+  observer.on_capture(images[2]);
+  observer.on_snapshot(reconstruction.snapshot(), reconstruction.shared_painter());
+  EXPECT_THAT(display.monitor_state({}).preview_note,
+              ::testing::MatchesRegex("no photograph from here: the nearest is [34][0-9] degrees away"));
+  reconstruction.ingest(images[2]);
+  observer.on_snapshot(reconstruction.snapshot(), reconstruction.shared_painter());
+  EXPECT_EQ(display.monitor_state({}).preview_note, "");
+}
+
 TEST(LiveDisplay, ThePageSaysInWhichDirectionTheNextImageIs) {
   const Object object = square_object();
   const auto images =

@@ -34,6 +34,7 @@ TEST(StatusJson, SaysWhatTheStateSays) {
   EXPECT_EQ(json["frame_age_s"], 0.5);
   EXPECT_EQ(json["pictures"]["preview"], 3);
   EXPECT_EQ(json["pictures"]["camera"], 0);
+  EXPECT_EQ(json["pictures"]["preview_note"], "no photograph from here: the nearest is 34 degrees away");
 }
 
 TEST(StatusJson, SaysWhatIsTradedForWhat) {

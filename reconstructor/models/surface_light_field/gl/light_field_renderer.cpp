@@ -24,6 +24,7 @@ GlProgram surface_program(const SurfaceShaderVariant& variant) {
   set("coefficients", kCoefficients);
   set("quality", kQuality);
   for (int b = 0; b < BasisStore::kMaxBuffers; ++b) set(("basis" + std::to_string(b)).c_str(), kBasis + b);
+  glUniform1f(program.uniform("inside_grey"), kInsideGrey);
   for (int reason = 0; reason < 5; ++reason)
     glUniform3fv(program.uniform(("reason_colors[" + std::to_string(reason) + "]").c_str()), 1,
                  reason_color(static_cast<QualityReason>(reason)).data());

@@ -39,6 +39,7 @@ uniform int shading;               // SurfaceShading
 uniform vec3 eye;
 uniform float exposure;            // of this eye: ExposureField
 uniform float pixel_size;          // DrawArea
+uniform float inside_grey;         // of the backs of triangles, sRGB-encoded
 uniform vec3 reason_colors[5];     // by QualityReason
 uniform vec3 state_colors[2];      // by SampleState: unseen, imputed
 uniform vec3 demand_colors[4];     // from little to much
@@ -137,11 +138,11 @@ bool light_field(out vec3 encoded, out int state) {
 }
 
 vec3 appearance() {
+  if (!gl_FrontFacing) return marked(vec3(inside_grey), 0);  // which no image shows, as the ray painter has it
   vec3 encoded;
   int state;
   if (!light_field(encoded, state)) return shading == 3 ? marked(unknown_color(), 0) : unknown_color();
-  // No image shows the back of a triangle: the colour of its front is the guess.
-  return marked(exposed(encoded), gl_FrontFacing ? state : 0);
+  return marked(exposed(encoded), state);
 }
 
 void main() {

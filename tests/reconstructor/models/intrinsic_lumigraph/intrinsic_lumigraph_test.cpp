@@ -203,5 +203,58 @@ TEST(IntrinsicLumigraphPlaneTest, FollowsTheClosedForm) {
   }
 }
 
+/// A sheet that is red above and green below, each side seen and lit by itself.
+class TwoSidedSheet : public ::testing::Test {
+ protected:
+  static PosedCamera seen_from(const Vector3d& eye) {
+    return {{.width = 40, .height = 30, .fx = 40, .fy = 40, .cx = 19.5, .cy = 14.5},
+            look_at(eye, {0, 0, 0}, {0, 1, 0})};
+  }
+  static LightState lamp(double turn, double side) {
+    return {.kind = LightKind::kPoint, .position = {std::cos(turn), std::sin(turn), 1.2 * side}};
+  }
+  void take(IntrinsicLumigraph& model, double side) {
+    const PosedCamera from = seen_from({0, -0.4, side});
+    for (int i = 0; i < 4; ++i) {
+      ImageF image(40, 30, 3);
+      for (std::size_t p = 0; p < image.size(); ++p) image.data()[p] = p % 3 == (side > 0 ? 0 : 1) ? 0.4f : 0.05f;
+      model.ingest(rig_capture(from, lamp(i, side), std::move(image), ++sequence_));
+    }
+  }
+  /// At the middle of a picture from another eye on that side.
+  static PaintedView seen(const IntrinsicLumigraphSnapshot& model, double side) {
+    const PosedCamera from = seen_from({0.1, 0.3, side});
+    const PaintedView view = RayPainter(model.mesh()).paint(model, from.camera, from.camera_from_object, lamp(1, side));
+    const auto shared = std::make_shared<IntrinsicLumigraphSnapshot>(model);
+    EXPECT_GT(psnr(LumigraphPainter(shared).paint(from, lamp(1, side)), view.beauty), 50);
+    return view;
+  }
+
+  std::shared_ptr<const Mesh> square_ = std::make_shared<const Mesh>(
+      Mesh{.vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, .triangles = {{0, 1, 2}, {0, 2, 3}}});
+  std::uint64_t sequence_ = 0;
+};
+
+TEST_F(TwoSidedSheet, TheInsideDoesNotWearTheOutsidesPattern) {
+  IntrinsicLumigraph model(square_, {});
+  take(model, 1);
+  const PaintedView inside = seen(*SmallRig::snapshot_of(model), -1);
+  const float* rgb = inside.beauty.pixel(20, 15);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], srgb_decode(0.35f), 1e-6);
+  EXPECT_EQ(inside.coverage.at(20, 15), kCoverageUnseen);
+}
+
+TEST_F(TwoSidedSheet, ImagesOfTheInsideShowIt) {
+  IntrinsicLumigraph model(square_, {});
+  take(model, 1);
+  take(model, -1);
+  for (const int side : {1, -1}) {
+    const PaintedView view = seen(*SmallRig::snapshot_of(model), side);
+    const float* rgb = view.beauty.pixel(20, 15);
+    EXPECT_GT(rgb[side > 0 ? 0 : 1], 5 * rgb[side > 0 ? 1 : 0]) << side;
+    EXPECT_EQ(view.coverage.at(20, 15), kCoverageMeasured);
+  }
+}
+
 }  // namespace
 }  // namespace sheen

@@ -13,6 +13,7 @@
 #include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/gl/picture_drawer.h"
 #include "reconstructor/render/ray_painter.h"
+#include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/reconstructor/render/gl/hidden_window.h"
 
 namespace sheen {
@@ -159,6 +160,28 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
   EXPECT_FALSE(differs(&ViewControls::reasons)) << "the light field has none";
   state.figures->trade = {.effort_level = 2, .effort_levels = 6, .image_ms = 40, .budget_ms = 33};
   EXPECT_GT(largest_difference(window_->draw_once(state), pictures[0]), 60) << "a budget that is not kept is seen";
+}
+
+TEST_F(Window, SaysWhereNoPhotographIsFrom) {
+  const Object object = square_object();
+  SurfaceLightField model(object.mesh, plain_options());
+  ingest_all(model, captures({object.surface, analytic::two_terms(0.1)}, {{0.02, 0, 0.5}, {0.05, 0.02, 0.5}}));
+  ViewerState state;
+  state.snapshot = model.snapshot();
+  ViewControls& controls = window_->controls();
+  controls.frame(state.snapshot->shared_mesh());
+  controls.figures = true;
+  const auto words = [&](const Eigen::Vector3d& eye) {  // amber pixels at the top right
+    controls.orbit.place(eye);
+    const ImageU8 picture = window_->draw_once(state);
+    int count = 0;
+    for (int y = 0; y < kHeight / 8; ++y)
+      for (int x = kWidth / 3; x < kWidth; ++x)
+        count += picture.at(x, y, 0) > 200 && std::abs(picture.at(x, y, 1) - 190) < 40 && picture.at(x, y, 2) < 110;
+    return count;
+  };
+  EXPECT_EQ(words({0.03, 0.01, 0.5}), 0);
+  EXPECT_GT(words({0.35, 0.1, 0.35}), 100);
 }
 
 TEST_F(Window, BeforeTheFirstImageTheMeshIsThereInGrey) {
