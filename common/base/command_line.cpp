@@ -50,6 +50,13 @@ void suggest_subcommand(const CLI::App& app, int argc, const char* const* argv) 
                meant.empty() ? "" : ("; did you mean \"" + meant + "\"?").c_str());
 }
 
+/// "--name[=value]" is an option that may stand without a value and then has this one.
+std::pair<std::string, std::string> split_name(const std::string& name) {
+  const std::size_t open = name.find("[=");
+  if (open == std::string::npos) return {name, ""};
+  return {name.substr(0, open), name.substr(open + 2, name.size() - open - 3)};
+}
+
 ValueCheck checked_by(const CLI::Validator& validator) {
   return {validator, validator.get_description()};
 }
@@ -147,7 +154,10 @@ void Command::require_subcommand() {
 
 template <typename T>
 Option Command::option(const std::string& name, T& target, const std::string& help) {
-  return Option(app_->add_option(name, target, help));
+  const auto [bare, left_out] = split_name(name);
+  CLI::Option* option = app_->add_option(bare, target, help);
+  if (!left_out.empty()) option->expected(0, 1)->default_str(left_out);
+  return Option(option);
 }
 
 Option Command::flag(const std::string& name, bool& target, const std::string& help) {

@@ -9,6 +9,7 @@ void CaptureAccount::note(const Capture& capture, const IngestReport& report) {
   captures_.push_back({capture.source_session, capture.sequence, report.status, report.reason, report.repeated,
                        report.patches_skipped, capture.photometry.has_value(),
                        capture.photometry && !capture.photometry->vignette.none(), report.exposure_gain});
+  if (poses_noted_) captures_.back().camera_from_object = capture.pose.camera_from_object;
   if (report.status == IngestStatus::kRefused) ++counts_.refused[report.reason];
   if (report.status == IngestStatus::kHeldOut) ++counts_.held_out;
   if (report.status != IngestStatus::kAccepted) return;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,8 @@ struct KnownCapture {
   bool repeated = false;  ///< nothing of it was used: it shows what an earlier one does
   std::size_t patches_skipped = 0;
   bool response_known = false, vignette_known = false;  ///< what was measured of its camera
-  float exposure_gain = 1;  ///< that its values, or those of a held-out view, were divided by
+  float exposure_gain = 1;                        ///< that its values, or those of a held-out view, were divided by
+  std::optional<Rigid3> camera_from_object = {};  ///< where it is not the one that its source has
 };
 
 /// Every capture and what became of it, and what the accepted images cost.
@@ -44,6 +46,8 @@ class CaptureAccount {
     std::uint64_t response = 0, vignette = 0, nothing = 0;
   };
 
+  /// The captures come in other poses than their source has, which are to be known.
+  void note_poses() { poses_noted_ = true; }
   void receive() { ++counts_.received; }
   /// A capture that was received, or one that is ingested again.
   void note(const Capture& capture, const IngestReport& report);
@@ -73,6 +77,7 @@ class CaptureAccount {
   std::map<std::string, RunningStatistics> stages_;
   RunningStatistics updates_;
   PatchCounts patches_;
+  bool poses_noted_ = false;
 };
 
 }  // namespace sheen

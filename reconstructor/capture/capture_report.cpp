@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "common/base/errors.h"
+#include "common/base/format.h"
 #include "common/base/json_number.h"
 #include "reconstructor/effort/resident_memory.h"
 #include "reconstructor/evaluation/evaluation_report.h"
@@ -69,6 +70,11 @@ json tracker_report(const LinkState& tracker) {
           {"judged", link.tracker.judged},
           {"refused", link.tracker.refused},
           {"failure", link.source_failure.empty() ? json() : json(link.source_failure)}};
+}
+
+/// A small file may happen to fit the held-out views better than what it was made of: that is no loss.
+std::string lost_in_words(double loss_db) {
+  return loss_db < 0.005 ? "nothing lost" : format("%.2f dB lost", loss_db);
 }
 
 }  // namespace
@@ -172,8 +178,8 @@ void print_summary(const json& report) {
     print_scores(held_out["psnr_db"].get<double>(), held_out["ssim"].get<double>(),
                  held_out["constant_psnr_db"].get<double>());
   if (const auto file = report.find("file"); file != report.end())
-    std::printf("%s: %.3f MB, %.2f dB lost%s\n", file->at("path").get<std::string>().c_str(),
-                1e-6 * file->at("bytes").get<double>(), file->at("loss_db").get<double>(),
+    std::printf("%s: %.3f MB, %s%s\n", file->at("path").get<std::string>().c_str(),
+                1e-6 * file->at("bytes").get<double>(), lost_in_words(file->at("loss_db").get<double>()).c_str(),
                 file->at("as_asked").get<bool>() ? "" : "; no file loses less");
 }
 

@@ -198,7 +198,7 @@ void Reconstruction::note_accepted(const Capture& capture, const IngestReport& r
 
 void Reconstruction::hold_out(const Capture& capture, const IngestReport& report) {
   if (!held_out_.takes_next()) return;
-  held_out_.add(make_held_out_view(capture, report.exposure_gain, *painter_));
+  held_out_.add(make_held_out_view(capture, report.exposure_gain, object_ ? *object_ : *painter_));
   held_out_bytes_ = held_out_.bytes();
 }
 

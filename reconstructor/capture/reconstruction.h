@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/capture/capture.h"
@@ -35,6 +36,11 @@ class Reconstruction {
                    MeasuredLevels measured = {});
   /// Before the first capture: no more than so many will come, which bounds what the model can come to hold.
   void expect_at_most(std::size_t captures) { most_captures_ = captures; }
+  /// Before the first capture: the held-out views are judged on the pixels that this painter's mesh covers, not the one
+  /// that is modelled, so that figures before and after refining compare.
+  void judge_on_pixels_of(std::shared_ptr<const RayPainter> object) { object_ = std::move(object); }
+  /// Before the first capture: their poses are not those of their source, and the saved model is to know them.
+  void note_poses() { account_.note_poses(); }
   /// Before the first capture: the model is no finer than at this effort level.
   void begin_at(int level);
   const Limits& limits() const { return effort_.limits(); }
@@ -106,6 +112,7 @@ class Reconstruction {
   std::shared_ptr<const Mesh> mesh_;
   std::unique_ptr<ModelSettings> asked_;
   std::shared_ptr<const RayPainter> painter_;
+  std::shared_ptr<const RayPainter> object_;  ///< of the mesh whose pixels count; null: of the one that is modelled
   std::unique_ptr<AppearanceModel> model_;
   HeldOutSet held_out_;
   CaptureAccount account_;

@@ -3,6 +3,7 @@
 
 #include <malloc.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -20,8 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kSceneKey = "scene";        // the settings as a scene file
-constexpr const char* kCapturesKey = "captures";  // a JSON list: source_session, sequence, part, exposure_gain
+constexpr const char* kSceneKey = "scene";              // the settings as a scene file
+constexpr const char* kCapturesKey = "captures";        // a JSON list: source_session, sequence, part, exposure_gain
+constexpr const char* kPoseKey = "camera_from_object";  // of these, where it is not the source's
 constexpr const char* kCalibrationKey = "error_calibration";  // JSON: views, offset_db, half_width_db
 constexpr const char* kHeldOutPsnrKey = "held_out_psnr_db";
 const std::set<std::string> kModelFiles{kModelJsonFile, "mesh.ply", "maps.exr", "field.rif", "views.ilg"};
@@ -62,6 +64,21 @@ ModelMetadata metadata_in(const json& description, const fs::path& file) {
   return notes;
 }
 
+/// Quaternion (w, x, y, z), then translation.
+std::array<double, 7> numbers_of(const Rigid3& pose) {
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& t = pose.translation;
+  return {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()};
+}
+
+Rigid3 pose_of(const std::array<double, 7>& numbers, const fs::path& file) {
+  const Eigen::Quaterniond rotation(numbers[0], numbers[1], numbers[2], numbers[3]);
+  const Eigen::Vector3d translation(numbers[4], numbers[5], numbers[6]);
+  if (!translation.allFinite() || !(std::abs(rotation.norm() - 1) < 1e-3))
+    throw FileError(file.string(), std::string("metadata.captures: ") + kPoseKey + " is no pose");
+  return {rotation.normalized(), translation};
+}
+
 /// What is noted of how a model came to be.
 ModelMetadata metadata_of(const Reconstruction& reconstruction, const std::string& source) {
   json captures = json::array();
@@ -71,6 +88,7 @@ ModelMetadata metadata_of(const Reconstruction& reconstruction, const std::strin
                         {"sequence", c.sequence},
                         {"part", c.status == IngestStatus::kHeldOut ? kHeldOut : (c.repeated ? kRepeated : kFolded)},
                         {"exposure_gain", c.exposure_gain}});
+    if (c.camera_from_object) captures.back()[kPoseKey] = numbers_of(*c.camera_from_object);
   }
   return {{"source", source},
           {"images", std::to_string(reconstruction.account().counts().accepted)},
@@ -231,6 +249,8 @@ ModelOrigin origin_of(const SavedModel& model, const fs::path& path) {
                          .exposure_gain = entry.at("exposure_gain")};
       if (!(known.exposure_gain > 0))
         throw FileError(file.string(), "metadata.captures: exposure_gain must be positive");
+      if (const auto pose = entry.find(kPoseKey); pose != entry.end())
+        known.camera_from_object = pose_of(pose->get<std::array<double, 7>>(), file);
       origin.captures.insert_or_assign({known.source_session, known.sequence}, std::move(known));
     }
   } catch (const json::exception& error) {

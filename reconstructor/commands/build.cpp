@@ -13,50 +13,46 @@
 #include "reconstructor/capture/capture_report.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/saved_model.h"
-#include "reconstructor/capture/training_images.h"
+#include "reconstructor/commands/build_verdict.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/favour_option.h"
 #include "reconstructor/commands/light_report.h"
 #include "reconstructor/commands/limit_options.h"
-#include "reconstructor/commands/mesh_refining.h"
+#include "reconstructor/commands/mesh_choice.h"
 #include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/scene/model_choice.h"
-#include "reconstructor/scene/placement_watch.h"
 #include "reconstructor/scene/scene_mesh.h"
 
 namespace sheen {
 namespace {
 
 struct BuildArguments {
-  std::string dataset, mesh, out, config, model, json;
+  std::string dataset, mesh, out, config, model, json, refine;
   std::optional<int> hold_out;
-  bool refine = false;
+  bool no_refine = false;
   FavourArgument favour;
   LimitArguments limits;
   SizeArguments size;
 };
 
 /// The data set's model with these settings.
-std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, const Mesh& mesh,
-                                           const CaptureSet& captures, const ModelSettings& settings,
-                                           const Limits& limits, const MeasuredLevels& measured, int effort_level,
-                                           bool first) {
-  auto reconstruction = std::make_unique<Reconstruction>(mesh, settings);
+std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, const ChosenMesh& chosen,
+                                           const ModelSettings& settings, const Limits& limits,
+                                           const MeasuredLevels& measured, int effort_level, bool first) {
+  const CaptureSet& captures = chosen.captures;
+  auto reconstruction = std::make_unique<Reconstruction>(chosen.mesh, settings);
+  if (chosen.given) reconstruction->judge_on_pixels_of(std::make_shared<const RayPainter>(*chosen.given));
+  if (chosen.poses_refined) reconstruction->note_poses();
   reconstruction->keep_within(limits, {}, 0, measured);
   reconstruction->expect_at_most(captures.size);
   if (effort_level > 0) reconstruction->begin_at(effort_level);
   {
     Progress progress("building", captures.size);
-    PlacementWatch placement(mesh, [&](const std::string& warning) {
-      const ProgressPause pause;
-      std::fprintf(stderr, "%s: %s\n", arguments.mesh.c_str(), warning.c_str());
-    });
     for (std::size_t i = 0; i < captures.size; ++i) {
       if (stop_requested()) throw Error("stopped after " + std::to_string(i) + " images; no model was written");
       const Capture capture = captures.read(i);
-      if (first && !arguments.mesh.empty()) placement.look(capture);
       const IngestReport report = reconstruction->ingest(capture);
       if (first && report.status == IngestStatus::kRefused) {
         const ProgressPause pause;
@@ -86,13 +82,12 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
 
 /// Builds from the cheapest setting up until one reaches the PSNR asked for, or time or memory allow no dearer one;
 /// then the best of those built.
-std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments, const Mesh& mesh,
-                                                const CaptureSet& captures, const ModelSettings& settings,
-                                                const Limits& limits) {
+std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments, const ChosenMesh& chosen,
+                                                const ModelSettings& settings, const Limits& limits) {
   std::unique_ptr<Reconstruction> best;
   double best_db = 0;
   for (int level = settings.effort_levels() - 1; level >= 0; --level) {
-    auto built = build_once(arguments, mesh, captures, settings, limits, {}, level, !best);
+    auto built = build_once(arguments, chosen, settings, limits, {}, level, !best);
     if (built->held_out().empty())
       throw ConfigError("--target needs held-out views to judge by: name test views or give --hold-out N");
     const double db = built->judge().model.psnr_db;
@@ -111,10 +106,17 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
   return best;
 }
 
+/// What may be the cause of a model that failed, a sentence after a sentence.
+std::string cause(const ChosenMesh& chosen) {
+  if (!chosen.doubt.empty()) return ". The mesh: " + chosen.doubt;
+  return ". Check that mesh and images are of one object, in the same frame and units";
+}
+
 void build(BuildArguments arguments) {
   install_stop_signals();
   const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
   ReportFile json(arguments.json);
+  Refining refining = refining_of(arguments.refine, arguments.no_refine);
   const SceneRequest request(arguments.config, arguments.model);
   std::optional<CaptureSet> opened;
   std::string why;
@@ -141,37 +143,47 @@ void build(BuildArguments arguments) {
   else
     check_model_path(arguments.out, size.has_value());
   CaptureSet captures = opened ? *std::move(opened) : open_capture_set(arguments.dataset);
-  if (arguments.refine && surface_needs_camera(settings, arguments.mesh))
+  if (!arguments.refine.empty() && surface_needs_camera(settings, arguments.mesh))
     throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
   Mesh mesh = surface_for(settings, arguments.mesh, captures.cameras);
   captures = in_frame_at(mesh.origin, std::move(captures));
-  nlohmann::json refinement;
-  if (arguments.refine) {
-    const RefinementImages images = training_images(captures, settings.hold_out_every);
-    const JudgedMesh judged = refine_and_print(mesh, images, refinement);
-    report_findings(mesh, arguments.mesh, judged, images, refinement);
-    mesh = kept_mesh(mesh, judged).mesh;
-  }
+  // Where the light moves images differ for that reason alone.
+  if (refining == Refining::kWhereItGains && settings.makes_mesh()) refining = Refining::kNever;
+  nlohmann::json fit = nlohmann::json::object();
+  const ChosenMesh chosen =
+      arguments.mesh.empty()
+          ? ChosenMesh{.mesh = std::move(mesh), .given = {}, .captures = std::move(captures), .doubt = {}}
+          : choose_mesh(std::move(mesh), arguments.mesh, arguments.dataset, std::move(captures),
+                        settings.hold_out_every, refining, fit);
   const std::unique_ptr<Reconstruction> built =
-      limits.psnr_db ? build_to_target(arguments, mesh, captures, settings, limits)
-                     : build_once(arguments, mesh, captures, settings, limits, scene.measured, 0, true);
+      limits.psnr_db ? build_to_target(arguments, chosen, settings, limits)
+                     : build_once(arguments, chosen, settings, limits, scene.measured, 0, true);
   Reconstruction& reconstruction = *built;
   const Reconstruction::Judgement judged = reconstruction.judge();
   nlohmann::json lights;
   if (tolerance) lights = light_report(*reconstruction.snapshot(), *tolerance);
+  const std::string failed = worthless(judged);
+  const bool saved = !arguments.out.empty() && failed.empty();
   std::optional<SmallFile> small;
-  if (!arguments.out.empty())
+  if (saved)
     small = save_reconstruction(reconstruction, reconstruction.give_snapshot(), arguments.out, arguments.dataset, size,
                                 progress_bar("saving"));
-  if (!arguments.out.empty() && !small) note_judgement(judged.model, arguments.out);
+  if (saved && !small) note_judgement(judged.model, arguments.out);
   nlohmann::json report = reconstruction_report(reconstruction, judged);
   if (captures.files) report["files"] = files_report(*captures.files);
   if (request.automatic()) report["model_choice"] = {{"model", scene.kind->name()}, {"why", why}};
   if (small) report["file"] = file_report(arguments.out, *small);
-  if (arguments.refine) report["refinement"] = std::move(refinement);
+  report.update(fit);
+  report["held_out"]["object_pixels"] = chosen.given ? "of the mesh that was given" : "of the mesh";
   print_summary(report);
   if (tolerance) report["lights"] = std::move(lights);
+  const std::string doubtful = mostly_unused(reconstruction.account().counts());
+  if (!failed.empty() || !doubtful.empty()) report["failed"] = failed.empty() ? doubtful : failed;
   json.write(to_text(report));
+  if (!failed.empty()) throw Error(arguments.dataset + ": " + failed + "; no model was written" + cause(chosen));
+  if (!doubtful.empty())
+    throw Error(arguments.dataset + ": " + doubtful +
+                (saved ? "; the model of the others was written to " + arguments.out : "") + cause(chosen));
 }
 
 }  // namespace
@@ -185,7 +197,12 @@ void add_build_command(Command& program) {
       .required();
   command.option("--mesh", arguments->mesh,
                  "PLY, OBJ or OFF in the dataset's frame; a model that makes its own surface needs none");
-  command.flag("--refine", arguments->refine, "first correct the mesh against the images, as `refine` does");
+  const Option no_refine = command.flag("--no-refine", arguments->no_refine, "build on the mesh as it is given");
+  command
+      .option("--refine[=mesh]", arguments->refine,
+              "first correct the mesh, or with `poses` the poses too, against the images, as `refine` does; without it "
+              "the mesh of a data set is corrected where images and mesh disagree and it gains")
+      .excludes({no_refine});
   command.option("--out", arguments->out, "model to write: one small file, or a folder with --loss 0dB");
   command
       .option("--hold-out", arguments->hold_out,

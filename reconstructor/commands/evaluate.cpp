@@ -33,9 +33,10 @@ std::vector<HeldOutView> read_images(const EvaluateArguments& arguments, const C
   std::size_t known_captures = 0;
   Progress progress("evaluating", captures.size);
   for (std::size_t i = 0; i < captures.size; ++i) {
-    const Capture capture = captures.read(i);
+    Capture capture = captures.read(i);
     if (const KnownCapture* known = origin.find(capture)) {
       ++known_captures;
+      if (known->camera_from_object) capture.pose.camera_from_object = *known->camera_from_object;
       if (known->status == IngestStatus::kHeldOut) {
         views.push_back(make_held_out_view(capture, known->exposure_gain, painter));
         if (!arguments.truth.empty()) take_truth_from(arguments.truth, views.back());

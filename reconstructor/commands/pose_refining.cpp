@@ -14,9 +14,12 @@
 #include "common/base/stop_signal.h"
 #include "common/datasets/dataset.h"
 #include "common/session/session.h"
+#include "reconstructor/commands/mesh_refining.h"
 
 namespace sheen {
 namespace {
+
+constexpr int kMostRounds = 4;  // of mesh and poses in turn
 
 JudgedPoses refine_with_bar(const Mesh& mesh, const PosedImages& posed) {
   std::optional<Progress> bar;
@@ -66,19 +69,36 @@ void print_summary(const nlohmann::json& report) {
 
 }  // namespace
 
-void check_poses_can_be_written(const std::filesystem::path& dataset, const std::filesystem::path& out) {
+void check_poses_can_be_refined(const std::filesystem::path& dataset) {
   if (Session::exists(dataset))
     throw FileError(dataset.string(),
-                    "is a session, whose poses come from the stage; --poses needs photographs with poses "
-                    "(transforms.json or COLMAP). `sheen-tracker stage survey` mends the stage");
-  check_writable(out);
+                    "is a session, whose poses come from the stage; only those of photographs (transforms.json or "
+                    "COLMAP) are refined. `sheen-tracker stage survey` mends the stage");
+}
+
+JudgedPoses judge_poses(const Mesh& mesh, const PosedImages& posed, nlohmann::json& report) {
+  JudgedPoses judged = refine_with_bar(mesh, posed);
+  report = pose_report(judged);
+  return judged;
 }
 
 JudgedPoses refine_poses_and_print(const Mesh& mesh, const PosedImages& posed, nlohmann::json& report) {
-  JudgedPoses judged = refine_with_bar(mesh, posed);
-  report = pose_report(judged);
+  JudgedPoses judged = judge_poses(mesh, posed, report);
   print_summary(report);
   return judged;
+}
+
+JudgedMesh refine_in_turn(const Mesh& mesh, PosedImages& posed, nlohmann::json& report) {
+  auto rounds = nlohmann::json::array();
+  for (int round = 0;; ++round) {
+    JudgedMesh judged = refine_and_print(mesh, posed.images.some(posed.training), report);
+    if (round == kMostRounds) return judged;
+    const JudgedPoses poses = refine_poses_and_print(kept_mesh(mesh, judged).mesh, posed, rounds.emplace_back());
+    report["poses"] = rounds;
+    if (poses.kept_given()) return judged;
+    for (std::size_t i = 0; i < poses.refined.size(); ++i)
+      posed.images.cameras[i].camera_from_object = poses.refined[i].camera_from_object;
+  }
 }
 
 void write_poses(const std::filesystem::path& dataset, const std::vector<PosedCamera>& poses,

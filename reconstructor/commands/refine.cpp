@@ -21,27 +21,10 @@
 namespace sheen {
 namespace {
 
-constexpr int kMostRounds = 4;  // of mesh and poses in turn
-
 struct RefineArguments {
   std::string dataset, mesh, out, poses, config, json;
   std::optional<int> hold_out;
 };
-
-/// Poses on a wrong mesh fit its errors, and a mesh takes in those of poses: in turn, the mesh from what was given each
-/// time, until no poses gain. Returns what the last mesh rests on.
-JudgedMesh refine_in_turn(const Mesh& mesh, PosedImages& posed, nlohmann::json& report) {
-  auto rounds = nlohmann::json::array();
-  for (int round = 0;; ++round) {
-    JudgedMesh judged = refine_and_print(mesh, posed.images.some(posed.training), report);
-    if (round == kMostRounds) return judged;
-    const JudgedPoses poses = refine_poses_and_print(kept_mesh(mesh, judged).mesh, posed, rounds.emplace_back());
-    report["poses"] = rounds;
-    if (poses.kept_given()) return judged;
-    for (std::size_t i = 0; i < poses.refined.size(); ++i)
-      posed.images.cameras[i].camera_from_object = poses.refined[i].camera_from_object;
-  }
-}
 
 void refine(const RefineArguments& arguments) {
   install_stop_signals();
@@ -52,7 +35,10 @@ void refine(const RefineArguments& arguments) {
   if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
   check_writable(arguments.out);
   const bool with_poses = !arguments.poses.empty();
-  if (with_poses) check_poses_can_be_written(arguments.dataset, arguments.poses);
+  if (with_poses) {
+    check_poses_can_be_refined(arguments.dataset);
+    check_writable(arguments.poses);
+  }
   const CaptureSet captures = open_capture_set(arguments.dataset);
   const Mesh mesh = load_mesh_and_warn(arguments.mesh, settings, captures.cameras);
   PosedImages posed = posed_images(in_frame_at(mesh.origin, captures), settings.hold_out_every);

@@ -21,6 +21,8 @@ json means_to_json(const Scores& s) {
           {"psnr_gain_aligned_db", json_number(s.psnr_gain_aligned_db)}};
 }
 
+constexpr double kPredictionsFail_db = 10;  // off by more, they predict nothing
+
 std::string shown(double value) {
   return std::isfinite(value) ? format("%.2f", value) : "-";
 }
@@ -132,10 +134,14 @@ void print_predictions(const Scores& scores, const ErrorRanking& ranking, const 
     }
     std::printf(
         "predicted PSNR inside the object's edge: %.2f dB, calibrated (each view by the others) %.2f dB, measured %.2f "
-        "dB; %.0f %% of the %zu views lie in their %.0f %% intervals\n"
-        "calibration by all: %+.2f dB, %.0f %% of such views within %.2f dB of that\n",
-        check.predicted_db, check.calibrated_db, check.measured_db, 100 * check.coverage, check.views.size(), kPercent,
-        all.offset_db, kPercent, all.half_width_db);
+        "dB; %.0f %% of the %zu views lie in their %.0f %% intervals\n",
+        check.predicted_db, check.calibrated_db, check.measured_db, 100 * check.coverage, check.views.size(), kPercent);
+    if (std::abs(all.offset_db) > kPredictionsFail_db)
+      std::printf("predictions are of no use here: they are off by %.0f dB\n", std::abs(all.offset_db));
+    else
+      std::printf(
+          "by all views, what is measured is %.2f dB %s than predicted, %.0f %% of them within %.2f dB of that\n",
+          std::abs(all.offset_db), all.offset_db < 0 ? "less" : "more", kPercent, all.half_width_db);
   } else {
     std::printf(
         "predicted PSNR inside the object's edge: %s dB, not calibrated (needs %zu held-out views, there are %zu); "

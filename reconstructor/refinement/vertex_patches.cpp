@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "common/geometry/ray_scene.h"
 
@@ -19,6 +20,12 @@ std::vector<Eigen::Vector3f> smooth_normals(const Mesh& mesh, const MeshEdges& e
   std::vector<Eigen::Vector3f> normals = smoothed(vertex_normals(mesh), edges, kNormalSmoothing);
   for (Eigen::Vector3f& n : normals) n = n.norm() > 1e-6f ? n.normalized() : Eigen::Vector3f::UnitZ();
   return normals;
+}
+
+std::vector<std::uint32_t> all_of(const Mesh& mesh) {
+  std::vector<std::uint32_t> vertices(mesh.vertices.size());
+  std::iota(vertices.begin(), vertices.end(), 0);
+  return vertices;
 }
 
 }  // namespace
@@ -77,18 +84,25 @@ std::vector<float> pixel_footprints(const Mesh& mesh, std::span<const PosedCamer
 }
 
 VertexPatches::VertexPatches(const Mesh& mesh, const MeshEdges& edges, std::vector<float> spacing_, int smoothing)
-    : normals(smooth_normals(mesh, edges)), spacing(std::move(spacing_)), offsets(mesh.vertices.size() * kPatchPoints) {
+    : VertexPatches(mesh, edges, all_of(mesh), std::move(spacing_), smoothing) {}
+
+VertexPatches::VertexPatches(const Mesh& mesh, const MeshEdges& edges, std::span<const std::uint32_t> vertices,
+                             std::vector<float> spacing_, int smoothing)
+    : spacing(std::move(spacing_)), offsets(vertices.size() * kPatchPoints) {
+  const std::vector<Eigen::Vector3f> all_normals = smooth_normals(mesh, edges);
+  for (const std::uint32_t vertex : vertices) normals.push_back(all_normals[vertex]);
   Mesh support = mesh;
   support.vertices = smoothed(mesh.vertices, edges, smoothing);
   const RayScene scene(support);
-  tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t v) {
+  tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t v) {
+    const Eigen::Vector3f& middle = support.vertices[vertices[v]];
     const Eigen::Vector3f& n = normals[v];
     const Eigen::Vector3f s = n.unitOrthogonal(), t = n.cross(s);
     const float reach = 2 * spacing[v] * kPatchSide;
     // Height over the plane through the smoothed vertex; `limit` where the surface is too steep or not there.
     const auto height = [&](const Eigen::Vector3f& in_plane) {
       const float limit = kSteepest * in_plane.norm() + 1e-3f * spacing[v];
-      const Ray ray{support.vertices[v] + in_plane + reach * n, -n, 0, 2 * reach};
+      const Ray ray{middle + in_plane + reach * n, -n, 0, 2 * reach};
       const Hit hit = scene.intersect(ray);
       return hit ? std::clamp(reach - hit.distance, -limit, limit) : 0.0f;
     };

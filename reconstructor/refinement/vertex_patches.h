@@ -45,6 +45,9 @@ struct VertexPatches {
   /// `spacing`: between neighbouring points of a vertex's patch, metres, per vertex. `smoothing`: how often; each time
   /// rounds off edges that the object may have.
   VertexPatches(const Mesh& mesh, const MeshEdges& edges, std::vector<float> spacing, int smoothing);
+  /// The same of some vertices of the mesh, in this order: `spacing` and all below is of these.
+  VertexPatches(const Mesh& mesh, const MeshEdges& edges, std::span<const std::uint32_t> vertices,
+                std::vector<float> spacing, int smoothing);
 
   std::vector<Eigen::Vector3f> normals;  ///< unit; a vertex and its patch move along it
   std::vector<float> spacing;

@@ -244,7 +244,7 @@ TEST_F(ManyViews, CtrlCEndsABuildWithoutAModel) {
   build.signal(SIGINT);
   const auto end = build.wait(kStopPatience);
   ASSERT_TRUE(end) << build.output();
-  expect_outcome({*end, build.output()}, 1, {"stopped after", "no model was written"});
+  expect_outcome({*end, build.output()}, 1, {"stopped", "no model was written"});
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `refine`, `build --refine` and `serve --refine`, judged on views that neither saw.
+// `refine`, `build` that refines by itself and with `--refine`, and `serve --refine`, judged on views that neither saw.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -81,10 +81,11 @@ TEST_F(Refine, PosesOfASessionAreNotWritten) {
   EXPECT_FALSE(fs::exists(out_));
 }
 
-/// Photographs of the square on disk, whose poses are turned by up to some pixels at its border.
-class RefinePoses : public Refine {
+/// The same photographs on disk, as a data set. `poses_off`: each is turned by up to some pixels at the square's
+/// border.
+class RefineDataset : public Refine {
  protected:
-  RefinePoses() {
+  explicit RefineDataset(bool poses_off = false) {
     fs::create_directories(temp_.path() / "set" / "images");
     const Session session = Session::open_read_only(session_);
     std::vector<DatasetView> views;
@@ -92,7 +93,7 @@ class RefinePoses : public Refine {
       const Capture capture = session.read(i);
       const std::string name = "images/" + std::to_string(i) + ".png";
       write_png(temp_.path() / "set" / name, to_srgb8(to_linear_rgb(capture.image)));
-      const double angle = 0.015 * std::sin(1 + 7.0 * static_cast<double>(i));
+      const double angle = poses_off * 0.015 * std::sin(1 + 7.0 * static_cast<double>(i));
       const Rigid3 turn{Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())),
                         Eigen::Vector3d::Zero()};
       right_poses_.push_back(capture.pose.camera_from_object);
@@ -106,6 +107,15 @@ class RefinePoses : public Refine {
     write_transforms(set_ / "transforms.json", views);
   }
 
+  /// The report of a build, which must end with `status` and say all of `words`.
+  Json built(const fs::path& mesh, const Words& more, int status, const Words& words) const {
+    expect_outcome(
+        run_to_end(reconstructor({"build", set_, "--mesh", mesh, "--out", model_, "--loss", "0dB", "--json", report_}) +
+                   more),
+        status, words);
+    return fs::exists(report_) ? Json::parse(read_file(report_)) : Json();
+  }
+
   /// Mean angle to the right poses.
   double off(const Dataset& dataset) const {
     double sum = 0;
@@ -115,9 +125,71 @@ class RefinePoses : public Refine {
   }
 
   const fs::path set_ = temp_.path() / "set", written_ = temp_.path() / "elsewhere" / "transforms.json",
-                 report_ = temp_.path() / "report.json";
+                 report_ = temp_.path() / "report.json", model_ = temp_.path() / "of_photographs";
   std::vector<Rigid3> right_poses_;
 };
+
+TEST_F(RefineDataset, AMeshThatIsOffIsRefinedByItselfAndJudgedOnItsOwnPixels) {
+  const Json kept = built(low_, {"--no-refine"}, 0, {});
+  EXPECT_FALSE(kept.contains("refinement"));
+  const Json refined = built(low_, {}, 0, {"pixels (RMS) from where the mesh has it", "--no-refine keeps it"});
+  EXPECT_GT(refined["disagreement"]["off_px"], 2);
+  EXPECT_FALSE(refined["refinement"]["left_out"]["kept_given"]);
+  EXPECT_GT(refined["held_out"]["psnr_db"].get<double>(), kept["held_out"]["psnr_db"].get<double>() + 2);
+  const fs::path scores = temp_.path() / "scores.json";
+  expect_outcome(run_to_end(reconstructor({"evaluate", model_, set_, "--object", low_, "--json", scores})), 0, {});
+  EXPECT_NEAR(Json::parse(read_file(scores))["object"]["psnr_db"].get<double>(),
+              refined["held_out"]["psnr_db"].get<double>(), 0.01);
+}
+
+TEST_F(RefineDataset, AMeshThatIsRightStaysToTheBit) {
+  EXPECT_FALSE(built(right_, {}, 0, {}).contains("refinement"));
+  fs::rename(model_, temp_.path() / "by_itself");
+  built(right_, {"--no-refine"}, 0, {});
+  expect_same_model(temp_.path() / "by_itself", model_);
+}
+
+TEST_F(RefineDataset, ASessionIsToldOfAndNotRefinedByItself) {
+  const fs::path of_session = temp_.path() / "of_session";
+  expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", low_, "--out", of_session, "--loss", "0dB"})),
+                 0, {"--refine corrects it", "a session"});
+  EXPECT_EQ(load_mesh(of_session / "mesh.ply").mesh.vertices, load_mesh(low_).mesh.vertices);
+}
+
+TEST_F(RefineDataset, PosesOfOtherImagesFailAndAnOlderModelStays) {
+  built(right_, {}, 0, {});
+  const auto before = fs::last_write_time(model_ / "model.json");
+  std::vector<DatasetView> views = load_dataset(set_).views;
+  for (std::size_t i = 0; i < views.size(); ++i) views[i].camera_from_object = right_poses_[(7 * i + 3) % views.size()];
+  write_transforms(set_ / "transforms.json", views);
+  const Json report = built(right_, {}, 1, {"worse", "than one colour", "no model was written"});
+  EXPECT_TRUE(report.contains("failed"));
+  EXPECT_LT(report["held_out"]["psnr_db"], report["held_out"]["constant_psnr_db"]);
+  EXPECT_EQ(fs::last_write_time(model_ / "model.json"), before);
+}
+
+TEST_F(RefineDataset, NeitherOfTwoContradictingOptions) {
+  built(right_, {"--refine", "--no-refine"}, 2, {"--no-refine"});
+  built(right_, {"--refine", "everything"}, 2, {"--refine: must be mesh or poses"});
+}
+
+class RefinePoses : public RefineDataset {
+ protected:
+  RefinePoses() : RefineDataset(true) {}
+};
+
+TEST_F(RefinePoses, BuildRefinesThemTooAndOtherwiseSaysWhatTheyWouldGain) {
+  const Json kept = built(low_, {}, 0, {"the poses are off as well", "--refine poses"});
+  const Json refined = built(low_, {"--refine", "poses"}, 0, {"poses of 40 of 40 images determined"});
+  EXPECT_GT(refined["held_out"]["psnr_db"].get<double>(), kept["held_out"]["psnr_db"].get<double>() + 1);
+  const fs::path scores = temp_.path() / "scores.json";
+  expect_outcome(run_to_end(reconstructor({"evaluate", model_, set_, "--object", low_, "--json", scores})), 0, {});
+  EXPECT_NEAR(Json::parse(read_file(scores))["object"]["psnr_db"].get<double>(),
+              refined["held_out"]["psnr_db"].get<double>(), 0.01)
+      << "the model notes the poses";
+  expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", low_, "--refine", "poses"})), 1,
+                 {"is a session", "stage survey"});
+}
 
 TEST_F(RefinePoses, PosesThatAreOffComeBackAndTheFileNamesTheSameImages) {
   fs::create_directories(written_.parent_path());

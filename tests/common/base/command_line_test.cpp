@@ -60,6 +60,23 @@ TEST(CommandLine, AFileBeyondTheLimitIsAnErrorThatIsTold) {
   EXPECT_EXIT(write_more(), testing::ExitedWithCode(1), "beyond_the_limit: cannot be written: File too large");
 }
 
+TEST(CommandLine, AnOptionMayStandWithoutItsValue) {
+  const auto refine = [](std::vector<const char*> words) {
+    std::string value, other;
+    CommandLine program("prog", "a program");
+    program.option("--refine[=mesh]", value, "");
+    program.option("--out", other, "");
+    program.callback([] {});
+    words.insert(words.begin(), "prog");
+    EXPECT_EQ(program.run(static_cast<int>(words.size()), words.data()), 0);
+    return value;
+  };
+  EXPECT_EQ(refine({}), "");
+  EXPECT_EQ(refine({"--refine"}), "mesh");
+  EXPECT_EQ(refine({"--refine", "--out", "x"}), "mesh");
+  EXPECT_EQ(refine({"--refine", "poses"}), "poses");
+}
+
 TEST(CommandLine, ASubcommandWorksInPlaceOfItsCommand) {
   const auto done = [](std::vector<const char*> words) {
     std::string work;
