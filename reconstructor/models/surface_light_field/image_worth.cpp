@@ -11,7 +11,7 @@ namespace sheen {
 namespace {
 
 constexpr std::size_t kVerticesLookedAt = 200;
-constexpr float kMinFacing = 0.2f;  // cosine: as the visibility test asks
+constexpr float kMinFacing = 0.2f;  // cosine: more than the visibility test asks, which oblique images just pass
 constexpr double kLevel = 0.5;      // variance of a vertex's level, in units of how much it varies with the view
 constexpr float kReach = 0.8f;      // rad: over which two images of a vertex tell of each other
 constexpr double kNoise = 0.05;
