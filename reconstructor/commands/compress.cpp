@@ -72,7 +72,7 @@ void add_compress_command(Command& program) {
   command.option("--mesh", arguments->mesh,
                  "PLY, OBJ or OFF in the frame of a session or data set, whose photographs are to be made small");
   command.option("--out", arguments->out, "file to write; with --mesh, a new folder").required();
-  arguments->size.add_to(command);
+  arguments->size.add_to(command, ", more than 0dB");
   command.option("--json", arguments->json, "report to write; - for standard output");
   command.callback([arguments] { compress(*arguments); });
 }

@@ -7,10 +7,10 @@
 
 namespace sheen {
 
-void SizeArguments::add_to(Command& command) {
+void SizeArguments::add_to(Command& command, const std::string& without_loss) {
   const Option by_bytes = command.option(
       "--bytes", bytes, "size that the file may have, such as 2MB (kB, MB, GB, KiB, MiB, GiB) or 2000000");
-  command.option("--loss", loss, "PSNR that the pictures may lose (default: 0.1dB); 0dB saves a folder of floats")
+  command.option("--loss", loss, "PSNR that the pictures may lose (default: 0.1dB)" + without_loss)
       .excludes({by_bytes});
 }
 

@@ -14,7 +14,8 @@ class Command;
 struct SizeArguments {
   std::string bytes, loss;
 
-  void add_to(Command& command);
+  /// `without_loss`: what --loss 0dB does.
+  void add_to(Command& command, const std::string& without_loss = "; 0dB saves a folder of floats");
   /// Nothing where nothing may be lost (--loss 0dB) or the kind has no smaller form: the model is saved as it is.
   /// Throws ConfigError naming the option.
   std::optional<CompressionTarget> target(const ModelKind& kind) const;

@@ -363,7 +363,7 @@ void add_tradeoff_command(Command& program) {
                  "--budget as measured");
   command.option("--config", arguments->config, "scene file (TOML) from which the sweep starts");
   command.option("--json", arguments->json, "report to write; - for standard output");
-  command.flag("--quick", arguments->quick, "about half of the settings");
+  command.flag("--quick", arguments->quick, "three in five of the settings");
   Option parts = command.flag(
       "--parts", arguments->parts,
       "measure what each part of the model gains instead: without it, or with the paper's way in its place");

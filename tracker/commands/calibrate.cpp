@@ -118,9 +118,9 @@ void run(const CalibrateArguments& arguments) {
 }  // namespace
 
 void add_calibrate_command(Command& program) {
-  Command command = program.subcommand("calibrate", "Calibrate a camera from images of a target, or live");
+  Command command = program.subcommand("calibrate", "Calibrates a camera from images of a target, or live.");
   const auto arguments = std::make_shared<CalibrateArguments>();
-  command.option("images", arguments->images, "Images of the target, or folders of them");
+  command.option("images", arguments->images, "images of the target, or folders of them");
   arguments->source.add_to(command);
   command.option("--keep", arguments->keep, "with a --source: folder for the images that are taken");
   command.option("--frames", arguments->frames, "with a --source: end after so many frames")
@@ -131,7 +131,7 @@ void add_calibrate_command(Command& program) {
               "auto, pinhole, radial, brown, brown-k3, brown-k3-aspect or fisheye; auto compares them")
       .show_default();
   command.option("--out", arguments->out, "camera.json, which a rig's [camera] file reads");
-  command.option("--plots", arguments->plots, "Folder for plots: RMS of each image, uncertainty, halves");
+  command.option("--plots", arguments->plots, "folder for plots: RMS of each image, uncertainty, halves");
   command.option("--json", arguments->json, "report to write; - for standard output");
   add_calibrate_photometric_command(command);
   command.callback([arguments] {

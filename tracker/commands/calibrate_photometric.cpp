@@ -158,18 +158,18 @@ void run(const PhotometricArguments& arguments) {
 
 void add_calibrate_photometric_command(Command& calibrate) {
   Command command =
-      calibrate.subcommand("photometric", "Measure what the camera makes of light: response, vignette, balance");
+      calibrate.subcommand("photometric", "Measures what the camera makes of light: response, vignette, balance.");
   const auto a = std::make_shared<PhotometricArguments>();
-  command.option("--sweep", a->sweep, "Images of one scene at several exposures; nothing else may change").required();
+  command.option("--sweep", a->sweep, "images of one scene at several exposures; nothing else may change").required();
   command.option("--exposures", a->exposures, "their exposures where EXIF has none: lines of FILE SECONDS");
-  command.option("--dark", a->dark, "Images with the lens covered");
-  command.option("--flat", a->flat, "Images of a flat white target that fills the image");
+  command.option("--dark", a->dark, "images with the lens covered");
+  command.option("--flat", a->flat, "images of a flat white target that fills the image");
   const Option moves =
       command.option("--moves", a->moves,
                      "how the target and its light stand in them: lines of FILE TURN_DEGREES SHIFT_X SHIFT_Y (px)");
   command.flag("--evenly-lit", a->evenly_lit, "the flat target is known to be equally bright all over")
       .excludes({moves});
-  command.option("--grey", a->grey, "Images of a grey target, for the white balance");
+  command.option("--grey", a->grey, "images of a grey target, for the white balance");
   command.option("--patch", a->patch, "where in them the grey target is: X,Y,WIDTHxHEIGHT in pixels");
   command
       .option("--mosaic", a->format.mosaic,
@@ -177,7 +177,7 @@ void add_calibrate_photometric_command(Command& calibrate) {
       .check(one_of({"RG", "GR", "GB", "BG"}));
   command.option("--bits", a->format.bits, "of the values in 16-bit files, as 12").check(whole_number_in(9, 16));
   command.option("--out", a->out, "camera.json that `calibrate` wrote; the result is added to it");
-  command.option("--plots", a->plots, "Folder for plots: response, exposures, vignette");
+  command.option("--plots", a->plots, "folder for plots: response, exposures, vignette");
   command.option("--json", a->json, "report to write; - for standard output");
   command.callback([a] { run(*a); });
 }

@@ -78,17 +78,17 @@ void survey(const SurveyArguments& arguments) {
 }  // namespace
 
 void add_stage_survey_command(Command& stage) {
-  Command command = stage.subcommand("survey", "Find where the tags truly stand, from images of the stage");
+  Command command = stage.subcommand("survey", "Finds where the tags truly stand, from images of the stage.");
   const auto arguments = std::make_shared<SurveyArguments>();
-  command.option("images", arguments->images, "Images of the stage from all sides, or folders of them").required();
-  command.option("--stage", arguments->stage, "The layout as it was printed: stage.json").required();
-  command.option("--camera", arguments->camera, "What `calibrate` wrote, or a rig.toml").required();
+  command.option("images", arguments->images, "images of the stage from all sides, or folders of them").required();
+  command.option("--stage", arguments->stage, "the layout as it was printed: stage.json").required();
+  command.option("--camera", arguments->camera, "what `calibrate` wrote, or a rig.toml").required();
   command
       .option("--length", arguments->length,
-              "A distance between the middles of two tags, measured with a ruler: \"tag 3 to tag 7: 200mm\", or "
+              "the distance between the middles of two tags, measured with a ruler: \"tag 3 to tag 7: 200mm\", or "
               "with its standard deviation \"tag 3 to tag 7: 200mm +- 0.1mm\" (0.25 mm where none is given)")
       .required();
-  command.option("--out", arguments->out, "The layout as it stands, for the rig's [stage] file");
+  command.option("--out", arguments->out, "the layout as it stands, for the rig's [stage] file");
   command.option("--json", arguments->json, "report to write; - for standard output");
   command.callback([arguments] { survey(*arguments); });
 }
