@@ -51,6 +51,8 @@ struct Patch {
 /// where A are the patch's coefficients in the images and w_c(d) the kriging weights of the views that corner c has.
 /// A triangle is stored once, and blended between its corners.
 struct CompactModel {
+  static constexpr float kMostBrightest = 30000;  ///< the largest radiance of a half float, in grey levels
+
   std::shared_ptr<const Mesh> mesh;
   std::shared_ptr<const GridMesh> grid;  ///< the mesh in whole numbers
   std::shared_ptr<const MapLayout> maps;

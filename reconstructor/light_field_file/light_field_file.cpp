@@ -25,7 +25,6 @@ using Json = nlohmann::json;
 // No more memory than the size of a file makes likely.
 constexpr std::size_t kMostSamples = std::size_t{1} << 28, kSamplesPerByte = 4000;
 constexpr std::size_t kMostPatchTriangles = 256;
-constexpr float kMostBrightest = 30000;  ///< the largest radiance of a half float, encoded
 
 struct Description {
   float step = 0;
@@ -47,7 +46,7 @@ Description read_description(std::string_view bytes, CompactModel& model) {
       std::any_of(description.layer_squares.begin(), description.layer_squares.end(), [](double s) { return s < 0; }))
     throw std::runtime_error("does not say what each layer adds");
   model.brightest = json.at("brightest");
-  if (!(model.brightest >= 0 && model.brightest <= kMostBrightest))
+  if (!(model.brightest >= 0 && model.brightest <= CompactModel::kMostBrightest))
     throw std::runtime_error("holds a brightest colour that cannot be");
   const Json& kernels = json.at("kernels");
   if (!kernels.is_array() || kernels.size() > 255) throw std::runtime_error("holds no list of kernels");

@@ -129,7 +129,9 @@ class PatchFit {
     model_.patches.resize(model_.shapes.patches.size());
     brightest_.resize(model_.patches.size(), 0);
     tbb::parallel_for(std::size_t{0}, model_.patches.size(), [&](std::size_t i) { fit_patch(i); });
-    for (const float colour : brightest_) model_.brightest = std::max(model_.brightest, colour);
+    // What an image that shows little of a patch would have shown of the rest is a guess without a bound.
+    for (const float colour : brightest_)
+      model_.brightest = std::max(model_.brightest, std::min(colour, CompactModel::kMostBrightest));
     return std::move(model_);
   }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -15,6 +16,7 @@
 #include "reconstructor/light_field_file/light_field_file.h"
 #include "reconstructor/models/surface_light_field/files/compact_file.h"
 #include "reconstructor/models/surface_light_field/kind.h"
+#include "reconstructor/models/surface_light_field/snapshot.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
@@ -215,6 +217,21 @@ TEST_F(CompactLightFieldTest, NothingIsDrawnBrighterThanWhatImagesShowed) {
   for (std::uint32_t t = 0; t < damaged->mesh().triangles.size(); ++t)
     brightest = std::max(brightest, srgb_encode(shader->shade(t, 0.3f, 0.3f).rgb.maxCoeff()));
   EXPECT_NEAR(brightest, most, 1e-3f);
+}
+
+// Where images and mesh hardly agree, what an image would have shown of the rest of a patch is guessed without a bound.
+TEST_F(CompactLightFieldTest, IsReadWhateverWasGuessed) {
+  const auto& exact = dynamic_cast<const SurfaceLightFieldSnapshot&>(*exact_);
+  SurfaceLightFieldSnapshot::Patches patches = exact.patches();
+  const auto seen = std::find_if(patches.begin(), patches.end(), [](const auto& patch) { return patch->seen(); });
+  ASSERT_NE(seen, patches.end());
+  const auto bright = std::make_shared<PatchSnapshot>(**seen);
+  for (VertexInterpolant& vertex : bright->vertices) vertex.mean *= 1e4f;
+  *seen = bright;
+  const auto file = temp_.path() / "model";
+  exact.with_patches({patches.begin(), patches.end()})->compressed({.loss_db = 0.5}).snapshot->save(file, {}, {});
+  const CompactModel model = decode_light_field(read_file(file), "model", one_after_the_other);
+  EXPECT_EQ(model.brightest, CompactModel::kMostBrightest);
 }
 
 TEST_F(CompactLightFieldTest, OpensInStagesOnOneMeshUpToTheWholeModel) {
