@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/base/errors.h"
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_file.h"
-#include "reconstructor/models/intrinsic_lumigraph/view_blend.h"
+#include "reconstructor/models/intrinsic_lumigraph/surface_blend.h"
 
 namespace sheen {
 namespace {
@@ -15,97 +16,96 @@ using Eigen::Vector3f;
 
 constexpr float kGuess = 0.14f;  // RMS of encoded values of what is not known
 
+SurfaceQuality quality_of(const LumigraphData& data) {
+  return {true, static_cast<float>(data.error), 1, 1};
+}
+
 Vector3f point_of(const Mesh& mesh, std::uint32_t triangle, float u, float v) {
   return (1 - u - v) * mesh.corner(triangle, 0) + u * mesh.corner(triangle, 1) + v * mesh.corner(triangle, 2);
 }
 
-class BlendShader : public ViewShader {
+/// On a mesh. Where there is a lamp its visibility is found by rays, over the footprint of a pixel of the view nearest
+/// to the eye; else the colours are what they are.
+class MeshShader : public ViewShader {
  public:
-  BlendShader(const IntrinsicLumigraphSnapshot& model, ViewBlend blend, const Eigen::Vector3d& eye)
-      : model_(model), data_(model.data()), blend_(std::move(blend)), eye_(eye.cast<float>()) {}
-
-  SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
-    if (blend_.empty()) return {};
-    const Vector3f point = point_of(model_.mesh(), triangle, u, v);
-    if (!data_->of_images) return sample(point, model_.mesh().area_normal(triangle));
-    const auto seen = blend_.along(eye_, point);
-    return seen ? sample(*seen, Vector3f::Zero()) : SurfaceSample{};
+  MeshShader(const IntrinsicLumigraphSnapshot& model, SurfaceBlend blend, const Eigen::Vector3d& eye,
+             std::optional<Lamp> lamp)
+      : model_(model), blend_(std::move(blend)), eye_(eye.cast<float>()), lamp_(std::move(lamp)) {
+    const auto& views = model.data()->views;
+    const PosedCamera& near = views[views_near(views, eye).front().view]->from;
+    object_from_camera_ = near.camera_from_object.rotation.conjugate().toRotationMatrix().cast<float>();
+    pixel_ = {static_cast<float>(1 / near.camera.fx), static_cast<float>(1 / near.camera.fy)};
   }
-  /// Images may show the inside of an open object, too.
+
+  SurfaceSample shade(std::uint32_t triangle, float u, float v) const override { return sample(triangle, u, v, true); }
   SurfaceSample shade_back(std::uint32_t triangle, float u, float v) const override {
-    if (blend_.empty() || data_->of_images) return inside_sample();
-    const SurfaceSample inside = sample(point_of(model_.mesh(), triangle, u, v), -model_.mesh().area_normal(triangle));
-    return inside.state == SampleState::kUnseen ? inside_sample() : inside;
+    return sample(triangle, u, v, false);
   }
-  SurfaceQuality quality(std::uint32_t) const override {
-    return blend_.empty() ? SurfaceQuality{} : SurfaceQuality{true, static_cast<float>(data_->error), 1, 1};
-  }
+  SurfaceQuality quality(std::uint32_t) const override { return quality_of(*model_.data()); }
 
- protected:
-  SurfaceSample sample(const Vector3f& point, const Vector3f& facing) const {
-    const ViewBlend::Colours colours = blend_.at(point, facing);
-    const float part = part_reached(point);
-    return {colours.dark + part * (colours.lit - colours.dark),
-            colours.seen ? SampleState::kMeasured : SampleState::kUnseen};
+ private:
+  SurfaceSample sample(std::uint32_t triangle, float u, float v, bool front) const {
+    const SurfaceBlend::Sample colours = blend_.at(triangle, u, v, front);
+    const float part = lamp_ ? part_reached(point_of(model_.mesh(), triangle, u, v)) : 1;
+    return {colours.dark + part * (colours.lit - colours.dark), colours.state};
   }
-  /// Of what a pixel round the point shows, how much the light reaches, 0..1.
-  virtual float part_reached(const Vector3f& point) const = 0;
+  /// Of the surface that a pixel round the point shows, how much the light reaches, 0..1.
+  float part_reached(const Vector3f& point) const {
+    constexpr int kSide = 4;
+    const Vector3f direction = point - eye_;
+    const float depth = object_from_camera_.col(2).dot(direction);
+    int surface = 0, lit = 0;
+    const auto look = [&](float x, float y) {
+      const Ray ray{eye_, direction + depth * (x * pixel_.x() * object_from_camera_.col(0) +
+                                               y * pixel_.y() * object_from_camera_.col(1))};
+      const Hit hit = model_.occluders().rays().intersect(ray);
+      if (!hit) return;
+      ++surface;
+      lit += model_.occluders().reached(model_.occluders().place_or_none(ray, hit), *lamp_);
+    };
+    for (const float y : {-0.5f, 0.5f})
+      for (const float x : {-0.5f, 0.5f}) look(x, y);
+    if (surface > 0 && (lit == 0 || lit == surface)) return lit > 0 ? 1 : 0;
+    surface = lit = 0;
+    for (int k = 0; k < kSide * kSide; ++k)
+      look((static_cast<float>(k % kSide) + 0.5f) / kSide - 0.5f,
+           (static_cast<float>(k / kSide) + 0.5f) / kSide - 0.5f);
+    return surface > 0 ? static_cast<float>(lit) / static_cast<float>(surface) : 0;
+  }
 
   const IntrinsicLumigraphSnapshot& model_;
+  SurfaceBlend blend_;
+  Vector3f eye_;
+  std::optional<Lamp> lamp_;
+  Eigen::Matrix3f object_from_camera_ = Eigen::Matrix3f::Identity();
+  Eigen::Vector2f pixel_{0, 0};
+};
+
+/// Without a mesh the surface is where the views' depth has it, behind the picture plane.
+class ImageShader : public ViewShader {
+ public:
+  ImageShader(const IntrinsicLumigraphSnapshot& model, ViewBlend blend, const Eigen::Vector3d& eye)
+      : mesh_(model.shared_mesh()), data_(model.data()), blend_(std::move(blend)), eye_(eye.cast<float>()) {}
+  SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
+    const auto seen = blend_.along(eye_, point_of(*mesh_, triangle, u, v));
+    if (!seen) return {};
+    const ViewBlend::Colours colours = blend_.at(*seen);
+    return {colours.lit, colours.known > 0 ? SampleState::kMeasured : SampleState::kUnseen};
+  }
+  SurfaceQuality quality(std::uint32_t) const override { return quality_of(*data_); }
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const LumigraphData> data_;
   ViewBlend blend_;
   Vector3f eye_;
 };
 
-/// Visibility by rays, over the footprint of a pixel of the nearest view.
-class RayShadowShader : public BlendShader {
+/// Of a model without images.
+class NothingShader : public ViewShader {
  public:
-  RayShadowShader(const IntrinsicLumigraphSnapshot& model, ViewBlend blend, const Eigen::Vector3d& eye,
-                  const Lamp& lamp)
-      : BlendShader(model, std::move(blend), eye), lamp_(lamp) {
-    if (blend_.empty()) return;
-    const PosedCamera& near = blend_.nearest().from;
-    object_from_camera_ = near.camera_from_object.rotation.conjugate().toRotationMatrix().cast<float>();
-    pixel_ = {static_cast<float>(1 / near.camera.fx), static_cast<float>(1 / near.camera.fy)};
-  }
-
- protected:
-  float part_reached(const Vector3f& point) const override {
-    constexpr int kSide = 4;
-    const Vector3f direction = point - eye_;
-    const float depth = object_from_camera_.col(2).dot(direction);
-    const auto reached = [&](float x, float y) {
-      const Ray ray{eye_, direction + depth * (x * pixel_.x() * object_from_camera_.col(0) +
-                                               y * pixel_.y() * object_from_camera_.col(1))};
-      const Hit hit = model_.occluders().rays().intersect(ray);
-      if (!hit) return false;
-      const Occluders::Place seen = model_.occluders().place_or_none(ray, hit);
-      return model_.occluders().reached(seen, lamp_);
-    };
-    int corners = 0;
-    for (const float y : {-0.5f, 0.5f})
-      for (const float x : {-0.5f, 0.5f}) corners += reached(x, y);
-    if (corners == 0 || corners == 4) return static_cast<float>(corners) / 4;
-    int count = 0;
-    for (int k = 0; k < kSide * kSide; ++k)
-      count += reached((static_cast<float>(k % kSide) + 0.5f) / kSide - 0.5f,
-                       (static_cast<float>(k / kSide) + 0.5f) / kSide - 0.5f);
-    return static_cast<float>(count) / (kSide * kSide);
-  }
-
- private:
-  Lamp lamp_;
-  Eigen::Matrix3f object_from_camera_ = Eigen::Matrix3f::Identity();
-  Eigen::Vector2f pixel_{0, 0};
-};
-
-/// Colours that are what they are in light and shadow.
-class PlainShader : public BlendShader {
- public:
-  using BlendShader::BlendShader;
-
- protected:
-  float part_reached(const Vector3f&) const override { return 1; }
+  SurfaceSample shade(std::uint32_t, float, float) const override { return {}; }
+  SurfaceQuality quality(std::uint32_t) const override { return {}; }
 };
 
 }  // namespace
@@ -115,6 +115,7 @@ IntrinsicLumigraphSnapshot::IntrinsicLumigraphSnapshot(std::shared_ptr<const Mes
                                                        std::shared_ptr<const LumigraphData> data, std::uint64_t version)
     : mesh_(std::move(mesh)), occluders_(std::move(occluders)), data_(std::move(data)), version_(version) {
   for (const auto& view : data_->views) cameras_.push_back(view->from);
+  if (!data_->of_images && !data_->views.empty()) mean_look_ = std::make_shared<const MeanLook>(mesh_, *data_);
 }
 
 Eigen::Vector3d IntrinsicLumigraphSnapshot::light_place(const LightState& light) const {
@@ -135,12 +136,14 @@ RelitView IntrinsicLumigraphSnapshot::relit(const IntrinsicView& view, const Lig
 }
 
 std::unique_ptr<ViewShader> IntrinsicLumigraphSnapshot::shader_for(const ViewQuery& query) const {
-  const Lamp lamp = data_->lights.lamp(light_place(query.light));
-  ViewBlend blend(data_, query.eye, [&](const IntrinsicView& view) {
+  if (empty()) return std::make_unique<NothingShader>();
+  ViewBlend views(data_, query.eye, [&](const IntrinsicView& view) {
     return std::make_shared<const RelitView>(relit(view, query.light));
   });
-  if (data_->of_images) return std::make_unique<PlainShader>(*this, std::move(blend), query.eye);
-  return std::make_unique<RayShadowShader>(*this, std::move(blend), query.eye, lamp);
+  if (data_->of_images) return std::make_unique<ImageShader>(*this, std::move(views), query.eye);
+  const Lamp lamp = data_->lights.lamp(light_place(query.light));
+  return std::make_unique<MeshShader>(
+      *this, SurfaceBlend(mesh_, std::move(views), mean_look_->in(lamp, query.light.rgb)), query.eye, lamp);
 }
 
 SnapshotFigures IntrinsicLumigraphSnapshot::figures() const {
@@ -150,13 +153,13 @@ SnapshotFigures IntrinsicLumigraphSnapshot::figures() const {
 }
 
 std::size_t IntrinsicLumigraphSnapshot::memory_bytes() const {
-  std::size_t bytes = 0;
+  std::size_t bytes = mean_look_ ? mean_look_->bytes() : 0;
   for (const auto& view : data_->views) bytes += bytes_of(*view);
   return bytes;
 }
 
 std::shared_ptr<const ModelSnapshot> IntrinsicLumigraphSnapshot::filled() const {
-  return std::make_shared<IntrinsicLumigraphSnapshot>(*this);  // points that no view shows take a neighbour's colour
+  return std::make_shared<IntrinsicLumigraphSnapshot>(*this);  // points that no view shows have the mean look
 }
 
 ViewAdvice IntrinsicLumigraphSnapshot::advise_next_view(const Eigen::Vector3d& eye) const {
@@ -177,19 +180,19 @@ void IntrinsicLumigraphSnapshot::save(const std::filesystem::path& folder, const
 }
 
 std::unique_ptr<ViewShader> InterpolatedImages::shader_for(const ViewQuery& query) const {
+  if (model_->empty()) return std::make_unique<NothingShader>();
   const std::shared_ptr<const LumigraphData>& data = model_->data();
   const Eigen::Vector3d place = model_->light_place(query.light);
-  return std::make_unique<PlainShader>(
-      *model_,
-      ViewBlend(data, query.eye,
-                [&](const IntrinsicView& view) {
-                  RelitView relit;
-                  relit.lit =
-                      every_light_ ? mean_image(view, data->lights) : interpolated_images(view, data->lights, place);
-                  scale(relit, every_light_ ? Eigen::Vector3f::Ones() : query.light.rgb);
-                  return std::make_shared<const RelitView>(std::move(relit));
-                }),
-      query.eye);
+  ViewBlend views(data, query.eye, [&](const IntrinsicView& view) {
+    RelitView relit;
+    relit.lit = every_light_ ? mean_image(view, data->lights) : interpolated_images(view, data->lights, place);
+    scale(relit, every_light_ ? Eigen::Vector3f::Ones() : query.light.rgb);
+    return std::make_shared<const RelitView>(std::move(relit));
+  });
+  if (data->of_images) return std::make_unique<ImageShader>(*model_, std::move(views), query.eye);
+  return std::make_unique<MeshShader>(
+      *model_, SurfaceBlend(model_->shared_mesh(), std::move(views), model_->mean_look().in_all(data->lights)),
+      query.eye, std::nullopt);
 }
 
 }  // namespace sheen

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
+#include "reconstructor/models/intrinsic_lumigraph/mean_look.h"
 #include "reconstructor/models/intrinsic_lumigraph/seen_surface.h"
 #include "reconstructor/models/model_snapshot.h"
 
@@ -20,6 +21,7 @@ class IntrinsicLumigraphSnapshot : public ModelSnapshot {
 
   const std::shared_ptr<const LumigraphData>& data() const { return data_; }
   const Occluders& occluders() const { return *occluders_; }
+  const MeanLook& mean_look() const { return *mean_look_; }  ///< likewise of the mesh, where there are views
   /// Of a query. Throws ConfigError for a light of another kind than those of the images.
   Eigen::Vector3d light_place(const LightState& light) const;
 
@@ -47,6 +49,7 @@ class IntrinsicLumigraphSnapshot : public ModelSnapshot {
   std::shared_ptr<const LumigraphData> data_;
   std::uint64_t version_;
   std::vector<PosedCamera> cameras_;
+  std::shared_ptr<const MeanLook> mean_look_;
 };
 
 /// The same captures without knowledge of light: for each view the linear interpolation of its images, or, where

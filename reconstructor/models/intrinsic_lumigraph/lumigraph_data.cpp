@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
 
@@ -120,18 +121,45 @@ std::size_t bytes_of(const IntrinsicView& view) {
   return pixels * (sizeof(float) + 7 * sizeof(Eigen::half) + 4 * view.lights.size());
 }
 
-std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const IntrinsicView>>& views,
-                                     const Eigen::Vector3d& eye) {
-  constexpr std::size_t kMost = 4;
-  constexpr double kThere = 1e-6;  // of the distance of the next view
+namespace {
+
+constexpr std::size_t kMostNear = 4;
+
+/// Distance from an eye and index, the nearest first.
+std::vector<std::pair<double, std::size_t>> by_distance(const std::vector<std::shared_ptr<const IntrinsicView>>& views,
+                                                        const Eigen::Vector3d& eye) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t v = 0; v < views.size(); ++v)
     order.emplace_back((camera_centre(views[v]->from.camera_from_object) - eye).norm(), v);
   std::sort(order.begin(), order.end());
+  return order;
+}
+
+/// Each as far as can be from those before.
+std::vector<std::size_t> spread_views(const std::vector<std::shared_ptr<const IntrinsicView>>& views) {
+  constexpr std::size_t kMost = 6;
+  std::vector<std::size_t> chosen;
+  std::vector<double> away(views.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t next = 0; chosen.size() < std::min(kMost, views.size());) {
+    chosen.push_back(next);
+    const Eigen::Vector3d centre = camera_centre(views[next]->from.camera_from_object);
+    for (std::size_t v = 0; v < views.size(); ++v)
+      away[v] = std::min(away[v], (camera_centre(views[v]->from.camera_from_object) - centre).norm());
+    next = static_cast<std::size_t>(std::max_element(away.begin(), away.end()) - away.begin());
+  }
+  return chosen;
+}
+
+}  // namespace
+
+std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const IntrinsicView>>& views,
+                                     const Eigen::Vector3d& eye) {
+  constexpr double kThere = 1e-6;  // of the distance of the next view
+  std::vector<std::pair<double, std::size_t>> order = by_distance(views, eye);
   if (order.empty()) return {};
   if (order.size() == 1 || order[0].first <= kThere * order[1].first) return {{order[0].second, 1.0f}};
-  const double reach = order.size() > kMost ? order[kMost].first : 2 * order.back().first;
-  order.resize(std::min(order.size(), kMost));
+  const double reach = order.size() > kMostNear ? order[kMostNear].first : 2 * order.back().first;
+  order.resize(std::min(order.size(), kMostNear));
   std::vector<WeightedView> out;
   double sum = 0;
   for (const auto& [distance, view] : order) {
@@ -140,6 +168,28 @@ std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const Int
     sum += weight;
   }
   for (WeightedView& view : out) view.weight /= static_cast<float>(sum);
+  return out;
+}
+
+std::vector<WeightedView> views_round(const std::vector<std::shared_ptr<const IntrinsicView>>& views,
+                                      const Eigen::Vector3d& eye) {
+  constexpr double kAmong = 0.25;  // by so much nearer than the fifth is the nearest view to an eye among the views
+  std::vector<WeightedView> out = views_near(views, eye);
+  if (views.size() <= kMostNear) return out;
+  const auto order = by_distance(views, eye);
+  const double among = std::min(1.0, (1 - order[0].first / order[kMostNear].first) / kAmong);
+  if (among >= 1) return out;
+  const auto near = static_cast<float>(among * among * (3 - 2 * among));
+  for (WeightedView& view : out) view.weight *= near;
+  const std::vector<std::size_t> all_round = spread_views(views);
+  for (const std::size_t v : all_round) {
+    const float weight = (1 - near) / static_cast<float>(all_round.size());
+    const auto same = std::find_if(out.begin(), out.end(), [v](const WeightedView& view) { return view.view == v; });
+    if (same != out.end())
+      same->weight += weight;
+    else
+      out.push_back({v, weight});
+  }
   return out;
 }
 

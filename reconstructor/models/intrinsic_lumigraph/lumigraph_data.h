@@ -58,5 +58,9 @@ struct WeightedView {
 /// 2001 do with angles). One view alone where the eye is at its place.
 std::vector<WeightedView> views_near(const std::vector<std::shared_ptr<const IntrinsicView>>& views,
                                      const Eigen::Vector3d& eye);
+/// The same, but where all views are about equally far, which is beyond them, and a small step of the eye would
+/// exchange the nearest ones: it fades to a few views from all round, the same for all eyes.
+std::vector<WeightedView> views_round(const std::vector<std::shared_ptr<const IntrinsicView>>& views,
+                                      const Eigen::Vector3d& eye);
 
 }  // namespace sheen

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
+#include "reconstructor/models/intrinsic_lumigraph/surface_blend.h"
 
 namespace sheen {
 namespace {
@@ -35,27 +36,30 @@ void LumigraphPainter::look_from(const PosedCamera& from) {
     if (same_place(view->from, from)) captured_ = view;
 }
 
-std::shared_ptr<const RelitView> LumigraphPainter::blended(const ViewBlend::Relight& relit) const {
+std::shared_ptr<const RelitView> LumigraphPainter::blended(const ViewBlend::Relight& relit,
+                                                           std::optional<MeanLook::Lit> elsewhere) const {
   if (captured_) return relit(*captured_);
-  const ViewBlend blend(model_->data(), camera_centre(from_->camera_from_object), relit);
   const int w = from_->camera.width, h = from_->camera.height;
   auto out = std::make_shared<RelitView>(RelitView{ImageF(w, h, 3), ImageF(w, h, 3)});
+  if (model_->empty()) return out;
+  const auto put = [&](int x, int y, const LitAndDark& colours) {
+    Eigen::Vector3f::Map(out->lit.pixel(x, y)) = colours.lit;
+    Eigen::Vector3f::Map(out->dark.pixel(x, y)) = colours.dark;
+  };
+  ViewBlend views(model_->data(), camera_centre(from_->camera_from_object), relit);
+  if (surface_) {
+    const SurfaceBlend surface(model_->shared_mesh(), std::move(views), std::move(elsewhere));
+    tbb::parallel_for(0, h, [&](int y) {
+      for (int x = 0; x < w; ++x)
+        if (const Hit hit = surface_->hit(x, y)) put(x, y, surface.at(hit.triangle, hit.u, hit.v, hit.front));
+    });
+    return out;
+  }
   const DepthPoints rays(*from_);
   const float guess = static_cast<float>(std::max(1e-3, from_->camera_from_object.translation.z()));
   tbb::parallel_for(0, h, [&](int y) {
-    for (int x = 0; x < w; ++x) {
-      ViewBlend::Colours colours;
-      if (surface_) {
-        const Occluders::Place* place = surface_->place(x, y);
-        if (!place) continue;
-        colours = blend.at(place->point, place->facing);
-        if (!place->front && !colours.seen) colours.lit = colours.dark = inside_sample().rgb;
-      } else if (const auto point = blend.along(rays.eye(), rays.at(x, y, guess))) {
-        colours = blend.at(*point);
-      }
-      Eigen::Vector3f::Map(out->lit.pixel(x, y)) = colours.lit;
-      Eigen::Vector3f::Map(out->dark.pixel(x, y)) = colours.dark;
-    }
+    for (int x = 0; x < w; ++x)
+      if (const auto point = views.along(rays.eye(), rays.at(x, y, guess))) put(x, y, views.at(*point));
   });
   return out;
 }
@@ -65,11 +69,15 @@ ImageF LumigraphPainter::paint(const PosedCamera& from, const LightState& light)
   auto before = std::exchange(relit_, {});
   if (!same_light(light, light_)) before.clear();
   light_ = light;
-  const auto relit = blended([&](const IntrinsicView& view) {
-    const auto known = before.find(&view);
-    return relit_[&view] =
-               known != before.end() ? known->second : std::make_shared<const RelitView>(model_->relit(view, light));
-  });
+  std::optional<MeanLook::Lit> elsewhere;
+  if (surface_ && !model_->empty()) elsewhere = model_->mean_look().in(lamp_of(light), light.rgb);
+  const auto relit = blended(
+      [&](const IntrinsicView& view) {
+        const auto known = before.find(&view);
+        return relit_[&view] = known != before.end() ? known->second
+                                                     : std::make_shared<const RelitView>(model_->relit(view, light));
+      },
+      elsewhere);
   if (!surface_) return relit->lit;
   return shadowed(*relit, surface_->reached(lamp_of(light)));
 }

@@ -31,8 +31,9 @@ class LumigraphPainter {
  private:
   Lamp lamp_of(const LightState& light) const;
   void look_from(const PosedCamera& from);
-  /// Colours of the views as `relit` makes them, seen from there.
-  std::shared_ptr<const RelitView> blended(const ViewBlend::Relight& relit) const;
+  /// Colours of the views as `relit` makes them, seen from there; of a mesh `elsewhere` is what no view shows.
+  std::shared_ptr<const RelitView> blended(const ViewBlend::Relight& relit,
+                                           std::optional<MeanLook::Lit> elsewhere = {}) const;
 
   std::shared_ptr<const IntrinsicLumigraphSnapshot> model_;
   std::optional<PosedCamera> from_;

@@ -25,10 +25,9 @@ Occluders::Occluders(const Mesh& mesh) : mesh_(mesh), rays_(mesh) {
 }
 
 Occluders::Place Occluders::place_or_none(const Ray& ray, const Hit& hit) const {
-  if (!hit) return {Vector3f::Zero(), Vector3f::Zero()};
+  if (!hit) return {Vector3f::Zero(), Vector3f::Zero(), hit};
   const Vector3f normal = mesh_.area_normal(hit.triangle).normalized();
-  const bool front = normal.dot(ray.direction) <= 0;
-  return {ray.origin + hit.distance * ray.direction, front ? normal : Vector3f(-normal), front};
+  return {ray.origin + hit.distance * ray.direction, normal.dot(ray.direction) > 0 ? Vector3f(-normal) : normal, hit};
 }
 
 std::optional<Ray> Occluders::shadow_ray(const Place& place, const Lamp& lamp) const {
@@ -91,11 +90,6 @@ ImageF SeenSurface::depth() const {
     if (!centres_[i].facing.isZero())
       depth.data()[i] = static_cast<float>((from_.camera_from_object * centres_[i].point.cast<double>()).z());
   return depth;
-}
-
-const Occluders::Place* SeenSurface::place(int x, int y) const {
-  const Occluders::Place& seen = centres_[std::size_t(y) * from_.camera.width + x];
-  return seen.facing.isZero() ? nullptr : &seen;
 }
 
 ImageF SeenSurface::normals() const {

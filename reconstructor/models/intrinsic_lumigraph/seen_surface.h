@@ -19,7 +19,7 @@ class Occluders {
 
   struct Place {
     Eigen::Vector3f point, facing;  ///< `facing`: unit, the side of the triangle that is seen
-    bool front = true;              ///< which side that is
+    Hit hit;
   };
   const RayScene& rays() const { return rays_; }
   /// What a ray has hit; without a facing where that is nothing.
@@ -45,8 +45,8 @@ class SeenSurface {
 
   ImageF depth() const;    ///< z in camera coordinates at the pixels' centres; 0 where there is nothing
   ImageF normals() const;  ///< unit, towards the eye's side; object frame
-  /// What is seen at a pixel's centre; null where that is nothing.
-  const Occluders::Place* place(int x, int y) const;
+  /// At a pixel's centre.
+  const Hit& hit(int x, int y) const { return centres_[std::size_t(y) * from_.camera.width + x].hit; }
 
   /// Part of each pixel that a lamp's light reaches, 0..255. An edge of the shadow is resolved by 4 x 4 rays per pixel.
   ImageU8 reached(const Lamp& lamp) const;

@@ -2,56 +2,16 @@
 #include "reconstructor/models/intrinsic_lumigraph/view_blend.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
+#include "reconstructor/models/intrinsic_lumigraph/four_pixels.h"
 
 namespace sheen {
-namespace {
 
-constexpr double kSameDepth = 0.01;  // of the depth: a point is what a view shows there
-
-/// The four pixels round a place of an image, those of the border where it is beside it, and their bilinear weights:
-/// found once for all images of a view.
-class FourPixels {
- public:
-  FourPixels(const ImageF& image, const Eigen::Vector2d& place) {
-    const auto left = static_cast<int>(std::floor(place.x())), top = static_cast<int>(std::floor(place.y()));
-    const auto u = static_cast<float>(place.x() - left), v = static_cast<float>(place.y() - top);
-    const int x0 = std::clamp(left, 0, image.width() - 1), x1 = std::clamp(left + 1, 0, image.width() - 1);
-    const std::size_t y0 = row(image, top), y1 = row(image, top + 1);
-    pixels_ = {y0 + x0, y0 + x1, y1 + x0, y1 + x1};
-    weights_ = {(1 - v) * (1 - u), (1 - v) * u, v * (1 - u), v * u};
-  }
-
-  /// Whether one of them shows a surface at this depth.
-  bool show(const ImageF& depth, double z) const {
-    return std::any_of(pixels_.begin(), pixels_.end(), [&](std::size_t pixel) {
-      return std::abs(static_cast<double>(depth.data()[pixel]) - z) <= kSameDepth * z;
-    });
-  }
-  Eigen::Vector3f mean(const ImageF& rgb) const {
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    for (std::size_t k = 0; k < pixels_.size(); ++k)
-      sum += weights_[k] * Eigen::Vector3f::Map(rgb.data() + 3 * pixels_[k]);
-    return sum;
-  }
-
- private:
-  static std::size_t row(const ImageF& image, int y) {
-    return static_cast<std::size_t>(std::clamp(y, 0, image.height() - 1)) * image.width();
-  }
-
-  std::array<std::size_t, 4> pixels_;
-  std::array<float, 4> weights_;
-};
-
-}  // namespace
-
-ViewBlend::ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eigen::Vector3d& eye,
-                     const Relight& relit) {
-  for (const WeightedView& near : views_near(data->views, eye)) {
+ViewBlend::ViewBlend(const std::shared_ptr<const LumigraphData>& data, const Eigen::Vector3d& eye, const Relight& relit)
+    : eye_(eye.cast<float>()) {
+  for (const WeightedView& near : data->of_images ? views_near(data->views, eye) : views_round(data->views, eye)) {
     const auto& view = data->views[near.view];
     const Rigid3& pose = view->from.camera_from_object;
     views_.push_back(
@@ -85,31 +45,48 @@ std::optional<Eigen::Vector3f> ViewBlend::along(const IntrinsicView& view, const
   return point;
 }
 
+/// Of a view that sees a place more slantingly than the eye: its pixels are wide there. Or almost along the surface,
+/// from elsewhere than the eye: they are mixed with what is behind the outline, and moved by what the mesh lacks.
+float ViewBlend::slant_weight(const Eigen::Vector3f& point, const Eigen::Vector3f& facing,
+                              const Eigen::Vector3f& from) const {
+  constexpr float kSlanting = 0.3f, kElsewhere = 0.06f;  // cosine; 1 - cosine: 20 degrees
+  if (facing.isZero()) return 1;
+  const Eigen::Vector3f to_view = (from - point).normalized(), to_eye = (eye_ - point).normalized();
+  const float cosine = facing.dot(to_view), here = facing.dot(to_eye);
+  if (!(cosine > 0)) return 0;
+  const float steep = std::min(1.0f, cosine / kSlanting),
+              elsewhere = std::min(1.0f, (1 - to_view.dot(to_eye)) / kElsewhere);
+  return (cosine < here ? cosine / here : 1) * (1 - elsewhere * (1 - steep));
+}
+
 ViewBlend::Colours ViewBlend::at(const Eigen::Vector3f& point, const Eigen::Vector3f& facing) const {
   Colours sum, guess;
-  float weights = 0;
   bool guessed = false;
   for (const Prepared& prepared : views_) {
     const PosedCamera& from = prepared.view->from;
     const Eigen::Vector3d in_camera = prepared.rotation * point.cast<double>() + from.camera_from_object.translation;
     const auto pixel = from.camera.project(in_camera);
     if (!pixel || !from.camera.contains(*pixel, -0.5)) continue;
-    const FourPixels near(prepared.view->depth, *pixel);
-    const bool seen = near.show(prepared.view->depth, in_camera.z()) && facing.dot(prepared.eye - point) >= 0;
+    const FourPixels near(prepared.view->depth, *pixel, in_camera.z());
+    const float weight = near.seen() ? prepared.weight * slant_weight(point, facing, prepared.eye) : 0;
+    const bool seen = weight > 0;
     if (!seen && guessed) continue;
     const RelitView& relit = *prepared.relit;
     const Eigen::Vector3f lit = near.mean(relit.lit), dark = relit.dark.empty() ? lit : near.mean(relit.dark);
     if (!seen) {
-      guess = {lit, dark, false};
+      guess.lit = lit;
+      guess.dark = dark;
       guessed = true;
       continue;
     }
-    sum.lit += prepared.weight * lit;
-    sum.dark += prepared.weight * dark;
-    weights += prepared.weight;
+    sum.lit += weight * lit;
+    sum.dark += weight * dark;
+    sum.known += weight;
   }
-  if (!(weights > 0)) return guess;
-  return {sum.lit / weights, sum.dark / weights, true};
+  if (!(sum.known > 0)) return guess;
+  sum.lit /= sum.known;
+  sum.dark /= sum.known;
+  return sum;
 }
 
 }  // namespace sheen
