@@ -16,7 +16,16 @@
 namespace sheen {
 namespace {
 
+/// Between lights the absolute weights add up to 3 at most; what lies beyond them is a difference of ever larger ones.
+constexpr float kMostWeight = 4;
+
 constexpr double kOnPlane = 1e-4;  // of its distance: nearer than that a lamp is on its plane
+
+/// The nearer a light, the more it counts; none less than nothing.
+Eigen::VectorXf weights_by_distance(const Eigen::Matrix3Xd& lights, const Eigen::Vector3d& place) {
+  const Eigen::VectorXd weights = (lights.colwise() - place).colwise().squaredNorm().cwiseInverse().transpose();
+  return (weights / weights.sum()).cast<float>();
+}
 
 class PictureShader : public ViewShader {
  public:
@@ -89,7 +98,11 @@ LightState IrradianceFieldSnapshot::known_light(const LightState& light) const {
 Eigen::VectorXf IrradianceFieldSnapshot::weights(const LightState& light) const {
   if (light.kind == LightKind::kFixed)
     return Eigen::VectorXf::Constant(field_->lights, 1.0f / static_cast<float>(field_->lights));
-  return kriging_->weights(light.position);
+  const Eigen::VectorXf kriged = kriging_->weights(light.position);
+  const float sum = kriged.cwiseAbs().sum();
+  if (sum <= kMostWeight) return kriged;
+  const float part = kMostWeight / sum;
+  return part * kriged + (1 - part) * weights_by_distance(scene_.lights, light.position);
 }
 
 std::vector<LightState> IrradianceFieldSnapshot::lights() const {

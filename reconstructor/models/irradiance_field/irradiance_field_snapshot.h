@@ -51,7 +51,8 @@ class IrradianceFieldSnapshot : public ModelSnapshot {
  private:
   /// The light that the kriging knows, with the brightness of the one that is asked for.
   LightState known_light(const LightState& light) const;
-  /// Weights of the images in the picture that a light gives, but for its colour.
+  /// Weights of the images in the picture that a light gives, but for its colour: the kriging's, which fade to a mean
+  /// of the nearest lights far beyond all of them.
   Eigen::VectorXf weights(const LightState& light) const;
 
   std::shared_ptr<const Mesh> mesh_;
