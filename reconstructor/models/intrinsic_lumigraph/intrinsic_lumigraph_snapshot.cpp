@@ -88,9 +88,9 @@ class ImageShader : public ViewShader {
       : mesh_(model.shared_mesh()), data_(model.data()), blend_(std::move(blend)), eye_(eye.cast<float>()) {}
   SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
     const auto seen = blend_.along(eye_, point_of(*mesh_, triangle, u, v));
-    if (!seen) return {};
-    const ViewBlend::Colours colours = blend_.at(*seen);
-    return {colours.lit, colours.known > 0 ? SampleState::kMeasured : SampleState::kUnseen};
+    const auto colours = seen ? blend_.at(*seen) : std::nullopt;
+    if (!colours) return inside_sample();  // beside all images nothing is known, either
+    return {colours->lit, colours->known > 0 ? SampleState::kMeasured : SampleState::kUnseen};
   }
   SurfaceQuality quality(std::uint32_t) const override { return quality_of(*data_); }
 

@@ -59,7 +59,8 @@ std::shared_ptr<const RelitView> LumigraphPainter::blended(const ViewBlend::Reli
   const float guess = static_cast<float>(std::max(1e-3, from_->camera_from_object.translation.z()));
   tbb::parallel_for(0, h, [&](int y) {
     for (int x = 0; x < w; ++x)
-      if (const auto point = views.along(rays.eye(), rays.at(x, y, guess))) put(x, y, views.at(*point));
+      if (const auto point = views.along(rays.eye(), rays.at(x, y, guess)))
+        if (const auto colours = views.at(*point)) put(x, y, *colours);
   });
   return out;
 }

@@ -23,7 +23,7 @@ SurfaceBlend::Sample SurfaceBlend::at(std::uint32_t triangle, float u, float v, 
   const Eigen::Vector3f normal = mesh_->area_normal(triangle).normalized();
   const Eigen::Vector3f point =
       (1 - u - v) * mesh_->corner(triangle, 0) + u * mesh_->corner(triangle, 1) + v * mesh_->corner(triangle, 2);
-  const ViewBlend::Colours near = views_.at(point, front ? normal : -normal);
+  const ViewBlend::Colours near = views_.at(point, front ? normal : -normal).value_or(ViewBlend::Colours{});
   const float part = elsewhere_ || !front ? std::min(1.0f, near.known / kKnown) : 1;
   Sample sample;
   if (part < 1) sample = front ? elsewhere_->at(triangle, u, v) : inside();

@@ -59,9 +59,9 @@ float ViewBlend::slant_weight(const Eigen::Vector3f& point, const Eigen::Vector3
   return (cosine < here ? cosine / here : 1) * (1 - elsewhere * (1 - steep));
 }
 
-ViewBlend::Colours ViewBlend::at(const Eigen::Vector3f& point, const Eigen::Vector3f& facing) const {
-  Colours sum, guess;
-  bool guessed = false;
+std::optional<ViewBlend::Colours> ViewBlend::at(const Eigen::Vector3f& point, const Eigen::Vector3f& facing) const {
+  Colours sum;
+  std::optional<Colours> guess;
   for (const Prepared& prepared : views_) {
     const PosedCamera& from = prepared.view->from;
     const Eigen::Vector3d in_camera = prepared.rotation * point.cast<double>() + from.camera_from_object.translation;
@@ -70,13 +70,13 @@ ViewBlend::Colours ViewBlend::at(const Eigen::Vector3f& point, const Eigen::Vect
     const FourPixels near(prepared.view->depth, *pixel, in_camera.z());
     const float weight = near.seen() ? prepared.weight * slant_weight(point, facing, prepared.eye) : 0;
     const bool seen = weight > 0;
-    if (!seen && guessed) continue;
+    if (!seen && guess) continue;
     const RelitView& relit = *prepared.relit;
     const Eigen::Vector3f lit = near.mean(relit.lit), dark = relit.dark.empty() ? lit : near.mean(relit.dark);
     if (!seen) {
-      guess.lit = lit;
-      guess.dark = dark;
-      guessed = true;
+      guess.emplace();
+      guess->lit = lit;
+      guess->dark = dark;
       continue;
     }
     sum.lit += weight * lit;

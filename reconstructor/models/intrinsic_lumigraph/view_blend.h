@@ -23,8 +23,10 @@ class ViewBlend {
     float known = 0;  ///< 0..1: of the weights, that of the views which show the point; 0: what stands before it
   };
   /// A view counts where its depth agrees with the point's and it is on the side that the point is seen from, `facing`
-  /// (unit): the inside of an open object does not look like its outside. Zero: the point has no sides.
-  Colours at(const Eigen::Vector3f& point, const Eigen::Vector3f& facing = Eigen::Vector3f::Zero()) const;
+  /// (unit): the inside of an open object does not look like its outside. Zero: the point has no sides. None
+  /// where it is beside all images.
+  std::optional<Colours> at(const Eigen::Vector3f& point,
+                            const Eigen::Vector3f& facing = Eigen::Vector3f::Zero()) const;
 
   /// Where a ray meets what a view shows, by its depth map: the heaviest view in whose image that is. None where it is
   /// beside all of them. `guess`: a point of the ray.

@@ -96,6 +96,24 @@ TEST_F(IntrinsicLumigraphTest, WithoutAMeshNoBorderOfAViewIsSeen) {
   for (int x = 0; x < picture.width(); ++x) EXPECT_GT(picture.at(x, 60, 1), 0.01f) << "column " << x;
 }
 
+TEST_F(IntrinsicLumigraphTest, WithoutAMeshWhatIsBesideAllImagesIsUnseenAndPlainGrey) {
+  SmallRig images;
+  images.mesh = std::make_shared<const Mesh>(view_plane(images.rig.central_camera()));
+  const auto model = images.model();
+  const auto snapshot = SmallRig::snapshot_of(*model);
+  const Rigid3 pose = look_at({0.9, -0.9, 0.9}, {0, 0, 0}, {0, 0, 1});
+  const PaintedView view =
+      RayPainter(snapshot->mesh()).paint(*snapshot, rig().cameras()[0].camera, pose, rig().lights()[3]);
+  int beside = 0;
+  for (std::size_t i = 0; i < view.coverage.size(); ++i) {
+    if (view.coverage.data()[i] == 0) continue;
+    EXPECT_GT(view.beauty.data()[3 * i + 1], 0.005f) << "pixel " << i;
+    beside +=
+        view.coverage.data()[i] == kCoverageUnseen && std::abs(view.beauty.data()[3 * i] - srgb_decode(0.35f)) < 1e-6;
+  }
+  EXPECT_GT(beside, 100);
+}
+
 TEST_F(IntrinsicLumigraphTest, TheRayPainterAndTheQuickOneAgree) {
   LumigraphPainter quick(snapshot_);
   const RayPainter rays(snapshot_->mesh());
