@@ -99,13 +99,17 @@ DatasetView view_of(const Model& model, const ColmapImage& image) {
 }  // namespace
 
 fs::path find_colmap_mask(const FileFinder& finder, const std::string& image) {
-  const std::string stem = (fs::path(image).parent_path() / fs::path(image).stem()).string();
+  const fs::path within = fs::path(image).parent_path();
+  const std::string stem = fs::path(image).stem().string();
+  const auto beside = [&](const std::string& name) { return (within / name).string(); };
   for (const char* folder : {"masks/", "mask/"}) {
     for (const std::string& name : {image + ".png", image})
       if (const fs::path mask = finder.find(folder + name); !mask.empty()) return mask;
-    for (const std::string& name : {stem, stem + "_mask"})
-      if (const fs::path mask = finder.find_image(folder + name); !mask.empty()) return mask;
+    for (const std::string& name : {stem, stem + "_mask", stem + "-mask", stem + ".mask", "mask_" + stem})
+      if (const fs::path mask = finder.find_image(folder + beside(name)); !mask.empty()) return mask;
   }
+  for (const char* folder : {"images/", ""})
+    if (const fs::path mask = finder.find_image(folder + beside(stem + "_mask")); !mask.empty()) return mask;
   return {};
 }
 

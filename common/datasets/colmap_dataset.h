@@ -21,7 +21,8 @@ struct ColmapViews {
 std::optional<ColmapViews> load_colmap(const std::filesystem::path& root, ImageAccount& account);
 
 /// The mask of an image below `masks` or `mask`: IMAGE.png as COLMAP has it, IMAGE itself, or its stem with another
-/// extension, also with `_mask` behind it. Empty where there is none.
+/// extension, also with `_mask`, `-mask` or `.mask` behind it or `mask_` before it; else its stem with `_mask` beside
+/// the image. Empty where there is none.
 std::filesystem::path find_colmap_mask(const FileFinder& finder, const std::string& image);
 
 }  // namespace sheen

@@ -49,6 +49,15 @@ class Lines {
       fail(std::string(field) + " is not a number");
     return value;
   }
+  /// An image's second line, of three numbers for each of its points; it may be empty.
+  void pass_points() {
+    std::size_t words = 0;
+    while (!rest_of_line().empty()) word(), ++words;
+    if (words % 3 != 0)
+      fail(
+          "must be the points of the image before, X Y POINT3D_ID each: an image takes two lines, of which the second "
+          "may be empty");
+  }
   [[noreturn]] void fail(const std::string& what) const {
     throw FileError(file_, "line " + std::to_string(number_) + ": " + what);
   }
@@ -94,7 +103,7 @@ std::vector<ColmapImage> parse_colmap_images_text(const std::string& file, std::
     image.name = lines.rest_of_line();
     if (image.name.empty()) lines.fail("NAME is missing");
     images.push_back(std::move(image));
-    lines.next();  // the second line holds the image's points, and may be empty
+    if (lines.next()) lines.pass_points();
   }
   return images;
 }

@@ -56,10 +56,17 @@ bool belongs_to_image(const fs::path& file, const std::set<std::string>& stems) 
   return false;
 }
 
+/// On one line, and without what a terminal would obey.
+std::string shown(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
+  return name;
+}
+
 /// "a, b and 3 others".
 std::string list_of(const std::vector<std::string>& names) {
   std::string list;
-  for (std::size_t i = 0; i < std::min(kNamed, names.size()); ++i) list += (i == 0 ? "" : ", ") + names[i];
+  for (std::size_t i = 0; i < std::min(kNamed, names.size()); ++i) list += (i == 0 ? "" : ", ") + shown(names[i]);
   return names.size() > kNamed ? list + " and " + std::to_string(names.size() - kNamed) + " others" : list;
 }
 
@@ -119,7 +126,7 @@ std::string in_words(const ImageAccount& account, const fs::path& root) {
   if (account.unused_alphas > 0)
     text += "\nthe alpha of " + count(account.unused_alphas, "image is", "images is") + " not used: the mask file is";
   for (std::size_t i = 0; i < std::min(kNamed, account.left_out.size()); ++i)
-    text += "\nleft out: " + account.left_out[i].name + ": " + account.left_out[i].why;
+    text += "\nleft out: " + shown(account.left_out[i].name + ": " + account.left_out[i].why);
   if (account.left_out.size() > kNamed)
     text += "\nleft out: " + std::to_string(account.left_out.size() - kNamed) + " others";
   if (!account.unused.empty())

@@ -130,6 +130,13 @@ const std::map<std::string_view, LensKind> kLenses = {
     {"RADIAL_FISHEYE", {LensModel::kFisheye, {"k1", "k2"}}},
 };
 
+/// Of cameras that instant-ngp and others know and this program does not: such images are of other pixels.
+void refuse_other_cameras(const Fields& fields) {
+  for (const char* field : {"ftheta_p0", "ftheta_p1", "latlong", "equirectangular", "orthographic", "sk_x", "sk_y"})
+    if (const Json* value = fields.find(field); value && *value != 0 && *value != false)
+      fields.fail(field, "such a camera is not supported; undistort the images to PINHOLE");
+}
+
 LensKind lens_kind(const Fields& fields) {
   if (const auto name = fields.text("camera_model")) {
     if (const auto found = kLenses.find(*name); found != kLenses.end()) return found->second;
@@ -203,6 +210,7 @@ Camera parse_camera(const Fields& fields, const std::filesystem::path& image, co
   camera.cx = fields.number("cx").value_or(camera.width / 2.0) - 0.5;
   camera.cy = fields.number("cy").value_or(camera.height / 2.0) - 0.5;
 
+  refuse_other_cameras(fields);
   const LensKind kind = lens_kind(fields);
   camera.lens = kind.lens;
   std::set<std::string_view> used;

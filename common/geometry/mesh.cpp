@@ -26,7 +26,9 @@ RawMesh read_mesh(const std::filesystem::path& path) {
                  [](unsigned char c) { return std::tolower(c); });
   if (extension == ".off" || start.starts_with("OFF")) return read_off(path.string(), bytes);
   if (extension == ".obj") return read_obj(path.string(), bytes);
-  throw FileError(path.string(), "is neither PLY nor OBJ nor OFF");
+  throw FileError(path.string(), bytes.empty() ? "is empty"
+                                               : "is neither PLY nor OBJ nor OFF; export it as one of these from the "
+                                                 "program that made it");
 }
 
 bool has_area(const Mesh& mesh, const Triangle& triangle) {
@@ -60,6 +62,25 @@ std::size_t remove_duplicates(Mesh& mesh) {
     if (!drop[t]) mesh.triangles[kept++] = mesh.triangles[t];
   const std::size_t removed = mesh.triangles.size() - kept;
   mesh.triangles.resize(kept);
+  return removed;
+}
+
+/// Of no triangle: a stray one would say how large the object is, and where.
+std::size_t remove_isolated(Mesh& mesh) {
+  constexpr std::uint32_t kNone = UINT32_MAX;
+  std::vector<std::uint32_t> now(mesh.vertices.size(), kNone);
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) now[v] = 0;
+  std::uint32_t kept = 0;
+  for (std::size_t v = 0; v < now.size(); ++v) {
+    if (now[v] == kNone) continue;
+    mesh.vertices[kept] = mesh.vertices[v];
+    now[v] = kept++;
+  }
+  for (Triangle& triangle : mesh.triangles)
+    for (std::uint32_t& v : triangle) v = now[v];
+  const std::size_t removed = mesh.vertices.size() - kept;
+  mesh.vertices.resize(kept);
   return removed;
 }
 
@@ -129,7 +150,9 @@ LoadedMesh load_mesh(const std::filesystem::path& path) {
   const std::size_t degenerate = raw.empty_faces + remove_degenerate(loaded.mesh);
   const std::size_t duplicate = remove_duplicates(loaded.mesh);
   if (loaded.mesh.triangles.empty()) throw FileError(path.string(), "none of its triangles has an area");
+  const std::size_t isolated = remove_isolated(loaded.mesh);
   loaded.diagnosis = diagnose(loaded.mesh);
+  loaded.diagnosis.isolated_vertices = isolated;
   loaded.diagnosis.removed_degenerate = degenerate;
   loaded.diagnosis.removed_duplicate = duplicate;
   return loaded;

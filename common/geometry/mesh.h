@@ -53,7 +53,7 @@ struct MeshDiagnosis {
   std::size_t boundary_edges = 0;      ///< edges of one triangle: an open sheet or a hole
   std::size_t non_manifold_edges = 0;  ///< edges of three triangles or more
   std::size_t inconsistent_edges = 0;  ///< two triangles that run along the edge in the same direction
-  std::size_t isolated_vertices = 0;
+  std::size_t isolated_vertices = 0;   ///< of no triangle, dropped on loading
   std::size_t removed_degenerate = 0;  ///< triangles without area, dropped on loading
   std::size_t removed_duplicate = 0;   ///< triangles that are listed twice, dropped on loading
   std::size_t components = 0;
@@ -70,8 +70,9 @@ struct LoadedMesh {
 };
 
 /// Reads PLY (ASCII and binary, either byte order), OBJ or OFF. Polygons, also concave ones, and PLY's triangle strips
-/// become triangles. Throws FileError with the line or element where a file is broken: out-of-range index, NaN or a
-/// coordinate beyond `kLongestLength`, no triangle, truncated, unknown format.
+/// become triangles; those without area or listed twice are dropped, and so are vertices of no triangle. Throws
+/// FileError with the line or element where a file is broken: out-of-range index, NaN or a coordinate beyond
+/// `kLongestLength`, no triangle, truncated, unknown format.
 LoadedMesh load_mesh(const std::filesystem::path& path);
 
 /// The same files, validated but not cleaned: indices stay as they stand in the file.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -117,7 +118,8 @@ Header parse_header(const std::string& path, std::string_view bytes) {
   if (!has_format) fail(path, "the header has no format line");
   // Without a property an element takes no bytes, and its count would be believed without any.
   for (const Element& element : header.elements)
-    if (element.properties.empty()) fail(path, "element " + std::string(element.name) + " has no property");
+    if (element.properties.empty() && element.count > 0)
+      fail(path, "element " + std::string(element.name) + " has no property");
   header.body = bytes;
   return header;
 }
@@ -223,6 +225,9 @@ RawMesh read_ply(const std::string& path, std::string_view bytes) {
         if (coordinate_axis(property) >= 0) axes[coordinate_axis(property)] = true;
       if (!axes[0] || !axes[1] || !axes[2]) fail(path, "element vertex lacks one of the properties x, y, z");
     }
+    if (is_face && element.count > 0 &&
+        std::none_of(element.properties.begin(), element.properties.end(), holds_corners))
+      fail(path, "holds no triangle: element face has no list vertex_indices (or vertex_index)");
     // The count is only ever a limit: memory grows with what really stands in the file.
     for (std::size_t i = 0; static_cast<double>(i) < element.count; ++i) {
       const FilePlace place{is_vertex ? "vertex" : is_face ? "face" : "row", i};

@@ -111,6 +111,7 @@ TEST(ColmapImages, TextSaysWhatIsWrong) {
   };
   refused("1 1 0 0 0 1 2 3 7\n", {"line 1", "NAME"});
   refused("1 1 0 0 0 1 2\n", {"line 1", "TX TY TZ"});
+  refused("1 1 0 0 0 1 2 3 7 a.jpg\n2 1 0 0 0 1 2 3 7 b.jpg\n", {"line 2", "two lines", "may be empty"});
   refused("1 1 0 0 0 1 2 3 7 a.jpg\n\n1 one 0 0 0 1 2 3 7 b.jpg\n", {"line 3", "QW"});
   ColmapImage image{"a", 1, {0.9, 0, 0, 0}, {0, 0, 0}};
   expect_error<Error>([&] { colmap_pose(image); }, {"unit quaternion"});

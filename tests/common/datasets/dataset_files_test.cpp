@@ -231,5 +231,20 @@ TEST_F(DatasetFiles, MasksOfColmapByTheNamesThatToolsGive) {
   EXPECT_THAT(told(), HasSubstr("5 of 5 images, 4 of 5 masks\nnot used: 1 image file in this folder: masks/x.png"));
 }
 
+TEST_F(DatasetFiles, MasksOfColmapWithWordsInTheirNames) {
+  for (const char* name : {"images/a.jpg", "images/sub/b.jpg", "images/c.jpg", "images/sub/d.jpg"}) image(name);
+  colmap("sparse/0", {"a.jpg", "sub/b.jpg", "c.jpg", "sub/d.jpg"});
+  for (const char* name : {"masks/a-mask.png", "masks/sub/mask_b.png", "mask/c.mask.PNG", "images/sub/d_mask.png"})
+    mask(name);
+  EXPECT_THAT(told(), testing::EndsWith("4 of 4 images, 4 masks"));
+}
+
+TEST_F(DatasetFiles, NamesAreToldWithoutWhatATerminalObeys) {
+  image("images/a.png");
+  image("images/b\n\x1b[31m.png");
+  transforms({"images/a.png"});
+  EXPECT_THAT(told(), HasSubstr("not used: 1 image file in this folder: images/b??[31m.png"));
+}
+
 }  // namespace
 }  // namespace sheen

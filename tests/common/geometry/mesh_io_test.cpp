@@ -246,6 +246,21 @@ TEST(Ply, RowsNeedNotBeLines) {
 }
 
 /// A tetrahedron as two strips, of which the first turns round a corner.
+TEST(Ply, ElementsWithoutRowsOrCorners) {
+  const TempFolder folder;
+  const std::string vertices =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string rows = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  const auto edgeless = folder.write("a.ply", vertices +
+                                                  "element face 1\nproperty list uchar int vertex_indices\n"
+                                                  "element edge 0\nend_header\n" +
+                                                  rows);
+  EXPECT_EQ(load_mesh(edgeless).mesh.triangles.size(), 1u);
+  const auto other =
+      folder.write("b.ply", vertices + "element face 1\nproperty list uchar int corners\nend_header\n" + rows);
+  expect_error([&] { load_mesh(other); }, {"b.ply", "element face has no list vertex_indices"});
+}
+
 TEST(Ply, TriangleStrips) {
   const TempFolder folder;
   const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
@@ -332,7 +347,9 @@ TEST(MeshFiles, MissingFolderOrUnknown) {
   const TempFolder folder;
   expect_error([&] { load_mesh(folder.path() / "none.ply"); }, {"none.ply", "no such file"});
   expect_error([&] { load_mesh(folder.path()); }, {"regular file"});
-  expect_error([&] { load_mesh(folder.write("a.stl", "solid")); }, {"a.stl", "neither PLY nor OBJ nor OFF"});
+  expect_error([&] { load_mesh(folder.write("a.stl", "solid")); },
+               {"a.stl", "neither PLY nor OBJ nor OFF", "export it"});
+  expect_error([&] { load_mesh(folder.write("a.ply", "")); }, {"a.ply", "is empty"});
 }
 
 TEST(MeshFiles, SavedAndReadAgainBitForBit) {

@@ -113,6 +113,17 @@ TEST(LoadMesh, DropsDegenerateAndDuplicateTrianglesAndKeepsTheOrder) {
   EXPECT_THAT(loaded.diagnosis.warnings(), Contains(HasSubstr("3 faces had no area")));
 }
 
+TEST(LoadMesh, AStrayVertexSaysNothingOfTheObject) {
+  const TempFolder folder;
+  const LoadedMesh loaded = load_mesh(
+      folder.write("a.obj", "v 1e8 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 2 4 3\nf 2 3 5\nf 2 5 4\nf 3 4 5\n"));
+  EXPECT_THAT(loaded.mesh.triangles,
+              ElementsAre(Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{0, 3, 2}, Triangle{1, 2, 3}));
+  EXPECT_LT(bounding_sphere(loaded.mesh).radius, 1);
+  EXPECT_NEAR(loaded.diagnosis.signed_volume, 1.0 / 6, 1e-12);
+  EXPECT_THAT(loaded.diagnosis.warnings(), ElementsAre(HasSubstr("1 vertices belong to no triangle")));
+}
+
 TEST(LoadMesh, KeepsTinyButSoundTriangles) {
   const TempFolder folder;
   const LoadedMesh loaded = load_mesh(folder.write("a.obj", "v 0 0 0\nv 1e-9 0 0\nv 0 1e-9 0\nf 1 2 3\n"));
