@@ -2,6 +2,7 @@
 #include "common/image/exr.h"
 
 #include <ImfChannelList.h>
+#include <ImfChromaticitiesAttribute.h>
 #include <ImfEnvmapAttribute.h>
 #include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
@@ -18,6 +19,7 @@
 #include <charconv>
 #include <cmath>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include "common/base/errors.h"
@@ -29,6 +31,7 @@ namespace sheen {
 namespace {
 
 constexpr std::string_view kNumbers[] = {"expTime", "isoSpeed", "aperture"};
+constexpr const char* kChromaticities = "chromaticities";
 constexpr const char *kEnvironment = "envmap", *kCube = "cube", *kLatLong = "latlong";
 constexpr int kMaxSide = 1 << 20;
 
@@ -58,10 +61,25 @@ Imf::Header header_of(const ExrPartInfo& part, int picture_width, int picture_he
   return header;
 }
 
+Imf::Chromaticities chromaticities(const std::string& text) {
+  Imf::Chromaticities c;
+  std::istringstream(text) >> c.red.x >> c.red.y >> c.green.x >> c.green.y >> c.blue.x >> c.blue.y >> c.white.x >>
+      c.white.y;
+  return c;
+}
+
+std::string in_words(const Imf::Chromaticities& c) {
+  std::ostringstream text;
+  for (const Imath::V2f& place : {c.red, c.green, c.blue, c.white}) text << place.x << ' ' << place.y << ' ';
+  return text.str();
+}
+
 void add_attributes(const ExrAttributes& attributes, Imf::Header& header) {
   for (const auto& [name, text] : attributes)
     if (name == kEnvironment)
       header.insert(name, Imf::EnvmapAttribute(text == kCube ? Imf::ENVMAP_CUBE : Imf::ENVMAP_LATLONG));
+    else if (name == kChromaticities)
+      header.insert(name, Imf::ChromaticitiesAttribute(chromaticities(text)));
     else if (is_number_attribute(name))
       header.insert(name, Imf::FloatAttribute(std::strtof(text.c_str(), nullptr)));
     else
@@ -245,6 +263,8 @@ ExrAttributes read_attributes(const Imf::Header& header) {
     if (name == "name" || name == "type") continue;
     if (const auto* map = dynamic_cast<const Imf::EnvmapAttribute*>(&a.attribute()))
       attributes[name] = map->value() == Imf::ENVMAP_CUBE ? kCube : kLatLong;
+    else if (const auto* colours = dynamic_cast<const Imf::ChromaticitiesAttribute*>(&a.attribute()))
+      attributes[name] = in_words(colours->value());
     else if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
       attributes[name] = text->value();
     else if (const auto* number = dynamic_cast<const Imf::FloatAttribute*>(&a.attribute());

@@ -34,7 +34,8 @@ struct ExrPart {
 };
 
 /// Attributes of the file ("cameraModel", "sheen.metrics", ...) as text; the standard's numbers ("expTime", "isoSpeed",
-/// "aperture") are stored as such, and so is "envmap": "latlong" or "cube".
+/// "aperture") are stored as such, and so are "envmap", "latlong" or "cube", and "chromaticities": x and y of red,
+/// green, blue and white.
 using ExrAttributes = std::map<std::string, std::string>;
 
 struct ExrFile {

@@ -13,6 +13,7 @@ namespace sheen {
 
 namespace {
 
+constexpr std::uint32_t kMagic = 20000630;    // what makes it an EXR
 constexpr std::uint32_t kMultiPart = 0x1000;  // flag beside the version
 
 /// Types whose values are all of one size, in bytes.
@@ -104,7 +105,7 @@ bool has_its_size(const std::string& type, const std::string& value) {
 void check_exr_attributes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   const std::uintmax_t file_bytes = std::filesystem::file_size(path);
-  read_number(file);  // what makes it an EXR
+  if (read_number(file) != kMagic) throw Error("it is a file of another kind");
   const bool several = read_number(file) & kMultiPart;
   std::string name, type;
   for (bool in_header = false; std::getline(file, name, '\0');) {

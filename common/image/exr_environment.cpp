@@ -9,6 +9,7 @@
 
 #include "common/base/errors.h"
 #include "common/image/exr.h"
+#include "common/image/exr_colours.h"
 
 namespace sheen {
 namespace {
@@ -66,6 +67,11 @@ ImageF read_exr_environment(const std::filesystem::path& path) {
     radiance.data()[i] = part->image.data()[i / 3 * static_cast<std::size_t>(channels) + i % 3];
     if (!std::isfinite(radiance.data()[i]))
       throw FileError(path.string(), "has a pixel that is not finite: " + std::to_string(i / 3));
+  }
+  try {
+    to_srgb_primaries(file.attributes, radiance);
+  } catch (const Error& error) {
+    throw FileError(path.string(), error.what());
   }
   const auto kind = file.attributes.find("envmap");
   if (kind != file.attributes.end() && kind->second == "cube") {

@@ -10,6 +10,7 @@
 
 #include "common/base/errors.h"
 #include "common/image/exr.h"
+#include "common/image/exr_colours.h"
 
 namespace sheen {
 namespace {
@@ -124,6 +125,17 @@ void check_size(const std::filesystem::path& path, const ImageSize& picture, con
                                        std::to_string(picture.height) + " pixels");
 }
 
+void use_srgb_primaries(const std::filesystem::path& path, ImageF& image) {
+  const auto none = [](const std::string&) { return false; };
+  try {
+    to_srgb_primaries(read_exr(path, none, [](ExrPart&&) {}), image);
+  } catch (const FileError&) {
+    throw;
+  } catch (const Error& error) {
+    throw FileError(path.string(), error.what());
+  }
+}
+
 std::uint8_t byte_of(float alpha) {
   return alpha > 0 ? static_cast<std::uint8_t>(std::min(255.0f, 255 * alpha + 0.5f)) : 0;
 }
@@ -160,8 +172,9 @@ MaskedImage placed(const ExrPart& part) {
 
 MaskedImage read_exr_picture(const std::filesystem::path& path) {
   const Layer layer = picture_layer(path, layers_of(read_exr_parts(path)));
-  const ExrPart part = read_exr_channels(path, layer.part, channels_of(layer));
+  ExrPart part = read_exr_channels(path, layer.part, channels_of(layer));
   check_size(path, part.picture, part.image);
+  use_srgb_primaries(path, part.image);
   return placed(part);
 }
 

@@ -12,8 +12,8 @@ namespace sheen {
 /// depth are no picture: a file that leaves it open is refused, with the list of its layers.
 ///
 /// It has the size of the display window; what the data window does not cover is black and not of the object, and what
-/// lies beyond is left off. Alpha is the mask (`mask_of_alpha`), by which colours, premultiplied as the format has
-/// them, are divided. Throws FileError.
+/// lies beyond is left off. Colours of other primaries than sRGB's (attribute chromaticities) are converted. Alpha is
+/// the mask (`mask_of_alpha`), by which colours, premultiplied as the format has them, are divided. Throws FileError.
 MaskedImage read_exr_picture(const std::filesystem::path& path);
 
 /// Its size, without its pixels. Throws FileError.

@@ -112,6 +112,28 @@ TEST_F(ExrPictures, AlphaIsTheMaskAndIsTakenOutOfTheColours) {
 }
 
 /// A face is bright where the axis is that it is of.
+/// By ITU-R BT.2087: linear BT.2020 to BT.709, of one white.
+TEST_F(ExrPictures, ColoursOfOtherPrimariesBecomeThoseOfSrgb) {
+  const std::string bt2020 = "0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.3290",
+                    aces = "0.7347 0.2653 0 1 0.0001 -0.077 0.32168 0.33767",
+                    srgb = "0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329";
+  const auto read = [&](const std::string& chromaticities, const std::vector<float>& rgb) {
+    ExrFile file{{part("main", {"R", "G", "B"})}, {{"chromaticities", chromaticities}}};
+    for (std::size_t i = 0; i < file.parts[0].image.size(); ++i) file.parts[0].image.data()[i] = rgb[i % 3];
+    write_exr(folder_.path() / "a.exr", file);
+    return pixel(read_exr_picture(folder_.path() / "a.exr").image, 1, 1);
+  };
+  const Rgb green = read(bt2020, {0.3f, 0.5f, 0.4f});
+  EXPECT_NEAR(green[0], 1.6605f * 0.3f - 0.5876f * 0.5f - 0.0728f * 0.4f, 1e-3);
+  EXPECT_NEAR(green[1], -0.1246f * 0.3f + 1.1329f * 0.5f - 0.0083f * 0.4f, 1e-3);
+  EXPECT_NEAR(green[2], -0.0182f * 0.3f - 0.1006f * 0.5f + 1.1187f * 0.4f, 1e-3);
+  EXPECT_EQ(read(bt2020, {0, 1, 0})[0], 0) << "outside of sRGB's gamut";
+  for (const float value : read(bt2020, {2, 2, 2})) EXPECT_NEAR(value, 2, 1e-5) << "white stays white";
+  for (const float value : read(aces, {1, 1, 1})) EXPECT_NEAR(value, 1, 1e-4) << "of another white, too";
+  EXPECT_EQ(read(srgb, {1, 2, 3}), (Rgb{1, 2, 3}));
+  expect_error([&] { read("0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3", {1, 1, 1}); }, {"a.exr", "chromaticities"});
+}
+
 TEST(ExrEnvironment, CubeFacesBecomeLatitudeAndLongitude) {
   constexpr int kSide = 16;
   ImageF cube(kSide, 6 * kSide, 3);
