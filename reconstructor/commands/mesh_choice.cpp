@@ -12,6 +12,7 @@
 #include "common/base/format.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
+#include "common/datasets/applied_transform.h"
 #include "common/registration/frame_mistakes.h"
 #include "common/registration/placement_check.h"
 #include "common/session/session.h"
@@ -52,9 +53,18 @@ std::vector<RegistrationImage> images_from_sides(const CaptureSet& captures) {
   return all;
 }
 
+std::optional<Similarity> applied_similarity(const std::string& dataset) {
+  const auto applied = applied_to_poses(dataset);
+  if (!applied) return std::nullopt;
+  const double scale = applied->block<3, 1>(0, 0).norm();
+  return Similarity{scale, applied->topLeftCorner<3, 3>() / scale, applied->topRightCorner<3, 1>()};
+}
+
 /// What the first images say against where the mesh stands.
-PlacementWarning misplacement(const Mesh& mesh, const CaptureSet& captures) {
-  PlacementFacts facts{.on_stage = false, .applied = {}, .more = [&captures] { return images_from_sides(captures); }};
+PlacementWarning misplacement(const Mesh& mesh, const CaptureSet& captures, const std::string& dataset) {
+  PlacementFacts facts{.on_stage = false, .applied = applied_similarity(dataset), .more = [&captures] {
+                         return images_from_sides(captures);
+                       }};
   const std::vector<RegistrationImage> first = images_from(captures, 0, kImagesToCheck, facts.on_stage);
   return first.size() < kImagesToCheck ? PlacementWarning{} : placement_warning(mesh, first, facts);
 }
@@ -130,7 +140,7 @@ ChosenMesh choose_mesh(Mesh given, const std::string& name, const std::string& d
                        int hold_out_every, Refining refining, nlohmann::json& report) {
   ChosenMesh chosen{
       .mesh = std::move(given), .given = {}, .captures = std::move(captures), .poses_refined = false, .doubt = {}};
-  const PlacementWarning misplaced = misplacement(chosen.mesh, chosen.captures);
+  const PlacementWarning misplaced = misplacement(chosen.mesh, chosen.captures, dataset);
   chosen.doubt = misplaced.text;
   if (!chosen.doubt.empty()) std::fprintf(stderr, "%s: %s\n", name.c_str(), chosen.doubt.c_str());
   if (refining == Refining::kNever) return chosen;

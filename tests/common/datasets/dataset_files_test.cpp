@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/files.h"
+#include "common/datasets/applied_transform.h"
 #include "common/datasets/dataset.h"
 #include "common/datasets/file_finder.h"
 #include "common/datasets/stored_images.h"
@@ -237,6 +238,23 @@ TEST_F(DatasetFiles, MasksOfColmapWithWordsInTheirNames) {
   for (const char* name : {"masks/a-mask.png", "masks/sub/mask_b.png", "mask/c.mask.PNG", "images/sub/d_mask.png"})
     mask(name);
   EXPECT_THAT(told(), testing::EndsWith("4 of 4 images, 4 masks"));
+}
+
+TEST_F(DatasetFiles, SayWhatWasAppliedToTheirPoses) {
+  const auto says = [&](const Json& json) {
+    write("transforms.json", json.dump());
+    return applied_to_poses(root());
+  };
+  const Json turn = {{0, 1, 0, 1}, {1, 0, 0, 2}, {0, 0, -1, 3}};
+  const auto applied = says({{"applied_transform", turn}, {"applied_scale", 0.5}});
+  ASSERT_TRUE(applied);
+  EXPECT_EQ(applied_to_poses(root() / "transforms.json"), applied);
+  const Eigen::Vector4d point = *applied * Eigen::Vector4d(10, 20, 30, 1);
+  EXPECT_LT((point - Eigen::Vector4d(10.5, 6, -13.5, 1)).norm(), 1e-12);
+  EXPECT_FALSE(says({{"frames", 1}}));
+  EXPECT_FALSE(says({{"applied_transform", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, -1, 0}}}})) << "a reflection";
+  EXPECT_FALSE(says({{"applied_transform", "none"}}));
+  EXPECT_FALSE(applied_to_poses(root() / "none"));
 }
 
 TEST_F(DatasetFiles, NamesAreToldWithoutWhatATerminalObeys) {
