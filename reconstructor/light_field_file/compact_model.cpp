@@ -8,6 +8,11 @@
 
 namespace sheen {
 
+float brightest_drawn(const CompactModel& model) {
+  constexpr float kBeyond = 1.1f, kWhite = 255;
+  return kBeyond * model.brightest / kWhite;
+}
+
 PackedColumns<float> packed_terms(const Eigen::MatrixXf& columns, const Eigen::VectorXf& grey_levels) {
   constexpr float kOff = 0.02f;
   const float most = kOff * std::sqrt(12.0f) * 127;  // a step is off by its twelfth's root

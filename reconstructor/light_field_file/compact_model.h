@@ -77,6 +77,10 @@ struct CompactModel {
   }
 };
 
+/// The brightest colour that the model's pictures have, sRGB-encoded with white at 1: interpolation goes a little
+/// beyond what images showed.
+float brightest_drawn(const CompactModel& model);
+
 /// Maps of terms in fixed point: from the first on behind which 8 bits are off by less than 0.02 grey levels (RMS) in
 /// the picture, with 8 bits. `grey_levels`: in the picture, of a value of 1, per column.
 PackedColumns<float> packed_terms(const Eigen::MatrixXf& columns, const Eigen::VectorXf& grey_levels);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "common/base/crc32c.h"
+#include "reconstructor/light_field_file/light_field_evaluator.h"
 #include "reconstructor/light_field_file/light_field_file.h"
 #include "tests/golden/contents.h"
 
@@ -65,17 +66,53 @@ std::vector<FileContents::Part> whole_numbers(const QuantisedModel& quantised) {
           vertices.part("vertices"), patches.part("patches"),   states.part("states")};
 }
 
+std::uint8_t value_of_255(float grey_level) {
+  return static_cast<std::uint8_t>(std::clamp(grey_level + 0.5f, 0.0f, 255.0f));
+}
+
+std::vector<std::uint8_t> picture_of_means(const CompactModel& model) {
+  constexpr Eigen::Index kApart = 41;  // enough of them
+  std::vector<std::uint8_t> means;
+  for (const Patch& patch : model.patches)
+    for (Eigen::Index i = 0; i < patch.mean.size(); i += kApart) means.push_back(value_of_255(patch.mean[i]));
+  return means;
+}
+
+/// The middle of some triangles, seen from an eye.
+std::vector<std::uint8_t> picture_from(const Eigen::Vector3d& eye, const CompactModel& model,
+                                       const LightFieldEvaluator& light_field) {
+  constexpr std::size_t kApart = 5;
+  constexpr float kMiddle = 1.0f / 3;
+  const Eigen::MatrixXf coefficients = light_field.coefficients_for(eye, one_after_the_other);
+  std::vector<std::uint8_t> colours;
+  for (std::size_t t = 0; t < model.mesh->triangles.size(); t += kApart) {
+    const TrianglePlace place = light_field.shapes().place(t);
+    const SurfacePatch* patch = light_field.patches()[place.patch].get();
+    if (!patch) continue;
+    const LatticeStencil stencil = lattice_stencil(model.maps->resolution(t), kMiddle, kMiddle);
+    const Eigen::Vector3f encoded =
+        patch->colour(place, stencil, coefficients, kMiddle, kMiddle).cwiseMin(brightest_drawn(model));
+    for (int c = 0; c < 3; ++c) colours.push_back(value_of_255(255 * encoded[c]));
+  }
+  return colours;
+}
+
+/// Where images were taken, between them, and where none was near.
+std::vector<Eigen::Vector3d> eyes(const CompactModel& model) {
+  const Eigen::Vector3d first = camera_centre(model.cameras.front().camera_from_object),
+                        last = camera_centre(model.cameras.back().camera_from_object);
+  return {first, last, (first + last) / 2, -first, {0, 0, 2 * first.norm()}, {0, 0, -2 * first.norm()}};
+}
+
 }  // namespace
 
 FileContents contents_of_light_field(std::string_view bytes, const std::string& file) {
   QuantisedModel quantised = read_light_field(bytes, file, one_after_the_other);
   FileContents contents{.whole_numbers = whole_numbers(quantised)};
-  const CompactModel model = std::move(quantised).dequantised(one_after_the_other);
-  auto& means = contents.pictures.emplace_back();
-  constexpr Eigen::Index kApart = 41;  // enough of them
-  for (const Patch& patch : model.patches)
-    for (Eigen::Index i = 0; i < patch.mean.size(); i += kApart)
-      means.push_back(static_cast<std::uint8_t>(std::clamp(patch.mean[i] + 0.5f, 0.0f, 255.0f)));
+  CompactModel model = std::move(quantised).dequantised(one_after_the_other);
+  contents.pictures.push_back(picture_of_means(model));
+  const LightFieldEvaluator light_field(model, one_after_the_other);
+  for (const Eigen::Vector3d& eye : eyes(model)) contents.pictures.push_back(picture_from(eye, model, light_field));
   return contents;
 }
 

@@ -35,11 +35,9 @@ class LightFieldShader : public ViewShader {
     const TrianglePlace& place = places_[triangle];
     const SurfacePatch* patch = patches_[place.patch].get();
     if (!patch || patch->rank() == 0) return {};
-    const auto corner = [&](std::size_t c) { return coefficients_.col(place.columns[c]).head(patch->rank()); };
-    const Eigen::VectorXf h = (1 - u - v) * corner(0) + u * corner(1) + v * corner(2);
     const LatticeStencil stencil = lattice_stencil(maps_->resolution(triangle), u, v);
     const auto first = static_cast<int>(place.first_sample);
-    const Eigen::Vector3f encoded = patch->colour(first, stencil, h).cwiseMin(brightest_);
+    const Eigen::Vector3f encoded = patch->colour(place, stencil, coefficients_, u, v).cwiseMin(brightest_);
     SampleState state = SampleState::kUnseen;
     for (int k = 0; k < 3; ++k)
       if (stencil.weight[k] > 0.25f) state = std::max(state, patch->state(first + stencil.index[k]));
@@ -59,13 +57,6 @@ class LightFieldShader : public ViewShader {
 };
 
 }  // namespace
-
-void VertexViews::believe_reflection() {
-  if (!reflection) return;
-  const Eigen::VectorXf drift = reflection->at_each(directions, frame.row(2));
-  const ViewKriging kriging(directions, reliability, kernel, drift);
-  believed = kriging.has_drift() ? kriging.believed_drift() : BelievedDrift{.mean = drift.mean()};
-}
 
 std::unique_ptr<ViewShader> LightFieldSnapshot::shader_for(const ViewQuery& query) const {
   return std::make_unique<LightFieldShader>(*this, query.eye);

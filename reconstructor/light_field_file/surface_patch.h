@@ -6,9 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/light_field_file/patch_shapes.h"
 #include "reconstructor/numerics/packed_columns.h"
 #include "reconstructor/surface/colour_planes.h"
+#include "reconstructor/surface/sample_state.h"
 
 namespace sheen {
 
@@ -31,6 +32,10 @@ struct SurfacePatch {
 
   /// Between samples of the triangle that has this first sample. `h`: rank.
   Eigen::Vector3f colour(int first_sample, const LatticeStencil& at, const Eigen::VectorXf& h) const;
+  /// At barycentric (u, v) of a triangle of the patch, whose stencil there is `at`: its maps times the mean of its
+  /// corners' view coefficients, weighted barycentrically. `coefficients`: of an eye, a column per `place.columns`.
+  Eigen::Vector3f colour(const TrianglePlace& place, const LatticeStencil& at, const Eigen::MatrixXf& coefficients,
+                         float u, float v) const;
   /// Of all samples in one term: 3 x samples values.
   Eigen::VectorXf colours_of_term(int term) const;
   /// Of all samples, or so many, those of the triangle with this first sample, in all terms: 3 x samples values x rank.

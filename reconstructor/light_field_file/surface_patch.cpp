@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/surface_light_field/surface_patch.h"
+#include "reconstructor/light_field_file/surface_patch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,6 +42,12 @@ Eigen::Vector3f SurfacePatch::colour(int first_sample, const LatticeStencil& at,
     });
   }
   return sums * Eigen::Map<const Eigen::Vector3f>(at.weight);
+}
+
+Eigen::Vector3f SurfacePatch::colour(const TrianglePlace& place, const LatticeStencil& at,
+                                     const Eigen::MatrixXf& coefficients, float u, float v) const {
+  const auto corner = [&](std::size_t c) { return coefficients.col(place.columns[c]).head(rank()); };
+  return colour(static_cast<int>(place.first_sample), at, (1 - u - v) * corner(0) + u * corner(1) + v * corner(2));
 }
 
 Eigen::VectorXf SurfacePatch::colours_of_term(int term) const {
