@@ -137,7 +137,7 @@ void build(BuildArguments arguments) {
   limits.favour = arguments.favour.word;
   limits.shown = false;  // before it is finished
   const std::optional<double> tolerance = arguments.limits.between_lights(settings);
-  const std::optional<CompressionTarget> size = arguments.size.target(*scene.kind);
+  const std::optional<CompressionTarget> size = arguments.size.target(*scene.kind, settings);
   if (arguments.out.empty())
     std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
   else

@@ -163,7 +163,7 @@ Plan plan_for(ServeArguments arguments, SceneConfig scene) {
       throw ConfigError("--target and --tolerance exclude each other: the target sets the tolerance");
     set(settings, "tolerance", tolerance_of(*plan.limits.psnr_db));
   }
-  plan.size = arguments.size.target(*plan.scene.kind);
+  plan.size = arguments.size.target(*plan.scene.kind, *plan.scene.settings);
   const std::filesystem::path model = std::filesystem::path(arguments.session) / kSessionModel;
   if (std::filesystem::exists(model)) check_model_path(model, plan.size.has_value());
   return plan;

@@ -14,6 +14,13 @@ void SizeArguments::add_to(Command& command, const std::string& without_loss) {
       .excludes({by_bytes});
 }
 
+std::optional<CompressionTarget> SizeArguments::target(const ModelKind& kind, const ModelSettings& settings) const {
+  const std::optional<CompressionTarget> asked = target(kind);
+  if (const std::string why = settings.no_small_form(); asked && !why.empty())
+    throw ConfigError(why + ": --loss 0dB saves such a model as it is");
+  return asked;
+}
+
 std::optional<CompressionTarget> SizeArguments::target(const ModelKind& kind) const {
   CompressionTarget target;
   if (!bytes.empty()) target.bytes = parse_bytes("--bytes", bytes, "the size that the file may have, such as 2MB");

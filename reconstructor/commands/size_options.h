@@ -5,6 +5,7 @@
 #include <string>
 
 #include "reconstructor/models/model_kind.h"
+#include "reconstructor/models/model_settings.h"
 
 namespace sheen {
 
@@ -19,6 +20,8 @@ struct SizeArguments {
   /// Nothing where nothing may be lost (--loss 0dB) or the kind has no smaller form: the model is saved as it is.
   /// Throws ConfigError naming the option.
   std::optional<CompressionTarget> target(const ModelKind& kind) const;
+  /// The same of a model that is to be made with these settings.
+  std::optional<CompressionTarget> target(const ModelKind& kind, const ModelSettings& settings) const;
 };
 
 }  // namespace sheen

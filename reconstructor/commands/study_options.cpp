@@ -6,8 +6,8 @@
 namespace sheen {
 
 void StudyOptions::apply(SurfaceLightFieldOptions& options) const {
-  if (interpolation == "delaunay") options.patch.interpolation.method = ViewMethod::kDelaunay;
-  if (imputation == "least-squares") options.patch.factor.imputation = Imputation::kLeastSquares;
+  set(options, "interpolation", interpolation);
+  set(options, "imputation", imputation);
 }
 
 void add_study_options(Command& command, StudyOptions& options) {

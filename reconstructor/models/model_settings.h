@@ -34,6 +34,7 @@ enum class SettingTable {
   kImages,    ///< [images]: what all models do with images
   kModel,     ///< [NAME]: what a person sets
   kAdvanced,  ///< [NAME.advanced]: what an engineer sets
+  kStudy,     ///< [NAME.study]: other ways, to compare with
 };
 
 /// A key of a scene file and the value behind it. It refers to the settings that gave it.
@@ -68,6 +69,8 @@ struct ModelSettings {
   virtual bool makes_mesh() const { return false; }
   /// Whether it takes a mesh where the scene gives one, although it could make its own.
   virtual bool takes_mesh() const { return false; }
+  /// Why models of these settings cannot be one small file, though the kind's can; empty: they can.
+  virtual std::string no_small_form() const { return {}; }
   virtual int effort_levels() const = 0;  ///< at least 1: level 0 is what these settings ask for
   virtual MemoryNeed memory_need(std::size_t vertices, std::size_t triangles) const = 0;
   /// A model of the mesh with these settings, at effort level 0. `scene`: of that mesh. Throws ConfigError as

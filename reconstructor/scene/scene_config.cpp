@@ -41,12 +41,15 @@ std::string header_of(SettingTable table, const std::string& model) {
     case SettingTable::kModel:
       return model;
     case SettingTable::kAdvanced:
+      return model + ".advanced";
+    case SettingTable::kStudy:
       break;
   }
-  return model + ".advanced";
+  return model + ".study";
 }
 
-constexpr SettingTable kTables[] = {SettingTable::kImages, SettingTable::kModel, SettingTable::kAdvanced};
+constexpr SettingTable kTables[] = {SettingTable::kImages, SettingTable::kModel, SettingTable::kAdvanced,
+                                    SettingTable::kStudy};
 
 /// Null where the file does not have it.
 const toml::table* table_in(const toml::table& document, SettingTable table, const std::string& model) {
@@ -77,7 +80,7 @@ std::string remedy(const std::vector<SettingKey>& keys, SettingTable table, cons
 void read_table(const toml::table& values, SettingTable table, const std::vector<SettingKey>& keys,
                 const std::string& model, const std::filesystem::path& file) {
   for (const auto& [name, value] : values) {
-    if (table == SettingTable::kModel && name == "advanced" && value.is_table()) continue;
+    if (table == SettingTable::kModel && value.is_table() && (name == "advanced" || name == "study")) continue;
     const std::string key(name.str());
     const auto known =
         std::find_if(keys.begin(), keys.end(), [&](const SettingKey& k) { return k.table == table && k.name == key; });

@@ -73,7 +73,7 @@ const TempFolder& folder() {
 
 Files valid_files() {
   const auto path = folder().path() / "valid";
-  save_model(small_model(), path, {{"source", "fuzz"}}, {.view_map = 0});
+  save_model(small_model(), path, {{"source", "fuzz"}});
   return {read_file(path / "model.json"), read_file(path / "mesh.ply"), read_exr(path / "maps.exr")};
 }
 
@@ -187,7 +187,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     write_exr(path / "maps.exr", files.maps);
     const auto model = load_model(path);
     const auto again = folder().path() / "again";
-    save_model(*model, again, load_model_metadata(path), {.view_map = 0});
+    save_model(*model, again, load_model_metadata(path));
     expect_same_pictures(*model, *load_model(again));
   } catch (const FileError&) {
   }

@@ -74,7 +74,8 @@ TEST_F(Evaluate, GivesTheFiguresThatBuildReportedToTheLastDigit) {
   const std::string stay = "\n[surface_light_field.advanced]\nmap_detail = 0";  // else mean colours are of other maps
   for (const std::string& keys :
        {"sampling = \"linear\"\nerosion_px = 3\nexposure = \"known\"\n[surface_light_field]\nsurface_map = 6" + stay,
-        "exposure = \"estimate\"" + stay, "exposure = \"off\"" + stay, std::string("exposure = \"off\"")}) {
+        "[surface_light_field.study]\ninterpolation = \"delaunay\"" + stay, "exposure = \"estimate\"" + stay,
+        "exposure = \"off\"" + stay, std::string("exposure = \"off\"")}) {
     const std::string scene = "hold_out_every = 4\n" + keys;
     const bool maps_stay = keys.find(stay) != keys.npos;
     const Json built = build(scene, model_);

@@ -16,8 +16,12 @@ void VertexInterpolant::set_interpolation(ViewInterpolant interpolant, std::size
 }
 
 void VertexInterpolant::set_triangulation(const Eigen::MatrixXf& coefficients) {
-  triangulation = std::make_shared<ViewTriangulation>(triangulate_views(views->frame, views->directions));
   weights = PackedColumns<float>::fixed_point(coefficients.transpose());
+  triangulate();
+}
+
+void VertexInterpolant::triangulate() {
+  triangulation = std::make_shared<ViewTriangulation>(triangulate_views(views->frame, views->directions));
   mean.setZero();
   drift.resize(0);
 }

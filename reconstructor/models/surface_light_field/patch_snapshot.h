@@ -30,6 +30,8 @@ struct VertexInterpolant : SeenVertex {
 
   /// Interpolates the views' coefficients (rank x views) over the Delaunay triangulation of their directions instead.
   void set_triangulation(const Eigen::MatrixXf& coefficients);
+  /// The same where `weights` are these already.
+  void triangulate();
 
   std::size_t bytes() const;  ///< without the views, which patches share
   /// h(d) for a unit direction from the vertex to the eye.

@@ -157,6 +157,12 @@ std::size_t SurfaceLightFieldSnapshot::memory_bytes() const {
   return bytes;
 }
 
+bool SurfaceLightFieldSnapshot::triangulated() const {
+  return std::any_of(patches_.begin(), patches_.end(), [](const auto& patch) {
+    return patch && !patch->vertices.empty() && patch->vertices.front().triangulation;
+  });
+}
+
 std::unique_ptr<Compression> SurfaceLightFieldSnapshot::compression(CompressionTarget target) const {
   return compress(*this, std::move(target));
 }

@@ -37,6 +37,8 @@ class SurfaceLightFieldSnapshot : public LightFieldSnapshot {
   const Patches& patches() const { return patches_; }
   /// Of the patches round a vertex that an image showed, the one with most views; null where there is none.
   const VertexInterpolant* seen_at(std::size_t vertex) const;
+  /// Views are interpolated as the paper does it (`VertexInterpolant::triangulation`).
+  bool triangulated() const;
 
   std::size_t patch_count() const override { return patches_.size(); }
   std::shared_ptr<const SurfacePatch> patch(std::size_t index) const override { return patches_[index]; }

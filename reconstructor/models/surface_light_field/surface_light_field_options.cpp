@@ -25,6 +25,11 @@ std::vector<SettingKey> SurfaceLightFieldOptions::keys() {
       setting("max_views", patch.max_views, SettingTable::kAdvanced),
       setting("repeat_angle", patch.repeat_angle, SettingTable::kAdvanced),
       setting("min_visible", patch.min_visible, SettingTable::kAdvanced),
+      setting("interpolation", patch.interpolation.method,
+              {{ViewMethod::kKriging, "kriging"}, {ViewMethod::kDelaunay, "delaunay"}}, SettingTable::kStudy),
+      setting("imputation", patch.factor.imputation,
+              {{Imputation::kMostProbable, "most-probable"}, {Imputation::kLeastSquares, "least-squares"}},
+              SettingTable::kStudy),
   };
   keys.insert(keys.end(), own.begin(), own.end());
   return keys;
@@ -48,6 +53,11 @@ void SurfaceLightFieldOptions::require_valid() const {
   require(patch.factor.tolerance >= 0 && patch.factor.tolerance < 1, "tolerance must be in [0, 1)");
   require(patch.min_visible >= 0 && patch.min_visible <= 1, "min_visible must be in [0, 1]");
   require(patch.max_views >= 8 && patch.max_views <= 1000, "max_views must be 8..1000");
+}
+
+std::string SurfaceLightFieldOptions::no_small_form() const {
+  if (patch.interpolation.method == ViewMethod::kKriging) return {};
+  return "small files hold views that kriging interpolates between, and interpolation is \"delaunay\"";
 }
 
 int SurfaceLightFieldOptions::effort_levels() const {

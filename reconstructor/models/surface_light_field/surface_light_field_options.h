@@ -29,6 +29,7 @@ struct SurfaceLightFieldOptions : ModelSettings {
   std::unique_ptr<ModelSettings> clone() const override { return std::make_unique<SurfaceLightFieldOptions>(*this); }
   std::vector<SettingKey> keys() override;
   void require_valid() const override;
+  std::string no_small_form() const override;
   int effort_levels() const override;
   MemoryNeed memory_need(std::size_t vertices, std::size_t triangles) const override;
   std::unique_ptr<AppearanceModel> make_model(std::shared_ptr<const Mesh> mesh,

@@ -30,6 +30,14 @@ TEST(SceneConfig, TheExampleIsRead) {
   EXPECT_STREQ(load_scene_config(SHEEN_EXAMPLES "/scene.toml").kind->name(), "surface_light_field");
 }
 
+TEST(SceneConfig, ThePapersWaysAreAnExampleToo) {
+  const SurfaceLightFieldOptions paper = load_options(SHEEN_EXAMPLES "/paper.toml");
+  EXPECT_EQ(paper.patch.interpolation.method, ViewMethod::kDelaunay);
+  EXPECT_EQ(paper.patch.factor.imputation, Imputation::kLeastSquares);
+  EXPECT_NE(paper.no_small_form(), "");
+  EXPECT_EQ(load_options(SHEEN_EXAMPLES "/scene.toml").no_small_form(), "");
+}
+
 TEST(SceneConfig, TheExampleHasEveryKeyWithItsDefault) {
   const std::string text = read_file(SHEEN_EXAMPLES "/scene.toml");
   SurfaceLightFieldOptions example = load_options(SHEEN_EXAMPLES "/scene.toml"), defaults;
@@ -149,7 +157,8 @@ TEST(SceneConfig, ErrorsNameFileLineAndKey) {
   expect_refused("model = 3\n", {name + ":1", "model", "\"surface_light_field\""});
 }
 
-constexpr const char *kImages = "images", *kModel = "surface_light_field", *kAdvanced = "surface_light_field.advanced";
+constexpr const char *kImages = "images", *kModel = "surface_light_field", *kAdvanced = "surface_light_field.advanced",
+                     *kStudy = "surface_light_field.study";
 
 /// Every key, with values that it takes, in TOML, and such as it does not.
 struct KeyCase {
@@ -171,6 +180,8 @@ const std::vector<KeyCase>& all_keys() {
       {kAdvanced, "max_views", "30", {"7", "1001"}},
       {kAdvanced, "repeat_angle", "0.1", {"-0.1", "0.5", "nan"}},
       {kAdvanced, "min_visible", "0.25", {"-0.1", "1.1", "nan"}},
+      {kStudy, "interpolation", "\"delaunay\"", {"\"linear\"", "1"}},
+      {kStudy, "imputation", "\"least-squares\"", {"\"none\"", "1"}},
       {kImages, "hold_out_every", "4", {"1", "-1"}},
       {kImages, "exposure", "\"off\"", {"\"auto\"", "true"}},
       {kImages, "erosion_px", "3", {"-1", "33"}},
@@ -244,13 +255,22 @@ TEST(SceneConfig, EveryKeyChangesTheModel) {
   }
   const std::map<std::string, std::pair<std::string, std::string>> cases{
       // key: the rest of the scene, its value
-      {"surface_map", {"", "7"}},    {"map_scale", {"", "0.5"}},
-      {"map_detail", {"", "0.5"}},   {"sampling", {"", "\"linear\""}},
-      {"max_rank", {"", "1"}},       {"internal_rank", {"[surface_light_field]\nmax_rank = 2\n", "2"}},
-      {"block", {"", "3"}},          {"tolerance", {"", "0.3"}},
-      {"max_views", {"", "8"}},      {"repeat_angle", {"", "0.4"}},
-      {"min_visible", {"", "1"}},    {"hold_out_every", {"", "4"}},
-      {"exposure", {"", "\"off\""}}, {"erosion_px", {"", "6"}},
+      {"surface_map", {"", "7"}},
+      {"map_scale", {"", "0.5"}},
+      {"map_detail", {"", "0.5"}},
+      {"sampling", {"", "\"linear\""}},
+      {"max_rank", {"", "1"}},
+      {"internal_rank", {"[surface_light_field]\nmax_rank = 2\n", "2"}},
+      {"block", {"", "3"}},
+      {"tolerance", {"", "0.3"}},
+      {"max_views", {"", "8"}},
+      {"repeat_angle", {"", "0.4"}},
+      {"min_visible", {"", "1"}},
+      {"hold_out_every", {"", "4"}},
+      {"exposure", {"", "\"off\""}},
+      {"erosion_px", {"", "6"}},
+      {"interpolation", {"", "\"delaunay\""}},
+      {"imputation", {"", "\"least-squares\""}},
   };
   ASSERT_EQ(cases.size(), all_keys().size());
   for (const KeyCase& c : all_keys()) {

@@ -246,6 +246,10 @@ std::unique_ptr<Compression> compress(const SurfaceLightFieldSnapshot& snapshot,
   if (const std::size_t cameras = snapshot.cameras().size(); cameras > kMostCameras)
     throw ConfigError("a small file holds at most " + std::to_string(kMostCameras) + " cameras, and this model has " +
                       std::to_string(cameras) + "; build it from fewer images, or save it without --bytes and --loss");
+  if (snapshot.triangulated())
+    throw ConfigError(
+        "a small file holds views that kriging interpolates between, and this model was built with interpolation = "
+        "\"delaunay\"");
   return std::make_unique<LightFieldCompression>(snapshot, std::move(target));
 }
 

@@ -348,6 +348,14 @@ bool alike(const VertexViews& a, const VertexViews& b) {
          a.kernel == b.kernel && a.reflection == b.reflection && a.frame == b.frame && a.best_cosine == b.best_cosine;
 }
 
+/// Whether views are interpolated as the paper does it.
+bool is_triangulated(const Description& description) {
+  const std::string word = description.text("interpolation");
+  if (word != kKrigingWord && word != kDelaunayWord)
+    description.fail("interpolation", std::string("must be ") + kKrigingWord + " or " + kDelaunayWord);
+  return word == kDelaunayWord;
+}
+
 /// Patches round a vertex that have the same views share them again.
 void share_views(Patches& patches, const PatchShapes& shapes) {
   std::vector<std::vector<std::shared_ptr<const VertexViews>>> round(shapes.first_round.size() - 1);
@@ -379,6 +387,8 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& fold
   patches.reflection = read_part(description, "reflection", reflection_from_json);
   MapsReader(folder / kMapsFile, patches).read(description.text("id"));
   share_views(patches, *shapes);
+  if (is_triangulated(description))
+    for (std::size_t i = 0; i < patches.layout.vertices.size(); ++i) patches.vertex(i).triangulate();
 
   SurfaceLightFieldSnapshot::Patches all(shapes->patches.size());
   for (std::size_t i = 0; i < patches.data.size(); ++i) all[patches.layout.patches[i].patch] = patches.data[i];

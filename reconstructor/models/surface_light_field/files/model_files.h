@@ -14,7 +14,6 @@ namespace sheen {
 
 struct SaveOptions {
   ExrPrecision surface = ExrPrecision::kFloat;  ///< of the surface maps; with half a reopened model is not the same
-  int view_map = 32;                            ///< side of the portable view maps (000 sec. 4.2); 0 = write none
   StepsDone progress;
 };
 
@@ -25,9 +24,8 @@ struct SaveOptions {
 ///   maps.exr    surface.rank00 ...  atlas of all patches' basis rows, RGB
 ///               measured            the same atlas: fraction of the patch's images that showed the sample: 0 unseen,
 ///                                   below 1/2 imputed, else measured (older models have 1 wherever any did)
-///               views               kriging: directions and weights, one pixel per view of a vertex
+///               views               directions and weights, one pixel per view of a vertex
 ///               vertices            frame, mean and drift coefficients, one pixel per vertex of a patch
-///               view.rank00 ...     view maps, a tile per vertex of a patch, for readers that do not krige
 /// They are written into the folder ".unfinished" in it and moved when all are whole: until then an older model stays.
 /// model.json comes last and is tied to the other two, so a save that was cut short is noticed. Throws FileError.
 void save_model(const SurfaceLightFieldSnapshot& model, const std::filesystem::path& folder,

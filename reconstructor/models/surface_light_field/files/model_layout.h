@@ -10,11 +10,12 @@
 
 namespace sheen {
 
-/// 2: kernels have a shape; a drift. 3: a sill. 4: views a reliability; the cameras. 5: patches in place of rings.
-/// Earlier versions are refused.
-inline constexpr int kModelVersion = 5;
+/// 2: kernels have a shape; a drift. 3: a sill. 4: views a reliability; the cameras. 5: patches in place of rings. 6:
+/// how views are interpolated, and no view maps. Earlier versions are refused.
+inline constexpr int kModelVersion = 6;
 inline constexpr const char* kModelFormat = "sheen surface light field";
 inline constexpr const char* kModelIdAttribute = "sheen.model";
+inline constexpr const char *kKrigingWord = "kriging", *kDelaunayWord = "delaunay";  ///< `ViewMethod`
 inline constexpr const char* kMeshFile = "mesh.ply";
 inline constexpr const char* kJsonFile = "model.json";
 inline constexpr const char* kMapsFile = "maps.exr";

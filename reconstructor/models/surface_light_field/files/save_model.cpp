@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tbb/parallel_for.h>
-
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "common/base/content_hash.h"
@@ -58,12 +55,12 @@ Json conventions() {
        "h(d) = mean + drift * L(d mirrored about the third row of frame) + sum over views of weight * "
        "k(angle(d, direction)); L: reflection, orthonormal real spherical harmonics, (l, m) at l^2 + l + m; empty = 0; "
        "less and less is believed of it beyond the views: see BelievedDrift in view_kriging.h"},
+      {"delaunay",
+       "where interpolation is \"delaunay\", a weight is the view's own h, and h(d) is interpolated over the Delaunay "
+       "triangulation of the views' first two coordinates in frame: see view_hemisphere.h"},
       {"kernel",
        "k(t) by kernel_shape: 0 = (1 + sqrt(3) t / scale) exp(-sqrt(3) t / scale), 1 = exp(-t / scale); the nugget "
-       "is in the weights"},
-      {"view map",
-       "a square tile per vertex of a patch, row by row; pixel centres over [-1, 1]^2: the first two coordinates of "
-       "frame * direction, moved to the rim where outside the unit disc"}};
+       "is in the weights"}};
 }
 
 /// The function that all vertices share; null where none uses it.
@@ -84,6 +81,7 @@ Json description_of(const Snapshot& model, const ModelLayout& layout, const std:
   json["conventions"] = conventions();
   json["cameras"] = cameras_to_json(model.cameras());
   json["exposure"] = exposure_to_json(model.exposure());
+  json["interpolation"] = model.triangulated() ? kDelaunayWord : kKrigingWord;
   json["reflection"] = reflection_to_json(reflection_of(model));
   Json resolution = Json::array(), filter = Json::array();
   for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) {
@@ -191,64 +189,6 @@ ImageF vertices_image(const Snapshot& model, const ModelLayout& layout) {
   return image;
 }
 
-/// Direction of each pixel of a view map in the hemisphere's frame: 3 x side^2.
-Eigen::Matrix3Xf view_map_directions(int side) {
-  Eigen::Matrix3Xf directions(3, side * side);
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) {
-      Eigen::Vector2f p(2 * (x + 0.5f) / side - 1, 2 * (y + 0.5f) / side - 1);
-      if (p.squaredNorm() > 1) p.normalize();
-      directions.col(y * side + x) << p, std::sqrt(std::max(0.0f, 1 - p.squaredNorm()));
-    }
-  return directions;
-}
-
-/// The view maps of all vertices of patches: rank x side^2 each. Portable copies, which half precision suffices for.
-using ViewMap = Eigen::Matrix<Eigen::half, Eigen::Dynamic, Eigen::Dynamic>;
-std::vector<ViewMap> view_maps(const Snapshot& model, const ModelLayout& layout, int side) {
-  const Eigen::Matrix3Xf local = view_map_directions(side);
-  std::vector<ViewMap> maps(layout.vertices.size());
-  std::vector<std::vector<std::size_t>> round(model.mesh().vertices.size());
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    const VertexEntry& entry = layout.vertices[i];
-    maps[i].resize(entry.rank, local.cols());
-    const std::uint32_t patch = layout.patches[entry.entry].patch;
-    if (entry.rank > 0) round[model.shapes().patches[patch].vertices[entry.vertex]].push_back(i);
-  }
-  tbb::parallel_for(std::size_t(0), round.size(), [&](std::size_t v) {
-    if (round[v].empty()) return;
-    Eigen::VectorXf h;
-    const Eigen::Matrix3f object_from_local =
-        vertex_of(model, layout, layout.vertices[round[v][0]]).views->frame.transpose();
-    for (Eigen::Index k = 0; k < local.cols(); ++k) {
-      CoefficientsAtVertex seen_from(object_from_local * local.col(k));
-      for (const std::size_t i : round[v]) {
-        h.resize(maps[i].rows());
-        seen_from.of(vertex_of(model, layout, layout.vertices[i]), h);
-        maps[i].col(k) = h.cast<Eigen::half>();
-      }
-    }
-  });
-  return maps;
-}
-
-AtlasSize tiles_across(std::size_t tiles) {
-  const int across = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(tiles)))));
-  return {across, std::max(1, (static_cast<int>(tiles) + across - 1) / across)};
-}
-
-ImageF view_image(const std::vector<ViewMap>& maps, int side, int rank) {
-  const AtlasSize tiles = tiles_across(maps.size());
-  ImageF image(tiles.width * side, tiles.height * side, 1);
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    if (rank >= maps[i].rows()) continue;
-    const int left = int(i) % tiles.width * side, top = int(i) / tiles.width * side;
-    for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x) image.at(left + x, top + y) = float(maps[i](rank, y * side + x));
-  }
-  return image;
-}
-
 /// Parts with the functions that make their pixels when their turn comes.
 struct Parts {
   std::vector<ExrPartInfo> info;
@@ -273,14 +213,6 @@ void save_maps(const Snapshot& model, const ModelLayout& layout, const SaveOptio
             [&] { return views_image(model, layout); });
   parts.add("vertices", vertices_channels(layout.max_rank), atlas_size(layout.vertices.size()), ExrPrecision::kFloat,
             [&] { return vertices_image(model, layout); });
-  std::vector<ViewMap> maps;
-  if (options.view_map > 0) {
-    maps = view_maps(model, layout, options.view_map);
-    const AtlasSize tiles = tiles_across(maps.size());
-    for (int r = 0; r < layout.max_rank; ++r)
-      parts.add(rank_part("view", r), {"Y"}, {tiles.width * options.view_map, tiles.height * options.view_map},
-                ExrPrecision::kHalf, [&, r] { return view_image(maps, options.view_map, r); });
-  }
   write_exr(path, parts.info, {{kModelIdAttribute, id}}, [&](std::size_t i) {
     written(i, parts.image.size());
     return parts.image[i]();

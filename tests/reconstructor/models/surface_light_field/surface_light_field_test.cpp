@@ -155,7 +155,7 @@ TEST(SurfaceLightField, PatchesThatTheSameImagesShowShareTheirViewsAtAVertexAndW
   ingest_all(model, captures({object.surface, analytic::two_terms(0.2)}, training_eyes(12)));
   const TempFolder folder;
   const auto grown = model.light_field_snapshot();
-  save_model(*grown, folder.path(), {}, {.view_map = 0});
+  save_model(*grown, folder.path(), {});
   for (const auto& snapshot : {grown, load_model(folder.path())}) {
     const PatchShapes& shapes = snapshot->shapes();
     const Eigen::Vector3d eye(0.1, 0.05, 0.5);

@@ -148,7 +148,7 @@ TEST(ModelFiles, SavingAgainReplacesTheModel) {
   const TempFolder folder;
   save_model(*random_model(1), folder.path());
   const auto second = random_model(2);
-  save_model(*second, folder.path(), {}, {.view_map = 0});
+  save_model(*second, folder.path(), {});
   expect_same_pictures(*second, *load_model(folder.path()));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3) << "nothing unfinished is left";
 }
@@ -209,36 +209,35 @@ TEST(ModelFiles, HalfPrecisionIsClose) {
   }
 }
 
-TEST(ModelFiles, ViewMapsHoldTheCoefficients) {
+TEST(ModelFiles, TriangulatedViewsComeBackAsTheyWere) {
   const TempFolder folder;
   const auto model = random_model(1);
-  save_model(*model, folder.path());
-  const ExrFile maps = read_exr(folder.path() / "maps.exr");
-  ASSERT_NE(maps.find("view.rank06"), nullptr);
-  EXPECT_EQ(maps.find("view.rank07"), nullptr);
-  EXPECT_EQ(maps.parts[0].name, "surface.rank00");
-  const ImageF& image = maps.find("view.rank06")->image;
-  // The vertices of three patches, 4 + 5 + 3: tiles 4 across, 3 down. Those of the second patch, of rank 7, follow
-  // four.
-  ASSERT_EQ(model->patches()[0]->vertices.size() + model->patches()[1]->vertices.size(), 9u);
-  ASSERT_EQ(image.width(), 128);
-  ASSERT_EQ(image.height(), 96);
-  const VertexInterpolant& at = model->patches()[1]->vertices[0];  // left tile of the second row
-  const float step = 2.0f / 32;
-  for (const auto& [x, y] : {std::pair(16, 16), {10, 20}, {25, 9}}) {
-    const Eigen::Vector2f p(step * (x + 0.5f) - 1, step * (y + 0.5f) - 1);
-    const Eigen::Vector3f local(p.x(), p.y(), std::sqrt(1 - p.squaredNorm()));
-    const float expected = at.coefficients(at.views->frame.transpose() * local)[6];
-    EXPECT_NEAR(image.at(x, 32 + y), expected, 1e-3 * (1 + std::abs(expected)));
+  SurfaceLightFieldSnapshot::Patches patches;
+  for (const auto& patch : model->patches()) {
+    const auto own = patch ? std::make_shared<PatchSnapshot>(*patch) : nullptr;
+    if (own)
+      for (VertexInterpolant& vertex : own->vertices)
+        vertex.set_triangulation(Eigen::MatrixXf::Random(own->rank(), vertex.views->directions.cols()));
+    patches.push_back(own);
   }
-  EXPECT_EQ(image.at(16, 16), 0) << "another patch's tile: it has no such rank";
+  const SurfaceLightFieldSnapshot triangulated(model->shared_mesh(), model->shared_maps(), model->shared_shapes(),
+                                               std::move(patches), 1);
+  save_model(triangulated, folder.path());
+  const auto opened = load_model(folder.path());
+  ASSERT_TRUE(opened->triangulated());
+  EXPECT_FALSE(model->triangulated());
+  for (const Eigen::Vector3d& eye : {Eigen::Vector3d(0.3, -0.2, 0.9), Eigen::Vector3d(-0.4, 0.1, 0.5)}) {
+    EXPECT_EQ(opened->coefficients_for(eye), triangulated.coefficients_for(eye));
+    EXPECT_NE(opened->coefficients_for(eye), model->coefficients_for(eye));
+  }
+  expect_error<ConfigError>([&] { opened->compressed({}); }, {"delaunay"});
 }
 
 /// Saves a model, changes its model.json by `change` and expects opening to fail with `words`.
 template <typename Change>
 void expect_refused(Change change, const std::vector<std::string>& words) {
   const TempFolder folder;
-  save_model(*random_model(1), folder.path(), {}, {.view_map = 0});
+  save_model(*random_model(1), folder.path(), {});
   Json json = Json::parse(read_file(folder.path() / "model.json"));
   change(json);
   folder.write("model.json", json.dump());
@@ -246,13 +245,13 @@ void expect_refused(Change change, const std::vector<std::string>& words) {
 }
 
 TEST(ModelFiles, ANewerVersionIsRefusedNamingBoth) {
-  expect_refused([](Json& json) { json["version"] = 6; },
-                 {"model.json", "version 6", "reads version 5", "newer Sheen"});
+  expect_refused([](Json& json) { json["version"] = 7; },
+                 {"model.json", "version 7", "reads version 6", "newer Sheen"});
   expect_refused([](Json& json) { json["version"] = std::int64_t(1) << 33; },
-                 {"version 8589934592", "reads version 5"});
+                 {"version 8589934592", "reads version 6"});
   for (const int version : {1, 2, 3, 4})
     expect_refused([&](Json& json) { json["version"] = version; },
-                   {"model.json", "version " + std::to_string(version), "reads version 5", "again"});
+                   {"model.json", "version " + std::to_string(version), "reads version 6", "again"});
   expect_refused([](Json& json) { json["version"] = 0; }, {"model.json", "version"});
   expect_refused([](Json& json) { json["version"] = "1"; }, {"model.json", "version", "whole number"});
 }
@@ -296,7 +295,7 @@ TEST(ModelFiles, EveryWrongFieldIsNamed) {
 TEST(ModelFiles, BrokenAndMissingFilesAreNamed) {
   const TempFolder folder;
   const auto model = random_model(1);
-  save_model(*model, folder.path(), {}, {.view_map = 0});
+  save_model(*model, folder.path(), {});
   const std::string json = read_file(folder.path() / "model.json"), maps = read_file(folder.path() / "maps.exr"),
                     mesh = read_file(folder.path() / "mesh.ply");
   const auto refused = [&](const std::vector<std::string>& words) {
@@ -324,7 +323,7 @@ TEST(ModelFiles, BrokenAndMissingFilesAreNamed) {
   folder.write("mesh.ply", mesh.substr(0, mesh.size() - 1));
   refused({"mesh.ply"});
   // A save cut short: the maps are new, the description is old.
-  save_model(*random_model(2), folder.path(), {{"a", "b"}}, {.view_map = 0});
+  save_model(*random_model(2), folder.path(), {{"a", "b"}});
   folder.write("model.json", json);
   refused({"maps.exr", "does not belong"});
   expect_same_pictures(*model, *load_model(folder.path()));
@@ -333,7 +332,7 @@ TEST(ModelFiles, BrokenAndMissingFilesAreNamed) {
 
 TEST(ModelFiles, RanksThatTheMapsCannotHoldAreNotGivenTheMemory) {
   const TempFolder folder;
-  save_model(*random_model(1), folder.path(), {}, {.view_map = 0});
+  save_model(*random_model(1), folder.path(), {});
   // A part for each rank, of a pixel; and lattices of 33,000 samples that ask for 800 MB.
   ExrFile maps = read_exr(folder.path() / "maps.exr");
   for (int rank = 10; rank < 99; ++rank)
@@ -365,7 +364,7 @@ TEST(ModelFiles, LatticesOfMoreSamplesThanCanBeCountedAreRefused) {
 
 TEST(ModelFiles, DamagedMapsAreReadOrRefused) {
   const TempFolder folder;
-  save_model(*random_model(1), folder.path(), {}, {.view_map = 0});
+  save_model(*random_model(1), folder.path(), {});
   const std::string maps = read_file(folder.path() / "maps.exr");
   int refused = 0, tried = 0;
   for (std::size_t i = 0; i < maps.size(); i += 1 + maps.size() / 211, ++tried) {
