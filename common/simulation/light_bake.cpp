@@ -4,6 +4,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sheen {
@@ -123,12 +124,14 @@ bool LightBake::misses_object(const Vector3f& origin, const Vector3f& direction)
 LightBake::Meeting LightBake::meet(const Vector3f& origin, const Vector3f& direction) const {
   Meeting meeting;
   if (!misses_object(origin, direction)) meeting.object = rays_.intersect({origin, direction});
-  if (!meeting.object && scene_.stage && direction.z() < 0 && origin.z() > 0) {
-    const float distance = -origin.z() / direction.z();
-    const Eigen::Vector2f at = origin.head<2>() + distance * direction.head<2>();
-    if (at.norm() < scene_.stage->table_radius()) meeting.stage = at;
-  }
+  if (!meeting.object) meeting.stage = meet_stage(origin, direction);
   return meeting;
+}
+
+std::optional<Eigen::Vector2f> LightBake::meet_stage(const Vector3f& origin, const Vector3f& direction) const {
+  if (!scene_.stage || direction.z() >= 0 || origin.z() <= 0) return std::nullopt;
+  const Eigen::Vector2f at = origin.head<2>() - origin.z() / direction.z() * direction.head<2>();
+  return at.norm() < scene_.stage->table_radius() ? std::optional(at) : std::nullopt;
 }
 
 Array3f LightBake::reflected(const Meeting& meeting) const {
@@ -137,14 +140,22 @@ Array3f LightBake::reflected(const Meeting& meeting) const {
   return Array3f::Zero();
 }
 
-Array3f LightBake::incoming(const Vector3f& origin, const Vector3f& direction) const {
-  const Meeting meeting = meet(origin, direction);
-  if (meeting.object || meeting.stage) return reflected(meeting);
-  Array3f radiance = scene_.lighting.environment(direction);
-  if (const auto& light = scene_.lighting.area_light)
-    if (const auto crossing = light->meet(origin, direction))
-      radiance += (light->radiance - radiance) * crossing->emission;  // where it does not shine, it is not there
-  return radiance;
+void LightBake::incoming(std::span<const Ray> rays, std::span<Array3f> radiance) const {
+  std::array<Hit, LobePoints::kCount> hits;
+  rays_.intersect(rays, std::span(hits).first(rays.size()));
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const auto& [origin, direction, near, far] = rays[i];
+    const Meeting meeting{hits[i], hits[i] ? std::nullopt : meet_stage(origin, direction)};
+    if (meeting.object || meeting.stage) {
+      radiance[i] = reflected(meeting);
+      continue;
+    }
+    radiance[i] = scene_.lighting.environment(direction);
+    if (const auto& light = scene_.lighting.area_light)
+      if (const auto crossing = light->meet(origin, direction))
+        radiance[i] +=
+            (light->radiance - radiance[i]) * crossing->emission;  // where it does not shine, it is not there
+  }
 }
 
 Array3f LightBake::gather_lights(const Point& point, const BakeOptions& options) const {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/geometry/ray_scene.h"
@@ -43,8 +44,8 @@ class LightBake {
   /// Radiance that leaves the stage there, its print blurred to the grid; zero beyond the table.
   Eigen::Array3f stage_radiance(float x, float y) const { return interpolate(stage_radiance_, x, y); }
 
-  /// Radiance that arrives at a point from a unit direction.
-  Eigen::Array3f incoming(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
+  /// Radiance that arrives at a point of the object along rays with unit directions, no more than `LobePoints::kCount`.
+  void incoming(std::span<const Ray> rays, std::span<Eigen::Array3f> radiance) const;
 
  private:
   struct Point {
@@ -56,6 +57,7 @@ class LightBake {
     std::optional<Eigen::Vector2f> stage;
   };
   Meeting meet(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
+  std::optional<Eigen::Vector2f> meet_stage(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
   bool misses_object(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
   Eigen::Array3f reflected(const Meeting& meeting) const;
   Eigen::Array3f gather_lights(const Point& point, const BakeOptions& options) const;

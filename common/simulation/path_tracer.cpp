@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/base/errors.h"
@@ -25,6 +26,23 @@ Eigen::Vector2f spread_point(int i, int n) {
   for (int k = 0; k < 32; ++k, bits >>= 1) reversed = reversed << 1 | (bits & 1);
   return {(i + 0.5f) / n, static_cast<float>(reversed >> 8) * 0x1p-24f + 0.5f / n};
 }
+
+/// A set of points for the lobe, dealt out to the primary rays of a pixel.
+class DealtPoints {
+ public:
+  DealtPoints(int points, int rays) : shares_(rays) {
+    for (int i = 0; i < points; ++i) {
+      std::vector<LobePoints>& share = shares_[i % rays];
+      if (share.empty() || share.back().count == LobePoints::kCount) share.emplace_back();
+      const Eigen::Vector2f u = spread_point(i, points);
+      share.back().add(u.x(), u.y());
+    }
+  }
+  std::span<const LobePoints> share(int ray) const { return shares_[ray]; }
+
+ private:
+  std::vector<std::vector<LobePoints>> shares_;
+};
 
 }  // namespace
 
@@ -132,7 +150,7 @@ Vector3f PathTracer::shading_normal(const Hit& hit, const Vector3f& eye) const {
 }
 
 Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const Vector3f& direction,
-                                 const LobeSubset& subset) const {
+                                 LobeShare share) const {
   if (!hit.front) return Array3f::Zero();
   const Vector3f eye = -direction.normalized(), n = shading_normal(hit, eye);
   const float eye_cosine = n.dot(eye);
@@ -140,7 +158,7 @@ Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const
   const Material material = scene_->object.material(position);
   Array3f radiance =
       material.albedo * (1 - lobe_albedo(material, eye_cosine)) * bake_->object_irradiance(hit) / float(M_PI);
-  if (material.normal_reflectance.maxCoeff() <= 0 || subset.total <= 0) return radiance;
+  if (material.normal_reflectance.maxCoeff() <= 0 || share.empty()) return radiance;
 
   // The frame turns with the eye, so that the sample points move smoothly over the surface.
   Vector3f across = n.cross(eye);
@@ -151,25 +169,32 @@ Array3f PathTracer::shade_object(const Hit& hit, const Vector3f& position, const
   const Vector3f origin = position + kRayOffset * n;
   Array3f sum = Array3f::Zero();
   int count = 0;
-  for (int i = subset.first; i < subset.total; i += subset.stride) {
-    ++count;
-    const Eigen::Vector2f u = spread_point(i, subset.total);
-    const LobeSample sample = sample_ggx(material, eye_local, u.x(), u.y());
-    if (sample.weight.maxCoeff() <= 0) continue;
-    sum += sample.weight * bake_->incoming(origin, (object_from_local * sample.light).normalized());
+  for (const LobePoints& points : share) {
+    const LobeSamples samples = sample_ggx(material.roughness, eye_local, points);
+    std::array<Ray, LobePoints::kCount> rays;
+    std::array<Array3f, LobePoints::kCount> weights, incoming;
+    std::size_t used = 0;
+    for (int i = 0; i < points.count; ++i) {
+      if (samples.z[i] <= 0) continue;
+      weights[used] = material.normal_reflectance * samples.scale[i] + samples.bias[i];
+      rays[used++] = {origin, (object_from_local * Vector3f(samples.x[i], samples.y[i], samples.z[i])).normalized()};
+    }
+    bake_->incoming(std::span(rays).first(used), incoming);
+    for (std::size_t i = 0; i < used; ++i) sum += weights[i] * incoming[i];
+    count += points.count;
   }
-  return radiance + sum / std::max(1, count);
+  return radiance + sum / static_cast<float>(count);
 }
 
-Array3f PathTracer::shade(const Surface& surface, const Vector3f& direction, const LobeSubset& subset) const {
-  if (surface.object) return shade_object(surface.object, surface.position, direction, subset);
+Array3f PathTracer::shade(const Surface& surface, const Vector3f& direction, LobeShare share) const {
+  if (surface.object) return shade_object(surface.object, surface.position, direction, share);
   if (surface.region == StageSurface::Region::kNothing) return scene_->lighting.environment(direction.normalized());
   const float x = surface.position.x(), y = surface.position.y();
   return scene_->stage->albedo(surface.region, x, y) * bake_->stage_irradiance(x, y) / float(M_PI);
 }
 
 Array3f PathTracer::radiance(const Vector3f& origin, const Vector3f& direction, int lobe_samples) const {
-  return shade(first_surface(origin, direction), direction, {0, 1, lobe_samples});
+  return shade(first_surface(origin, direction), direction, DealtPoints(lobe_samples, 1).share(0));
 }
 
 RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_object,
@@ -179,11 +204,13 @@ RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_
   const Vector3f eye = camera_centre(camera_from_object).cast<float>();
   const auto ray_at = [&](float x, float y) -> Vector3f { return object_from_camera * lens.direction(x, y); };
 
-  const auto lit = [&](const Surface& surface, const Vector3f& ray, const LobeSubset& subset) -> Array3f {
-    const Array3f radiance = options.lighting * shade(surface, ray, subset);
+  const auto lit = [&](const Surface& surface, const Vector3f& ray, LobeShare share) -> Array3f {
+    const Array3f radiance = options.lighting * shade(surface, ray, share);
     return options.lamp ? Array3f(radiance + shade_by_lamp(surface, ray, *options.lamp)) : radiance;
   };
 
+  const DealtPoints object_points(options.lobe_samples, options.object_samples);
+  const DealtPoints edge_points(options.lobe_samples, options.edge_samples);
   RenderedView view{ImageF(width, height, 3), ImageU8(width, height, 1)};
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 8), [&](const tbb::blocked_range<int>& rows) {
     std::vector<Surface> above(width + 1), below(width + 1);
@@ -202,7 +229,7 @@ RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_
                              middle.same_kind(below[x]) && middle.same_kind(below[x + 1]);
         Eigen::Map<Array3f> pixel(view.radiance.pixel(x, y));
         if (uniform && !middle.object) {
-          pixel = lit(middle, central, {0, 1, 0});
+          pixel = lit(middle, central, {});
           continue;
         }
         const int count = uniform ? options.object_samples : options.edge_samples;
@@ -210,7 +237,7 @@ RenderedView PathTracer::render(const LensRays& lens, const Rigid3& camera_from_
         for (int k = 0; k < count; ++k) {
           const Eigen::Vector2f at = spread_point(k, count);
           const Vector3f ray = ray_at(x - 0.5f + at.x(), y - 0.5f + at.y());
-          sum += lit(first_surface(eye, ray), ray, {k, count, options.lobe_samples});
+          sum += lit(first_surface(eye, ray), ray, (uniform ? object_points : edge_points).share(k));
         }
         pixel = sum / count;
       }

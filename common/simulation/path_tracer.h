@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/camera/camera.h"
@@ -64,18 +65,16 @@ class PathTracer {
 
  private:
   struct Surface;
-  /// Every `stride`-th of `total` points of the lobe's sample set, from `first` on.
-  struct LobeSubset {
-    int first, stride, total;
-  };
+  /// A primary ray's part of the points from which the lobe is sampled.
+  using LobeShare = std::span<const LobePoints>;
   Surface first_surface(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
-  Eigen::Array3f shade(const Surface& surface, const Eigen::Vector3f& direction, const LobeSubset& subset) const;
+  Eigen::Array3f shade(const Surface& surface, const Eigen::Vector3f& direction, LobeShare share) const;
   Eigen::Array3f lamp_irradiance(const PointLamp& lamp, const Eigen::Vector3f& place, const Eigen::Vector3f& normal,
                                  Eigen::Vector3f& towards) const;
   Eigen::Array3f shade_by_lamp(const Surface& surface, const Eigen::Vector3f& direction, const PointLamp& lamp) const;
   Eigen::Vector3f shading_normal(const Hit& hit, const Eigen::Vector3f& eye) const;
   Eigen::Array3f shade_object(const Hit& hit, const Eigen::Vector3f& position, const Eigen::Vector3f& direction,
-                              const LobeSubset& subset) const;
+                              LobeShare share) const;
 
   std::unique_ptr<const SimulatedScene> scene_;  ///< stays where it is: the bake refers to it
   std::unique_ptr<const RayScene> rays_;

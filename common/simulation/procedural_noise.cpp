@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/simulation/procedural_noise.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sheen {
@@ -14,13 +15,10 @@ std::uint32_t cell_hash(int x, int y, int z) {
   return h ^ (h >> 16);
 }
 
-/// Gradient along one of the twelve edge directions of a cube, dotted with the offset (Perlin 2002).
-float corner_slope(std::uint32_t hash, float x, float y, float z) {
-  const std::uint32_t h = hash & 15;
-  const float u = h < 8 ? x : y;
-  const float v = h < 4 ? y : (h == 12 || h == 14 ? x : z);
-  return ((h & 1) ? -u : u) + ((h & 2) ? -v : v);
-}
+/// The twelve edge directions of a cube (Perlin 2002), four of them twice. A table: a hash would mislead branches.
+constexpr float kGradients[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1},  {-1, 0, 1},
+                                     {1, 0, -1}, {-1, 0, -1}, {0, 1, 1},  {0, -1, 1},  {0, 1, -1}, {0, -1, -1},
+                                     {1, 1, 0},  {0, -1, 1},  {-1, 1, 0}, {0, -1, -1}};
 
 float fade(float t) {
   return t * t * t * (t * (t * 6 - 15) + 10);
@@ -45,7 +43,8 @@ float gradient_noise(const Eigen::Vector3f& p) {
   const float x = p.x() - fx, y = p.y() - fy, z = p.z() - fz;
   const float u = fade(x), v = fade(y), w = fade(z);
   const auto at = [&](int dx, int dy, int dz) {
-    return corner_slope(cell_hash(ix + dx, iy + dy, iz + dz), x - dx, y - dy, z - dz);
+    const float* gradient = kGradients[cell_hash(ix + dx, iy + dy, iz + dz) & 15];
+    return gradient[0] * (x - float(dx)) + gradient[1] * (y - float(dy)) + gradient[2] * (z - float(dz));
   };
   return mix(mix(mix(at(0, 0, 0), at(1, 0, 0), u), mix(at(0, 1, 0), at(1, 1, 0), u), v),
              mix(mix(at(0, 0, 1), at(1, 0, 1), u), mix(at(0, 1, 1), at(1, 1, 1), u), v), w);
@@ -66,15 +65,26 @@ ScatteredPoint nearest_scattered_point(const Eigen::Vector3f& p) {
             iz = static_cast<int>(std::floor(p.z()));
   float best = 1e9f;
   std::uint32_t name = 0;
-  for (int z = iz - 1; z <= iz + 1; ++z)
-    for (int y = iy - 1; y <= iy + 1; ++y)
-      for (int x = ix - 1; x <= ix + 1; ++x) {
+  // Own cell first: mostly nothing in the others can be as near.
+  const auto away = [](float place, int cell) {
+    return std::max({0.0f, static_cast<float>(cell) - place, place - static_cast<float>(cell + 1)});
+  };
+  for (const int z : {iz, iz - 1, iz + 1}) {
+    const float off_z = away(p.z(), z);
+    for (const int y : {iy, iy - 1, iy + 1}) {
+      const float off_y = away(p.y(), y);
+      if (off_z * off_z + off_y * off_y >= best) continue;
+      for (const int x : {ix, ix - 1, ix + 1}) {
+        const float off_x = away(p.x(), x);
+        if (off_z * off_z + off_y * off_y + off_x * off_x >= best) continue;
         const std::uint32_t h = cell_hash(x, y, z);
         const Eigen::Vector3f point(x + (h & 1023) / 1024.0f, y + ((h >> 10) & 1023) / 1024.0f,
                                     z + ((h >> 20) & 1023) / 1024.0f);
         const float squared = (p - point).squaredNorm();
         if (squared < best) best = squared, name = h;
       }
+    }
+  }
   return {std::sqrt(best), static_cast<float>((name * 0x9e3779b9u) >> 8) * 0x1p-24f};
 }
 

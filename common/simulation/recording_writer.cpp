@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <oneapi/tbb/parallel_for.h>
 
+#include <atomic>
 #include <cstdio>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <vector>
 
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
@@ -101,6 +103,19 @@ bool is_complete(const RigRecording& recording) {
 
 }  // namespace
 
+RigRecording planned_recording(const SimulatedRig& rig, const fs::path& folder) {
+  RigRecording recording{.folder = folder,
+                         .camera = rig.camera(),
+                         .frame_rate_hz = rig.options().frame_rate_hz,
+                         .exposure = {.exposure_s = kExposureSeconds, .locked = true},
+                         .parameters_hash = parameters_hash(rig.options())};
+  for (std::size_t i = 0; i < rig.size(); ++i)
+    recording.frames.push_back({.raw_file = folder / "frames" / (frame_name(i) + ".raw"),
+                                .camera_from_object = rig.path()[i].camera_from_object,
+                                .blur_px = rig.blur_px(i)});
+  return recording;
+}
+
 RigRecording write_recording(const SimulatedRig& rig, const fs::path& folder, const RenderProgress& progress) {
   make_folder(folder);
   std::error_code ignored;
@@ -112,22 +127,18 @@ RigRecording write_recording(const SimulatedRig& rig, const fs::path& folder, co
   write_file(folder / "rig.toml", tracker_config(rig.camera(), rig.options().still_camera, !rig.lights().empty()));
   if (!rig.lights().empty()) write_file(folder / kLightTable, light_table(rig.lights()));
 
-  RigRecording recording{.folder = folder,
-                         .camera = rig.camera(),
-                         .frame_rate_hz = rig.options().frame_rate_hz,
-                         .exposure = {.exposure_s = kExposureSeconds, .locked = true},
-                         .parameters_hash = parameters_hash(rig.options())};
-  recording.frames.resize(rig.size());
+  // In order, for who looks on; each is rendered by whoever is free.
+  std::atomic<std::size_t> next = 0;
   std::mutex reporting;
-  int done = 0;
-  tbb::parallel_for(std::size_t(0), rig.size(), [&](std::size_t i) {
-    const SimulatedFrame frame = rig.frame(i);
-    const std::string name = frame_name(i);
-    write_frame(frame, folder, name, rig.options().truth);
-    recording.frames[i] = {folder / "frames" / (name + ".raw"), frame.camera_from_object, frame.blur_px};
+  std::vector<bool> there(rig.size());
+  std::size_t done = 0;
+  tbb::parallel_for(std::size_t(0), rig.size(), [&](std::size_t) {
+    const std::size_t i = next++;
+    write_frame(rig.frame(i), folder, frame_name(i), rig.options().truth);
     const std::lock_guard lock(reporting);
-    ++done;
-    if (progress) progress(done, static_cast<int>(rig.size()));
+    there[i] = true;
+    while (done < there.size() && there[done]) ++done;
+    if (progress) progress(static_cast<int>(done), static_cast<int>(rig.size()));
   });
 
   // All of a still camera's picture counts, as a model of one camera asks.
@@ -135,6 +146,7 @@ RigRecording write_recording(const SimulatedRig& rig, const fs::path& folder, co
     if (rig.options().still_camera) return std::nullopt;
     return folder / "masks" / (frame_name(i) + ".png");
   };
+  const RigRecording recording = planned_recording(rig, folder);
   std::vector<DatasetView> views;
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     if (recording.frames[i].blur_px > 0) continue;
@@ -154,13 +166,16 @@ RigRecording write_recording(const SimulatedRig& rig, const fs::path& folder, co
   return recording;
 }
 
+std::optional<RigRecording> finished_recording(const SimulationOptions& options, const fs::path& folder) {
+  if (!fs::exists(folder / "rig.json")) return std::nullopt;
+  RigRecording recording = load_rig_recording(folder);
+  if (recording.parameters_hash != parameters_hash(options) || !is_complete(recording)) return std::nullopt;
+  return recording;
+}
+
 CachedRecording cached_recording(const SimulationOptions& options, const fs::path& folder,
                                  const RenderProgress& progress) {
-  if (fs::exists(folder / "rig.json")) {
-    RigRecording recording = load_rig_recording(folder);
-    if (recording.parameters_hash == parameters_hash(options) && is_complete(recording))
-      return {std::move(recording), false};
-  }
+  if (auto finished = finished_recording(options, folder)) return {*std::move(finished), false};
   return {write_recording(SimulatedRig(options), folder, progress), true};
 }
 

@@ -9,10 +9,17 @@
 namespace sheen {
 namespace {
 
+using Values = LobePoints::Values;
+
 /// Smith's Lambda for GGX.
 float lambda(float cosine, float alpha) {
   const float c2 = cosine * cosine;
   return (std::sqrt(1 + alpha * alpha * std::max(0.0f, 1 - c2) / std::max(c2, 1e-8f)) - 1) / 2;
+}
+
+Values lambda(const Values& cosine, float alpha) {
+  const Values c2 = cosine.square();
+  return ((1 + alpha * alpha * (1 - c2).max(0.0f) / c2.max(1e-8f)).sqrt() - 1) / 2;
 }
 
 float fresnel_rise(float cosine) {
@@ -20,19 +27,35 @@ float fresnel_rise(float cosine) {
   return m2 * m2 * m;
 }
 
-/// Half vector seen by the eye.
-Eigen::Vector3f sample_visible_normal(const Eigen::Vector3f& eye, float alpha, float u0, float u1) {
+Values fresnel_rise(const Values& cosine) {
+  const Values m = 1 - cosine.max(0.0f).min(1.0f);
+  return m.square().square() * m;
+}
+
+struct Vectors {
+  Values x, y, z;
+  Values dot(const Eigen::Vector3f& v) const { return x * v.x() + y * v.y() + z * v.z(); }
+};
+
+/// Half vectors seen by the eye.
+Vectors sample_visible_normals(const Eigen::Vector3f& eye, float alpha, const LobePoints& points) {
   const Eigen::Vector3f stretched = Eigen::Vector3f(alpha * eye.x(), alpha * eye.y(), eye.z()).normalized();
   const float side = std::hypot(stretched.x(), stretched.y());
   const Eigen::Vector3f t1 =
       side > 1e-6f ? Eigen::Vector3f(-stretched.y() / side, stretched.x() / side, 0) : Eigen::Vector3f::UnitX();
   const Eigen::Vector3f t2 = stretched.cross(t1);
-  const float r = std::sqrt(u0), phi = 2 * float(M_PI) * u1;
-  const float a = r * std::cos(phi);
   const float s = 0.5f * (1 + stretched.z());
-  const float b = (1 - s) * std::sqrt(std::max(0.0f, 1 - a * a)) + s * r * std::sin(phi);
-  const Eigen::Vector3f n = a * t1 + b * t2 + std::sqrt(std::max(0.0f, 1 - a * a - b * b)) * stretched;
-  return Eigen::Vector3f(alpha * n.x(), alpha * n.y(), std::max(0.0f, n.z())).normalized();
+  const Values& a = points.x;
+  const Values b = (1 - s) * (1 - a.square()).max(0.0f).sqrt() + s * points.y;
+  const Values c = (1 - a.square() - b.square()).max(0.0f).sqrt();
+  Vectors n{alpha * (a * t1.x() + b * t2.x() + c * stretched.x()),
+            alpha * (a * t1.y() + b * t2.y() + c * stretched.y()),
+            (a * t1.z() + b * t2.z() + c * stretched.z()).max(0.0f)};
+  const Values length = (n.x.square() + n.y.square() + n.z.square()).sqrt();
+  n.x /= length;
+  n.y /= length;
+  n.z /= length;
+  return n;
 }
 
 /// The lobe's albedo is F0 * scale + bias; both depend on the eye's cosine and on alpha alone.
@@ -51,14 +74,11 @@ struct AlbedoTable {
         const Eigen::Vector3f eye(std::sqrt(1 - cosine * cosine), 0, cosine);
         Eigen::Array2f sum = Eigen::Array2f::Zero();
         for (int i = 0; i < kSamples; ++i)
-          for (int j = 0; j < kSamples; ++j) {
-            const Eigen::Vector3f half =
-                sample_visible_normal(eye, alpha, (i + 0.5f) / kSamples, (j + 0.5f) / kSamples);
-            const float light_cosine = 2 * eye.dot(half) * half.z() - eye.z();
-            if (light_cosine <= 0) continue;
-            const float l_eye = lambda(cosine, alpha), l_light = lambda(light_cosine, alpha);
-            const float shadowing = (1 + l_eye) / (1 + l_eye + l_light), rise = fresnel_rise(eye.dot(half));
-            sum += shadowing * Eigen::Array2f(1 - rise, rise);
+          for (int j = 0; j < kSamples; j += LobePoints::kCount) {
+            LobePoints points;
+            for (int k = 0; k < LobePoints::kCount; ++k) points.add((i + 0.5f) / kSamples, (j + k + 0.5f) / kSamples);
+            const LobeSamples samples = sample_ggx(alpha, eye, points);
+            sum += Eigen::Array2f(samples.scale.sum(), samples.bias.sum());
           }
         entry[a][c] = sum / (kSamples * kSamples);
         const float end = c == 0 || c == kSide - 1 ? 0.5f : 1.0f;
@@ -102,12 +122,26 @@ Eigen::Array3f ggx(const Material& material, const Eigen::Vector3f& eye, const E
   return fresnel(material.normal_reflectance, eye.dot(half)) * (density * shadowing / (4 * eye.z() * light.z()));
 }
 
-LobeSample sample_ggx(const Material& material, const Eigen::Vector3f& eye, float u0, float u1) {
-  const Eigen::Vector3f half = sample_visible_normal(eye, material.roughness, u0, u1);
-  const Eigen::Vector3f light = 2 * eye.dot(half) * half - eye;
-  if (light.z() <= 0) return {light, Eigen::Array3f::Zero()};
-  const float l_eye = lambda(eye.z(), material.roughness), l_light = lambda(light.z(), material.roughness);
-  return {light, fresnel(material.normal_reflectance, eye.dot(half)) * ((1 + l_eye) / (1 + l_eye + l_light))};
+void LobePoints::add(float u0, float u1) {
+  const float r = std::sqrt(u0), phi = 2 * float(M_PI) * u1;
+  x[count] = r * std::cos(phi);
+  y[count] = r * std::sin(phi);
+  ++count;
+}
+
+LobeSamples sample_ggx(float roughness, const Eigen::Vector3f& eye, const LobePoints& points) {
+  const Vectors half = sample_visible_normals(eye, roughness, points);
+  const Values eye_cosine = half.dot(eye);
+  LobeSamples samples;
+  samples.x = 2 * eye_cosine * half.x - eye.x();
+  samples.y = 2 * eye_cosine * half.y - eye.y();
+  samples.z = 2 * eye_cosine * half.z - eye.z();
+  const float l_eye = lambda(eye.z(), roughness);
+  const Values shadowing =
+      (samples.z > 0).select((1 + l_eye) / (1 + l_eye + lambda(samples.z, roughness)), Values::Zero());
+  samples.bias = shadowing * fresnel_rise(eye_cosine);
+  samples.scale = shadowing - samples.bias;
+  return samples;
 }
 
 Eigen::Array3f lobe_albedo(const Material& material, float eye_cosine) {

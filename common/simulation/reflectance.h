@@ -24,13 +24,24 @@ Eigen::Array3f fresnel(const Eigen::Array3f& normal_reflectance, float cosine);
 /// The GGX lobe's BRDF for unit directions to the eye and to the light, in the frame whose z is the normal (1/sr).
 Eigen::Array3f ggx(const Material& material, const Eigen::Vector3f& eye, const Eigen::Vector3f& light);
 
-/// A direction towards the light, drawn from the normals that the eye sees (Heitz 2018), for u in [0, 1)^2, and what
-/// its radiance is to be multiplied with. The weight is zero where the direction points into the surface.
-struct LobeSample {
-  Eigen::Vector3f light;
-  Eigen::Array3f weight;
+/// Points of the unit disc from which directions into a lobe are drawn, as many as fill a vector register.
+struct LobePoints {
+  static constexpr int kCount = 8;
+  using Values = Eigen::Array<float, kCount, 1>;
+
+  Values x = Values::Zero(), y = Values::Zero();
+  int count = 0;  ///< of them used, the first ones
+
+  /// The point that evenly fills the disc for u in [0, 1)^2.
+  void add(float u0, float u1);
 };
-LobeSample sample_ggx(const Material& material, const Eigen::Vector3f& eye, float u0, float u1);
+
+/// Directions towards the light, drawn from the normals that the eye sees (Heitz 2018), and what their radiance is to
+/// be multiplied with: normal reflectance * scale + bias. Both are zero where the direction points into the surface.
+struct LobeSamples {
+  LobePoints::Values x, y, z, scale, bias;
+};
+LobeSamples sample_ggx(float roughness, const Eigen::Vector3f& eye, const LobePoints& points);
 
 /// Part of the light that the lobe reflects towards an eye at this cosine to the normal, were the light the same from
 /// everywhere. From a table that is integrated once.

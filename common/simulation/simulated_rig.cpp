@@ -11,7 +11,7 @@
 namespace sheen {
 namespace {
 
-constexpr int kBlurSteps = 9;  // poses that a moving frame averages
+constexpr int kBlurSteps = 9;  // poses that a moving frame averages; odd, for one in the middle
 constexpr double kMeterQuantile = 0.9975;
 constexpr float kDimmed = 0.1f;       // the studio beside a lamp
 constexpr float kLampPower = 2;       // irradiance at one metre: about as bright at the object as the studio
@@ -75,24 +75,32 @@ RenderOptions SimulatedRig::lit(RenderOptions options, std::size_t index) const 
   return options;
 }
 
+/// The mean of what is seen while the camera turns; the mask is that of the middle.
+RenderedView SimulatedRig::blurred(const CameraStation& station, std::size_t index) const {
+  const RenderOptions coarse = lit({.object_samples = 1, .edge_samples = 4, .lobe_samples = 8}, index);
+  RenderedView mean{ImageF(camera().width, camera().height, 3), {}};
+  for (int i = 0; i < kBlurSteps; ++i) {
+    RenderedView moment = tracer_.render(lens_, station.at((i + 0.5) / kBlurSteps - 0.5), coarse);
+    for (std::size_t k = 0; k < mean.radiance.size(); ++k)
+      mean.radiance.data()[k] += moment.radiance.data()[k] / kBlurSteps;
+    if (i == kBlurSteps / 2) mean.mask = std::move(moment.mask);
+  }
+  return mean;
+}
+
+double SimulatedRig::blur_px(std::size_t index) const {
+  return path_.at(index).streak_px(camera(), bounding_sphere(object().mesh).centre);
+}
+
 SimulatedFrame SimulatedRig::frame(std::size_t index) const {
   const CameraStation& station = path_.at(index);
   SimulatedFrame frame;
   frame.camera_from_object = station.camera_from_object;
-  frame.blur_px = station.streak_px(camera(), bounding_sphere(object().mesh).centre);
+  frame.blur_px = blur_px(index);
   if (!lights_.empty()) frame.light = lights_[index];
-  RenderedView view = tracer_.render(lens_, station.camera_from_object, lit({}, index));
+  RenderedView view = station.moves() ? blurred(station, index) : tracer_.render(lens_, station.at(0), lit({}, index));
   frame.mask = std::move(view.mask);
   frame.radiance = std::move(view.radiance);
-  if (station.moves()) {
-    const RenderOptions coarse = lit({.object_samples = 1, .edge_samples = 4, .lobe_samples = 8}, index);
-    frame.radiance = ImageF(camera().width, camera().height, 3);
-    for (int i = 0; i < kBlurSteps; ++i) {
-      const RenderedView moment = tracer_.render(lens_, station.at((i + 0.5) / kBlurSteps - 0.5), coarse);
-      for (std::size_t k = 0; k < frame.radiance.size(); ++k)
-        frame.radiance.data()[k] += moment.radiance.data()[k] / kBlurSteps;
-    }
-  }
   for (std::size_t k = 0; k < frame.radiance.size(); ++k)
     frame.radiance.data()[k] = static_cast<float>(frame.radiance.data()[k] / white_level_);
   frame.radiance = through_lens(frame.radiance, kLensSpotPx);

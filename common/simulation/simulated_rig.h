@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ struct SimulationOptions {
 /// before noise and clipping.
 struct SimulatedFrame {
   Rigid3 camera_from_object;  ///< at the middle of the exposure
-  double blur_px = 0;         ///< streak of the object's centre
+  double blur_px = 0;         ///< `SimulatedRig::blur_px`
   LightState light;           ///< the lamp's, exact; fixed without one
   ImageF radiance;
   ImageU8 mask;  ///< 255 on the object's silhouette, at the middle of the exposure
@@ -51,6 +52,7 @@ class SimulatedRig {
 
   std::size_t size() const { return path_.size(); }
   SimulatedFrame frame(std::size_t index) const;
+  double blur_px(std::size_t index) const;  ///< streak of the object's centre
 
   const SimulationOptions& options() const { return options_; }
   const StageLayout& stage() const { return stage_; }
@@ -62,6 +64,7 @@ class SimulatedRig {
 
  private:
   double meter() const;
+  RenderedView blurred(const CameraStation& station, std::size_t index) const;
   RenderOptions lit(RenderOptions options, std::size_t index) const;
 
   SimulationOptions options_;
@@ -73,9 +76,12 @@ class SimulatedRig {
   double white_level_;
 };
 
-/// Called after each frame with the numbers of frames done and wanted; any thread, one at a time. What it throws ends
-/// the rendering.
+/// Called after each frame: the first `done` of `total` are there. Any thread, one at a time. What it throws ends the
+/// rendering.
 using RenderProgress = std::function<void(int done, int total)>;
+
+/// What `write_recording` makes: all of it is known before a frame is rendered.
+RigRecording planned_recording(const SimulatedRig& rig, const std::filesystem::path& folder);
 
 /// Renders the rig into a folder as a recording and a dataset (see `RigRecording`), with `rig.toml` for the tracker.
 /// `rig.json` is written last: a folder that has it is complete. Every 8th sharp frame is marked as held out; frames
@@ -83,7 +89,10 @@ using RenderProgress = std::function<void(int done, int total)>;
 RigRecording write_recording(const SimulatedRig& rig, const std::filesystem::path& folder,
                              const RenderProgress& progress = {});
 
-/// The folder's recording when it is complete and was rendered from the same options, else renders it.
+/// The folder's recording when it is complete and was rendered from these options.
+std::optional<RigRecording> finished_recording(const SimulationOptions& options, const std::filesystem::path& folder);
+
+/// That, else renders it.
 struct CachedRecording {
   RigRecording recording;
   bool rendered = false;  ///< false: it was there

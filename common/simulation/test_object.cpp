@@ -10,6 +10,7 @@
 #include "common/simulation/bronze.h"
 #include "common/simulation/glaze.h"
 #include "common/simulation/implicit_surface.h"
+#include "common/simulation/lacquer.h"
 
 namespace sheen {
 namespace {
@@ -113,6 +114,13 @@ TestObject make_bronze_object() {
   return object;
 }
 
+TestObject make_lacquer_object() {
+  TestObject object = make_demo_object();
+  object.name = "lacquer";
+  object.material = Lacquer{};
+  return object;
+}
+
 TestObject make_sphere(const Material& material, double radius_m, const Eigen::Vector3d& centre, int subdivisions) {
   const float g = (1 + std::sqrt(5.0f)) / 2;
   std::vector<Eigen::Vector3f> directions = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
@@ -153,8 +161,9 @@ TestObject make_demo_sphere() {
 TestObject make_test_object(const std::string& name) {
   if (name == "demo") return make_demo_object();
   if (name == "bronze") return make_bronze_object();
+  if (name == "lacquer") return make_lacquer_object();
   if (name == "sphere") return make_demo_sphere();
-  throw ConfigError("there is no object \"" + name + "\"; use \"demo\", \"bronze\" or \"sphere\"");
+  throw ConfigError("there is no object \"" + name + "\"; use \"demo\", \"bronze\", \"lacquer\" or \"sphere\"");
 }
 
 }  // namespace sheen

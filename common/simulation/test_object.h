@@ -26,6 +26,9 @@ TestObject make_demo_object();
 /// The same teapot of bronze: hardly any light but what it reflects like a dull mirror (`simulate --object bronze`).
 TestObject make_bronze_object();
 
+/// The same teapot in polished lacquer: narrow, bright highlights that move with the eye (`simulate --object lacquer`).
+TestObject make_lacquer_object();
+
 /// The demo's object as a closed mesh of about this many triangles (500 or more); finer detail is rounded off, and
 /// sheets that are closer than a triangle may touch.
 Mesh make_demo_mesh(int triangles);
@@ -36,7 +39,7 @@ TestObject make_sphere(const Material& material, double radius_m, const Eigen::V
 /// The textured glossy sphere of `simulate --object sphere`, 90 mm across.
 TestObject make_demo_sphere();
 
-/// "demo", "bronze" or "sphere". Throws ConfigError for any other name.
+/// "demo", "bronze", "lacquer" or "sphere". Throws ConfigError for any other name.
 TestObject make_test_object(const std::string& name);
 
 }  // namespace sheen

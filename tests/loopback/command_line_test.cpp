@@ -206,6 +206,7 @@ TEST_F(CommandLineUse, NumbersThatMakeNoSense) {
         Case{tracker(stage + Words{"--first-id", "-1"}), "--first-id"},
         Case{tracker({"simulate", "--out", "x", "--frames", "0"}), "--frames"},
         Case{tracker({"simulate", "--serve", "x", "--rate", "nan"}), "--rate"},
+        Case{tracker({"simulate", "--serve", "x", "--out", "y"}), "the same folder"},
         Case{build({"--hold-out", "-1"}), "--hold-out"},
         Case{reconstructor({"undo", "x", "--capture", "-1"}), "--capture"},
         Case{reconstructor({"view", "x", "--eye", "0,nan,0"}), "--eye"}})

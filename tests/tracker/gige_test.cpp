@@ -83,6 +83,34 @@ TEST_F(Gige, FramesArriveByteExactInOrderAndAreLogged) {
   EXPECT_EQ(source.state(), SourceState::kLive);
 }
 
+TEST_F(Gige, WhatIsStillRenderedFollowsWhenItIsThere) {
+  const CameraServerOptions options{.address = "127.0.0.1"};
+  for (std::size_t i = 2; i < recording.frames.size(); ++i) std::filesystem::remove(recording.frames[i].raw_file);
+  EXPECT_THROW(CameraServer(recording, options, 0), FileError);
+  EXPECT_THROW(CameraServer(recording, options, 3), FileError) << "the third is not there";
+  CameraServer server(recording, options, 2);
+  AravisSource source(options.address, {.width = 320, .height = 240});
+  const auto content = [&] {
+    const auto frame = next_frame(source, milliseconds(2000));
+    return frame ? std::string(frame->image.bytes.begin(), frame->image.bytes.end()) : "no frame";
+  };
+  EXPECT_EQ(content(), contents[0]);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(content(), contents[1]) << "the last that is there";
+  EXPECT_FALSE(server.exhausted());
+  for (std::size_t i = 2; i < contents.size(); ++i)
+    std::ofstream(recording.frames[i].raw_file, std::ios::binary) << contents[i];
+  server.load_until(contents.size());
+  const auto end = Clock::now() + milliseconds(5000);
+  std::string last;
+  while (last != contents.back() && Clock::now() < end) last = content();
+  EXPECT_EQ(last, contents.back());
+  EXPECT_TRUE(server.exhausted());
+  std::vector<std::size_t> order;
+  for (const SentFrame& sent : server.take_sent())
+    if (order.empty() || order.back() != sent.rig_index) order.push_back(sent.rig_index);
+  EXPECT_EQ(order, (std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7})) << "each, in order";
+}
+
 TEST_F(Gige, AnUnpluggedCameraIsNoticedAndGoesOnWhenItIsBack) {
   const CameraServerOptions options{.address = "127.0.0.1", .loop = true};
   auto server = std::make_unique<CameraServer>(recording, options);

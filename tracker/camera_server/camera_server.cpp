@@ -31,12 +31,13 @@ ArvPixelFormat to_aravis(PixelFormat format) {
 }  // namespace
 
 struct CameraServer::Impl {
-  std::vector<std::string> frames;
+  RigRecording recording;
   std::size_t frame_bytes = 0, frame_rows = 0;
   bool loop = false;
   ArvGvFakeCamera* camera = nullptr;
 
-  mutable std::mutex mutex;
+  mutable std::mutex mutex;         // guards everything below
+  std::vector<std::string> frames;  ///< the recording's first ones
   std::size_t next = 0;
   bool exhausted = false;
   std::vector<SentFrame> sent;
@@ -44,24 +45,24 @@ struct CameraServer::Impl {
   ~Impl() {
     if (camera) g_object_unref(camera);
   }
-  void load(const RigRecording& recording);
-  void start(const RigRecording& recording, const CameraServerOptions& options);
+  void load_until(std::size_t ready);
+  void start(const CameraServerOptions& options);
   void fill(ArvBuffer* buffer);
 };
 
-void CameraServer::Impl::load(const RigRecording& recording) {
-  if (recording.frames.empty()) throw FileError(recording.folder.string(), "holds no frame to send");
-  frame_bytes = std::size_t(recording.camera.width) * recording.camera.height * bytes_per_pixel(recording.format);
-  frame_rows = recording.camera.height;
-  for (const RigFrame& frame : recording.frames) {
-    frames.push_back(read_file(frame.raw_file));
-    if (frames.back().size() != frame_bytes)
-      throw FileError(frame.raw_file.string(), "has " + std::to_string(frames.back().size()) + " bytes, a frame has " +
-                                                   std::to_string(frame_bytes));
+void CameraServer::Impl::load_until(std::size_t ready) {
+  for (std::size_t i = frames.size(); i < ready; ++i) {  // this thread alone adds frames
+    const std::filesystem::path& file = recording.frames[i].raw_file;
+    std::string bytes = read_file(file);
+    if (bytes.size() != frame_bytes)
+      throw FileError(file.string(),
+                      "has " + std::to_string(bytes.size()) + " bytes, a frame has " + std::to_string(frame_bytes));
+    const std::lock_guard lock(mutex);
+    frames.push_back(std::move(bytes));
   }
 }
 
-void CameraServer::Impl::start(const RigRecording& recording, const CameraServerOptions& options) {
+void CameraServer::Impl::start(const CameraServerOptions& options) {
   if (!options.address.starts_with("127."))
     throw ConfigError("the simulated camera lives on the loopback network: 127.0.0.1, 127.0.0.2, ... and not on " +
                       options.address);
@@ -107,20 +108,32 @@ void CameraServer::Impl::fill(ArvBuffer* buffer) {
   sent.push_back({arv_buffer_get_frame_id(buffer), next});
   if (next + 1 < frames.size()) {
     ++next;
-  } else {
+  } else if (frames.size() == recording.frames.size()) {
     exhausted = true;
     if (loop) next = 0;
   }
 }
 
 CameraServer::CameraServer(const RigRecording& recording, const CameraServerOptions& options)
+    : CameraServer(recording, options, recording.frames.size()) {}
+
+CameraServer::CameraServer(const RigRecording& recording, const CameraServerOptions& options, std::size_t ready)
     : impl_(std::make_unique<Impl>()) {
+  if (ready == 0) throw FileError(recording.folder.string(), "holds no frame to send");
+  impl_->recording = recording;
+  impl_->frame_bytes =
+      std::size_t(recording.camera.width) * recording.camera.height * bytes_per_pixel(recording.format);
+  impl_->frame_rows = recording.camera.height;
   impl_->loop = options.loop;
-  impl_->load(recording);
-  impl_->start(recording, options);
+  impl_->load_until(ready);
+  impl_->start(options);
 }
 
 CameraServer::~CameraServer() = default;
+
+void CameraServer::load_until(std::size_t ready) {
+  impl_->load_until(ready);
+}
 
 std::vector<SentFrame> CameraServer::take_sent() {
   const std::lock_guard lock(impl_->mutex);

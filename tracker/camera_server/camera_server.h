@@ -32,7 +32,12 @@ class CameraServer {
   /// Throws FileError for a frame that is missing or of the wrong size, ConfigError for an address off the loopback
   /// network, DeviceError when the address is in use.
   CameraServer(const RigRecording& recording, const CameraServerOptions& options);
+  /// Of a recording that is still rendered; its first `ready` frames, one at least, are there.
+  CameraServer(const RigRecording& recording, const CameraServerOptions& options, std::size_t ready);
   ~CameraServer();
+
+  /// By now this many are there. Until then the last of them is sent again and again. Throws FileError.
+  void load_until(std::size_t ready);
 
   /// Which frames have been sent since the last call, in order.
   std::vector<SentFrame> take_sent();

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <functional>
+#include <future>
 #include <iostream>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stop_token>
 #include <thread>
 #include <tuple>
 #include <utility>
@@ -14,6 +18,7 @@
 #include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
 #include "common/base/order_statistics.h"
 #include "common/base/progress.h"
 #include "common/base/quantity.h"
@@ -27,6 +32,8 @@
 
 namespace sheen {
 namespace {
+
+constexpr std::chrono::milliseconds kPoll{50};
 
 struct SimulateArguments {
   std::filesystem::path out, serve, log, judge, recording;
@@ -96,9 +103,11 @@ void render_lights(const SimulateArguments& arguments) {
     std::printf("%d images in %d lights rendered into %s\n", images, arguments.lights, arguments.out.c_str());
 }
 
-/// Serves a recording as a camera until it is told to stop; the log names each frame as it is sent.
-void serve(const SimulateArguments& arguments) {
-  CameraServer server(load_rig_recording(arguments.serve), arguments.server);
+/// Serves a recording as a camera until it is told to stop; the log names each frame as it is sent. `ready`: how many
+/// frames there are by now; it may throw.
+void serve(const RigRecording& recording, const SimulateArguments& arguments,
+           const std::function<std::size_t()>& ready) {
+  CameraServer server(recording, arguments.server, ready());
   std::ofstream log;
   if (!arguments.log.empty()) {
     log.open(arguments.log);
@@ -106,11 +115,44 @@ void serve(const SimulateArguments& arguments) {
   }
   std::cerr << "sheen-tracker: aravis:" << arguments.server.address << " serves " << arguments.serve.string() << '\n';
   while (!stop_requested()) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::this_thread::sleep_for(kPoll);
+    server.load_until(ready());
     for (const SentFrame& frame : server.take_sent()) log << frame.camera_frame_id << ',' << frame.rig_index << '\n';
     log.flush();
     if (!arguments.log.empty() && !log) throw FileError(arguments.log.string(), "cannot be written");
   }
+}
+
+void serve(const RigRecording& recording, const SimulateArguments& arguments) {
+  serve(recording, arguments, [&] { return recording.frames.size(); });
+}
+
+/// From the first frame on, while the others are rendered.
+void serve_while_rendering(SimulateArguments arguments) {
+  if (arguments.out != arguments.serve)
+    throw ConfigError("--out with --serve serves what is rendered: give both the same folder");
+  std::tie(arguments.rig.width, arguments.rig.height) = size_of(arguments);
+  if (const auto finished = finished_recording(arguments.rig, arguments.out)) return serve(*finished, arguments);
+  const EndOnStop give_up("sheen-tracker: stopped; the recording is incomplete and will be rendered again");
+  const SimulatedRig rig(arguments.rig);
+  std::atomic<std::size_t> rendered = 0;
+  std::promise<void> end;
+  std::future<void> ended = end.get_future();
+  const std::jthread renderer = guarded_thread(
+      [&](const std::stop_token& given_up) {
+        write_recording(rig, arguments.out, [&](int done, int) {
+          if (stop_requested() || given_up.stop_requested())
+            throw Error("stopped; the recording is incomplete and will be rendered again");
+          rendered = std::size_t(done);
+        });
+      },
+      [&](const std::exception_ptr& error) { end.set_exception(error); });
+  const auto ready = [&] {
+    if (ended.wait_for(std::chrono::seconds(0)) == std::future_status::ready) ended.get();  // it failed: throws
+    return rendered.load();
+  };
+  while (ready() == 0) std::this_thread::sleep_for(kPoll);
+  serve(planned_recording(rig, arguments.out), arguments, ready);
 }
 
 /// How far the poses of a session are from the truth of the recording that was served.
@@ -140,8 +182,9 @@ void simulate(const SimulateArguments& arguments) {
   if (arguments.lights > 0 && (arguments.out.empty() || !arguments.serve.empty()))
     throw ConfigError("--lights renders a data set: give --out DIR, and no --serve");
   if (arguments.lights > 0) return render_lights(arguments);
-  if (!arguments.out.empty()) render(arguments);
-  if (!arguments.serve.empty()) serve(arguments);
+  if (arguments.serve.empty()) return render(arguments);
+  if (arguments.out.empty()) return serve(load_rig_recording(arguments.serve), arguments);
+  serve_while_rendering(arguments);
 }
 
 }  // namespace
@@ -159,7 +202,7 @@ void add_simulate_command(Command& program) {
   command.option("--seed", arguments->rig.seed, "seed of the camera's path and of the noise")
       .check(whole_number_in(0, std::numeric_limits<std::uint32_t>::max()))
       .show_default();
-  command.option("--object", arguments->rig.object, "demo, bronze or sphere").show_default();
+  command.option("--object", arguments->rig.object, "demo, bronze, lacquer or sphere").show_default();
   command.option("--light-path", arguments->rig.light_path,
                  "a lamp moves in the dimmed studio: dome, plane, or positions of a list of lights (FILE.lp)");
   command.flag("--still-camera", arguments->rig.still_camera, "the camera does not move");
@@ -173,7 +216,8 @@ void add_simulate_command(Command& program) {
   command.option("--gloss", arguments->gloss, "with --lights: how glossy ball, rod, cone and disc are")
       .check(number_in(0, 1))
       .show_default();
-  command.option("--serve", arguments->serve, "recording to serve as a GigE Vision camera, until Ctrl-C");
+  command.option("--serve", arguments->serve,
+                 "recording to serve as a GigE Vision camera, until Ctrl-C; that of --out while it is rendered");
   command.option("--interface", arguments->server.address, "loopback address to serve on").show_default();
   command.option("--rate", arguments->server.frame_rate_hz, "frames/s to serve; default: those of the recording")
       .check(number_in(0.001, 10000));

@@ -65,10 +65,15 @@ TEST(Ggx, SamplingEstimatesTheIntegral) {
     constexpr int kSide = 400;
     double sum = 0;
     for (int i = 0; i < kSide; ++i)
-      for (int j = 0; j < kSide; ++j) {
-        const LobeSample s = sample_ggx(m, eye_at(cosine), (i + 0.5f) / kSide, (j + 0.5f) / kSide);
-        EXPECT_NEAR(s.light.norm(), 1, 1e-4);
-        sum += s.weight[0] * radiance(s.light);
+      for (int j = 0; j < kSide; j += LobePoints::kCount) {
+        LobePoints points;
+        for (int k = 0; k < LobePoints::kCount; ++k) points.add((i + 0.5f) / kSide, (j + k + 0.5f) / kSide);
+        const LobeSamples s = sample_ggx(m.roughness, eye_at(cosine), points);
+        for (int k = 0; k < LobePoints::kCount; ++k) {
+          const Vector3f light(s.x[k], s.y[k], s.z[k]);
+          EXPECT_NEAR(light.norm(), 1, 1e-4);
+          sum += (m.normal_reflectance[0] * s.scale[k] + s.bias[k]) * radiance(light);
+        }
       }
     const double exact = reflected(m, eye_at(cosine), radiance);
     EXPECT_NEAR(sum / (kSide * kSide), exact, 0.01 * exact) << cosine;

@@ -138,6 +138,24 @@ TEST_F(Recording, HoldsEveryFrameAndReadsBack) {
     ASSERT_NEAR(truth.parts[0].image.data()[k], again.radiance.data()[k], 1e-3f * (0.1f + again.radiance.data()[k]));
 }
 
+TEST_F(Recording, CanBeLookedAtWhileItIsRendered) {
+  const RigRecording planned = planned_recording(shared_rig(), folder_);
+  int before = 0;
+  const RigRecording written = write_recording(shared_rig(), folder_, [&](int done, int total) {
+    EXPECT_GE(done, before);
+    EXPECT_EQ(total, int(planned.frames.size()));
+    for (int i = before; i < done; ++i) EXPECT_EQ(fs::file_size(planned.frames[std::size_t(i)].raw_file), 96u * 72);
+    EXPECT_FALSE(fs::exists(folder_ / "rig.json"));
+    before = done;
+  });
+  EXPECT_EQ(before, int(planned.frames.size()));
+  ASSERT_EQ(written.frames.size(), planned.frames.size());
+  for (std::size_t i = 0; i < planned.frames.size(); ++i) {
+    EXPECT_EQ(written.frames[i].raw_file, planned.frames[i].raw_file);
+    EXPECT_EQ(planned.frames[i].blur_px, shared_rig().frame(i).blur_px);
+  }
+}
+
 TEST_F(Recording, IsADatasetOfItsSharpFrames) {
   const RigRecording recording = write_recording(shared_rig(), folder_);
   const Dataset dataset = load_dataset(folder_);
