@@ -30,6 +30,15 @@ constexpr std::size_t kFewestImages = 8;        // of fewer, those that judge sa
 constexpr std::size_t kMostVertices = 150'000;  // refining takes about 4 kB for each
 constexpr std::size_t kSides = 3;               // from which images are taken to find a mistake of frames
 
+/// The same captures, of which none is read once the work is to stop.
+CaptureSet until_stopped(CaptureSet captures) {
+  captures.read = [read = std::move(captures.read)](std::size_t i) {
+    if (stop_requested()) throw Error("stopped before the model was begun; no model was written");
+    return read(i);
+  };
+  return captures;
+}
+
 /// The first `count` captures with a pose, from this one on.
 std::vector<RegistrationImage> images_from(const CaptureSet& captures, std::size_t first, std::size_t count,
                                            bool& on_stage) {
@@ -73,7 +82,6 @@ MeshDisagreement disagreement(const Mesh& mesh, const RefinementImages& images, 
   std::optional<Progress> bar;
   const MeshDisagreement found = measure_disagreement(mesh, images, [&](std::size_t done, std::size_t steps) {
     if (!bar) bar.emplace("comparing", steps);
-    if (stop_requested()) throw Error("stopped while mesh and images were compared; no model was written");
     bar->update(done);
   });
   report["disagreement"] = {{"off_px", found.off_px},
@@ -89,8 +97,10 @@ bool hardly_agree(const MeshDisagreement& found) {
 }
 
 /// What the images, which hardly agree about the mesh anywhere, say against it as a whole.
-std::string doubt_about(const ChosenMesh& chosen, const MeshDisagreement& found, const std::string& name) {
-  if (const auto mistake = find_frame_mistake(chosen.mesh, images_from_sides(chosen.captures))) {
+std::string doubt_about(const ChosenMesh& chosen, const MeshDisagreement& found, const std::string& name,
+                        const std::string& dataset) {
+  const std::vector<RegistrationImage> images = images_from_sides(chosen.captures);
+  if (const auto mistake = find_frame_mistake(chosen.mesh, images, applied_similarity(dataset))) {
     std::string doubt = "the images do not agree with where it stands; " + in_words(*mistake);
     std::fprintf(stderr, "%s: %s\n", name.c_str(), doubt.c_str());
     return doubt;
@@ -138,8 +148,11 @@ Refining refining_of(const std::string& refine, bool no_refine) {
 
 ChosenMesh choose_mesh(Mesh given, const std::string& name, const std::string& dataset, CaptureSet captures,
                        int hold_out_every, Refining refining, nlohmann::json& report) {
-  ChosenMesh chosen{
-      .mesh = std::move(given), .given = {}, .captures = std::move(captures), .poses_refined = false, .doubt = {}};
+  ChosenMesh chosen{.mesh = std::move(given),
+                    .given = {},
+                    .captures = until_stopped(std::move(captures)),
+                    .poses_refined = false,
+                    .doubt = {}};
   const PlacementWarning misplaced = misplacement(chosen.mesh, chosen.captures, dataset);
   chosen.doubt = misplaced.text;
   if (!chosen.doubt.empty()) std::fprintf(stderr, "%s: %s\n", name.c_str(), chosen.doubt.c_str());
@@ -152,8 +165,11 @@ ChosenMesh choose_mesh(Mesh given, const std::string& name, const std::string& d
   if (refining == Refining::kWhereItGains) {
     if (misplaced.explained || training.cameras.size() < kFewestImages) return chosen;
     const MeshDisagreement found = disagreement(chosen.mesh, training, report);
-    if (hardly_agree(found)) chosen.doubt = doubt_about(chosen, found, name);
-    if (hardly_agree(found) || !is_to_be_refined(chosen, found, name, dataset)) return chosen;
+    if (hardly_agree(found)) {
+      chosen.doubt = doubt_about(chosen, found, name, dataset);
+      return chosen;
+    }
+    if (!is_to_be_refined(chosen, found, name, dataset)) return chosen;
   }
   nlohmann::json& refinement = report["refinement"];
   const JudgedMesh judged =
