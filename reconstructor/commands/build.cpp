@@ -170,7 +170,7 @@ void build(BuildArguments arguments) {
                                 progress_bar("saving"));
   if (saved && !small) note_judgement(judged.model, arguments.out);
   nlohmann::json report = reconstruction_report(reconstruction, judged);
-  if (captures.files) report["files"] = files_report(*captures.files);
+  if (chosen.captures.files) report["files"] = files_report(*chosen.captures.files);
   if (request.automatic()) report["model_choice"] = {{"model", scene.kind->name()}, {"why", why}};
   if (small) report["file"] = file_report(arguments.out, *small);
   report.update(fit);

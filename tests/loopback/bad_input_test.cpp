@@ -25,7 +25,9 @@ class BadInput : public ::testing::Test {
  protected:
   BadInput() { data_.write(); }
 
-  Outcome build() { return run_to_end(reconstructor({"build", data_.folder, "--mesh", data_.mesh()})); }
+  Outcome build(const Words& more = {}) {
+    return run_to_end(reconstructor({"build", data_.folder, "--mesh", data_.mesh()}) + more);
+  }
   Outcome serve_once(const Words& more = {}, const std::string& address = free_address()) {
     return run_to_end(serve(data_.mesh(), session_, Words{"--once", "--endpoint", address} + more));
   }
@@ -87,7 +89,12 @@ TEST_F(BadInput, AnImageOfAnotherSize) {
 
 TEST_F(BadInput, AnImageThatIsCutOff) {
   fs::resize_file(image_, 2000);
-  expect_outcome(build(), 0, {"3 of 4 images", "left out: images/1002.png", "damaged PNG"});
+  const fs::path report = temp_.path() / "report.json";
+  expect_outcome(build({"--json", report}), 0, {"3 of 4 images", "left out: images/1002.png", "damaged PNG"});
+  const auto files = nlohmann::json::parse(read_file(report))["files"];
+  EXPECT_EQ(files["images"], 3);
+  ASSERT_EQ(files["left_out"].size(), 1u);
+  EXPECT_EQ(files["left_out"][0]["name"], "images/1002.png");
   expect_outcome(track(), 1, {"3 of 4 images", "left out: images/1002.png", "damaged PNG", "3 keyframes"});
 }
 

@@ -121,6 +121,26 @@ TEST_F(DaemonsMeet, TheReconstructorMayComeLastAndCtrlCFinishesTheModel) {
   expect_all_captures();
 }
 
+TEST_F(DaemonsMeet, CtrlCWaitsForADeskThatStoresSlowly) {
+  const std::string address = free_address();
+  Process rig(track({"--endpoint", address}));
+  CaptureReceiver slow({.endpoint = address});
+  const auto store = [&](const Received& one) {
+    slow.acknowledge(one.capture.source_session, one.capture.sequence);
+  };
+  const auto first = slow.next(kPatience);
+  ASSERT_TRUE(first) << rig.output();
+  store(*first);
+  const auto second = slow.next(kPatience);
+  ASSERT_TRUE(second) << rig.output();
+  rig.signal(SIGINT);
+  ASSERT_TRUE(rig.prints("Ctrl-C again gives them up", kPatience)) << rig.output();
+  store(*second);
+  while (!slow.stats().ended)
+    if (const auto next = slow.next(milliseconds(100))) store(*next);
+  expect_outcome(wait_to_end(rig), 0, {"keyframes sent"});
+}
+
 TEST_F(DaemonsMeet, AKeyThatIsNotAllowedGetsNothingAndIsTold) {
   const SecureLink link(temp_.path());
   std::ofstream(temp_.path() / "allowed", std::ios::trunc)

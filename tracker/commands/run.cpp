@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <utility>
 
 #include "common/base/command_line.h"
 #include "common/base/end_on_stop.h"
@@ -32,7 +33,8 @@ namespace {
 
 constexpr std::size_t kRetainedKeyframes = 256;  ///< a burst of some seconds that the reconstructor has yet to store
 constexpr std::chrono::milliseconds kFinishStep{100};
-constexpr double kHurriedLinger_s = 0.5;
+constexpr double kHurriedLinger_s = 0.5;  ///< after Ctrl-C, for a desk that has acknowledged nothing
+constexpr double kLongestPause_s = 6;     ///< between two acknowledgements; the link gives a silent desk up before
 
 struct RunArguments {
   std::filesystem::path config, keys, allow, json;
@@ -73,15 +75,28 @@ std::string new_session() {
   return text + std::to_string(getpid()) + format(":%08x", std::random_device()());
 }
 
-/// Waits until everything is acknowledged, for so long; whoever presses Ctrl-C waits no longer than `kHurriedLinger_s`.
+/// Waits until everything is acknowledged: for `linger_s`, or, after Ctrl-C, while a desk that stores keyframes goes on to
+/// acknowledge them. The next Ctrl-C ends the process.
 void drain(CaptureSender& sender, double linger_s, const std::string& failure) {
-  const bool interrupted = stop_requested();
-  const auto end =
-      std::chrono::steady_clock::now() + std::chrono::duration<double>(interrupted ? kHurriedLinger_s : linger_s);
-  do {
-    if (sender.finish(kFinishStep, failure)) return;
-    if (!interrupted && stop_requested()) return;
-  } while (std::chrono::steady_clock::now() < end);
+  using Clock = std::chrono::steady_clock;
+  using Seconds = std::chrono::duration<double>;
+  Clock::time_point since = Clock::now();
+  std::uint64_t acknowledged = 0;
+  bool hurried = false, told = false;
+  while (!sender.finish(kFinishStep, failure)) {
+    const SenderStats now = sender.stats();
+    if (stop_requested() && (!hurried || now.acknowledged > acknowledged)) {
+      hurried = true;
+      acknowledged = now.acknowledged;
+      since = Clock::now();
+    }
+    const bool stored = now.acknowledged > 0 && now.acknowledged < now.kept;
+    const Seconds waited = Clock::now() - since;
+    if (waited > Seconds(!hurried ? linger_s : stored ? kLongestPause_s : kHurriedLinger_s)) return;
+    if (hurried && stored && waited > Seconds(kHurriedLinger_s) && !std::exchange(told, true))
+      std::cerr << "sheen-tracker: waits for the reconstructor to store " << now.kept - now.acknowledged
+                << " keyframes; Ctrl-C again gives them up\n";
+  }
 }
 
 /// How many keyframes are on no disk, and how they get there.
