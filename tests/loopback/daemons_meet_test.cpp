@@ -125,9 +125,7 @@ TEST_F(DaemonsMeet, CtrlCWaitsForADeskThatStoresSlowly) {
   const std::string address = free_address();
   Process rig(track({"--endpoint", address}));
   CaptureReceiver slow({.endpoint = address});
-  const auto store = [&](const Received& one) {
-    slow.acknowledge(one.capture.source_session, one.capture.sequence);
-  };
+  const auto store = [&](const Received& one) { slow.acknowledge(one.capture.source_session, one.capture.sequence); };
   const auto first = slow.next(kPatience);
   ASSERT_TRUE(first) << rig.output();
   store(*first);

@@ -75,8 +75,8 @@ std::string new_session() {
   return text + std::to_string(getpid()) + format(":%08x", std::random_device()());
 }
 
-/// Waits until everything is acknowledged: for `linger_s`, or, after Ctrl-C, while a desk that stores keyframes goes on to
-/// acknowledge them. The next Ctrl-C ends the process.
+/// Waits until everything is acknowledged: for `linger_s`, or, after Ctrl-C, while a desk that stores keyframes goes on
+/// to acknowledge them. The next Ctrl-C ends the process.
 void drain(CaptureSender& sender, double linger_s, const std::string& failure) {
   using Clock = std::chrono::steady_clock;
   using Seconds = std::chrono::duration<double>;
