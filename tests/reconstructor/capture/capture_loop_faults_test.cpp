@@ -118,6 +118,7 @@ TEST_F(CaptureLoopFaults, WhoWatchesMayFailAndTheCaptureGoesOn) {
   EXPECT_TRUE(eventually([&] { return shown > 0; })) << "a snapshot that was not shown is shown later";
   EXPECT_EQ(loop_->status().error, "");
   EXPECT_FALSE(loop_->finished());
+  loop_.reset();  // before what it counts in
 }
 
 TEST_F(CaptureLoopFaults, OfTwoSourcesByOneNameOneIsRefusedAndTold) {
