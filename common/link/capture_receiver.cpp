@@ -176,6 +176,9 @@ void CaptureReceiver::Impl::receive_all() {
       const std::lock_guard lock(mutex);
       reject(error.what());
     }
+    // Not only at the end: to unpack all that waits may take longer than a sender waits for a word.
+    const std::lock_guard lock(mutex);
+    say_what_is_due();
   }
 }
 

@@ -329,6 +329,22 @@ TEST(Transport, AFrozenReceiverIsReplacedOnceItsHeartbeatsAreMissed) {
   expect_kept(receiver, 1, 4);
 }
 
+TEST(Transport, AReceiverThatIsBusyWithWhatCameIsNotTakenForFrozen) {
+  constexpr int kCaptures = 7;
+  CaptureSender sender(sender_options());
+  keep(sender, 1, kCaptures);
+  ReceiverOptions options = receiver_options(sender.endpoint());
+  options.credits = kCaptures;
+  options.on_arrival = [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(900));
+  };  // as if unpacking took so long
+  CaptureReceiver receiver(options);
+  expect_kept(receiver, 1, kCaptures);
+  EXPECT_TRUE(sender.finish(kLong));
+  EXPECT_EQ(sender.stats().last_refusal, "");
+  EXPECT_EQ(sender.stats().resent, 0u);
+}
+
 TEST(Transport, AFrozenSenderIsNoticedAndLosesNothing) {  // to its peer this is a cut cable
   const std::string endpoint = free_endpoint();
   Process frozen([&] {
