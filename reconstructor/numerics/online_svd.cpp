@@ -63,7 +63,7 @@ template <typename Scalar>
 typename BasicOnlineSvd<Scalar>::Reports BasicOnlineSvd<Scalar>::fold() {
   Reports reports;
   if (pending_.empty()) return reports;
-  open_basis();
+  basis_.open();
   missing_.impute_again_when_due(basis_, views_, columns_folded_, row_noise());
   const Eigen::VectorXd weights = pending_.scaled_weights();
   const HiddenPatterns hidden = pending_.hidden_patterns();
@@ -132,7 +132,7 @@ typename BasicOnlineSvd<Scalar>::Reports BasicOnlineSvd<Scalar>::limit(int max_r
 template <typename Scalar>
 void BasicOnlineSvd<Scalar>::resample(const RowResampling& by) {
   require(pending_.empty(), "online SVD: no column may be pending when its rows are replaced");
-  open_basis();
+  basis_.open();
   const double share = static_cast<double>(by.rows.rows()) / rows();
   Matrix resampled = by.columns(basis_.leading(rank()).template cast<float>()).template cast<Scalar>();
   missing_.clear_unseen(by, resampled);
@@ -160,19 +160,19 @@ Scalar BasicOnlineSvd<Scalar>::pending_value(int column, int row) const {
 template <typename Scalar>
 typename BasicOnlineSvd<Scalar>::Matrix BasicOnlineSvd<Scalar>::pending_coefficients() const {
   if (pending_.empty()) return Matrix(rank(), 0);
-  const Opened open = opened();
+  const SvdBasis<Scalar> open = opened();
   Eigen::MatrixXd y =
-      missing_.project(open.basis, open.views, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
+      missing_.project(open, views_, pending_, pending_.gathered(), pending_.hidden_patterns(), row_noise());
   for (int j = 0; j < pending(); ++j) y.col(j) *= std::ldexp(1.0, pending_.exponent(j));
-  return open.closed(stored<Scalar>(y));
+  return stored<Scalar>(y);
 }
 
 template <typename Scalar>
 typename BasicOnlineSvd<Scalar>::Vector BasicOnlineSvd<Scalar>::estimate(const ConstVectorRef& column,
                                                                          std::span<const std::uint8_t> known,
                                                                          double noise) const {
-  const Opened open = opened();
-  return open.closed(missing_.estimate(open.basis, open.views, column, known, noise));
+  const SvdBasis<Scalar> open = opened();
+  return missing_.estimate(open, views_, column, known, noise);
 }
 
 template <typename Scalar>
@@ -215,34 +215,9 @@ void BasicOnlineSvd<Scalar>::rediagonalise() {
 
 template <typename Scalar>
 void BasicOnlineSvd<Scalar>::turn_to_singular_order() {
-  open_basis();
+  basis_.open();
   views_.follow(basis_.restore_order(options_));
   close_basis();
-}
-
-template <typename Scalar>
-void BasicOnlineSvd<Scalar>::open_basis() {
-  const Eigen::MatrixXd factor = basis_.open();
-  if (factor.size() > 0) views_.multiply(factor);
-}
-
-template <typename Scalar>
-typename BasicOnlineSvd<Scalar>::Opened BasicOnlineSvd<Scalar>::opened() const {
-  Opened open{basis_, views_, {}};
-  open.factor = open.basis.open();
-  if (open.factor.size() > 0) open.views.multiply(open.factor);
-  return open;
-}
-
-template <typename Scalar>
-typename BasicOnlineSvd<Scalar>::Matrix BasicOnlineSvd<Scalar>::Opened::closed(const Matrix& y) const {
-  if (factor.size() == 0) return y;
-  const Eigen::Index terms = y.rows();
-  const Eigen::MatrixXd exact = y.template cast<double>();
-  return factor.topLeftCorner(terms, terms)
-      .template triangularView<Eigen::Upper>()
-      .solve(exact)
-      .template cast<Scalar>();
 }
 
 template <typename Scalar>

@@ -83,19 +83,16 @@ class BasicOnlineSvd {
   int pending() const { return pending_.count(); }
   std::int64_t columns_added() const { return columns_added_; }
 
-  Matrix basis() const { return basis_.leading(rank()); }                      ///< as it is kept
-  Matrix orthonormal_basis() const { return opened().basis.leading(rank()); }  ///< as a fold finds it (SvdBasis::open)
-  const Matrix& coefficients() const { return views_.coefficients(); }         ///< rank x folded_views()
+  Matrix basis() const { return basis_.leading(rank()); }                ///< as it is kept
+  Matrix orthonormal_basis() const { return opened().leading(rank()); }  ///< as a fold finds it (SvdBasis::open)
+  const Matrix& coefficients() const { return views_.coefficients(); }   ///< rank x folded_views()
   Matrix displayed_basis() const { return basis_.leading(displayed_rank()); }
   PackedColumns<Scalar> packed_displayed_basis() const { return basis_.packed(displayed_rank()); }  ///< as it is kept
   /// What the basis explains of a row of a folded view.
   Scalar explained(int view, int row) const { return basis_.dot(row, views_.coefficients().col(view)); }
   /// displayed_rank() x folded_views(). A view that hides rows has the coefficients that are most probable given what
   /// it showed and that only these terms will explain it: the terms behind the displayed ones are noise then.
-  Matrix displayed_coefficients() const {
-    const Opened open = opened();
-    return open.closed(missing_.displayed_coefficients(open.basis, open.views, row_noise()));
-  }
+  Matrix displayed_coefficients() const { return missing_.displayed_coefficients(opened(), views_, row_noise()); }
   Eigen::MatrixXd gram() const { return basis_.gram(); }
   /// Squared singular values of the folded columns (each times the root of its weight), descending.
   const Eigen::VectorXd& spectrum() const { return basis_.spectrum(); }
@@ -159,17 +156,12 @@ class BasicOnlineSvd {
   }
 
  private:
-  /// Basis and views as a fold finds them.
-  struct Opened {
-    SvdBasis<Scalar> basis;
-    FoldedViews<Scalar> views;
-    Eigen::MatrixXd factor;  ///< SvdBasis::open
-
-    /// Of coefficients of the first terms: what they are of these as they are packed.
-    Matrix closed(const Matrix& y) const;
-  };
-  Opened opened() const;
-  void open_basis();
+  /// The basis as a fold finds it.
+  SvdBasis<Scalar> opened() const {
+    SvdBasis<Scalar> basis = basis_;
+    basis.open();
+    return basis;
+  }
   int block_size() const;
   ColumnReport report(const Fold& fold, int column, bool first) const;
   void follow_noise(double unexplained);

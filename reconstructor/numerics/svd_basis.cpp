@@ -152,31 +152,27 @@ void SvdBasis<Scalar>::close(double tolerance) {
 }
 
 template <typename Scalar>
-MatrixXd SvdBasis<Scalar>::open() {
-  if (packed_.empty()) return {};
+void SvdBasis<Scalar>::open() {
+  if (packed_.empty()) return;
   const Eigen::Index fine = packed_.fine();
   basis_ = packed_.unpacked();
   packed_ = {};
   set_gram(gram());
-  return fine < rank_ ? orthonormalise_behind(static_cast<int>(fine)) : MatrixXd();
+  if (fine < rank_) orthonormalise_behind(static_cast<int>(fine));
 }
 
-/// The terms behind the first: [B R] <- [B R] T^-1, Y <- T Y with T = [I X; 0 U], X = B^T R and U^T U = R^T R - X^T X.
+/// The terms behind the first: [B R] <- [B R] T^-1 with T = [I X; 0 U], X = B^T R and U^T U = R^T R - X^T X.
 template <typename Scalar>
-MatrixXd SvdBasis<Scalar>::orthonormalise_behind(int first) {
+void SvdBasis<Scalar>::orthonormalise_behind(int first) {
   const Columns all{basis_.data(), basis_.rows(), rank_}, behind = all.from(first);
   const MatrixXd products = row_panels::inner_products<Scalar>(all, behind, basis_.rows());
   const MatrixXd x = products.topRows(first);
   const Eigen::LLT<MatrixXd> cholesky(products.bottomRows(behind.count) - x.transpose() * x);
-  if (cholesky.info() != Eigen::Success) return {};
-  MatrixXd factor = MatrixXd::Identity(rank_, rank_), from_all(rank_, behind.count);
-  factor.topRightCorner(first, behind.count) = x;
-  factor.bottomRightCorner(behind.count, behind.count) = cholesky.matrixU();
+  if (cholesky.info() != Eigen::Success) return;
   const MatrixXd inverse = cholesky.matrixU().solve(MatrixXd::Identity(behind.count, behind.count));
+  MatrixXd from_all(rank_, behind.count);
   from_all << -x * inverse, inverse;
   row_panels::combine<Scalar>(all, {}, from_all.template cast<Scalar>(), basis_.rows(), behind);
-  gram_ = (factor * gram_ * factor.transpose()).eval();
-  return factor;
 }
 
 template <typename Scalar>
@@ -288,8 +284,8 @@ typename SvdBasis<Scalar>::Rotation SvdBasis<Scalar>::singular_rotation(const Bl
     z.bottomRows(directions) = block.outside;
     if (block.loss.size() > 0) z.topRows(rank_) += 0.5 * block.loss * block.inside;  // in the polished basis
   }
-  // G holds what was meant: E is what rounding did to B since, mostly with one sign, and would wear G down fold by
-  // fold.
+  // G and Y hold what was meant: E is what rounding did to B since, mostly with one sign, and where B is rounded back
+  // to where it was, again the same. It would wear them down fold by fold.
   MatrixXd core = MatrixXd::Zero(size, size);
   core.topLeftCorner(rank_, rank_) = gram_;
   core.noalias() += z * block.weight.asDiagonal() * z.transpose();
@@ -398,7 +394,7 @@ BasisRotation SvdBasis<Scalar>::apply(const Columns& columns, Rotation& rotation
   lost_ += block.lost + rotation.lost;
   rank_ = rotation.rank;
   displayed_ = rotation.displayed;
-  return {.kind = BasisRotation::Kind::kRotated, .new_from_old = from_basis + half};
+  return {.kind = BasisRotation::Kind::kRotated, .new_from_old = from_basis};
 }
 
 template <typename Scalar>

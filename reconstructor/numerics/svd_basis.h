@@ -91,9 +91,9 @@ class SvdBasis {
   /// Packs it: 16 bits a value, and 8 in the last terms as far as these are off by far less than the tolerance allows.
   /// Such terms are no longer quite orthonormal.
   void close(double tolerance);
-  /// Unpacks it, orthonormal (as it was packed where rounding left its terms dependent). Returns what coefficients are
-  /// to be multiplied by: r x r, upper triangular; empty where they stay.
-  Eigen::MatrixXd open();
+  /// Unpacks it, orthonormal (as it was packed where rounding left its terms dependent). Coefficients stay as they are:
+  /// were they to follow, what rounding did would be theirs for good, and again with each fold.
+  void open();
 
   /// B^T of columns that are as long as the padded rows: rank x columns.
   Eigen::MatrixXd project(const row_panels::Columns<const Scalar>& columns) const;
@@ -133,7 +133,7 @@ class SvdBasis {
     return packed_gram_.empty() ? Eigen::VectorXd(gram_.diagonal()) : packed_gram_.diagonal();
   }
   Eigen::Index fine_terms(double tolerance) const;
-  Eigen::MatrixXd orthonormalise_behind(int first);
+  void orthonormalise_behind(int first);
   void split_residuals(const Columns& columns, Block& block, const OnlineSvdOptions& options) const;
   Eigen::VectorXd orthonormalise_again(const Columns& columns, Block& block) const;
   void choose_rank(const Eigen::VectorXd& descending, double lost, const OnlineSvdOptions& options,
