@@ -121,13 +121,6 @@ Mesh in_frame_at(const Eigen::Vector3d& origin, Mesh mesh) {
   return mesh;
 }
 
-BoundingSphere bounding_sphere(const Mesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex.cast<double>().eval());
-  if (box.isEmpty()) return {Eigen::Vector3d::Zero(), 0};
-  return {box.center(), box.diagonal().norm() / 2};
-}
-
 LoadedMesh load_mesh(const std::filesystem::path& path) {
   RawMesh raw = read_mesh(path);
   LoadedMesh loaded;

@@ -3,6 +3,7 @@
 
 #include <zstd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -82,8 +83,8 @@ Notes notes_of(const ChunkFormat& format, std::string_view encoded, const std::s
   }
 }
 
-Chunks::Chunks(const ChunkFormat& format, std::string_view bytes, std::string file)
-    : rest_(bytes), file_(std::move(file)) {
+Chunks::Chunks(const ChunkFormat& format, std::string_view bytes, std::string file, std::size_t position)
+    : bytes_(bytes), position_(position), file_(std::move(file)) {
   if (!bytes.starts_with(format.magic))
     throw FileError(file_, "is not a file of the kind " + std::string(format.title));
   std::uint32_t version = 0;
@@ -94,18 +95,18 @@ Chunks::Chunks(const ChunkFormat& format, std::string_view bytes, std::string fi
                     "is of version " + std::to_string(version) + ", but this program reads version " +
                         std::to_string(format.version) +
                         (version < format.version && !format.older.empty() ? "; " + std::string(format.older) : ""));
-  rest_.remove_prefix(format.magic.size() + sizeof version);
+  position_ = std::max(position_, format.magic.size() + sizeof version);
 }
 
 std::optional<std::string_view> Chunks::next(std::string_view name) {
+  const std::string_view rest = bytes_.substr(position_);
   ChunkHead head;
-  if (rest_.size() < sizeof head) return std::nullopt;
-  std::memcpy(&head, rest_.data(), sizeof head);
+  if (rest.size() < sizeof head) return std::nullopt;
+  std::memcpy(&head, rest.data(), sizeof head);
   if (std::string_view(head.name, sizeof head.name) != name) fail(name, "is not where it should be");
-  rest_.remove_prefix(sizeof head);
-  if (head.size > rest_.size()) return std::nullopt;
-  const std::string_view bytes = rest_.substr(0, head.size);
-  rest_.remove_prefix(head.size);
+  if (head.size > rest.size() - sizeof head) return std::nullopt;
+  const std::string_view bytes = rest.substr(sizeof head, head.size);
+  position_ += sizeof head + bytes.size();
   if (checksum(bytes) != head.checksum) fail(name, "is damaged (wrong checksum)");
   return bytes;
 }

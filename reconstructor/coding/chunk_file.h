@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -43,7 +44,9 @@ Notes notes_of(const ChunkFormat& format, std::string_view encoded, const std::s
 /// chunk.
 class Chunks {
  public:
-  Chunks(const ChunkFormat& format, std::string_view bytes, std::string file);
+  /// `position`: of the first chunk to read, where not the file's first one.
+  Chunks(const ChunkFormat& format, std::string_view bytes, std::string file, std::size_t position = 0);
+  std::size_t position() const { return position_; }  ///< of the next chunk
 
   /// Empty where the file ends before it is whole.
   std::optional<std::string_view> next(std::string_view name);
@@ -54,7 +57,8 @@ class Chunks {
   [[noreturn]] void fail(std::string_view name, const std::string& what) const;
 
  private:
-  std::string_view rest_;
+  std::string_view bytes_;
+  std::size_t position_;
   std::string file_;
 };
 

@@ -14,6 +14,7 @@
 #include "common/image/color.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/page_export.h"
 #include "reconstructor/render/polynomial_texture.h"
 #include "reconstructor/render/ray_painter.h"
 
@@ -21,7 +22,7 @@ namespace sheen {
 namespace {
 
 struct ExportArguments {
-  std::string model, out, json;
+  std::string model, out, page, single, json;
 };
 
 ImageF encoded_picture(const RayPainter& painter, const SavedModel& saved, const LightState& light) {
@@ -32,7 +33,18 @@ ImageF encoded_picture(const RayPainter& painter, const SavedModel& saved, const
   return picture;
 }
 
-void export_model(const ExportArguments& arguments) {
+void export_page(const ExportArguments& arguments) {
+  if (!arguments.page.empty()) {
+    write_page(arguments.model, arguments.page);
+    std::printf("page written to %s: put this folder on any web server\n", arguments.page.c_str());
+  }
+  if (!arguments.single.empty()) {
+    write_single_page(arguments.model, arguments.single);
+    std::printf("page written to %s: open it in a browser\n", arguments.single.c_str());
+  }
+}
+
+void export_polynomials(const ExportArguments& arguments) {
   ReportFile json(arguments.json);
   install_stop_signals();
   const SavedModel saved = open_model(arguments.model);
@@ -85,13 +97,22 @@ void export_model(const ExportArguments& arguments) {
 void add_export_command(Command& program) {
   auto arguments = std::make_shared<ExportArguments>();
   Command command = program.subcommand(
-      "export", "Writes an irradiance field of far lights for other programs: polynomial texture maps.");
+      "export",
+      "Writes a model for others: a surface light field as a page for browsers, an irradiance field of far lights as "
+      "polynomial texture maps.");
   command.option("model", arguments->model, "saved model: a file or a folder").required();
-  command
-      .option("--out", arguments->out, "FILE.ptm, or a folder in the format of the relight tools, which OpenLIME shows")
-      .required();
-  command.option("--json", arguments->json, "report to write; - for standard output");
-  command.callback([arguments] { export_model(*arguments); });
+  command.option("--page", arguments->page, "folder to write the page to, for any web server");
+  command.option("--single", arguments->single, "the page as one file, which opens without a server (.html)");
+  const Option out = command.option("--out", arguments->out,
+                                    "FILE.ptm, or a folder in the format of the relight tools, which OpenLIME shows");
+  Option json = command.option("--json", arguments->json, "report to write; - for standard output");
+  json.needs(out);
+  command.callback([arguments] {
+    if (arguments->page.empty() && arguments->single.empty() && arguments->out.empty())
+      throw ConfigError("export: --page, --single or --out says what to write");
+    export_page(*arguments);
+    if (!arguments->out.empty()) export_polynomials(*arguments);
+  });
 }
 
 }  // namespace sheen

@@ -67,9 +67,9 @@ EdgeBlending::EdgeBlending(const CompactModel& model) : inside_(model.shapes.pat
   }
 }
 
-void EdgeBlending::blend_means(CompactModel& model) const {
+void EdgeBlending::blend_means(std::vector<Patch>& patches) const {
   for (const Pair& pair : pairs_) {
-    Patch &of_a = model.patches[pair.patch_a], &of_b = model.patches[pair.patch_b];
+    Patch &of_a = patches[pair.patch_a], &of_b = patches[pair.patch_b];
     if (of_a.mean.size() > 0 && of_b.mean.size() > 0) blend(of_a.mean, pair.a, of_b.mean, pair.b);
   }
 }

@@ -16,7 +16,7 @@ class EdgeBlending {
  public:
   explicit EdgeBlending(const CompactModel& model);
 
-  void blend_means(CompactModel& model) const;
+  void blend_means(std::vector<Patch>& patches) const;  ///< of the model
   /// Of a patch, whose maps are columns: rows 3 * sample + channel.
   void blend_terms(std::size_t patch, Eigen::Ref<Eigen::MatrixXf> basis) const;
 

@@ -52,6 +52,7 @@ const std::vector<Room> kReconstructor = {
     {"light_field_file", "radiance|surface|numerics|coding"},
     {"models", "light_field_file|radiance|surface|numerics|coding"},
     {"render", "models|surface|numerics"},
+    {"page", "render|light_field_file|radiance|surface|numerics|coding"},
     {"monitor", ""},
     {"evaluation", "render|models|radiance|surface|numerics"},
     {"effort", "evaluation|render|models|radiance"},

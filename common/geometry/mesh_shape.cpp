@@ -21,4 +21,11 @@ std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh) {
   return normals;
 }
 
+BoundingSphere bounding_sphere(const Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex.cast<double>().eval());
+  if (box.isEmpty()) return {Eigen::Vector3d::Zero(), 0};
+  return {box.center(), box.diagonal().norm() / 2};
+}
+
 }  // namespace sheen

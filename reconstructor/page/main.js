@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page: what is loaded, what is looked at, what is said.
+import { Controls } from "./controls.js";
+import { loadModel } from "./loader.js";
+import { Orbit } from "./orbit.js";
+import { Painter } from "./painter.js";
+import { nearestPhotographDeg, viewName } from "./view_words.js";
+import { Viewer } from "./viewer.js";
+
+const FAR_FROM_PHOTOGRAPHS_DEG = 15;
+const MOST_PIXELS = 2560 * 1600; // a phone's screen has more than its graphics shade
+
+const element = (id) => document.getElementById(id);
+const canvas = element("view");
+
+const page = { viewer: null, painter: null, orbit: null, cameras: null, worker: null, whole: false, markGuesses: true,
+               origin: [0, 0, 0], looks: 0, pending: false, figures: {} };
+
+function say(id, text) {
+  if (element(id).textContent !== text) element(id).textContent = text;
+  element(id).hidden = text === "";
+}
+
+function fail(message) {
+  document.body.dataset.state = "failed";
+  say("failure", message);
+}
+
+/** The coefficients of the eye, where they are not those that are there. One question at a time. */
+function askForEye() {
+  if (!page.whole || page.pending) return;
+  const eye = page.orbit.eye(), asked = eye.join();
+  if (asked === page.askedEye) return;
+  page.pending = true;
+  page.askedEye = asked;
+  page.worker.look(eye, (page.looks += 1));
+}
+
+function changed() {
+  if (!page.orbit || !page.painter) return;
+  askForEye();
+  page.painter.change();
+  clearTimeout(page.settling);
+  page.settling = setTimeout(settled, 250);
+}
+
+/** The hand has let go: what is seen is named, and the address of the page is that of the view. */
+function settled() {
+  const { orbit, cameras, origin } = page, direction = orbit.direction();
+  say("view-name", viewName(orbit));
+  const away = nearestPhotographDeg(cameras, orbit);
+  say("note", away > FAR_FROM_PHOTOGRAPHS_DEG ? `no photograph from here: the nearest is ${Math.round(away)} degrees away` : "");
+  const digits = (point) => point.map((x, i) => Number((x + origin[i]).toPrecision(7))).join(",");
+  if (page.turned) history.replaceState(null, "", `#eye=${digits(orbit.eye())}&target=${digits(orbit.target)}`);
+  return direction;
+}
+
+function resize() {
+  const ratio = window.devicePixelRatio || 1, css = canvas.clientWidth * canvas.clientHeight;
+  const scale = Math.min(ratio, Math.sqrt(MOST_PIXELS / Math.max(1, css)));
+  const width = Math.max(1, Math.round(canvas.clientWidth * scale)), height = Math.max(1, Math.round(canvas.clientHeight * scale));
+  if (canvas.width === width && canvas.height === height) return;
+  canvas.width = width;
+  canvas.height = height;
+  if (page.orbit && !page.turned && !page.linked) page.orbit.home(width, height);
+  changed();
+}
+
+/** eye=x,y,z and target=x,y,z behind # in the address. */
+function followLink() {
+  const asked = new URLSearchParams(location.hash.slice(1));
+  const point = (name) => {
+    const numbers = (asked.get(name) ?? "").split(",").map(Number);
+    return numbers.length === 3 && numbers.every(Number.isFinite) ? numbers.map((x, i) => x - page.origin[i]) : null;
+  };
+  const eye = point("eye"), up = point("up");
+  if (!eye) return false;
+  if (up) page.orbit.setUp(up.map((x, i) => x + page.origin[i]));
+  page.orbit.place(eye, point("target") ?? page.orbit.centre);
+  return true;
+}
+
+function goHome() {
+  page.turned = page.linked = false;
+  page.orbit.home(canvas.width, canvas.height);
+  history.replaceState(null, "", location.pathname + location.search);
+  changed();
+}
+
+const hands = {
+  orbit: (right, up) => turn((orbit) => orbit.orbit(right, up)),
+  pan: (right, up) => turn((orbit) => orbit.pan(right, up)),
+  zoom: (factor) => turn((orbit) => orbit.zoom(factor)),
+  key(name) {
+    const act = { r: goHome, home: goHome, g: toggleGuesses, f: toggleFullScreen }[name];
+    if (act) act();
+    return act !== undefined;
+  },
+};
+
+function turn(how) {
+  if (!page.orbit) return;
+  how(page.orbit);
+  page.turned = true;
+  changed();
+}
+
+function toggleGuesses() {
+  page.markGuesses = !page.markGuesses;
+  element("guesses").setAttribute("aria-pressed", String(page.markGuesses));
+  changed();
+}
+
+function toggleFullScreen() {
+  if (document.fullscreenElement) document.exitFullscreen();
+  else document.documentElement.requestFullscreen?.();
+}
+
+const onMessage = {
+  arrived({ bytes }) {
+    page.figures.bytes = bytes;
+  },
+  mesh({ scene, cameras, vertices, triangles }) {
+    page.origin = Array.from(scene.slice(10, 13));
+    page.cameras = cameras;
+    page.viewer.setMesh(vertices, triangles, scene[13]);
+    page.orbit = new Orbit(scene, vertices);
+    page.orbit.home(canvas.width, canvas.height);
+    page.linked = followLink();
+    document.body.dataset.state = "mesh";
+    changed();
+  },
+  means({ places, means }) {
+    page.figures.bytesToColours ??= page.figures.bytes;
+    page.viewer.setMeans(places, means);
+    if (document.body.dataset.state === "mesh") document.body.dataset.state = "means";
+    changed();
+  },
+  room({ texels }) {
+    page.viewer.setBasisRoom(texels);
+  },
+  terms({ texels }) {
+    page.viewer.addBasis(texels);
+  },
+  whole({ maxTerms, missingLayers, cpuMs, heapBytes }) {
+    Object.assign(page.figures, { missingLayers, cpuMs, heapBytes, texels: page.viewer.basisRows * 4096 });
+    page.whole = true;
+    page.maxTerms = maxTerms;
+    askForEye();
+  },
+  seen({ coefficients, exposure }) {
+    page.pending = false;
+    page.viewer.setCoefficients(coefficients, page.maxTerms, exposure);
+    document.body.dataset.state = "whole";
+    askForEye();
+    page.painter.change();
+  },
+  failed: ({ message }) => fail(message),
+};
+
+function start() {
+  const gl = canvas.getContext("webgl2", { alpha: true, antialias: false, powerPreference: "high-performance" });
+  if (!gl) return fail("This browser has no WebGL 2, which this page draws with.");
+  page.viewer = new Viewer(gl);
+  page.painter = new Painter(gl, canvas, (width, height, pixelSize) => {
+    if (page.orbit) page.viewer.draw(page.orbit, width, height, { pixelSize, markGuesses: page.markGuesses });
+  });
+  new Controls(canvas, hands);
+  new ResizeObserver(resize).observe(canvas);
+  resize();
+  element("home").onclick = goHome;
+  element("nearer").onclick = () => hands.zoom(1 / 1.25);
+  element("farther").onclick = () => hands.zoom(1.25);
+  element("guesses").onclick = toggleGuesses;
+  element("full-screen").onclick = toggleFullScreen;
+  element("full-screen").hidden = !document.fullscreenEnabled;
+  window.addEventListener("hashchange", () => {
+    if (page.orbit && followLink()) changed();
+  });
+  page.worker = loadModel(onMessage);
+}
+
+/** For pages that embed this one, and for tests. */
+window.sheen = {
+  /** Where the object stands: the middle of its box, half its diagonal, and where zero is in its file. */
+  get scene() {
+    return { centre: page.orbit.centre, radius: page.orbit.radius, origin: page.origin };
+  },
+  /** What loading took. */
+  figures: () => ({ state: document.body.dataset.state, frames: page.painter?.frames, fineMs: page.painter?.pacer.fineMs,
+                    ...page.figures }),
+  /** Looks from there; resolves when the picture is as fine as can be: RGBA, bottom row first. */
+  async lookFrom(eye, target, up, { markGuesses = true } = {}) {
+    const moved = (point) => point.map((x, i) => x - page.origin[i]);
+    if (up) page.orbit.setUp(up);
+    page.orbit.place(moved(eye), moved(target));
+    page.markGuesses = markGuesses;
+    page.turned = true;
+    changed();
+    do await page.painter.finished();
+    while (page.pending || page.askedEye !== page.orbit.eye().join());
+    return page.painter.read();
+  },
+};
+
+try {
+  start();
+} catch (error) {
+  fail(error.message);
+}

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws a model with WebGL 2: maps in textures of `ROW` texels a row.
+import { FRAGMENT_SHADER, VERTEX_SHADER } from "./shaders.js";
+import { subtract } from "./vectors.js";
+
+const ROW = 4096;
+const LARGE_LAYER_BITS = 24, SMALL_LAYER_BITS = 21; // a texture that one layer does not hold has small ones
+const UNITS = { vertices: 0, places: 1, means: 2, basis: 3, coefficients: 4 };
+const LAYERS = 128; // of depth, in which triangles are sorted
+
+function compiled(gl, kind, source) {
+  const shader = gl.createShader(kind);
+  gl.shaderSource(shader, source);
+  gl.compileShader(shader);
+  return shader;
+}
+
+function linked(gl) {
+  const program = gl.createProgram();
+  gl.attachShader(program, compiled(gl, gl.VERTEX_SHADER, VERTEX_SHADER));
+  gl.attachShader(program, compiled(gl, gl.FRAGMENT_SHADER, FRAGMENT_SHADER));
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
+    throw new Error("This browser's graphics refuse the page's shader: " + gl.getProgramInfoLog(program));
+  return program;
+}
+
+export class Viewer {
+  constructor(gl) {
+    this.gl = gl;
+    this.program = linked(gl);
+    this.places_of_uniforms = new Map();
+    gl.useProgram(this.program);
+    for (const [name, unit] of Object.entries(UNITS)) gl.uniform1i(this.uniform(name), unit);
+    this.order = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.order);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    this.textures = {};
+    this.triangles = 0;
+    this.stride = 0;
+    this.exposure = 1;
+    this.brightest = Infinity;
+    this.coloured = false;
+    this.setBasisRoom(0);
+    this.table("coefficients", new Float32Array(1), gl.R32F, gl.RED, gl.FLOAT, 1);
+    this.meansBits = this.layered("means", 0);
+  }
+
+  uniform(name) {
+    if (!this.places_of_uniforms.has(name)) this.places_of_uniforms.set(name, this.gl.getUniformLocation(this.program, name));
+    return this.places_of_uniforms.get(name);
+  }
+
+  bound(name, kind) {
+    const gl = this.gl;
+    gl.activeTexture(gl.TEXTURE0 + UNITS[name]);
+    if (!this.textures[name]) this.textures[name] = gl.createTexture();
+    gl.bindTexture(kind, this.textures[name]);
+    gl.texParameteri(kind, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.texParameteri(kind, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+  }
+
+  /** A texture of so many numbers per texel, as many rows as it takes. */
+  table(name, numbers, internal, format, type, perTexel) {
+    const gl = this.gl, rows = Math.max(1, Math.ceil(numbers.length / perTexel / ROW));
+    const padded = new numbers.constructor(rows * ROW * perTexel);
+    padded.set(numbers);
+    this.bound(name, gl.TEXTURE_2D);
+    gl.texImage2D(gl.TEXTURE_2D, 0, internal, ROW, rows, 0, format, type, padded);
+  }
+
+  /** Room for so many texels of 8 bits in layers. */
+  layered(name, texels) {
+    const gl = this.gl, rows = Math.max(1, Math.ceil(texels / ROW));
+    const bits = rows * ROW <= 1 << LARGE_LAYER_BITS ? LARGE_LAYER_BITS : SMALL_LAYER_BITS;
+    const height = Math.min(rows, 1 << (bits - 12));
+    if (this.textures[name]) gl.deleteTexture(this.textures[name]);
+    delete this.textures[name];
+    this.bound(name, gl.TEXTURE_2D_ARRAY);
+    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.RGBA8, ROW, height, Math.ceil(rows / height));
+    return bits;
+  }
+
+  fill(name, firstRow, texels, bits) {
+    const gl = this.gl, height = 1 << (bits - 12);
+    this.bound(name, gl.TEXTURE_2D_ARRAY);
+    for (let row = 0, rows = texels.length / (4 * ROW); row < rows;) {
+      const at = firstRow + row, count = Math.min(rows - row, height - (at % height));
+      gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, at % height, Math.floor(at / height), ROW, count, 1, gl.RGBA,
+                       gl.UNSIGNED_BYTE, texels, 4 * ROW * row);
+      row += count;
+    }
+  }
+
+  setMesh(vertices, triangles, brightest) {
+    const gl = this.gl;
+    this.vertices = vertices;
+    this.corners = triangles;
+    this.triangles = triangles.length / 3;
+    this.brightest = brightest;
+    this.table("vertices", vertices, gl.RGB32F, gl.RGB, gl.FLOAT, 3);
+    const places = new Uint32Array(4 * triangles.length);
+    for (let t = 0; t < this.triangles; ++t) places.set(triangles.subarray(3 * t, 3 * t + 3), 12 * t);
+    this.setPlaces(places);
+  }
+
+  setPlaces(places) {
+    this.table("places", places, this.gl.RGBA32UI, this.gl.RGBA_INTEGER, this.gl.UNSIGNED_INT, 4);
+  }
+
+  setMeans(places, means) {
+    this.setPlaces(places);
+    this.fill("means", 0, means, (this.meansBits = this.layered("means", means.length / 4)));
+    this.coloured = true;
+  }
+
+  setBasisRoom(texels) {
+    this.basisBits = this.layered("basis", texels);
+    this.basisRows = 0;
+  }
+
+  addBasis(texels) {
+    this.fill("basis", this.basisRows, texels, this.basisBits);
+    this.basisRows += texels.length / (4 * ROW);
+  }
+
+  setCoefficients(coefficients, stride, exposure) {
+    const gl = this.gl;
+    this.stride = stride;
+    this.exposure = exposure;
+    if (stride > 0) this.table("coefficients", coefficients, gl.R32F, gl.RED, gl.FLOAT, 1);
+  }
+
+  /** Triangles that face the eye from the nearest to the farthest, then the others, so that little is shaded in vain. */
+  sort(eye, centre, radius) {
+    const { vertices, corners, gl } = this;
+    const bucket = new Uint16Array(this.triangles), first = new Uint32Array(2 * LAYERS + 1);
+    const nearest = Math.hypot(...subtract(eye, centre)) - radius, perMetre = LAYERS / (2 * radius);
+    for (let t = 0; t < this.triangles; ++t) {
+      const a = 3 * corners[3 * t], b = 3 * corners[3 * t + 1], c = 3 * corners[3 * t + 2];
+      const x = eye[0] - vertices[a], y = eye[1] - vertices[a + 1], z = eye[2] - vertices[a + 2];
+      const bx = vertices[b] - vertices[a], by = vertices[b + 1] - vertices[a + 1], bz = vertices[b + 2] - vertices[a + 2];
+      const cx = vertices[c] - vertices[a], cy = vertices[c + 1] - vertices[a + 1], cz = vertices[c + 2] - vertices[a + 2];
+      const faces = x * (by * cz - bz * cy) + y * (bz * cx - bx * cz) + z * (bx * cy - by * cx) > 0;
+      const depth = Math.min(LAYERS - 1, Math.max(0, perMetre * (Math.sqrt(x * x + y * y + z * z) - nearest)));
+      bucket[t] = Math.floor(depth) + (faces ? 0 : LAYERS);
+      ++first[bucket[t] + 1];
+    }
+    for (let i = 1; i < first.length; ++i) first[i] += first[i - 1];
+    const order = new Uint32Array(3 * this.triangles);
+    for (let t = 0; t < this.triangles; ++t) {
+      const at = 3 * first[bucket[t]]++;
+      order[at] = 3 * t;
+      order[at + 1] = 3 * t + 1;
+      order[at + 2] = 3 * t + 2;
+    }
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, order, gl.STREAM_DRAW);
+  }
+
+  /** Into the framebuffer that is bound, of this size. `pixelSize`: of its pixels in those of the picture. */
+  draw(orbit, width, height, { pixelSize = 1, markGuesses = true } = {}) {
+    const gl = this.gl, eye = orbit.eye();
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    if (this.triangles === 0) return;
+    gl.useProgram(this.program);
+    gl.enable(gl.DEPTH_TEST);
+    gl.uniformMatrix4fv(this.uniform("clip_from_object"), false, orbit.clipFromObject(width, height));
+    gl.uniform3fv(this.uniform("eye"), eye);
+    gl.uniform1i(this.uniform("means_bits"), this.meansBits);
+    gl.uniform1i(this.uniform("basis_bits"), this.basisBits);
+    gl.uniform1i(this.uniform("stride"), this.stride);
+    gl.uniform1i(this.uniform("shading"), this.coloured ? 0 : 1);
+    gl.uniform1i(this.uniform("mark_guesses"), markGuesses ? 1 : 0);
+    gl.uniform1f(this.uniform("exposure"), this.exposure);
+    gl.uniform1f(this.uniform("brightest"), this.brightest);
+    gl.uniform1f(this.uniform("pixel_size"), pixelSize);
+    this.sort(eye, orbit.centre, orbit.radius);
+    gl.drawElements(gl.TRIANGLES, 3 * this.triangles, gl.UNSIGNED_INT, 0);
+  }
+}

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page's worker calls. One model; numbers and addresses of memory go in and out. A call that fails gives -1,
+// and `sheen_table(kError)` says why.
+#include <emscripten.h>
+
+#include <cstdint>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "reconstructor/page/wasm/page_model.h"
+
+namespace {
+
+using sheen::PageModel;
+
+enum TableName : std::uint32_t {
+  kError,
+  kScene,
+  kCameras,
+  kVertices,
+  kTriangles,
+  kPlaces,
+  kMeans,
+  kTerms,
+  kCoefficients
+};
+
+struct Table {
+  const void* data = nullptr;
+  std::uint32_t bytes = 0;
+};
+
+std::string& file() {
+  static std::string bytes;
+  return bytes;
+}
+PageModel& model() {
+  static PageModel model("this model");
+  return model;
+}
+std::string& error() {
+  static std::string text;
+  return text;
+}
+
+template <typename Call>
+int tried(const Call& call) {
+  try {
+    return static_cast<int>(call());
+  } catch (const std::bad_alloc&) {
+    error() = "There is not enough memory for this model.";
+  } catch (const std::exception& failed) {
+    error() = failed.what();
+  }
+  return -1;
+}
+
+template <typename Numbers>
+Table table_of(const Numbers& numbers) {
+  return {numbers.data(), static_cast<std::uint32_t>(numbers.size() * sizeof(*numbers.data()))};
+}
+
+}  // namespace
+
+extern "C" {
+
+/// Room for so many bytes more of the file.
+EMSCRIPTEN_KEEPALIVE char* sheen_more(std::uint32_t bytes) {
+  file().resize(file().size() + bytes);
+  return file().data() + file().size() - bytes;
+}
+
+/// PageModel::read of what is there.
+EMSCRIPTEN_KEEPALIVE int sheen_read(int whole) {
+  return tried([&] { return model().read(file(), whole != 0); });
+}
+
+/// Bytes of the next rows of terms, which are then the table `kTerms`.
+EMSCRIPTEN_KEEPALIVE int sheen_next_terms() {
+  return tried([] { return model().next_terms().size(); });
+}
+
+/// 0; then the table `kCoefficients` is that of the eye.
+EMSCRIPTEN_KEEPALIVE int sheen_look(double x, double y, double z) {
+  return tried([&] {
+    model().look_from({x, y, z});
+    return 0;
+  });
+}
+
+EMSCRIPTEN_KEEPALIVE float sheen_exposure(double x, double y, double z) {
+  return model().exposure_at({x, y, z});
+}
+EMSCRIPTEN_KEEPALIVE int sheen_max_terms() {
+  return model().max_terms();
+}
+EMSCRIPTEN_KEEPALIVE int sheen_missing_layers() {
+  return model().missing_layers();
+}
+EMSCRIPTEN_KEEPALIVE std::uint32_t sheen_term_texels() {
+  return static_cast<std::uint32_t>(model().term_texels());
+}
+
+/// Address and length of a table, two numbers of 32 bits; until the next call.
+EMSCRIPTEN_KEEPALIVE const Table* sheen_table(std::uint32_t name) {
+  static Table table;
+  static std::vector<double> scene;
+  static std::vector<float> cameras;
+  switch (name) {
+    case kScene:
+      table = table_of(scene = model().scene());
+      break;
+    case kCameras:
+      table = table_of(cameras = model().cameras());
+      break;
+    case kVertices:
+      table = table_of(model().mesh().vertices);
+      break;
+    case kTriangles:
+      table = table_of(model().mesh().triangles);
+      break;
+    case kPlaces:
+      table = table_of(model().places());
+      break;
+    case kMeans:
+      table = table_of(model().means());
+      break;
+    case kTerms:
+      table = table_of(model().terms());
+      break;
+    case kCoefficients:
+      table = table_of(model().coefficients());
+      break;
+    default:
+      table = table_of(error());
+  }
+  return &table;
+}
+
+}  // extern "C"
