@@ -8,7 +8,7 @@ import { nearestPhotographDeg, viewName } from "./view_words.js";
 import { Viewer } from "./viewer.js";
 
 const FAR_FROM_PHOTOGRAPHS_DEG = 15;
-const MOST_PIXELS = 2560 * 1600; // a phone's screen has more than its graphics shade
+const MOST_PIXELS = 1920 * 1200; // a phone's screen has more than its graphics shade
 
 const element = (id) => document.getElementById(id);
 const canvas = element("view");
@@ -162,8 +162,8 @@ function start() {
   const gl = canvas.getContext("webgl2", { alpha: true, antialias: false, powerPreference: "high-performance" });
   if (!gl) return fail("This browser has no WebGL 2, which this page draws with.");
   page.viewer = new Viewer(gl);
-  page.painter = new Painter(gl, canvas, (width, height, pixelSize) => {
-    if (page.orbit) page.viewer.draw(page.orbit, width, height, { pixelSize, markGuesses: page.markGuesses });
+  page.painter = new Painter(gl, canvas, (width, height, how) => {
+    if (page.orbit) page.viewer.draw(page.orbit, width, height, { ...how, markGuesses: page.markGuesses });
   });
   new Controls(canvas, hands);
   new ResizeObserver(resize).observe(canvas);

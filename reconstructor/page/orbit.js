@@ -114,4 +114,11 @@ export class Orbit {
     const rows = [row(right, sx), row(down, sy), row(forward, a, b), row(forward, 1)];
     return Float32Array.from({ length: 16 }, (_, i) => rows[i % 4][i >> 2]);
   }
+
+  /** A ray through the lower left corner of a picture of this size, and what leads a pixel to the right or up. */
+  rays(width, height) {
+    const { right, down, forward } = this.axes(), pixel = (2 * TAN_HALF_VIEW) / Math.min(width, height);
+    const x = scaled(right, pixel), y = scaled(down, -pixel);
+    return { ray: subtract(subtract(forward, scaled(x, width / 2)), scaled(y, height / 2)), right: x, up: y };
+  }
 }

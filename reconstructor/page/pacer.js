@@ -7,7 +7,7 @@ const LIMIT_MS = 66; // above this it is too slow: 15 frames per second
 /** From fine to coarse: size of pixels in those of the picture, and whether there are several samples in each. */
 const LEVELS = [{ pixel: 1, smooth: true }, { pixel: 1 }, { pixel: 1.5 }, { pixel: 2 }, { pixel: 3 }, { pixel: 4 }];
 const COARSEST = LEVELS.length - 1;
-const FRACTION_OF_ONE_SAMPLE = 0.45; // of the time of several
+const FRACTION_OF_ONE_SAMPLE = 0.3; // of the time of a smooth picture, which is one with and one without several samples
 const SLOW_FRAMES = 2; // of which one alone is an accident
 
 const cost = ({ pixel, smooth }) => (smooth ? 1 : FRACTION_OF_ONE_SAMPLE) / (pixel * pixel);

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The window's shading in WebGL 2, where textures of two dimensions take the place of buffers.
 
-const PRECISION = `#version 300 es
+// Compiled in two ways. Where graphics round corners to sixteenths of a pixel, another triangle than the ray through the
+// middle of the pixel meets is sometimes shaded. With EXACT triangles are drawn a little larger, and what the ray does not
+// meet is left out: the picture is the ray painter's. Its outlines are as ragged as pixels are.
+
+const HEAD = (exact) => `#version 300 es
+${exact ? "#define EXACT" : ""}
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -10,16 +15,39 @@ precision highp sampler2DArray;
 `;
 
 /** Vertices come out of textures: vertex 3 t + c is corner c of triangle t. */
-export const VERTEX_SHADER = PRECISION + `
+export const vertexShader = (exact) => HEAD(exact) + `
 uniform sampler2D vertices;
 uniform usampler2D places;  // three texels per triangle: PageModel::places
 uniform mat4 clip_from_object;
 flat out uvec4 columns, terms;
 flat out int side;
+#ifdef EXACT
+uniform vec3 eye;
+uniform vec2 half_size;          // of the picture, pixels
+flat out vec3 plane_a, plane_b, plane_c;  // normals of the planes through the eye and the edge opposite a corner
+#else
 centroid out vec3 beta;     // never outside the triangle, also where several samples make a pixel
 out vec3 position;
+#endif
+
+vec3 vertex(uint i) { return texelFetch(vertices, ivec2(i & 4095u, i >> 12), 0).xyz; }
 
 uvec4 place(int i) { return texelFetch(places, ivec2(i & 4095, i >> 12), 0); }
+
+#ifdef EXACT
+vec4 clip(vec3 place) { return clip_from_object * vec4(place, 1); }
+
+// A corner, an eighth of a pixel further from both its edges.
+vec4 grown(vec4 p, vec4 q, vec4 r) {
+  if (min(p.w, min(q.w, r.w)) <= 0.0) return p;
+  vec2 at = half_size * p.xy / p.w, to_q = half_size * q.xy / q.w - at, to_r = half_size * r.xy / r.w - at;
+  to_q /= max(length(to_q), 1e-6);
+  to_r /= max(length(to_r), 1e-6);
+  vec2 inwards = to_q + to_r;
+  float sine = max(0.5 * length(to_q - to_r), 0.125);  // of half the angle: no corner goes further than a pixel
+  return p - vec4(0.125 / sine * inwards / max(length(inwards), 1e-6) / half_size * p.w, 0, 0);
+}
+#endif
 
 void main() {
   int triangle = gl_VertexID / 3, corner = gl_VertexID - 3 * triangle;
@@ -27,14 +55,26 @@ void main() {
   columns = place(3 * triangle + 1);
   terms = place(3 * triangle + 2);
   side = int(shape.w);
-  int vertex = int(shape[corner]);
+#ifdef EXACT
+  vec3 a = vertex(shape.x), b = vertex(shape.y), c = vertex(shape.z);
+  vec4 p = clip(corner == 0 ? a : corner == 1 ? b : c), q = clip(corner == 0 ? b : corner == 1 ? c : a),
+       r = clip(corner == 0 ? c : corner == 1 ? a : b);
+  gl_Position = grown(p, q, r);
+  a -= eye;
+  b -= eye;
+  c -= eye;
+  plane_a = cross(b, c - b);
+  plane_b = cross(c, a - c);
+  plane_c = cross(a, b - a);
+#else
   beta = vec3(corner == 0, corner == 1, corner == 2);
-  position = texelFetch(vertices, ivec2(vertex & 4095, vertex >> 12), 0).xyz;
+  position = vertex(shape[corner]);
   gl_Position = clip_from_object * vec4(position, 1);
+#endif
 }
 `;
 
-export const FRAGMENT_SHADER = PRECISION + `
+export const fragmentShader = (exact) => HEAD(exact) + `
 uniform sampler2DArray means, basis;
 uniform sampler2D coefficients;
 uniform int means_bits, basis_bits;  // of a texel's number: those above say its layer
@@ -45,8 +85,13 @@ uniform vec3 eye;
 uniform float exposure, brightest, pixel_size;
 flat in uvec4 columns, terms;
 flat in int side;
+#ifdef EXACT
+uniform vec3 ray, ray_right, ray_up;  // through the lower left corner of the picture, and by a pixel
+flat in vec3 plane_a, plane_b, plane_c;
+#else
 centroid in vec3 beta;
 in vec3 position;
+#endif
 out vec4 color;
 
 const vec3 UNKNOWN = vec3(0.20, 0.21, 0.24);
@@ -77,10 +122,7 @@ void lattice_stencil(int n, float u, float v, out ivec3 index, out vec3 weight) 
 }
 
 // Grey by the angle to the eye: shape where there is no colour.
-float facing() {
-  vec3 normal = normalize(cross(dFdx(position), dFdy(position)));
-  return abs(dot(normal, normalize(eye - position)));
-}
+float facing(vec3 normal, vec3 direction) { return abs(dot(normalize(normal), normalize(direction))); }
 
 float stripe() { return step(6.0, mod(pixel_size * (gl_FragCoord.x + gl_FragCoord.y), 12.0)); }
 
@@ -99,7 +141,7 @@ vec3 marked(vec3 encoded, bool guess) {
 }
 
 // Sum over the three corners and all their terms, sRGB-encoded.
-vec3 light_field(out bool guess) {
+vec3 light_field(vec3 beta, out bool guess) {
   ivec3 index;
   vec3 weight;
   lattice_stencil(side, beta.y, beta.z, index, weight);
@@ -121,17 +163,63 @@ vec3 light_field(out bool guess) {
 }
 
 void main() {
+#ifdef EXACT
+  vec3 direction = ray + gl_FragCoord.x * ray_right + gl_FragCoord.y * ray_up;
+  vec3 beta = vec3(dot(direction, plane_a), dot(direction, plane_b), dot(direction, plane_c));
+  float sum = beta.x + beta.y + beta.z;
+  beta /= sum;
+  if (!(min(beta.x, min(beta.y, beta.z)) > -1e-5)) discard;
+  bool front = sum < 0.0;
+  float grey = facing(plane_a + plane_b + plane_c, direction);
+#else
+  bool front = gl_FrontFacing;
+  float grey = facing(cross(dFdx(position), dFdy(position)), eye - position);
+#endif
   color = vec4(0, 0, 0, 1);
   if (shading == 1) {
-    color.rgb = vec3(0.72) * (0.25 + 0.75 * facing());
-  } else if (!gl_FrontFacing) {
+    color.rgb = vec3(0.72) * (0.25 + 0.75 * grey);
+  } else if (!front) {
     color.rgb = marked(vec3(INSIDE), true);  // which no photograph shows
   } else if (terms.y == 0xffffffffu) {
-    color.rgb = UNKNOWN * (0.55 + 0.45 * facing()) + 0.035 * stripe();
+    color.rgb = UNKNOWN * (0.55 + 0.45 * grey) + 0.035 * stripe();
   } else {
     bool guess;
-    vec3 encoded = light_field(guess);
+    vec3 encoded = light_field(beta, guess);
     color.rgb = marked(exposed(encoded), guess);
   }
+}
+`;
+
+/** All of the picture. */
+export const WHOLE_VERTEX_SHADER = HEAD(false) + `
+void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1, 0, 1); }
+`;
+
+// Outlines from a picture with several samples per pixel, all else from the exact one. Depth is a linear function of the
+// place in the picture on any plane: from a pixel to the next it grows as it does on one of their other sides, or, at an
+// edge of two planes, by something in between. At an outline it jumps.
+export const JOINING_SHADER = HEAD(false) + `
+uniform sampler2D exact, depth, smoothed;
+out vec4 color;
+
+const float LEAST_JUMP = 0.004;  // of the object's depth
+
+float depth_at(ivec2 place) { return texelFetch(depth, clamp(place, ivec2(0), textureSize(depth, 0) - 1), 0).x; }
+
+float beyond(float step, float before, float behind) {
+  return max(step - max(before, behind), min(before, behind) - step);
+}
+
+bool jumps(ivec2 here, ivec2 along) {
+  float a = depth_at(here - 2 * along), b = depth_at(here - along), c = depth_at(here), d = depth_at(here + along),
+        e = depth_at(here + 2 * along);
+  return max(beyond(c - b, b - a, d - c), beyond(d - c, c - b, e - d)) > LEAST_JUMP;
+}
+
+void main() {
+  ivec2 here = ivec2(gl_FragCoord.xy);
+  vec4 one = texelFetch(exact, here, 0), several = texelFetch(smoothed, here, 0);
+  bool outline = min(one.a, several.a) < 1.0 || jumps(here, ivec2(1, 0)) || jumps(here, ivec2(0, 1));
+  color = outline ? several : one;
 }
 `;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws a model with WebGL 2: maps in textures of `ROW` texels a row.
-import { FRAGMENT_SHADER, VERTEX_SHADER } from "./shaders.js";
+import { Program } from "./program.js";
+import { fragmentShader, vertexShader } from "./shaders.js";
 import { subtract } from "./vectors.js";
 
 const ROW = 4096;
@@ -8,30 +9,15 @@ const LARGE_LAYER_BITS = 24, SMALL_LAYER_BITS = 21; // a texture that one layer 
 const UNITS = { vertices: 0, places: 1, means: 2, basis: 3, coefficients: 4 };
 const LAYERS = 128; // of depth, in which triangles are sorted
 
-function compiled(gl, kind, source) {
-  const shader = gl.createShader(kind);
-  gl.shaderSource(shader, source);
-  gl.compileShader(shader);
-  return shader;
-}
-
-function linked(gl) {
-  const program = gl.createProgram();
-  gl.attachShader(program, compiled(gl, gl.VERTEX_SHADER, VERTEX_SHADER));
-  gl.attachShader(program, compiled(gl, gl.FRAGMENT_SHADER, FRAGMENT_SHADER));
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
-    throw new Error("This browser's graphics refuse the page's shader: " + gl.getProgramInfoLog(program));
-  return program;
-}
-
 export class Viewer {
   constructor(gl) {
     this.gl = gl;
-    this.program = linked(gl);
-    this.places_of_uniforms = new Map();
-    gl.useProgram(this.program);
-    for (const [name, unit] of Object.entries(UNITS)) gl.uniform1i(this.uniform(name), unit);
+    this.programs = [false, true].map((exact) => {
+      const program = new Program(gl, vertexShader(exact), fragmentShader(exact));
+      program.use();
+      for (const [name, unit] of Object.entries(UNITS)) gl.uniform1i(program.uniform(name), unit);
+      return program;
+    });
     this.order = gl.createBuffer();
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.order);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
@@ -44,11 +30,6 @@ export class Viewer {
     this.setBasisRoom(0);
     this.table("coefficients", new Float32Array(1), gl.R32F, gl.RED, gl.FLOAT, 1);
     this.meansBits = this.layered("means", 0);
-  }
-
-  uniform(name) {
-    if (!this.places_of_uniforms.has(name)) this.places_of_uniforms.set(name, this.gl.getUniformLocation(this.program, name));
-    return this.places_of_uniforms.get(name);
   }
 
   bound(name, kind) {
@@ -97,6 +78,7 @@ export class Viewer {
     this.vertices = vertices;
     this.corners = triangles;
     this.triangles = triangles.length / 3;
+    this.sortedFor = "";
     this.brightest = brightest;
     this.table("vertices", vertices, gl.RGB32F, gl.RGB, gl.FLOAT, 3);
     const places = new Uint32Array(4 * triangles.length);
@@ -158,25 +140,39 @@ export class Viewer {
   }
 
   /** Into the framebuffer that is bound, of this size. `pixelSize`: of its pixels in those of the picture. */
-  draw(orbit, width, height, { pixelSize = 1, markGuesses = true } = {}) {
-    const gl = this.gl, eye = orbit.eye();
+  draw(orbit, width, height, { exact = false, pixelSize = 1, markGuesses = true } = {}) {
+    const gl = this.gl, eye = orbit.eye(), program = this.programs[exact ? 1 : 0];
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (this.triangles === 0) return;
-    gl.useProgram(this.program);
+    program.use();
+    for (const [name, unit] of Object.entries(UNITS)) {
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(name === "means" || name === "basis" ? gl.TEXTURE_2D_ARRAY : gl.TEXTURE_2D, this.textures[name]);
+    }
     gl.enable(gl.DEPTH_TEST);
-    gl.uniformMatrix4fv(this.uniform("clip_from_object"), false, orbit.clipFromObject(width, height));
-    gl.uniform3fv(this.uniform("eye"), eye);
-    gl.uniform1i(this.uniform("means_bits"), this.meansBits);
-    gl.uniform1i(this.uniform("basis_bits"), this.basisBits);
-    gl.uniform1i(this.uniform("stride"), this.stride);
-    gl.uniform1i(this.uniform("shading"), this.coloured ? 0 : 1);
-    gl.uniform1i(this.uniform("mark_guesses"), markGuesses ? 1 : 0);
-    gl.uniform1f(this.uniform("exposure"), this.exposure);
-    gl.uniform1f(this.uniform("brightest"), this.brightest);
-    gl.uniform1f(this.uniform("pixel_size"), pixelSize);
-    this.sort(eye, orbit.centre, orbit.radius);
+    gl.uniformMatrix4fv(program.uniform("clip_from_object"), false, orbit.clipFromObject(width, height));
+    gl.uniform3fv(program.uniform("eye"), eye);
+    gl.uniform1i(program.uniform("means_bits"), this.meansBits);
+    gl.uniform1i(program.uniform("basis_bits"), this.basisBits);
+    gl.uniform1i(program.uniform("stride"), this.stride);
+    gl.uniform1i(program.uniform("shading"), this.coloured ? 0 : 1);
+    gl.uniform1i(program.uniform("mark_guesses"), markGuesses ? 1 : 0);
+    gl.uniform1f(program.uniform("exposure"), this.exposure);
+    gl.uniform1f(program.uniform("brightest"), this.brightest);
+    gl.uniform1f(program.uniform("pixel_size"), pixelSize);
+    if (exact) {
+      gl.uniform2f(program.uniform("half_size"), width / 2, height / 2);
+      const { ray, right, up } = orbit.rays(width, height);
+      gl.uniform3fv(program.uniform("ray"), ray);
+      gl.uniform3fv(program.uniform("ray_right"), right);
+      gl.uniform3fv(program.uniform("ray_up"), up);
+    }
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.order);
+    if (this.sortedFor !== eye.join()) this.sort(eye, orbit.centre, orbit.radius);
+    this.sortedFor = eye.join();
     gl.drawElements(gl.TRIANGLES, 3 * this.triangles, gl.UNSIGNED_INT, 0);
+    gl.disable(gl.DEPTH_TEST);
   }
 }
