@@ -9,12 +9,13 @@ import { Viewer } from "./viewer.js";
 
 const FAR_FROM_PHOTOGRAPHS_DEG = 15;
 const MOST_PIXELS = 1920 * 1200; // a phone's screen has more than its graphics shade
+const MOST_TEXELS_KEPT = 16e6; // against the loss of the graphics; of larger models all is decoded again
 
 const element = (id) => document.getElementById(id);
 const canvas = element("view");
 
 const page = { viewer: null, painter: null, orbit: null, cameras: null, worker: null, whole: false, markGuesses: true,
-               origin: [0, 0, 0], looks: 0, pending: false, figures: {} };
+               origin: [0, 0, 0], looks: 0, pending: false, figures: {}, kept: { room: 0, terms: [] } };
 
 function say(id, text) {
   if (element(id).textContent !== text) element(id).textContent = text;
@@ -121,6 +122,7 @@ const onMessage = {
     page.figures.bytes = bytes;
   },
   mesh({ scene, cameras, vertices, triangles }) {
+    page.kept.mesh = { vertices, triangles, brightest: scene[13] };
     page.origin = Array.from(scene.slice(10, 13));
     page.cameras = cameras;
     page.viewer.setMesh(vertices, triangles, scene[13]);
@@ -132,14 +134,17 @@ const onMessage = {
   },
   means({ places, means }) {
     page.figures.bytesToColours ??= page.figures.bytes;
+    page.kept.means = { places, means };
     page.viewer.setMeans(places, means);
     if (document.body.dataset.state === "mesh") document.body.dataset.state = "means";
     changed();
   },
   room({ texels }) {
+    page.kept.room = texels;
     page.viewer.setBasisRoom(texels);
   },
   terms({ texels }) {
+    if (page.kept.room <= MOST_TEXELS_KEPT) page.kept.terms.push(texels);
     page.viewer.addBasis(texels);
   },
   whole({ maxTerms, missingLayers, cpuMs, heapBytes }) {
@@ -150,6 +155,7 @@ const onMessage = {
   },
   seen({ coefficients, exposure }) {
     page.pending = false;
+    if (page.viewer.gl.isContextLost()) return;
     page.viewer.setCoefficients(coefficients, page.maxTerms, exposure);
     document.body.dataset.state = "whole";
     askForEye();
@@ -158,13 +164,19 @@ const onMessage = {
   failed: ({ message }) => fail(message),
 };
 
-function start() {
+function startDrawing() {
   const gl = canvas.getContext("webgl2", { alpha: true, antialias: false, powerPreference: "high-performance" });
-  if (!gl) return fail("This browser has no WebGL 2, which this page draws with.");
+  if (!gl) throw new Error("This browser has no WebGL 2, which this page draws with.");
   page.viewer = new Viewer(gl);
   page.painter = new Painter(gl, canvas, (width, height, how) => {
     if (page.orbit) page.viewer.draw(page.orbit, width, height, { ...how, markGuesses: page.markGuesses });
   });
+}
+
+function start() {
+  startDrawing();
+  canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+  canvas.addEventListener("webglcontextrestored", restore);
   new Controls(canvas, hands);
   new ResizeObserver(resize).observe(canvas);
   resize();
@@ -178,6 +190,19 @@ function start() {
     if (page.orbit && followLink()) changed();
   });
   page.worker = loadModel(onMessage);
+}
+
+/** The graphics have lost all that they had (another program took them, a phone slept): from what was kept, or anew. */
+function restore() {
+  const { mesh, means, room, terms } = page.kept;
+  if (room > MOST_TEXELS_KEPT) return location.reload(); // the address names the view
+  startDrawing();
+  if (mesh) page.viewer.setMesh(mesh.vertices, mesh.triangles, mesh.brightest);
+  if (means) page.viewer.setMeans(means.places, means.means);
+  page.viewer.setBasisRoom(room);
+  for (const texels of terms) page.viewer.addBasis(texels);
+  page.askedEye = null;
+  changed();
 }
 
 /** For pages that embed this one, and for tests. */

@@ -4,7 +4,7 @@ import { add, clamp, cross, dot, length, scaled, subtract, unit } from "./vector
 
 const TAN_HALF_VIEW = Math.tan(Math.PI / 9); // 40 degrees along the shorter side of the picture
 const STEEPEST = 1.5; // rad: short of the pole, where azimuth means nothing
-const FILLED = 0.86; // of the picture by the object at home
+const FILLED = 0.78; // of the picture by the object at home
 
 export class Orbit {
   /** `scene`: PageModel::scene. `vertices`: of the mesh. */

@@ -110,7 +110,17 @@ export class Viewer {
     const gl = this.gl;
     this.stride = stride;
     this.exposure = exposure;
-    if (stride > 0) this.table("coefficients", coefficients, gl.R32F, gl.RED, gl.FLOAT, 1);
+    if (stride === 0) return;
+    if (this.coefficientCount !== coefficients.length) this.table("coefficients", coefficients, gl.R32F, gl.RED, gl.FLOAT, 1);
+    else this.replaceCoefficients(coefficients);
+    this.coefficientCount = coefficients.length;
+  }
+
+  replaceCoefficients(coefficients) {
+    const gl = this.gl, rows = Math.floor(coefficients.length / ROW), rest = coefficients.length - rows * ROW;
+    this.bound("coefficients", gl.TEXTURE_2D);
+    if (rows > 0) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ROW, rows, gl.RED, gl.FLOAT, coefficients);
+    if (rest > 0) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, rows, rest, 1, gl.RED, gl.FLOAT, coefficients, rows * ROW);
   }
 
   /** Triangles that face the eye from the nearest to the farthest, then the others, so that little is shaded in vain. */
