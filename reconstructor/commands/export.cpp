@@ -22,7 +22,7 @@ namespace sheen {
 namespace {
 
 struct ExportArguments {
-  std::string model, out, page, single, json;
+  std::string model, out, page, single, about, json;
 };
 
 ImageF encoded_picture(const RayPainter& painter, const SavedModel& saved, const LightState& light) {
@@ -34,12 +34,14 @@ ImageF encoded_picture(const RayPainter& painter, const SavedModel& saved, const
 }
 
 void export_page(const ExportArguments& arguments) {
+  const PageText text =
+      arguments.about.empty() ? page_text(arguments.model) : read_page_text(arguments.about, arguments.model);
   if (!arguments.page.empty()) {
-    write_page(arguments.model, arguments.page);
+    write_page(arguments.model, arguments.page, text);
     std::printf("page written to %s: put this folder on any web server\n", arguments.page.c_str());
   }
   if (!arguments.single.empty()) {
-    write_single_page(arguments.model, arguments.single);
+    write_single_page(arguments.model, arguments.single, text);
     std::printf("page written to %s: open it in a browser\n", arguments.single.c_str());
   }
 }
@@ -103,10 +105,14 @@ void add_export_command(Command& program) {
   command.option("model", arguments->model, "saved model: a file or a folder").required();
   command.option("--page", arguments->page, "folder to write the page to, for any web server");
   command.option("--single", arguments->single, "the page as one file, which opens without a server (.html)");
+  Option about =
+      command.option("--about", arguments->about,
+                     "file (JSON) of what the page says: its title, a text, notes on the object, the first view");
   const Option out = command.option("--out", arguments->out,
                                     "FILE.ptm, or a folder in the format of the relight tools, which OpenLIME shows");
   Option json = command.option("--json", arguments->json, "report to write; - for standard output");
   json.needs(out);
+  about.excludes({out});
   command.callback([arguments] {
     if (arguments->page.empty() && arguments->single.empty() && arguments->out.empty())
       throw ConfigError("export: --page, --single or --out says what to write");

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/commands/page_export.h"
 
+#include <algorithm>
 #include <array>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -13,6 +17,7 @@ namespace sheen {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
 
 constexpr std::string_view kPageFile = "index.html", kStyleFile = "sheen.css", kScriptFile = "sheen.js",
                            kWorkerFile = "worker.js", kDecoderFile = "sheen.wasm", kModelFile = "model.slf";
@@ -77,11 +82,12 @@ void put(std::string& page, std::string_view place, const std::string& what) {
   page.replace(at, place.size(), what);
 }
 
-std::string titled_page(const fs::path& from, const fs::path& model) {
+std::string titled_page(const fs::path& from, const PageText& text) {
   std::string page = read_file(from / kPageFile);
-  const std::string title = escaped(model.stem().string());
+  const std::string title = escaped(text.title);
   put(page, "<title>Sheen</title>", "<title>" + title + "</title>");
   put(page, "<h1 id=\"title\">Sheen</h1>", "<h1 id=\"title\">" + title + "</h1>");
+  put(page, "id=\"about\">{}<", "id=\"about\">" + text.about + "<");
   return page;
 }
 
@@ -90,22 +96,83 @@ std::string inside(std::string_view id, const std::string& text) {
   return "<script type=\"text/plain\" id=\"" + std::string(id) + "\">" + text + "</script>\n";
 }
 
+/// Three numbers, where the field is there or must be.
+void check_point(const Json& object, const char* field, bool required, const std::string& where) {
+  if (!required && !object.contains(field)) return;
+  const Json point = object.value(field, Json());
+  const auto is_number = [](const Json& number) { return number.is_number(); };
+  if (!point.is_array() || point.size() != 3 || !std::all_of(point.begin(), point.end(), is_number))
+    throw std::runtime_error(where + "\"" + field + "\" is not three numbers");
+}
+
+void check_string(const Json& object, const char* field, bool required, const std::string& where) {
+  if (!required && !object.contains(field)) return;
+  if (!object.value(field, Json()).is_string()) throw std::runtime_error(where + "\"" + field + "\" is not a text");
+}
+
+void check_fields(const Json& object, std::initializer_list<std::string_view> known, const std::string& where) {
+  if (!object.is_object()) throw std::runtime_error(where + "is not an object { ... }");
+  for (const auto& [field, value] : object.items())
+    if (std::find(known.begin(), known.end(), field) == known.end())
+      throw std::runtime_error(where + "\"" + field + "\" is none of its fields");
+}
+
+void check_about(const Json& about) {
+  check_fields(about, {"title", "text", "notes", "up", "eye", "target"}, "");
+  for (const char* field : {"title", "text"}) check_string(about, field, false, "");
+  for (const char* field : {"up", "eye", "target"}) check_point(about, field, false, "");
+  const Json notes = about.value("notes", Json::array());
+  if (!notes.is_array()) throw std::runtime_error("\"notes\" is not a list [ ... ]");
+  for (std::size_t i = 0; i < notes.size(); ++i) {
+    const std::string where = "note " + std::to_string(i + 1) + ": ";
+    check_fields(notes[i], {"at", "title", "text"}, where);
+    check_point(notes[i], "at", true, where);
+    check_string(notes[i], "title", true, where);
+    check_string(notes[i], "text", false, where);
+  }
+}
+
+/// JSON that can stand in HTML.
+std::string in_html(const Json& json) {
+  std::string out;
+  for (const char c : json.dump()) out += c == '<' ? "\\u003c" : std::string(1, c);
+  return out;
+}
+
 }  // namespace
 
-void write_page(const fs::path& model, const fs::path& folder) {
+PageText page_text(const fs::path& model) {
+  return {.title = model.stem().string()};
+}
+
+PageText read_page_text(const fs::path& file, const fs::path& model) {
+  try {
+    const Json about = Json::parse(read_file(file));
+    check_about(about);
+    return {about.value("title", page_text(model).title), in_html(about)};
+  } catch (const Json::exception& error) {
+    throw FileError(file.string(), std::string("is not valid JSON: ") + error.what());
+  } catch (const FileError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw FileError(file.string(), error.what());
+  }
+}
+
+void write_page(const fs::path& model, const fs::path& folder, const PageText& text) {
   const std::string bytes = model_bytes(model);
   const fs::path from = page_folder();
   make_folder(folder);
   for (const std::string_view file : {kStyleFile, kScriptFile, kWorkerFile, kDecoderFile})
     write_file(folder / file, read_file(from / file));
   write_file(folder / kModelFile, bytes);
-  write_file(folder / kPageFile, titled_page(from, model));
+  write_file(folder / kPageFile, titled_page(from, text));
 }
 
-void write_single_page(const fs::path& model, const fs::path& file) {
+void write_single_page(const fs::path& model, const fs::path& file, const PageText& text) {
   const std::string bytes = model_bytes(model);
   const fs::path from = page_folder();
-  std::string page = titled_page(from, model);
+  std::string page = titled_page(from, text);
   put(page, "<link rel=\"stylesheet\" href=\"sheen.css\">", "<style>\n" + read_file(from / kStyleFile) + "</style>");
   put(page, "<script src=\"sheen.js\" defer></script>",
       inside("sheen-worker", read_file(from / kWorkerFile)) +

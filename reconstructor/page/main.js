@@ -1,20 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: what is loaded, what is looked at, what is said.
+import { CameraPyramids, cameraReach } from "./cameras.js";
 import { Controls } from "./controls.js";
 import { loadModel } from "./loader.js";
+import { Notes } from "./notes.js";
 import { Orbit } from "./orbit.js";
 import { Painter } from "./painter.js";
 import { nearestPhotographDeg, viewName } from "./view_words.js";
+import { scaled, subtract, add, unit } from "./vectors.js";
 import { Viewer } from "./viewer.js";
 
 const FAR_FROM_PHOTOGRAPHS_DEG = 15;
 const MOST_PIXELS = 1920 * 1200; // a phone's screen has more than its graphics shade
+const FLIGHT_MS = 700; // from a view to another
 const MOST_TEXELS_KEPT = 16e6; // against the loss of the graphics; of larger models all is decoded again
 
 const element = (id) => document.getElementById(id);
 const canvas = element("view");
 
-const page = { viewer: null, painter: null, orbit: null, cameras: null, worker: null, whole: false, markGuesses: true,
+const about = JSON.parse(element("about").textContent);
+
+const page = { viewer: null, painter: null, orbit: null, cameras: null, worker: null, whole: false, markGuesses: true, showCameras: false,
                origin: [0, 0, 0], looks: 0, pending: false, figures: {}, kept: { room: 0, terms: [] } };
 
 function say(id, text) {
@@ -41,19 +47,20 @@ function changed() {
   if (!page.orbit || !page.painter) return;
   askForEye();
   page.painter.change();
+  page.notes.place(page.orbit, canvas.clientWidth, canvas.clientHeight);
   clearTimeout(page.settling);
   page.settling = setTimeout(settled, 250);
 }
 
 /** The hand has let go: what is seen is named, and the address of the page is that of the view. */
 function settled() {
-  const { orbit, cameras, origin } = page, direction = orbit.direction();
+  const { orbit, cameras, origin } = page;
   say("view-name", viewName(orbit));
   const away = nearestPhotographDeg(cameras, orbit);
   say("note", away > FAR_FROM_PHOTOGRAPHS_DEG ? `no photograph from here: the nearest is ${Math.round(away)} degrees away` : "");
+  page.notes.settle(orbit, page.kept.mesh.vertices, page.kept.mesh.triangles);
   const digits = (point) => point.map((x, i) => Number((x + origin[i]).toPrecision(7))).join(",");
   if (page.turned) history.replaceState(null, "", `#eye=${digits(orbit.eye())}&target=${digits(orbit.target)}`);
-  return direction;
 }
 
 function resize() {
@@ -63,7 +70,7 @@ function resize() {
   if (canvas.width === width && canvas.height === height) return;
   canvas.width = width;
   canvas.height = height;
-  if (page.orbit && !page.turned && !page.linked) page.orbit.home(width, height);
+  if (page.orbit && !page.turned && !page.linked && !about.eye) page.orbit.home(width, height);
   changed();
 }
 
@@ -74,18 +81,43 @@ function followLink() {
     const numbers = (asked.get(name) ?? "").split(",").map(Number);
     return numbers.length === 3 && numbers.every(Number.isFinite) ? numbers.map((x, i) => x - page.origin[i]) : null;
   };
-  const eye = point("eye"), up = point("up");
+  const eye = point("eye");
   if (!eye) return false;
-  if (up) page.orbit.setUp(up.map((x, i) => x + page.origin[i]));
   page.orbit.place(eye, point("target") ?? page.orbit.centre);
   return true;
 }
 
+/** The first view: as who made the page says, else all of the object from where most photographs were taken. */
 function goHome() {
+  const { orbit, origin } = page, before = orbit.view();
+  orbit.home(canvas.width, canvas.height);
+  if (about.eye) orbit.place(subtract(about.eye, origin), about.target ? subtract(about.target, origin) : orbit.centre);
+  const home = orbit.view();
   page.turned = page.linked = false;
-  page.orbit.home(canvas.width, canvas.height);
   history.replaceState(null, "", location.pathname + location.search);
-  changed();
+  if (page.opened) fly(before, home);
+  page.opened = true;
+}
+
+/** From view to view, at once for who does not want motion. */
+function fly(from, to) {
+  cancelAnimationFrame(page.flight);
+  const still = matchMedia("(prefers-reduced-motion: reduce)").matches, begun = performance.now();
+  const step = (now) => {
+    const part = still ? 1 : Math.min(1, Math.max(0, now - begun) / FLIGHT_MS);
+    page.orbit.between(from, to, part * part * (3 - 2 * part));
+    changed();
+    if (part < 1) page.flight = requestAnimationFrame(step);
+  };
+  step(begun);
+}
+
+/** Turns the noted point to the eye. */
+function lookAtNote({ at }) {
+  const { orbit } = page, before = orbit.view();
+  orbit.lookFrom(add(unit(subtract(at, orbit.centre)), scaled(orbit.direction(), 0.35)));
+  page.turned = true;
+  fly(before, orbit.view());
 }
 
 const hands = {
@@ -93,7 +125,7 @@ const hands = {
   pan: (right, up) => turn((orbit) => orbit.pan(right, up)),
   zoom: (factor) => turn((orbit) => orbit.zoom(factor)),
   key(name) {
-    const act = { r: goHome, home: goHome, g: toggleGuesses, f: toggleFullScreen }[name];
+    const act = { r: goHome, home: goHome, g: toggleGuesses, c: toggleCameras, f: toggleFullScreen }[name];
     if (act) act();
     return act !== undefined;
   },
@@ -101,6 +133,7 @@ const hands = {
 
 function turn(how) {
   if (!page.orbit) return;
+  cancelAnimationFrame(page.flight);
   how(page.orbit);
   page.turned = true;
   changed();
@@ -109,6 +142,13 @@ function turn(how) {
 function toggleGuesses() {
   page.markGuesses = !page.markGuesses;
   element("guesses").setAttribute("aria-pressed", String(page.markGuesses));
+  changed();
+}
+
+function toggleCameras() {
+  page.showCameras = !page.showCameras;
+  element("cameras").setAttribute("aria-pressed", String(page.showCameras));
+  page.orbit.reach = page.showCameras ? cameraReach(page.cameras, page.orbit.centre) : 0;
   changed();
 }
 
@@ -127,8 +167,13 @@ const onMessage = {
     page.cameras = cameras;
     page.viewer.setMesh(vertices, triangles, scene[13]);
     page.orbit = new Orbit(scene, vertices);
-    page.orbit.home(canvas.width, canvas.height);
+    if (about.up) page.orbit.setUp(about.up);
+    page.notes = new Notes(about.notes ?? [], page.origin, lookAtNote);
+    const link = location.hash;
+    goHome();
+    if (link) location.hash = link;
     page.linked = followLink();
+    page.pyramids = new CameraPyramids(page.viewer.gl, cameras, scene[3]);
     document.body.dataset.state = "mesh";
     changed();
   },
@@ -169,7 +214,9 @@ function startDrawing() {
   if (!gl) throw new Error("This browser has no WebGL 2, which this page draws with.");
   page.viewer = new Viewer(gl);
   page.painter = new Painter(gl, canvas, (width, height, how) => {
-    if (page.orbit) page.viewer.draw(page.orbit, width, height, { ...how, markGuesses: page.markGuesses });
+    if (!page.orbit) return;
+    page.viewer.draw(page.orbit, width, height, { ...how, markGuesses: page.markGuesses });
+    if (page.showCameras) page.pyramids.draw(page.orbit, width, height);
   });
 }
 
@@ -184,6 +231,8 @@ function start() {
   element("nearer").onclick = () => hands.zoom(1 / 1.25);
   element("farther").onclick = () => hands.zoom(1.25);
   element("guesses").onclick = toggleGuesses;
+  element("cameras").onclick = toggleCameras;
+  say("text", about.text ?? "");
   element("full-screen").onclick = toggleFullScreen;
   element("full-screen").hidden = !document.fullscreenEnabled;
   window.addEventListener("hashchange", () => {
@@ -198,6 +247,7 @@ function restore() {
   if (room > MOST_TEXELS_KEPT) return location.reload(); // the address names the view
   startDrawing();
   if (mesh) page.viewer.setMesh(mesh.vertices, mesh.triangles, mesh.brightest);
+  if (mesh) page.pyramids = new CameraPyramids(page.viewer.gl, page.cameras, page.orbit.radius);
   if (means) page.viewer.setMeans(means.places, means.means);
   page.viewer.setBasisRoom(room);
   for (const texels of terms) page.viewer.addBasis(texels);

@@ -11,6 +11,7 @@ export class Orbit {
   constructor(scene, vertices) {
     this.centre = Array.from(scene.slice(0, 3));
     this.radius = Math.max(scene[3], 1e-9);
+    this.reach = 0; // of what is seen beside the object, from its middle
     this.vertices = vertices;
     this.homeDirection = Array.from(scene.slice(7, 10));
     this.setUp(Array.from(scene.slice(4, 7)));
@@ -102,13 +103,35 @@ export class Orbit {
     return { right, down: cross(forward, right), forward };
   }
 
+  /** Where a point is seen in a picture of this size, from its left upper corner. */
+  project(point, width, height) {
+    const { right, down, forward } = this.axes(), offset = subtract(point, this.eye());
+    const pixels = Math.min(width, height) / (2 * TAN_HALF_VIEW) / dot(offset, forward);
+    return [width / 2 + pixels * dot(offset, right), height / 2 + pixels * dot(offset, down)];
+  }
+
+  /** Where it stands, to come back to; `between` two of them, `part` of the way. */
+  view() {
+    const { target, azimuth, elevation, distance } = this;
+    return { target, azimuth, elevation, distance };
+  }
+
+  between(from, to, part) {
+    const mixed = (a, b) => a + (b - a) * part, turn = Math.atan2(Math.sin(to.azimuth - from.azimuth), Math.cos(to.azimuth - from.azimuth));
+    this.target = from.target.map((x, i) => mixed(x, to.target[i]));
+    this.azimuth = from.azimuth + turn * part;
+    this.elevation = mixed(from.elevation, to.elevation);
+    this.distance = from.distance * (to.distance / from.distance) ** part;
+  }
+
   /** Clip space of a picture of this size, column by column; depths just round the object. */
   clipFromObject(width, height) {
     const { right, down, forward } = this.axes(), eye = this.eye(), shorter = Math.min(width, height);
     const sx = shorter / (TAN_HALF_VIEW * width), sy = -shorter / (TAN_HALF_VIEW * height);
     const depth = dot(subtract(this.centre, eye), forward);
-    const far = Math.max(depth + 1.01 * this.radius, 1e-3 * this.radius);
-    const near = Math.max(depth - 1.01 * this.radius, 1e-3 * far);
+    const reach = 1.01 * Math.max(this.radius, this.reach);
+    const far = Math.max(depth + reach, 1e-3 * this.radius);
+    const near = Math.max(depth - reach, 1e-3 * far);
     const a = (far + near) / (far - near), b = (-2 * far * near) / (far - near);
     const row = (axis, s, more = 0) => [s * axis[0], s * axis[1], s * axis[2], -s * dot(axis, eye) + more];
     const rows = [row(right, sx), row(down, sy), row(forward, a, b), row(forward, 1)];

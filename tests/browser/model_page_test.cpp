@@ -164,7 +164,7 @@ class ModelPage : public ::testing::Test {
 
 TEST_F(ModelPage, ShowsThePicturesOfTheRayPainter) {
   const fs::path file = SHEEN_GOLDEN_FOLDER "/sphere.slf";
-  write_page(file, folder_.path() / "page");
+  write_page(file, folder_.path() / "page", page_text(file));
   const SavedModel saved = open_model(file);
   const Mesh& mesh = saved.snapshot->mesh();
   const std::vector<Eye> eyes = eyes_round(bounding_sphere(mesh), 8);
@@ -187,7 +187,8 @@ TEST_F(ModelPage, ShowsThePicturesOfTheRayPainter) {
 
 TEST_F(ModelPage, IsOneFileToo) {
   make_folder(folder_.path() / "page");
-  write_single_page(SHEEN_GOLDEN_FOLDER "/sphere.slf", folder_.path() / "page" / "index.html");
+  const fs::path file = SHEEN_GOLDEN_FOLDER "/sphere.slf";
+  write_single_page(file, folder_.path() / "page" / "index.html", page_text(file));
   const Shown shown = shown_in_browser(folder_.path(), {});
   EXPECT_EQ(shown.figures.at("failure"), "");
   EXPECT_EQ(shown.figures.at("state"), "whole");
