@@ -18,6 +18,7 @@
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/demand_pictures.h"
+#include "reconstructor/commands/picture_layers.h"
 #include "reconstructor/commands/picture_names.h"
 #include "reconstructor/commands/render_lights.h"
 #include "reconstructor/evaluation/held_out.h"
@@ -30,6 +31,7 @@ namespace {
 
 struct RenderArguments {
   std::string model, cameras, out, json;
+  std::vector<std::string> layers;
   bool demand = false, mark_guesses = false;
   LightRequest light;
 };
@@ -102,10 +104,12 @@ LightState light_of(const DatasetView& view, const ModelSnapshot& model) {
 void render(const RenderArguments& arguments) {
   ReportFile json(arguments.json);
   if (arguments.light.asked())
-    return render_lights(arguments.model, arguments.light, arguments.mark_guesses, arguments.out, json);
+    return render_lights(arguments.model, arguments.light, {arguments.mark_guesses, arguments.layers}, arguments.out,
+                         json);
   if (arguments.cameras.empty())
     throw ConfigError("--cameras is required: from where to render; or --lights, for a model that knows moving light");
   const SavedModel saved = open_model(arguments.model);
+  const PictureLayers layers(arguments.layers, saved.snapshot, arguments.model);
   const std::vector<DatasetView> cameras = load_cameras(arguments.cameras);
   const std::filesystem::path out = arguments.out;
   check_writable_folder(out);
@@ -127,8 +131,9 @@ void render(const RenderArguments& arguments) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const PosedCamera from =
         in_frame_at(saved.snapshot->mesh().origin, PosedCamera{cameras[i].camera, cameras[i].camera_from_object});
-    const SmoothView painted = painter.paint_smooth(*saved.snapshot, outlines, from.camera, from.camera_from_object,
-                                                    light_of(cameras[i], *saved.snapshot));
+    const LightState light = light_of(cameras[i], *saved.snapshot);
+    const SmoothView painted =
+        painter.paint_smooth(*saved.snapshot, outlines, from.camera, from.camera_from_object, light);
     const double db = predicted_psnr_db(painted, painted.coverage);
     if (std::isfinite(db)) {
       predicted_db += db;
@@ -143,8 +148,8 @@ void render(const RenderArguments& arguments) {
     file.parts.push_back({"beauty", {"R", "G", "B", "A"}, premultiplied(painted), ExrPrecision::kHalf});
     file.parts.push_back({"heuristic", {"Y"}, painted.heuristic, ExrPrecision::kHalf});
     file.parts.push_back(coverage_part(painted));
-    if (demand)
-      demand->add(painter.cast(cameras[i].camera, cameras[i].camera_from_object), cameras[i].camera, name, file);
+    if (demand) demand->add(painter.cast(from.camera, from.camera_from_object), from.camera, name, file);
+    layers.add(painter, from, light, file);
     write_exr(name + ".exr", file);
     const double away_deg = nearest_photograph_deg(*saved.snapshot, camera_centre(from.camera_from_object));
     far.add(names[i].string(), away_deg);
@@ -191,6 +196,12 @@ void add_render_command(Command& program) {
       .flag("--demand", arguments->demand,
             "also what the scene required: terms, samples, bytes, as pictures and parts of the EXR")
       .excludes({lights, luminaires, environment, path});
+  command
+      .option("--layers", arguments->layers,
+              "what else the EXR holds, with commas between: depth and normals of the surface; what an intrinsic "
+              "lumigraph tells apart")
+      .delimiter(',')
+      .check(is_layer());
   command.flag("--mark-guesses", arguments->mark_guesses,
                "in the PNGs, stripe what no photograph shows and tint what is imputed");
   command.option("--out", arguments->out, "folder for the pictures").required();

@@ -17,6 +17,7 @@
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/light_check.h"
 #include "reconstructor/commands/luminaire_file.h"
+#include "reconstructor/commands/picture_layers.h"
 #include "reconstructor/commands/picture_names.h"
 #include "reconstructor/render/guess_marks.h"
 #include "reconstructor/render/luminaires.h"
@@ -63,11 +64,12 @@ std::vector<LitPicture> pictures_of(const ModelSnapshot& snapshot, const std::fi
 
 }  // namespace
 
-void render_lights(const std::filesystem::path& model, const LightRequest& request, bool marked,
+void render_lights(const std::filesystem::path& model, const LightRequest& request, const PictureExtras& extras,
                    const std::filesystem::path& out, ReportFile& json) {
   install_stop_signals();
   const SavedModel saved = open_model(model);
   const std::vector<LitPicture> pictures = pictures_of(*saved.snapshot, model, request);
+  const PictureLayers layers(extras.layers, saved.snapshot, model.string());
   check_writable_folder(out);
   make_folder(out);
 
@@ -86,10 +88,11 @@ void render_lights(const std::filesystem::path& model, const LightRequest& reque
     const std::string name = (out / names[i]).string();
     make_folder((out / names[i]).parent_path());
     ImageU8 png = to_srgb8(painted.beauty);
-    if (marked) mark_guesses(painted, png);
+    if (extras.marked) mark_guesses(painted, png);
     write_png(name + ".png", png);
     ExrFile file;
     file.parts.push_back({"beauty", {"R", "G", "B"}, painted.beauty, ExrPrecision::kHalf});
+    layers.add(painter, from, lights.front(), file);
     write_exr(name + ".exr", file);
     written.push_back({{"file", names[i].string()}});
     progress.update(i + 1);

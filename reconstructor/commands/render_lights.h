@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/base/report_file.h"
 
@@ -18,10 +19,16 @@ struct LightRequest {
   bool asked() const { return !(list.empty() && luminaires.empty() && environment.empty() && path.empty()); }
 };
 
+/// What is written beside the pictures' colours.
+struct PictureExtras {
+  bool marked = false;              ///< guesses are marked in the PNGs (`mark_guesses`)
+  std::vector<std::string> layers;  ///< `PictureLayers`
+};
+
 /// Renders a saved model that knows moving light, seen by its own camera: linear EXR and PNG, named as in the list or
-/// file; `json` gets their list. `marked`: guesses are marked in the PNGs (`mark_guesses`). Throws ConfigError for a
-/// model of fixed light or of another kind of light.
-void render_lights(const std::filesystem::path& model, const LightRequest& request, bool marked,
+/// file; `json` gets their list. Throws ConfigError for a model of fixed light or of another kind of light, or without
+/// one of the layers.
+void render_lights(const std::filesystem::path& model, const LightRequest& request, const PictureExtras& extras,
                    const std::filesystem::path& out, ReportFile& json);
 
 }  // namespace sheen

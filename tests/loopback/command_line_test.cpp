@@ -93,6 +93,28 @@ TEST_F(CommandLineUse, WhatTheSceneRequiredIsRenderedWhereItIsAskedFor) {
   EXPECT_FALSE(read_exr(first + ".exr").find("rank")) << "only where it is asked for";
 }
 
+TEST_F(CommandLineUse, LayersOfThePictureAreRenderedWhereTheyAreAskedFor) {
+  const fs::path model = temp_.path() / "model.slf", views = temp_.path() / "views", report = temp_.path() / "r.json";
+  expect_outcome(run_to_end(build({"--out", model})), 0, {});
+  const Words render =
+      reconstructor({"render", model, "--cameras", data_.folder / "transforms.json", "--out", views, "--json", report});
+  expect_outcome(run_to_end(render + Words{"--layers", "depth,normals"}), 0, {});
+  const std::string first =
+      (views / Json::parse(read_file(report))["pictures"][0]["file"].get<std::string>()).string() + ".exr";
+  const ExrFile file = read_exr(first);
+  ASSERT_TRUE(file.find("depth") && file.find("normals"));
+  EXPECT_EQ(file.find("depth")->channels, std::vector<std::string>{"Z"});
+  EXPECT_EQ(file.find("normals")->channels, (std::vector<std::string>{"X", "Y", "Z"}));
+  const ImageF &depth = file.find("depth")->image, &normals = file.find("normals")->image,
+               &coverage = file.find("coverage")->image;
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    EXPECT_EQ(std::isfinite(depth.data()[i]), coverage.data()[i] > 0) << i;
+    EXPECT_NEAR(Eigen::Vector3f::Map(normals.data() + 3 * i).norm(), coverage.data()[i] > 0 ? 1 : 0, 1e-5) << i;
+  }
+  expect_outcome(run_to_end(render + Words{"--layers", "reflectance"}), 2, {"model.slf has no layer reflectance"});
+  expect_outcome(run_to_end(render + Words{"--layers", "depth,colour"}), 2, {"colour"});
+}
+
 TEST_F(CommandLineUse, WhereNoPhotographIsFromIsSaidAndGuessesAreMarkedOnDemand) {
   const fs::path model = temp_.path() / "model.slf", views = temp_.path() / "views", report = temp_.path() / "r.json",
                  cameras = temp_.path() / "below.json";

@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "common/base/errors.h"
+#include "reconstructor/models/intrinsic_lumigraph/intrinsic_pictures.h"
+#include "reconstructor/models/intrinsic_lumigraph/lamp_reach.h"
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_file.h"
 #include "reconstructor/models/intrinsic_lumigraph/surface_blend.h"
 
@@ -24,18 +26,11 @@ Vector3f point_of(const Mesh& mesh, std::uint32_t triangle, float u, float v) {
   return (1 - u - v) * mesh.corner(triangle, 0) + u * mesh.corner(triangle, 1) + v * mesh.corner(triangle, 2);
 }
 
-/// On a mesh. Where there is a lamp its visibility is found by rays, over the footprint of a pixel of the view nearest
-/// to the eye; else the colours are what they are.
+/// On a mesh. Where it is not told what a lamp reaches, the colours are what they are.
 class MeshShader : public ViewShader {
  public:
-  MeshShader(const IntrinsicLumigraphSnapshot& model, SurfaceBlend blend, const Eigen::Vector3d& eye,
-             std::optional<Lamp> lamp)
-      : model_(model), blend_(std::move(blend)), eye_(eye.cast<float>()), lamp_(std::move(lamp)) {
-    const auto& views = model.data()->views;
-    const PosedCamera& near = views[views_near(views, eye).front().view]->from;
-    object_from_camera_ = near.camera_from_object.rotation.conjugate().toRotationMatrix().cast<float>();
-    pixel_ = {static_cast<float>(1 / near.camera.fx), static_cast<float>(1 / near.camera.fy)};
-  }
+  MeshShader(const IntrinsicLumigraphSnapshot& model, SurfaceBlend blend, std::optional<LampReach> reach)
+      : model_(model), blend_(std::move(blend)), reach_(std::move(reach)) {}
 
   SurfaceSample shade(std::uint32_t triangle, float u, float v) const override { return sample(triangle, u, v, true); }
   SurfaceSample shade_back(std::uint32_t triangle, float u, float v) const override {
@@ -46,39 +41,13 @@ class MeshShader : public ViewShader {
  private:
   SurfaceSample sample(std::uint32_t triangle, float u, float v, bool front) const {
     const SurfaceBlend::Sample colours = blend_.at(triangle, u, v, front);
-    const float part = lamp_ ? part_reached(point_of(model_.mesh(), triangle, u, v)) : 1;
+    const float part = reach_ ? reach_->part(point_of(model_.mesh(), triangle, u, v)) : 1;
     return {colours.dark + part * (colours.lit - colours.dark), colours.state};
-  }
-  /// Of the surface that a pixel round the point shows, how much the light reaches, 0..1.
-  float part_reached(const Vector3f& point) const {
-    constexpr int kSide = 4;
-    const Vector3f direction = point - eye_;
-    const float depth = object_from_camera_.col(2).dot(direction);
-    int surface = 0, lit = 0;
-    const auto look = [&](float x, float y) {
-      const Ray ray{eye_, direction + depth * (x * pixel_.x() * object_from_camera_.col(0) +
-                                               y * pixel_.y() * object_from_camera_.col(1))};
-      const Hit hit = model_.occluders().rays().intersect(ray);
-      if (!hit) return;
-      ++surface;
-      lit += model_.occluders().reached(model_.occluders().place_or_none(ray, hit), *lamp_);
-    };
-    for (const float y : {-0.5f, 0.5f})
-      for (const float x : {-0.5f, 0.5f}) look(x, y);
-    if (surface > 0 && (lit == 0 || lit == surface)) return lit > 0 ? 1 : 0;
-    surface = lit = 0;
-    for (int k = 0; k < kSide * kSide; ++k)
-      look((static_cast<float>(k % kSide) + 0.5f) / kSide - 0.5f,
-           (static_cast<float>(k / kSide) + 0.5f) / kSide - 0.5f);
-    return surface > 0 ? static_cast<float>(lit) / static_cast<float>(surface) : 0;
   }
 
   const IntrinsicLumigraphSnapshot& model_;
   SurfaceBlend blend_;
-  Vector3f eye_;
-  std::optional<Lamp> lamp_;
-  Eigen::Matrix3f object_from_camera_ = Eigen::Matrix3f::Identity();
-  Eigen::Vector2f pixel_{0, 0};
+  std::optional<LampReach> reach_;
 };
 
 /// Without a mesh the surface is where the views' depth has it, behind the picture plane.
@@ -142,8 +111,13 @@ std::unique_ptr<ViewShader> IntrinsicLumigraphSnapshot::shader_for(const ViewQue
   });
   if (data_->of_images) return std::make_unique<ImageShader>(*this, std::move(views), query.eye);
   const Lamp lamp = data_->lights.lamp(light_place(query.light));
-  return std::make_unique<MeshShader>(
-      *this, SurfaceBlend(mesh_, std::move(views), mean_look_->in(lamp, query.light.rgb)), query.eye, lamp);
+  return std::make_unique<MeshShader>(*this,
+                                      SurfaceBlend(mesh_, std::move(views), mean_look_->in(lamp, query.light.rgb)),
+                                      LampReach(*data_, occluders_, query.eye, lamp));
+}
+
+std::shared_ptr<const Appearance> IntrinsicLumigraphSnapshot::property(SurfaceProperty property) const {
+  return std::make_shared<IntrinsicPictures>(std::make_shared<IntrinsicLumigraphSnapshot>(*this), property);
 }
 
 SnapshotFigures IntrinsicLumigraphSnapshot::figures() const {
@@ -192,7 +166,7 @@ std::unique_ptr<ViewShader> InterpolatedImages::shader_for(const ViewQuery& quer
   if (data->of_images) return std::make_unique<ImageShader>(*model_, std::move(views), query.eye);
   return std::make_unique<MeshShader>(
       *model_, SurfaceBlend(model_->shared_mesh(), std::move(views), model_->mean_look().in_all(data->lights)),
-      query.eye, std::nullopt);
+      std::nullopt);
 }
 
 }  // namespace sheen

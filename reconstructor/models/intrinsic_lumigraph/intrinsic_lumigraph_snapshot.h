@@ -8,19 +8,20 @@
 #include "reconstructor/models/intrinsic_lumigraph/mean_look.h"
 #include "reconstructor/models/intrinsic_lumigraph/seen_surface.h"
 #include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/models/surface_properties.h"
 
 namespace sheen {
 
 /// The intrinsic lumigraph of a scene (001), at one moment: its picture from any eye in any light. Light is asked for
 /// as `ViewQuery::light`; a fixed light is the captured one nearest to the middle of all.
-class IntrinsicLumigraphSnapshot : public ModelSnapshot {
+class IntrinsicLumigraphSnapshot : public ModelSnapshot, public KnownSurface {
  public:
   /// `occluders`: of the mesh; null where the data are of images, and the mesh their `view_plane`.
   IntrinsicLumigraphSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const Occluders> occluders,
                              std::shared_ptr<const LumigraphData> data, std::uint64_t version);
 
   const std::shared_ptr<const LumigraphData>& data() const { return data_; }
-  const Occluders& occluders() const { return *occluders_; }
+  const std::shared_ptr<const Occluders>& shared_occluders() const { return occluders_; }
   const MeanLook& mean_look() const { return *mean_look_; }  ///< likewise of the mesh, where there are views
   /// Of a query. Throws ConfigError for a light of another kind than those of the images.
   Eigen::Vector3d light_place(const LightState& light) const;
@@ -30,6 +31,8 @@ class IntrinsicLumigraphSnapshot : public ModelSnapshot {
   RelitView relit(const IntrinsicView& view, const LightState& light) const;
 
   std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
+  bool is_mesh() const override { return !data_->of_images; }
+  std::shared_ptr<const Appearance> property(SurfaceProperty property) const override;
   const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }
   std::uint64_t version() const override { return version_; }
   bool empty() const override { return data_->views.empty(); }

@@ -70,6 +70,17 @@ RelitView relight(const IntrinsicView& view, const LightSet& lights, const Eigen
   return out;
 }
 
+RelitView illuminated(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+  const Lamp lamp = lights.lamp(place);
+  RelitView out{ImageF(view.depth.width(), view.depth.height(), 3), ImageF(view.depth.width(), view.depth.height(), 3)};
+  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
+    const auto ambient = static_cast<float>(view.ambient.data()[pixel]);
+    Vector3f::Map(out.dark.data() + 3 * pixel).setConstant(ambient);
+    Vector3f::Map(out.lit.data() + 3 * pixel).setConstant(ambient + cosine_at(view, pixel, lamp.incidence(point)));
+  });
+  return out;
+}
+
 ImageF shadowed(const RelitView& relit, const ImageU8& arrives) {
   ImageF out(relit.lit.width(), relit.lit.height(), 3);
   for (std::size_t i = 0; i < out.size(); ++i) {

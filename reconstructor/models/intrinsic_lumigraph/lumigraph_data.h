@@ -28,6 +28,9 @@ struct RelitView {
 /// between which it lies.
 RelitView relight(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place);
 
+/// The same of a matt surface that reflects all light: its illumination (001 sec. 4.3), all channels alike.
+RelitView illuminated(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place);
+
 /// Without a mesh: part of each pixel of a view that a light reaches, 0..255. Of a captured light it is the mask of its
 /// image; between lights what the hull lets through, but what is in shadow in all of the neighbours stays so.
 ImageU8 predicted_arrival(const LumigraphData& data, const IntrinsicView& view, const Eigen::Vector3d& place);

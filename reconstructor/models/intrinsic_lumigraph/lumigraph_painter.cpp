@@ -30,7 +30,7 @@ void LumigraphPainter::look_from(const PosedCamera& from) {
   if (from_ && *from_ == from) return;
   from_ = from;
   surface_.reset();
-  if (!model_->data()->of_images) surface_.emplace(model_->occluders(), from);
+  if (!model_->data()->of_images) surface_.emplace(*model_->shared_occluders(), from);
   captured_ = nullptr;
   for (const auto& view : model_->data()->views)
     if (same_place(view->from, from)) captured_ = view;

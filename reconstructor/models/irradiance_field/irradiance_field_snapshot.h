@@ -9,12 +9,13 @@
 #include "reconstructor/models/irradiance_field/lit_scene.h"
 #include "reconstructor/models/irradiance_field/relighting.h"
 #include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/models/surface_properties.h"
 
 namespace sheen {
 
 /// The reflected irradiance field of a scene (002), at one moment: a fixed camera's picture in any light. Its surface
 /// is the picture plane. Light is asked for as `ViewQuery::light`; a fixed light is that of all images together.
-class IrradianceFieldSnapshot : public ModelSnapshot {
+class IrradianceFieldSnapshot : public ModelSnapshot, public KnownSurface {
  public:
   /// mesh: the camera's picture plane. `field`: of the scene's lights; without any, the picture is black.
   /// `in_one_file`: what `save` writes; else a folder.
@@ -32,6 +33,8 @@ class IrradianceFieldSnapshot : public ModelSnapshot {
   const LitScene& scene() const { return scene_; }
   const QuantisedField& field() const { return *field_; }
 
+  bool is_mesh() const override { return false; }
+  std::shared_ptr<const Appearance> property(SurfaceProperty) const override { return nullptr; }
   /// `picture`, read between the pixels linearly. Throws ConfigError likewise.
   std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
   const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }
