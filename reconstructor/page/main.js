@@ -161,11 +161,11 @@ const onMessage = {
   arrived({ bytes }) {
     page.figures.bytes = bytes;
   },
-  mesh({ scene, cameras, vertices, triangles }) {
-    page.kept.mesh = { vertices, triangles, brightest: scene[13] };
+  mesh({ scene, cameras, vertices, triangles, edges }) {
+    page.kept.mesh = { vertices, triangles, edges, brightest: scene[13] };
     page.origin = Array.from(scene.slice(10, 13));
     page.cameras = cameras;
-    page.viewer.setMesh(vertices, triangles, scene[13]);
+    page.viewer.setMesh(page.kept.mesh);
     page.orbit = new Orbit(scene, vertices);
     if (about.up) page.orbit.setUp(about.up);
     page.notes = new Notes(about.notes ?? [], page.origin, lookAtNote);
@@ -215,6 +215,7 @@ function startDrawing() {
   page.viewer = new Viewer(gl);
   page.painter = new Painter(gl, canvas, (width, height, how) => {
     if (!page.orbit) return;
+    if (how.outlines) return page.viewer.drawOutlines(page.orbit, width, height);
     page.viewer.draw(page.orbit, width, height, { ...how, markGuesses: page.markGuesses });
     if (page.showCameras) page.pyramids.draw(page.orbit, width, height);
   });
@@ -246,7 +247,7 @@ function restore() {
   const { mesh, means, room, terms } = page.kept;
   if (room > MOST_TEXELS_KEPT) return location.reload(); // the address names the view
   startDrawing();
-  if (mesh) page.viewer.setMesh(mesh.vertices, mesh.triangles, mesh.brightest);
+  if (mesh) page.viewer.setMesh(mesh);
   if (mesh) page.pyramids = new CameraPyramids(page.viewer.gl, page.cameras, page.orbit.radius);
   if (means) page.viewer.setMeans(means.places, means.means);
   page.viewer.setBasisRoom(room);

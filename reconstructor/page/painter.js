@@ -10,7 +10,7 @@ const LEAST_ROWS = 16;
 const REST_MS = 90; // without a movement, then the fine picture is begun
 
 export class Painter {
-  /** `draw(width, height, { exact, pixelSize })` draws into the framebuffer that is bound. */
+  /** `draw(width, height, { exact, pixelSize, outlines })` draws into the framebuffer that is bound. */
   constructor(gl, canvas, draw) {
     Object.assign(this, { gl, canvas, draw });
     this.pacer = new Pacer();
@@ -68,7 +68,7 @@ export class Painter {
     if (frame.smooth) {
       this.fine = this.sized(FinePicture, this.fine, canvas.width, canvas.height);
       this.fine.draw(this.draw);
-      this.fine.show();
+      this.fine.show(this.draw);
     } else {
       const part = (size) => Math.max(1, Math.ceil(size / frame.pixel));
       this.coarse = this.sized(CoarsePicture, this.coarse, part(canvas.width), part(canvas.height));
@@ -95,7 +95,7 @@ export class Painter {
       this.rowsDone += rows;
       if (this.rowsDone < canvas.height) return this.next();
       pacer.rested(this.fineMs);
-      this.fine.show();
+      this.fine.show(this.draw);
       this.fineIsThere();
     });
   }

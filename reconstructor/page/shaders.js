@@ -168,7 +168,7 @@ void main() {
   vec3 beta = vec3(dot(direction, plane_a), dot(direction, plane_b), dot(direction, plane_c));
   float sum = beta.x + beta.y + beta.z;
   beta /= sum;
-  if (!(min(beta.x, min(beta.y, beta.z)) > -1e-5)) discard;
+  if (!(min(beta.x, min(beta.y, beta.z)) > -1e-6)) discard;
   bool front = sum < 0.0;
   float grey = facing(plane_a + plane_b + plane_c, direction);
 #else
@@ -195,31 +195,31 @@ export const WHOLE_VERTEX_SHADER = HEAD(false) + `
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1, 0, 1); }
 `;
 
-// Outlines from a picture with several samples per pixel, all else from the exact one. Depth is a linear function of the
-// place in the picture on any plane: from a pixel to the next it grows as it does on one of their other sides, or, at an
-// edge of two planes, by something in between. At an outline it jumps.
+/** Lines between vertices of the mesh. */
+export const OUTLINE_VERTEX_SHADER = HEAD(false) + `
+uniform sampler2D vertices;
+uniform mat4 clip_from_object;
+void main() {
+  gl_Position = clip_from_object * vec4(texelFetch(vertices, ivec2(gl_VertexID & 4095, gl_VertexID >> 12), 0).xyz, 1);
+}
+`;
+export const OUTLINE_SHADER = HEAD(false) + `
+out vec4 mark;
+void main() { mark = vec4(1); }
+`;
+
+// Outlines, and the pixels beside them, from a picture with several samples per pixel, all else from the exact one.
 export const JOINING_SHADER = HEAD(false) + `
-uniform sampler2D exact, depth, smoothed;
+uniform sampler2D exact, outlines, smoothed;
 out vec4 color;
 
-const float LEAST_JUMP = 0.004;  // of the object's depth
-
-float depth_at(ivec2 place) { return texelFetch(depth, clamp(place, ivec2(0), textureSize(depth, 0) - 1), 0).x; }
-
-float beyond(float step, float before, float behind) {
-  return max(step - max(before, behind), min(before, behind) - step);
-}
-
-bool jumps(ivec2 here, ivec2 along) {
-  float a = depth_at(here - 2 * along), b = depth_at(here - along), c = depth_at(here), d = depth_at(here + along),
-        e = depth_at(here + 2 * along);
-  return max(beyond(c - b, b - a, d - c), beyond(d - c, c - b, e - d)) > LEAST_JUMP;
-}
-
 void main() {
-  ivec2 here = ivec2(gl_FragCoord.xy);
+  ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(outlines, 0) - 1;
   vec4 one = texelFetch(exact, here, 0), several = texelFetch(smoothed, here, 0);
-  bool outline = min(one.a, several.a) < 1.0 || jumps(here, ivec2(1, 0)) || jumps(here, ivec2(0, 1));
-  color = outline ? several : one;
+  float outline = one.a - several.a;
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x)
+      outline = max(outline, texelFetch(outlines, clamp(here + ivec2(x, y), ivec2(0), last), 0).x);
+  color = outline > 0.0 ? several : one;
 }
 `;

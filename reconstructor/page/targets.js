@@ -82,6 +82,7 @@ export class FinePicture {
     this.exact = new Target(gl, width, height);
     this.several = new Target(gl, width, height, SAMPLES);
     this.smoothed = new Target(gl, width, height);
+    this.outlines = new Target(gl, width, height);
     this.joining = new Program(gl, WHOLE_VERTEX_SHADER, JOINING_SHADER);
   }
 
@@ -97,7 +98,10 @@ export class FinePicture {
     gl.disable(gl.SCISSOR_TEST);
   }
 
-  show() {
+  /** `draw`: as of `draw`. */
+  show(draw) {
+    this.outlines.bind();
+    draw(this.width, this.height, { outlines: true });
     this.several.copyTo(this.smoothed.framebuffer, this.width, this.height);
     this.joinInto(null);
   }
@@ -107,7 +111,7 @@ export class FinePicture {
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.viewport(0, 0, this.width, this.height);
     this.joining.use();
-    [["exact", this.exact.textures[0]], ["depth", this.exact.textures[1]], ["smoothed", this.smoothed.textures[0]]].forEach(
+    [["exact", this.exact.textures[0]], ["outlines", this.outlines.textures[0]], ["smoothed", this.smoothed.textures[0]]].forEach(
       ([name, texture], unit) => {
         gl.activeTexture(gl.TEXTURE0 + unit);
         gl.bindTexture(gl.TEXTURE_2D, texture);
@@ -128,6 +132,6 @@ export class FinePicture {
   }
 
   free() {
-    for (const target of [this.exact, this.several, this.smoothed]) target.free();
+    for (const target of [this.exact, this.several, this.smoothed, this.outlines]) target.free();
   }
 }

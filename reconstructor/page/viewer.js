@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws a model with WebGL 2: maps in textures of `ROW` texels a row.
 import { Program } from "./program.js";
-import { fragmentShader, vertexShader } from "./shaders.js";
+import { fragmentShader, OUTLINE_SHADER, OUTLINE_VERTEX_SHADER, vertexShader } from "./shaders.js";
 import { subtract } from "./vectors.js";
 
 const ROW = 4096;
@@ -18,6 +18,8 @@ export class Viewer {
       for (const [name, unit] of Object.entries(UNITS)) gl.uniform1i(program.uniform(name), unit);
       return program;
     });
+    this.outlining = new Program(gl, OUTLINE_VERTEX_SHADER, OUTLINE_SHADER);
+    this.outline = gl.createBuffer();
     this.order = gl.createBuffer();
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.order);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
@@ -73,9 +75,10 @@ export class Viewer {
     }
   }
 
-  setMesh(vertices, triangles, brightest) {
+  setMesh({ vertices, triangles, edges, brightest }) {
     const gl = this.gl;
     this.vertices = vertices;
+    this.edges = edges;
     this.corners = triangles;
     this.triangles = triangles.length / 3;
     this.sortedFor = "";
@@ -126,6 +129,7 @@ export class Viewer {
   /** Triangles that face the eye from the nearest to the farthest, then the others, so that little is shaded in vain. */
   sort(eye, centre, radius) {
     const { vertices, corners, gl } = this;
+    this.facing = new Uint8Array(this.triangles);
     const bucket = new Uint16Array(this.triangles), first = new Uint32Array(2 * LAYERS + 1);
     const nearest = Math.hypot(...subtract(eye, centre)) - radius, perMetre = LAYERS / (2 * radius);
     for (let t = 0; t < this.triangles; ++t) {
@@ -134,6 +138,7 @@ export class Viewer {
       const bx = vertices[b] - vertices[a], by = vertices[b + 1] - vertices[a + 1], bz = vertices[b + 2] - vertices[a + 2];
       const cx = vertices[c] - vertices[a], cy = vertices[c + 1] - vertices[a + 1], cz = vertices[c + 2] - vertices[a + 2];
       const faces = x * (by * cz - bz * cy) + y * (bz * cx - bx * cz) + z * (bx * cy - by * cx) > 0;
+      this.facing[t] = faces ? 1 : 0;
       const depth = Math.min(LAYERS - 1, Math.max(0, perMetre * (Math.sqrt(x * x + y * y + z * z) - nearest)));
       bucket[t] = Math.floor(depth) + (faces ? 0 : LAYERS);
       ++first[bucket[t] + 1];
@@ -184,5 +189,27 @@ export class Viewer {
     this.sortedFor = eye.join();
     gl.drawElements(gl.TRIANGLES, 3 * this.triangles, gl.UNSIGNED_INT, 0);
     gl.disable(gl.DEPTH_TEST);
+  }
+
+  /** Marks where the surface ends, or one side of it faces the eye of the last `draw` and the other does not. */
+  drawOutlines(orbit, width, height) {
+    const { gl, edges, facing } = this, lines = new Uint32Array(edges.length / 2);
+    let count = 0;
+    for (let e = 0; e < edges.length; e += 4) {
+      if (edges[e + 2] !== edges[e + 3] && facing[edges[e + 2]] === facing[edges[e + 3]]) continue;
+      lines[count++] = edges[e];
+      lines[count++] = edges[e + 1];
+    }
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    this.outlining.use();
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, this.textures.vertices);
+    gl.uniform1i(this.outlining.uniform("vertices"), 0);
+    gl.uniformMatrix4fv(this.outlining.uniform("clip_from_object"), false, orbit.clipFromObject(width, height));
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.outline);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, lines.subarray(0, count), gl.STREAM_DRAW);
+    gl.drawElements(gl.LINES, count, gl.UNSIGNED_INT, 0);
   }
 }

@@ -2,7 +2,8 @@
 // Decodes the model as it arrives, away from the page's own thread, and krigs the coefficients of each eye.
 "use strict";
 
-const TABLES = { error: 0, scene: 1, cameras: 2, vertices: 3, triangles: 4, places: 5, means: 6, terms: 7, coefficients: 8 };
+const TABLES = { error: 0, scene: 1, cameras: 2, vertices: 3, triangles: 4, edges: 5, places: 6, means: 7, terms: 8,
+                 coefficients: 9 };
 const STAGES = { nothing: 0, mesh: 1, means: 2, terms: 3 };
 
 let decoder = null; // what the WebAssembly module exports
@@ -47,7 +48,8 @@ function decode(last) {
     if (stage === STAGES.nothing) return;
     if (stage === STAGES.mesh)
       send({ type: "mesh", scene: table("scene", Float64Array), cameras: table("cameras", Float32Array),
-             vertices: table("vertices", Float32Array), triangles: table("triangles", Uint32Array) });
+             vertices: table("vertices", Float32Array), triangles: table("triangles", Uint32Array),
+             edges: table("edges", Uint32Array) });
     else
       send({ type: "means", places: table("places", Uint32Array), means: table("means", Uint8Array) });
     if (stage !== STAGES.terms) continue;

@@ -20,6 +20,7 @@ enum TableName : std::uint32_t {
   kCameras,
   kVertices,
   kTriangles,
+  kEdges,
   kPlaces,
   kMeans,
   kTerms,
@@ -107,6 +108,7 @@ EMSCRIPTEN_KEEPALIVE const Table* sheen_table(std::uint32_t name) {
   static Table table;
   static std::vector<double> scene;
   static std::vector<float> cameras;
+  static std::vector<std::uint32_t> edges;
   switch (name) {
     case kScene:
       table = table_of(scene = model().scene());
@@ -119,6 +121,9 @@ EMSCRIPTEN_KEEPALIVE const Table* sheen_table(std::uint32_t name) {
       break;
     case kTriangles:
       table = table_of(model().mesh().triangles);
+      break;
+    case kEdges:
+      table = table_of(edges = model().edges());
       break;
     case kPlaces:
       table = table_of(model().places());

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "common/base/errors.h"
+#include "reconstructor/light_field_file/triangle_edges.h"
 #include "reconstructor/render/gl/opening_view.h"
 
 namespace sheen {
@@ -76,6 +77,17 @@ std::vector<float> PageModel::cameras() const {
     for (int axis = 0; axis < 3; ++axis) append(axes.row(axis), numbers);
     numbers.push_back(static_cast<float>(0.5 * from.camera.width / from.camera.fx));
     numbers.push_back(static_cast<float>(0.5 * from.camera.height / from.camera.fy));
+  }
+  return numbers;
+}
+
+std::vector<std::uint32_t> PageModel::edges() const {
+  const std::vector<TriangleEdge> all = triangle_edges(mesh());
+  std::vector<std::uint32_t> numbers;
+  for (std::size_t first = 0, end = 0; first < all.size(); first = end) {
+    while (end < all.size() && all[end].same_place(all[first])) ++end;
+    const std::uint32_t other = end - first == 2 ? all[first + 1].triangle : all[first].triangle;
+    numbers.insert(numbers.end(), {all[first].low, all[first].high, all[first].triangle, other});
   }
   return numbers;
 }

@@ -39,6 +39,10 @@ class PageModel {
   /// height at distance 1.
   std::vector<float> cameras() const;
 
+  /// Four numbers per edge of the mesh: its vertices, the triangle on one side and that on the other; the same one
+  /// twice where the surface ends or more than two meet.
+  std::vector<std::uint32_t> edges() const;
+
   // From kMeans on:
   /// Twelve numbers per triangle: its vertices, samples along a side; the columns of its corners, its first sample
   /// among all; its first texel of terms, the number of terms (-1: nothing is known), and as bits of floats the
