@@ -7,11 +7,12 @@ import { Notes } from "./notes.js";
 import { Orbit } from "./orbit.js";
 import { Painter } from "./painter.js";
 import { nearestPhotographDeg, viewName } from "./view_words.js";
-import { scaled, subtract, add, unit } from "./vectors.js";
+import { add, clamp, scaled, subtract, unit } from "./vectors.js";
 import { Viewer } from "./viewer.js";
 
 const FAR_FROM_PHOTOGRAPHS_DEG = 15;
 const MOST_PIXELS = 1920 * 1200; // a phone's screen has more than its graphics shade
+const STEEPEST_NOTE = 0.9; // rad: notes on top of the object are seen obliquely
 const FLIGHT_MS = 700; // from a view to another
 const MOST_TEXELS_KEPT = 16e6; // against the loss of the graphics; of larger models all is decoded again
 
@@ -57,7 +58,10 @@ function settled() {
   const { orbit, cameras, origin } = page;
   say("view-name", viewName(orbit));
   const away = nearestPhotographDeg(cameras, orbit);
-  say("note", away > FAR_FROM_PHOTOGRAPHS_DEG ? `no photograph from here: the nearest is ${Math.round(away)} degrees away` : "");
+  const notes = [];
+  if (page.figures.missingLayers > 0) notes.push("the file is cut short: the picture is coarser than it was");
+  if (away > FAR_FROM_PHOTOGRAPHS_DEG) notes.push(`no photograph from here: the nearest is ${Math.round(away)} degrees away`);
+  say("note", notes.join("; "));
   page.notes.settle(orbit, page.kept.mesh.vertices, page.kept.mesh.triangles);
   const digits = (point) => point.map((x, i) => Number((x + origin[i]).toPrecision(7))).join(",");
   if (page.turned) history.replaceState(null, "", `#eye=${digits(orbit.eye())}&target=${digits(orbit.target)}`);
@@ -116,6 +120,7 @@ function fly(from, to) {
 function lookAtNote({ at }) {
   const { orbit } = page, before = orbit.view();
   orbit.lookFrom(add(unit(subtract(at, orbit.centre)), scaled(orbit.direction(), 0.35)));
+  orbit.elevation = clamp(orbit.elevation, -STEEPEST_NOTE, STEEPEST_NOTE);
   page.turned = true;
   fly(before, orbit.view());
 }
@@ -203,8 +208,7 @@ const onMessage = {
     if (page.viewer.gl.isContextLost()) return;
     page.viewer.setCoefficients(coefficients, page.maxTerms, exposure);
     document.body.dataset.state = "whole";
-    askForEye();
-    page.painter.change();
+    changed();
   },
   failed: ({ message }) => fail(message),
 };

@@ -43,13 +43,22 @@ const char* const kAsking =
 <script>
 const post = (path, body) => fetch(path, { method: "POST", body });
 (async () => {
-  const { eyes } = await (await fetch("eyes.json")).json(), frame = document.querySelector("iframe");
+  const { eyes, lose } = await (await fetch("eyes.json")).json(), frame = document.querySelector("iframe");
   const state = () => frame.contentWindow.sheen?.figures().state;
   while (state() !== "whole" && state() !== "failed") await new Promise((go) => setTimeout(go, 20));
   const { sheen } = frame.contentWindow;
   for (const { eye, target, up } of state() === "whole" ? eyes : []) {
     const { pixels } = await sheen.lookFrom(eye, target, up, { markGuesses: false });
     await post("picture", pixels);
+    if (!lose) continue;
+    const canvas = frame.contentDocument.getElementById("view");
+    const graphics = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+    graphics.loseContext();
+    await new Promise((go) => setTimeout(go, 100));
+    const restored = new Promise((go) => canvas.addEventListener("webglcontextrestored", () => setTimeout(go)));
+    graphics.restoreContext();
+    await restored;
+    await post("picture", (await sheen.lookFrom(eye, target, up, { markGuesses: false })).pixels);
   }
   await post("done", JSON.stringify({ ...sheen.figures(),
                                       failure: frame.contentDocument.getElementById("failure").textContent }));
@@ -62,13 +71,14 @@ struct Shown {
   Json figures;
 };
 
-/// A folder, served to a browser, whose page is asked for pictures.
-Shown shown_in_browser(const fs::path& folder, const std::vector<Eye>& eyes) {
+/// A folder, served to a browser, whose page is asked for pictures; `lose`: each twice, the second one when it has lost
+/// its graphics and got them back.
+Shown shown_in_browser(const fs::path& folder, const std::vector<Eye>& eyes, bool lose = false) {
   Json list = Json::array();
   const auto numbers = [](const Eigen::Vector3d& v) { return std::vector<double>(v.begin(), v.end()); };
   for (const Eye& eye : eyes)
     list.push_back({{"eye", numbers(eye.place)}, {"target", numbers(eye.target)}, {"up", numbers(eye.up)}});
-  write_file(folder / "eyes.json", Json{{"eyes", list}}.dump());
+  write_file(folder / "eyes.json", Json{{"eyes", list}, {"lose", lose}}.dump());
   write_file(folder / "ask.html", kAsking);
 
   Shown shown;
@@ -192,6 +202,35 @@ TEST_F(ModelPage, IsOneFileToo) {
   const Shown shown = shown_in_browser(folder_.path(), {});
   EXPECT_EQ(shown.figures.at("failure"), "");
   EXPECT_EQ(shown.figures.at("state"), "whole");
+}
+
+TEST_F(ModelPage, ShowsTheSameAfterTheGraphicsWereLost) {
+  const fs::path file = SHEEN_GOLDEN_FOLDER "/sphere.slf";
+  write_page(file, folder_.path() / "page", page_text(file));
+  const Shown shown = shown_in_browser(folder_.path(), {{{1, -2, 0.5}, {0, 0, 0}, {0, 0, 1}}}, true);
+  EXPECT_EQ(shown.figures.at("failure"), "");
+  ASSERT_EQ(shown.pictures.size(), 2);
+  EXPECT_TRUE(std::equal(shown.pictures[0].data(), shown.pictures[0].data() + shown.pictures[0].size(),
+                         shown.pictures[1].data()));
+}
+
+TEST_F(ModelPage, ACutFileIsAPictureAndADamagedOneANamedError) {
+  const fs::path file = SHEEN_GOLDEN_FOLDER "/sphere.slf", page = folder_.path() / "page";
+  const std::string bytes = read_file(file);
+  write_page(file, page, page_text(file));
+  write_file(page / "model.slf", bytes.substr(0, bytes.find("STAT")));
+  const Shown cut = shown_in_browser(folder_.path(), {{{1, -2, 0.5}, {0, 0, 0}, {0, 0, 1}}});
+  EXPECT_EQ(cut.figures.at("failure"), "");
+  EXPECT_GT(cut.figures.at("missingLayers"), 0);
+  EXPECT_EQ(cut.pictures.size(), 1);
+
+  std::string damaged = bytes;
+  damaged[bytes.find("VERT") + 40] ^= 1;
+  write_file(page / "model.slf", damaged);
+  fs::remove_all(folder_.path() / "profile");
+  const Shown none = shown_in_browser(folder_.path(), {});
+  EXPECT_EQ(none.figures.at("state"), "failed");
+  EXPECT_THAT(none.figures.at("failure").get<std::string>(), ::testing::HasSubstr("chunk \"VERT\" is damaged"));
 }
 
 }  // namespace
