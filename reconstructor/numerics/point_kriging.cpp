@@ -110,7 +110,8 @@ Eigen::VectorXf PointKriging::weights(const Eigen::Vector3d& point) const {
 
 double mean_leave_one_out(const PointKriging& kriging, const Eigen::MatrixXd& gram) {
   const Eigen::MatrixXd errors = kriging.leave_one_out().cast<double>();
-  return (errors * gram).cwiseProduct(errors).sum() / static_cast<double>(gram.rows());
+  const double sum = (errors * gram).cwiseProduct(errors).sum();
+  return std::max(0.0, sum) / static_cast<double>(gram.rows());  // rounded products may leave less than nothing
 }
 
 PointKernel choose_kernel(const Eigen::Matrix3Xd& points, const Eigen::MatrixXd& gram,

@@ -20,6 +20,8 @@ constexpr double kUnknownError = 0.14;
 constexpr std::size_t kFewestForError = 8;
 // Fainter terms than this, in grey levels, say nothing of 8-bit images.
 constexpr double kLeastTerm = 0.02;
+// Mean square of what the steps of the model round away, in grey levels: no picture is predicted better.
+constexpr double kRounding = kExactStep * kExactStep / 12;
 
 ImageF encoded_levels(const Capture& capture, const Undistortion& undistortion) {
   ImageF image = undistortion.of(level_radiance(capture, 1));
@@ -113,7 +115,8 @@ std::shared_ptr<const ModelSnapshot> IrradianceField::snapshot() {
     scene.error = images.size() < kFewestForError
                       ? kUnknownError
                       : std::sqrt(mean_leave_one_out(PointKriging(scene.lights, scene.kernel), gram) /
-                                  static_cast<double>(tile_grid(terms.size).tiles() * kTilePixels * 3)) /
+                                      static_cast<double>(tile_grid(terms.size).tiles() * kTilePixels * 3) +
+                                  kRounding) /
                             255;
     field = quantise(terms, static_cast<int>(images_.size()), kExactStep);
   }
