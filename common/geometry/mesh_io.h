@@ -26,10 +26,12 @@ RawMesh read_off(const std::string& path, std::string_view bytes);
 struct VertexValues {
   std::string name;
   std::span<const float> values;
+  bool bytes = false;  ///< written as whole numbers 0..255
 };
 
-/// As `save_ply` of mesh.h, with values of the vertices. Throws FileError.
-void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<const VertexValues> values);
+/// As `save_ply` of mesh.h, with values of the vertices and a line of comment. Throws FileError.
+void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<const VertexValues> values,
+              const std::string& comment = {});
 
 /// Where in a file something stands: "line 12", "vertex 3".
 struct FilePlace {

@@ -263,16 +263,18 @@ void save_ply(const Mesh& mesh, const std::filesystem::path& path) {
   save_ply(mesh, path, {});
 }
 
-void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<const VertexValues> values) {
+void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<const VertexValues> values,
+              const std::string& comment) {
   const bool far = mesh.origin != Eigen::Vector3d::Zero();
   const std::string number = far ? "double" : "float";
   std::string out = "ply\nformat binary_little_endian 1.0\n";
   if (far)
     out += format("comment %s %.17g %.17g %.17g\n", kOrigin.data(), mesh.origin.x(), mesh.origin.y(), mesh.origin.z());
+  if (!comment.empty()) out += "comment " + comment + '\n';
   out += "element vertex " + std::to_string(mesh.vertices.size());
   for (const char* axis : {"x", "y", "z"}) out += "\nproperty " + number + ' ' + axis;
   out += '\n';
-  for (const VertexValues& v : values) out += "property float " + v.name + '\n';
+  for (const VertexValues& v : values) out += (v.bytes ? "property uchar " : "property float ") + v.name + '\n';
   out += "element face " + std::to_string(mesh.triangles.size()) +
          "\nproperty list uchar int vertex_indices\nend_header\n";
   out.reserve(out.size() + ((far ? 24 : 12) + 4 * values.size()) * mesh.vertices.size() + 13 * mesh.triangles.size());
@@ -282,7 +284,12 @@ void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<con
       out.append(reinterpret_cast<const char*>(in_file.data()), 24);
     else
       out.append(reinterpret_cast<const char*>(mesh.vertices[i].data()), 12);
-    for (const VertexValues& v : values) out.append(reinterpret_cast<const char*>(&v.values[i]), 4);
+    for (const VertexValues& v : values) {
+      if (v.bytes)
+        out.push_back(static_cast<char>(std::lround(std::clamp(v.values[i], 0.0f, 255.0f))));
+      else
+        out.append(reinterpret_cast<const char*>(&v.values[i]), 4);
+    }
   }
   for (const Triangle& triangle : mesh.triangles) {
     out.push_back(3);

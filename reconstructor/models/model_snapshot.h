@@ -75,6 +75,12 @@ using ModelMetadata = std::map<std::string, std::string>;
 
 class ModelSnapshot;
 
+/// How a surface looks to all eyes and in all lights together.
+struct AverageLook {
+  std::unique_ptr<ViewShader> shader;
+  std::size_t samples = 0;  ///< that the surface is known by
+};
+
 /// How small a model is to be made.
 struct CompressionTarget {
   std::optional<double> bytes;  ///< of the file; without it, by what is lost
@@ -114,6 +120,8 @@ class ModelSnapshot : public Appearance {
   virtual LightKind light_kind() const { return LightKind::kFixed; }
   /// In which the images were taken; none where a query's light does not count.
   virtual std::vector<LightState> lights() const { return {}; }
+  /// None where the model knows no surface that is seen from all sides.
+  virtual std::optional<AverageLook> average_look() const { return std::nullopt; }
   /// With a guess for what no image showed, for pictures that must have no holes; it stays marked as unseen.
   virtual std::shared_ptr<const ModelSnapshot> filled() const = 0;
   /// Where an image would be worth most, for a camera that is at `eye` now (object frame). Quick enough to be asked

@@ -53,6 +53,7 @@ const std::vector<Room> kReconstructor = {
     {"models", "light_field_file|radiance|surface|numerics|coding"},
     {"render", "models|surface|numerics"},
     {"page", "render|light_field_file|radiance|surface|numerics|coding"},
+    {"exchange", "models"},
     {"monitor", ""},
     {"evaluation", "render|models|radiance|surface|numerics"},
     {"effort", "evaluation|render|models|radiance"},

@@ -10,7 +10,7 @@
 #include "common/base/files.h"
 #include "common/image/image_io.h"
 #include "common/image/linear_reader.h"
-#include "reconstructor/render/polynomial_texture.h"
+#include "reconstructor/exchange/polynomial_texture.h"
 #include "tests/support/temp_folder.h"
 
 // Last: it brings macros that Eigen's headers cannot bear.

@@ -125,12 +125,12 @@ TEST_F(Relighting, SaysWhichLightsAreTooFarApart) {
 TEST_F(Relighting, IsExportedForOtherPrograms) {
   expect_outcome(build({"--out", model_, "--bytes", "40kB"}), 0, {});
   const fs::path ptm = temp_.path() / "ball.ptm", web = temp_.path() / "web", report = temp_.path() / "export.json";
-  expect_outcome(run_to_end(reconstructor({"export", model_, "--out", ptm, "--json", report})), 0,
+  expect_outcome(run_to_end(reconstructor({"export", model_, "--relight", ptm, "--json", report})), 0,
                  {"the model's 24 lights with"});
-  EXPECT_EQ(Json::parse(read_file(report))["lights"], 24);
-  EXPECT_GT(Json::parse(read_file(report))["psnr_db"], 20);
+  EXPECT_EQ(Json::parse(read_file(report))["relight"]["lights"], 24);
+  EXPECT_GT(Json::parse(read_file(report))["relight"]["psnr_db"], 20);
   EXPECT_TRUE(read_file(ptm).starts_with("PTM_1.2\nPTM_FORMAT_RGB\n60\n44\n"));
-  expect_outcome(run_to_end(reconstructor({"export", model_, "--out", web})), 0, {"the model's 24 lights with"});
+  expect_outcome(run_to_end(reconstructor({"export", model_, "--relight", web})), 0, {"the model's 24 lights with"});
   EXPECT_TRUE(fs::exists(web / "info.json") && fs::exists(web / "plane_5.jpg"));
 }
 

@@ -70,6 +70,20 @@ class ImageShader : public ViewShader {
   Vector3f eye_;
 };
 
+/// The mean look, whatever the eye.
+class MattShader : public ViewShader {
+ public:
+  explicit MattShader(MeanLook::Lit look) : look_(std::move(look)) {}
+  SurfaceSample shade(std::uint32_t triangle, float u, float v) const override {
+    const MeanLook::Lit::Sample sample = look_.at(triangle, u, v);
+    return {sample.lit, sample.state};
+  }
+  SurfaceQuality quality(std::uint32_t) const override { return {}; }
+
+ private:
+  MeanLook::Lit look_;
+};
+
 /// Of a model without images.
 class NothingShader : public ViewShader {
  public:
@@ -118,6 +132,11 @@ std::unique_ptr<ViewShader> IntrinsicLumigraphSnapshot::shader_for(const ViewQue
 
 std::shared_ptr<const Appearance> IntrinsicLumigraphSnapshot::property(SurfaceProperty property) const {
   return std::make_shared<IntrinsicPictures>(std::make_shared<IntrinsicLumigraphSnapshot>(*this), property);
+}
+
+std::optional<AverageLook> IntrinsicLumigraphSnapshot::average_look() const {
+  if (empty() || data_->of_images) return std::nullopt;
+  return AverageLook{std::make_unique<MattShader>(mean_look_->in_all(data_->lights)), mesh_->vertices.size()};
 }
 
 SnapshotFigures IntrinsicLumigraphSnapshot::figures() const {

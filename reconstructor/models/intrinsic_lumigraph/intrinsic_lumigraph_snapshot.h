@@ -33,6 +33,7 @@ class IntrinsicLumigraphSnapshot : public ModelSnapshot, public KnownSurface {
   std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
   bool is_mesh() const override { return !data_->of_images; }
   std::shared_ptr<const Appearance> property(SurfaceProperty property) const override;
+  std::optional<AverageLook> average_look() const override;
   const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }
   std::uint64_t version() const override { return version_; }
   bool empty() const override { return data_->views.empty(); }

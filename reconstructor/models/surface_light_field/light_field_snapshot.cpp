@@ -18,13 +18,14 @@ namespace {
 /// snapshot: it refers to its patches.
 class LightFieldShader : public ViewShader {
  public:
-  LightFieldShader(const LightFieldSnapshot& snapshot, const Eigen::Vector3d& eye)
+  LightFieldShader(const LightFieldSnapshot& snapshot, Eigen::MatrixXf coefficients, float exposure,
+                   std::vector<SurfaceQuality> quality)
       : mesh_(snapshot.shared_mesh()),
         maps_(snapshot.shared_maps()),
-        coefficients_(snapshot.coefficients_for(eye)),
-        exposure_(snapshot.exposure().at(eye)),
+        coefficients_(std::move(coefficients)),
+        exposure_(exposure),
         brightest_(snapshot.brightest()),
-        quality_(snapshot.quality_for(eye)) {
+        quality_(std::move(quality)) {
     patches_.reserve(snapshot.patch_count());
     for (std::size_t i = 0; i < snapshot.patch_count(); ++i) patches_.push_back(snapshot.patch(i));
     places_.reserve(mesh_->triangles.size());
@@ -56,10 +57,32 @@ class LightFieldShader : public ViewShader {
   std::vector<SurfaceQuality> quality_;
 };
 
+/// Of what the cameras chose.
+float mean_exposure(const LightFieldSnapshot& snapshot) {
+  float sum = 0;
+  for (const PosedCamera& from : snapshot.cameras())
+    sum += snapshot.exposure().at(camera_centre(from.camera_from_object));
+  return snapshot.cameras().empty() ? 1 : sum / static_cast<float>(snapshot.cameras().size());
+}
+
 }  // namespace
 
 std::unique_ptr<ViewShader> LightFieldSnapshot::shader_for(const ViewQuery& query) const {
-  return std::make_unique<LightFieldShader>(*this, query.eye);
+  return std::make_unique<LightFieldShader>(*this, coefficients_for(query.eye), exposure().at(query.eye),
+                                            quality_for(query.eye));
+}
+
+/// The first term alone: the mean map, whose coefficient is 1.
+std::optional<AverageLook> LightFieldSnapshot::average_look() const {
+  if (empty()) return std::nullopt;
+  std::size_t columns = 0;
+  for (std::size_t t = 0; t < mesh_->triangles.size(); ++t)
+    for (const std::uint32_t column : place(t).columns) columns = std::max<std::size_t>(columns, column + 1);
+  Eigen::MatrixXf first = Eigen::MatrixXf::Zero(max_rank(), static_cast<Eigen::Index>(columns));
+  first.row(0).setOnes();
+  return AverageLook{std::make_unique<LightFieldShader>(*this, std::move(first), mean_exposure(*this),
+                                                        std::vector<SurfaceQuality>(mesh_->triangles.size())),
+                     maps_->total_samples()};
 }
 
 ViewAdvice LightFieldSnapshot::advise_next_view(const Eigen::Vector3d& eye) const {

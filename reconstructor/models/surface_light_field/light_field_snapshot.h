@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "reconstructor/light_field_file/patch_shapes.h"
@@ -49,6 +50,7 @@ class LightFieldSnapshot : public ModelSnapshot, public DemandingSurface {
   bool empty() const override { return max_rank() == 0; }
   const std::vector<PosedCamera>& cameras() const override { return cameras_; }
   std::unique_ptr<ViewShader> shader_for(const ViewQuery& query) const override;
+  std::optional<AverageLook> average_look() const override;
   ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
 
   std::vector<SurfaceDemand> demand() const override;

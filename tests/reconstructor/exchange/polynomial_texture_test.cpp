@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/render/polynomial_texture.h"
+#include "reconstructor/exchange/polynomial_texture.h"
 
 #include <gtest/gtest.h>
 
