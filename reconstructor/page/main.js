@@ -12,6 +12,7 @@ import { Viewer } from "./viewer.js";
 
 const FAR_FROM_PHOTOGRAPHS_DEG = 15;
 const MOST_PIXELS = 1920 * 1200; // a phone's screen has more than its graphics shade
+const CAMERAS_SEEN_FROM = 2.4; // of the distance of the furthest camera: there most are in the picture
 const STEEPEST_NOTE = 0.9; // rad: notes on top of the object are seen obliquely
 const FLIGHT_MS = 700; // from a view to another
 const MOST_TEXELS_KEPT = 16e6; // against the loss of the graphics; of larger models all is decoded again
@@ -151,10 +152,14 @@ function toggleGuesses() {
 }
 
 function toggleCameras() {
+  if (!page.orbit) return;
   page.showCameras = !page.showCameras;
   element("cameras").setAttribute("aria-pressed", String(page.showCameras));
-  page.orbit.reach = page.showCameras ? cameraReach(page.cameras, page.orbit.centre) : 0;
-  changed();
+  const { orbit } = page, before = orbit.view();
+  orbit.reach = page.showCameras ? cameraReach(page.cameras, orbit.centre) : 0;
+  if (page.showCameras) page.nearDistance = before.distance;
+  const distance = page.showCameras ? Math.max(before.distance, CAMERAS_SEEN_FROM * orbit.reach) : page.nearDistance;
+  fly(before, { ...before, distance });
 }
 
 function toggleFullScreen() {
@@ -268,6 +273,8 @@ window.sheen = {
   },
   /** What loading took. */
   figures: () => ({ state: document.body.dataset.state, frames: page.painter?.frames, fineMs: page.painter?.pacer.fineMs,
+                    pixel: page.painter?.pacer.frame().pixel, // of a moving picture, in those of the canvas
+                   
                     ...page.figures }),
   /** Looks from there; resolves when the picture is as fine as can be: RGBA, bottom row first. */
   async lookFrom(eye, target, up, { markGuesses = true } = {}) {
