@@ -8,8 +8,8 @@
 #include "common/base/stop_signal.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
+#include "reconstructor/commands/export_page.h"
 #include "reconstructor/commands/exports.h"
-#include "reconstructor/commands/page_export.h"
 
 namespace sheen {
 namespace {

@@ -6,6 +6,7 @@
 #include "common/base/files.h"
 #include "reconstructor/commands/exports.h"
 #include "reconstructor/exchange/mesh_files.h"
+#include "reconstructor/render/gl/opening_view.h"
 
 namespace sheen {
 namespace {
@@ -33,7 +34,8 @@ nlohmann::json export_surface(const ModelSnapshot& model, const std::string& nam
                     {"texture", textured.picture.width()}};
   };
   if (!files.gltf.empty()) {
-    write_glb(files.gltf, textured, upright(up_of(model.cameras())));
+    const auto view = opening_view(model.cameras(), bounding_sphere(model.mesh()).centre);
+    write_glb(files.gltf, textured, upright(view ? view->up : Eigen::Vector3d::UnitZ()));
     wrote("gltf", files.gltf);
   }
   if (!files.ply.empty()) {

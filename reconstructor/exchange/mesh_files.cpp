@@ -98,14 +98,6 @@ Eigen::Matrix3f upright(const Vector3d& up) {
   return turn;
 }
 
-Vector3d up_of(const std::vector<PosedCamera>& cameras) {
-  Vector3d sum = Vector3d::Zero();
-  for (const PosedCamera& camera : cameras)
-    sum -= camera.camera_from_object.matrix().row(1).head<3>().transpose().cast<double>();
-  return sum.norm() < 0.2 * static_cast<double>(cameras.size()) || cameras.empty() ? Vector3d(Vector3d::UnitZ())
-                                                                                   : Vector3d(sum.normalized());
-}
-
 void write_glb(const std::filesystem::path& path, const TexturedMesh& textured, const Eigen::Matrix3f& turn) {
   std::vector<Vector3f> positions, normals;
   Vector3f low = Vector3f::Constant(std::numeric_limits<float>::infinity()), high = -low;

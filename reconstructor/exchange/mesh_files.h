@@ -10,8 +10,6 @@ namespace sheen {
 /// Turns an object frame so that `up` is the +Y of what is written: the axis of the frame that is nearest to it, and
 /// the others round it, so that no number is rounded.
 Eigen::Matrix3f upright(const Eigen::Vector3d& up);
-/// How the cameras of a capture stand: mean of their upper edges' direction, object frame; +z where they agree on none.
-Eigen::Vector3d up_of(const std::vector<PosedCamera>& cameras);
 
 /// Binary glTF 2.0: +Y up, metres from the mesh's origin, KHR_materials_unlit (light is in the picture), JPEG. Throws
 /// FileError.

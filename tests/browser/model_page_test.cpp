@@ -14,7 +14,7 @@
 #include "common/base/files.h"
 #include "common/image/color.h"
 #include "reconstructor/capture/saved_model.h"
-#include "reconstructor/commands/page_export.h"
+#include "reconstructor/commands/export_page.h"
 #include "reconstructor/render/gl/orbit_camera.h"
 #include "reconstructor/render/outlines.h"
 #include "reconstructor/render/ray_painter.h"

@@ -332,19 +332,5 @@ TEST(Upright, TheNearestAxisPointsUpAndNothingIsMirrored) {
     }
 }
 
-TEST(Upright, CamerasTellWhereUpIs) {
-  const auto looking = [](const Eigen::Matrix3d& rotation) {
-    return PosedCamera{.camera_from_object = {Eigen::Quaterniond(rotation), Vector3d::Zero()}};
-  };
-  Eigen::Matrix3d upright_camera;
-  upright_camera << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // looks along +y; its rows run down to -z
-  EXPECT_TRUE(up_of({looking(upright_camera)}).isApprox(Vector3d::UnitZ(), 1e-9));
-  EXPECT_TRUE(up_of({}).isApprox(Vector3d::UnitZ()));
-  Eigen::Matrix3d turned_over = upright_camera;
-  turned_over.topRows<2>() *= -1;
-  EXPECT_TRUE(up_of({looking(upright_camera), looking(turned_over)}).isApprox(Vector3d::UnitZ()))
-      << "they do not agree";
-}
-
 }  // namespace
 }  // namespace sheen

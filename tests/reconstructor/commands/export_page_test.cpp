@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/commands/page_export.h"
+#include "reconstructor/commands/export_page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
