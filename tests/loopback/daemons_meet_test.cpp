@@ -246,7 +246,7 @@ TEST_F(ManyViews, CtrlCInTheMiddleEndsATrackerWhichThenGoesOn) {
   Process rig(track({"--endpoint", address}));
   while (rig.running() && captures_so_far(session_) == 0) std::this_thread::sleep_for(milliseconds(1));
   rig.signal(SIGINT);
-  const auto end = rig.wait(kStopPatience);
+  const auto end = rig.wait(kPatience);  // while keyframes are stored it waits for the next
   ASSERT_TRUE(end) << "still runs after Ctrl-C:\n" << rig.output();
   const bool all_safe = rig.output().find("were not acknowledged") == std::string::npos;  // what was under way is not
   expect_outcome({*end, rig.output()}, all_safe ? 0 : 1, {"keyframes sent"});
@@ -258,7 +258,7 @@ TEST_F(ManyViews, CtrlCInTheMiddleEndsATrackerWhichThenGoesOn) {
 TEST_F(ManyViews, CtrlCEndsABuildWithoutAModel) {
   const auto out = temp_.path() / "model";
   Process build(reconstructor({"build", data_.folder, "--mesh", data_.mesh(), "--out", out}));
-  std::this_thread::sleep_for(milliseconds(150));
+  ASSERT_TRUE(build.prints("images", kPatience)) << build.output();
   build.signal(SIGINT);
   const auto end = build.wait(kStopPatience);
   ASSERT_TRUE(end) << build.output();
