@@ -38,6 +38,7 @@ void add(TrackingReport& sum, const TrackingReport& report) {
   sum.source.missed += report.source.missed;
   sum.source.underruns += report.source.underruns;
   sum.source.missing_packets += report.source.missing_packets;
+  sum.source.foreign += report.source.foreign;
   sum.source.reopened += report.source.reopened;
   for (const auto& [stage, times] : report.stage_ms)
     sum.stage_ms[stage].insert(sum.stage_ms[stage].end(), times.begin(), times.end());
@@ -71,6 +72,7 @@ nlohmann::json report_json(const TrackingReport& report, std::uint64_t unacknowl
             {"missed", report.source.missed},
             {"underruns", report.source.underruns},
             {"missing_packets", report.source.missing_packets},
+            {"foreign", report.source.foreign},
             {"reopened", report.source.reopened},
             {"first_frame_id", report.source.first_frame_id},
             {"last_frame_id", report.source.last_frame_id}}},
@@ -82,6 +84,7 @@ std::string summary_of(const TrackingReport& report) {
   std::string text = std::to_string(report.grabbed) + " frames, " + std::to_string(report.kept) + " keyframes sent";
   for (const auto& [reason, count] : refusals(report)) text += ", " + std::to_string(count) + " " + reason;
   if (report.source.missed) text += ", " + std::to_string(report.source.missed) + " never seen";
+  if (report.source.foreign) text += ", " + std::to_string(report.source.foreign) + " images of another camera";
   if (report.overrun) text += ", " + std::to_string(report.overrun) + " overrun";
   if (report.unsent) text += ", " + std::to_string(report.unsent) + " unsent";
   return text;

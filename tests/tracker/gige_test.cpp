@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A real GigE Vision endpoint on the loopback network.
+#include <arpa/inet.h>
+#include <arv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -131,6 +135,42 @@ TEST_F(Gige, AnUnpluggedCameraIsNoticedAndGoesOnWhenItIsBack) {
   constexpr milliseconds kReopen{700};
   EXPECT_GE(source.stats().reopened, 1u);
   EXPECT_LE(source.stats().reopened, 1u + static_cast<std::uint64_t>((Clock::now() - back) / kReopen));
+}
+
+/// A camera that was told by a program that has ended to send to a port which has another's stream now: one grey image
+/// of 16 x 16 pixels, in the three packets of the GigE Vision stream protocol.
+void send_foreign_image(std::uint16_t port, std::uint16_t id) {
+  const auto packet = [&](std::uint32_t type_and_number, std::vector<std::uint32_t> words, std::size_t pixels = 0) {
+    words.insert(words.begin(), {id, type_and_number});
+    for (std::uint32_t& word : words) word = htonl(word);
+    std::string bytes(reinterpret_cast<const char*>(words.data()), 4 * words.size());
+    return bytes + std::string(pixels, 'x');
+  };
+  const sockaddr_in there{.sin_family = AF_INET, .sin_port = htons(port), .sin_addr = {htonl(INADDR_LOOPBACK)}};
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  for (const std::string& bytes : {packet(0x01000000, {1, 0, 0, ARV_PIXEL_FORMAT_MONO_8, 16, 16, 0, 0, 0}),
+                                   packet(0x03000001, {}, 256), packet(0x02000002, {1, 16})})
+    EXPECT_EQ(sendto(socket, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&there), sizeof there),
+              ssize_t(bytes.size()));
+  close(socket);
+}
+
+TEST_F(Gige, WhatAnotherCameraSendsToItsPortIsNotTakenForItsOwn) {
+  const CameraServerOptions options{.address = "127.0.0.1"};
+  CameraServer server(recording, options);
+  AravisSource source(options.address, {.width = 320, .height = 240});
+  auto frame = next_frame(source, milliseconds(2000));
+  ASSERT_TRUE(frame);
+  const std::unique_ptr<ArvCamera, void (*)(void*)> watched(arv_camera_new("127.0.0.1", nullptr), g_object_unref);
+  guint32 port = 0;
+  ASSERT_TRUE(watched && arv_device_read_register(arv_camera_get_device(watched.get()), 0x0d00, &port, nullptr));
+  for (int i = 0; i < 200 && source.stats().foreign == 0; ++i) {
+    send_foreign_image(static_cast<std::uint16_t>(port), static_cast<std::uint16_t>(frame->camera_frame_id + 20));
+    frame = next_frame(source, milliseconds(2000));
+    ASSERT_TRUE(frame);
+    EXPECT_TRUE(!frame->complete || frame->image.width == 320);
+  }
+  EXPECT_GE(source.stats().foreign, 1u);
 }
 
 TEST_F(Gige, AMissingCameraIsAClearError) {

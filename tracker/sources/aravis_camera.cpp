@@ -96,6 +96,8 @@ struct AravisCamera::Impl {
   std::vector<LockedFeature> locks;
   std::vector<ResetFeature> resets;
   double frame_rate_hz = 0;
+  RawImage delivered;  ///< size and format of what it delivers, without pixels; size 0: it does not tell
+  std::uint64_t foreign = 0;
 
   void open();
   void connect(const std::string& name);
@@ -108,6 +110,7 @@ struct AravisCamera::Impl {
   [[noreturn]] void refuse_size(int width, int height, const SourceSettings& settings) const;
   void choose_pixel_format(const SourceSettings& settings);
   void lock_exposure(const SourceSettings& settings);
+  bool is_own(const RawImage& image) const;
 };
 
 AravisCamera::AravisCamera(const std::string& id, const SourceSettings& settings) : impl_(std::make_unique<Impl>()) {
@@ -253,9 +256,18 @@ void AravisCamera::Impl::lock_exposure(const SourceSettings& settings) {
   exposure.locked = exposure_us || !arv_camera_is_exposure_time_available(c, nullptr);
 }
 
+bool AravisCamera::Impl::is_own(const RawImage& image) const {
+  return delivered.width == 0 ||
+         (image.width == delivered.width && image.height == delivered.height && image.format == delivered.format);
+}
+
 void AravisCamera::start() {
   ArvCamera* const camera = impl_->camera.get();
   Call call(impl_->id, "stream");
+  int x = 0, y = 0;
+  arv_camera_get_region(camera, &x, &y, &impl_->delivered.width, &impl_->delivered.height, nullptr);
+  impl_->delivered.format = from_aravis(arv_camera_get_pixel_format(camera, call));
+  call.require();
   impl_->stream.reset(arv_camera_create_stream(camera, nullptr, nullptr, call));
   call.require();
   const guint payload = arv_camera_get_payload(camera, call);
@@ -288,6 +300,10 @@ std::optional<Frame> AravisCamera::grab(std::chrono::milliseconds timeout) {
     if (bytes > 0 && bytes <= size) frame.image.bytes.assign(data, data + bytes);
   }
   arv_stream_push_buffer(impl_->stream.get(), buffer);
+  if (frame.complete && !impl_->is_own(frame.image)) {
+    ++impl_->foreign;
+    return std::nullopt;
+  }
   if (status == ARV_BUFFER_STATUS_CLEARED || status == ARV_BUFFER_STATUS_ABORTED) return std::nullopt;
   frame.complete = frame.complete && !frame.image.bytes.empty();
   return frame;
@@ -321,6 +337,10 @@ std::uint64_t AravisCamera::missing_packets() const {
   guint64 resent = 0, missing = 0;
   arv_gv_stream_get_statistics(ARV_GV_STREAM(impl_->stream.get()), &resent, &missing);
   return missing;
+}
+
+std::uint64_t AravisCamera::foreign() const {
+  return impl_->foreign;
 }
 
 }  // namespace sheen

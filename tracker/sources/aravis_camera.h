@@ -35,6 +35,9 @@ class AravisCamera {
   double frame_rate_hz() const;
   std::uint64_t underruns() const;
   std::uint64_t missing_packets() const;
+  /// Images that another camera sent to the port of this one: it was told to by a program that has ended, and the
+  /// system gave the port anew. None of them is handed out; they are known by their size or format.
+  std::uint64_t foreign() const;
 
  private:
   struct Impl;

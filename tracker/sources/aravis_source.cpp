@@ -45,7 +45,7 @@ struct AravisSource::Impl {
   Exposure exposure;
   std::string warning;  ///< of the first connection
   std::optional<std::uint64_t> last_id;
-  std::uint64_t closed_underruns = 0, closed_missing = 0;  ///< of connections that are gone
+  std::uint64_t closed_underruns = 0, closed_missing = 0, closed_foreign = 0;  ///< of connections that are gone
 
   mutable std::mutex mutex;
   SourceState state = SourceState::kStarting;
@@ -95,6 +95,7 @@ void AravisSource::Impl::adopt(std::shared_ptr<AravisCamera> opened) {
 void AravisSource::Impl::start_reopening() {
   closed_underruns += camera->underruns();
   closed_missing += camera->missing_packets();
+  closed_foreign += camera->foreign();
   close_aside(std::move(camera));
   std::packaged_task<std::shared_ptr<AravisCamera>()> open(
       [id = id, settings = settings, stopping = stopping]() -> std::shared_ptr<AravisCamera> {
@@ -132,6 +133,7 @@ void AravisSource::Impl::account(Frame& frame) {
   stats.last_frame_id = frame.camera_frame_id;
   stats.underruns = closed_underruns + camera->underruns();
   stats.missing_packets = closed_missing + camera->missing_packets();
+  stats.foreign = closed_foreign + camera->foreign();
 }
 
 std::optional<Frame> AravisSource::next(std::chrono::milliseconds timeout) {

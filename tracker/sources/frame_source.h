@@ -29,6 +29,7 @@ struct SourceStats {
   std::uint64_t missed = 0;           ///< gaps in the camera's frame ids: taken, but never seen here
   std::uint64_t underruns = 0;        ///< of these, because no buffer was free
   std::uint64_t missing_packets = 0;  ///< as the driver counts them
+  std::uint64_t foreign = 0;          ///< images of another size or format than the camera's: another sent them here
   std::uint64_t reopened = 0;         ///< times the camera came back after it had vanished; its ids then begin again
   std::uint64_t first_frame_id = 0, last_frame_id = 0;  ///< of a camera: handed out first and last
 };
