@@ -2,6 +2,7 @@
 #include "common/datasets/colmap_dataset.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "common/base/content_hash.h"
@@ -20,6 +21,7 @@ struct Model {
   ColmapCameras cameras;
   std::vector<ColmapImage> images;
   std::string description;
+  std::string other_text;  ///< a sentence where text beside it says otherwise
 };
 
 bool is_file(const fs::path& path) {
@@ -51,6 +53,33 @@ std::vector<fs::path> model_folders(const fs::path& root) {
   return folders;
 }
 
+bool same_images(const std::vector<ColmapImage>& a, const std::vector<ColmapImage>& b) {
+  constexpr double kNear = 1e-5;  // text has fewer digits
+  std::map<std::string, const ColmapImage*> named;
+  for (const ColmapImage& image : b) named[image.name] = &image;
+  return a.size() == b.size() && std::ranges::all_of(a, [&](const ColmapImage& image) {
+           const auto other = named.find(image.name);
+           return other != named.end() && image.rotation_wxyz.isApprox(other->second->rotation_wxyz, kNear) &&
+                  (image.translation - other->second->translation).norm() <=
+                      kNear * std::max(1.0, image.translation.norm());
+         });
+}
+
+/// A model as text beside the binary one that is read: as an older run left it, or as a person has changed it.
+std::string other_than_text(const fs::path& folder, const std::vector<ColmapImage>& images) {
+  const fs::path text = folder / "images.txt";
+  if (!is_file(text)) return {};
+  const std::string said = (folder / "images.bin").string() + " is read, and not images.txt beside it, ";
+  const std::string remedy = ". If the text is the one you mean, move the .bin files away";
+  try {
+    const auto others = parse_colmap_images_text(text.string(), read_file(text));
+    if (same_images(images, others)) return {};
+    return said + "which has other images or poses (" + std::to_string(others.size()) + " of them)" + remedy;
+  } catch (const FileError&) {
+    return said + "which cannot be read" + remedy;
+  }
+}
+
 Model read_model(const fs::path& folder) {
   const bool binary = holds_model(folder, ".bin");
   const fs::path cameras = folder / (binary ? "cameras.bin" : "cameras.txt");
@@ -60,6 +89,7 @@ Model read_model(const fs::path& folder) {
                          : parse_colmap_cameras_text(cameras.string(), cameras_bytes);
   model.images = binary ? parse_colmap_images_binary(model.images_file, images_bytes)
                         : parse_colmap_images_text(model.images_file, images_bytes);
+  if (binary) model.other_text = other_than_text(folder, model.images);
   model.description = content_hash(cameras_bytes) + content_hash(images_bytes);
   return model;
 }
@@ -69,13 +99,14 @@ std::string in_words(const Model& model) {
 }
 
 std::string choice_of(const std::vector<Model>& models, const Model& chosen) {
-  if (models.size() == 1) return {};
+  if (models.size() == 1) return chosen.other_text;
   std::string others;
   for (const Model& model : models)
     if (&model != &chosen) others += (others.empty() ? "" : ", ") + in_words(model);
   return std::to_string(models.size()) +
          " COLMAP models, of which one is read, the first of those with most images: " + in_words(chosen) +
-         "; not read: " + others + ". Their frames differ; merge them in COLMAP to use all";
+         "; not read: " + others + ". Their frames differ; merge them in COLMAP to use all" +
+         (chosen.other_text.empty() ? "" : "\n" + chosen.other_text);
 }
 
 DatasetView view_of(const Model& model, const ColmapImage& image) {

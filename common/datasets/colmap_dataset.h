@@ -16,7 +16,7 @@ namespace sheen {
 struct ColmapViews {
   std::vector<DatasetView> views;
   std::string description;  ///< the bytes of its files, hashed
-  std::string models;       ///< a sentence where there are several
+  std::string models;       ///< what is not read of several, or of text beside binary files: sentences; empty: all is
 };
 std::optional<ColmapViews> load_colmap(const std::filesystem::path& root, ImageAccount& account);
 

@@ -129,6 +129,7 @@ std::string inspect_all(std::vector<DatasetView>& views, const std::string& desc
     } else {
       alphas += found[i].alpha;
     }
+    if (!found[i].other_colours.empty()) account.other_colours[found[i].other_colours].push_back(views[i].name);
     if (found[i].grey) account.grey.push_back(views[i].name);
     usable.push_back(std::move(views[i]));
   }

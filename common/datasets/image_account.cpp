@@ -132,6 +132,9 @@ std::string in_words(const ImageAccount& account, const fs::path& root) {
   if (!account.unused.empty())
     text += "\nnot used: " + count(account.unused.size(), "image file", "image files") +
             " in this folder: " + list_of(by_folder(account.unused));
+  for (const auto& [space, images] : account.other_colours)
+    text += "\n" + count(images.size(), "image is", "images are") + " of another colour space (" + space +
+            "): " + list_of(images) + "; taken for sRGB, so colours come out a little wrong. Convert to sRGB first";
   if (!account.grey.empty())
     text += "\n" + std::to_string(account.grey.size()) + " of " + std::to_string(account.images) +
             " images are grey: " + list_of(account.grey) +

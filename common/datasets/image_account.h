@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,7 +23,9 @@ struct ImageAccount {
   bool masks_are_alpha = false;     ///< else files
   std::vector<LeftOut> left_out;    ///< named, but missing or damaged
   std::vector<std::string> unused;  ///< image files below the root that are neither image nor mask, as seen from it
-  std::vector<std::string> grey;    ///< images without colours among images with colours
+  std::map<std::string, std::vector<std::string>>
+      other_colours;              ///< images that say they are not sRGB, by what they say
+  std::vector<std::string> grey;  ///< images without colours among images with colours
 };
 
 /// Looks for image files below `root` that are not among `used` (images and masks), some levels deep, and counts those

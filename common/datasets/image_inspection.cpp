@@ -8,6 +8,7 @@
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/image/colour_space.h"
 #include "common/image/exif.h"
 #include "common/image/image_io.h"
 
@@ -52,6 +53,7 @@ ImageInspection inspect(DatasetView& view) {
     const std::string bytes = read_file(view.image_path);
     found.contents = content_hash(bytes);
     read_exif(bytes, view);
+    found.other_colours = other_colour_space(bytes);
     const MaskedImage masked = read_masked_image(view.image_path);
     view.image_size = {masked.image.width, masked.image.height};
     found.alpha = !masked.mask.empty();

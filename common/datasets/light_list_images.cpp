@@ -6,6 +6,7 @@
 #include "common/base/files.h"
 #include "common/datasets/file_finder.h"
 #include "common/datasets/light_list.h"
+#include "common/image/colour_space.h"
 #include "common/image/image_io.h"
 
 namespace sheen {
@@ -60,6 +61,8 @@ void take_images(LightList& lights, const fs::path& list, std::vector<LitView> v
                                           " pixels, but " + lights.images.front().string() + " is " +
                                           std::to_string(first.width) + " x " + std::to_string(first.height) +
                                           ": all images of a list are of one camera that stands still");
+    if (const std::string space = other_colour_space(read_file(image)); !space.empty())
+      lights.account.other_colours[space].push_back(view.name);
     lights.images.push_back(image);
     lights.views.push_back(std::move(view));
   }

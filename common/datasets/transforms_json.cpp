@@ -135,6 +135,12 @@ void refuse_other_cameras(const Fields& fields) {
   for (const char* field : {"ftheta_p0", "ftheta_p1", "latlong", "equirectangular", "orthographic", "sk_x", "sk_y"})
     if (const Json* value = fields.find(field); value && *value != 0 && *value != false)
       fields.fail(field, "such a camera is not supported; undistort the images to PINHOLE");
+  if (const Json* shutter = fields.find("rolling_shutter"))
+    for (const Json& value : shutter->is_array() ? *shutter : Json::array({*shutter}))
+      if (value.is_number() && value != 0)
+        fields.fail("rolling_shutter",
+                    "an image whose rows were taken one after the other has no one pose; set it to 0 where the camera "
+                    "hardly moved");
 }
 
 LensKind lens_kind(const Fields& fields) {

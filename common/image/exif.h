@@ -22,4 +22,7 @@ std::optional<ExifExposure> read_exif_exposure(std::string_view file);
 /// is stored, which is also the answer where nothing is said.
 int read_exif_orientation(std::string_view file);
 
+/// Whether it says that the colours are not those of sRGB, as cameras do that are set to Adobe RGB.
+bool exif_says_other_colours(std::string_view file);
+
 }  // namespace sheen

@@ -11,6 +11,7 @@
 #include "common/datasets/stored_images.h"
 #include "common/image/image_io.h"
 #include "support/expect_error.h"
+#include "support/icc_profile.h"
 #include "support/raw_png.h"
 #include "tests/support/temp_folder.h"
 
@@ -151,6 +152,51 @@ TEST_F(DatasetFiles, GreyImagesAmongColouredOnesAreNamed) {
   EXPECT_THAT(told(), HasSubstr("2 of 3 images are grey: b.png, c.png"));
   transforms({"b.png", "c.png"});
   EXPECT_THAT(told(), Not(HasSubstr("grey"))) << "all of them";
+}
+
+TEST_F(DatasetFiles, ColoursOfAnotherSpaceAreTold) {
+  for (const char* name : {"a.png", "b.png"}) image(name);
+  const auto plain = encode_jpeg(ImageU8(12, 8, 3, 90), 90);
+  std::string jpeg(plain.begin(), plain.end());
+  write("c.jpg", jpeg);
+  transforms({"a.png", "b.png", "c.jpg"});
+  EXPECT_THAT(told(), Not(HasSubstr("colour space")));
+  jpeg.insert(2, jpeg_profile(icc_profile("Display P3", kDisplayP3, parametric_srgb())));
+  write("c.jpg", jpeg);
+  EXPECT_THAT(told(), HasSubstr("1 image is of another colour space (Display P3): c.jpg"));
+  write("list.lp", "1\nc.jpg 0 0 1\n");
+  EXPECT_THAT(open_stored_images(root() / "list.lp").summary, HasSubstr("(Display P3): c.jpg"));
+}
+
+TEST_F(DatasetFiles, TextBesideABinaryModelIsComparedWithIt) {
+  for (const char* name : {"a.png", "b.png"}) image(name);
+  const auto put = [](std::string& bytes, auto value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  std::string cameras, images;
+  put(cameras, std::uint64_t(1));
+  put(cameras, std::uint32_t(1));
+  put(cameras, std::int32_t(1));  // PINHOLE
+  for (const std::uint64_t size : {12, 8}) put(cameras, size);
+  for (const double value : {20., 20., 6., 4.}) put(cameras, value);
+  put(images, std::uint64_t(2));
+  for (const char* name : {"a.png", "b.png"}) {
+    put(images, std::uint32_t(1));
+    for (const double value : {1., 0., 0., 0., 1., 2., 3.}) put(images, value);
+    put(images, std::uint32_t(1));
+    images += name + std::string(1, '\0');
+    put(images, std::uint64_t(0));
+  }
+  write("sparse/0/cameras.bin", cameras);
+  write("sparse/0/images.bin", images);
+  colmap("sparse/0", {"a.png", "b.png"});
+  EXPECT_EQ(load_dataset(root()).warning, "") << "both say the same";
+  colmap("sparse/0", {"a.png"});
+  EXPECT_THAT(load_dataset(root()).warning, HasSubstr("images.bin is read, and not images.txt beside it"));
+  write("sparse/0/images.txt", "1 1 0 0 0 1 2 3 1 a.png\n\n2 1 0 0 0 1 2 3.1 1 b.png\n\n");
+  EXPECT_THAT(load_dataset(root()).warning, HasSubstr("which has other images or poses"));
+  write("sparse/0/images.txt", "no model");
+  EXPECT_THAT(load_dataset(root()).warning, HasSubstr("which cannot be read"));
 }
 
 TEST_F(DatasetFiles, SomeMasksAndAlphas) {

@@ -83,6 +83,8 @@ TEST(Transforms, EveryCameraModel) {
   EXPECT_EQ(fisheye.distortion, (std::array<double, 5>{0.1, 0.2, 0.3, 0.4, 0}));
   EXPECT_EQ(camera({{"camera_model", nullptr}, {"is_fisheye", true}}).lens, LensModel::kFisheye);
   EXPECT_THROW(camera({{"camera_model", "EQUIRECTANGULAR"}}), FileError);
+  expect_error([&] { camera({{"rolling_shutter", {0, 0.02, 0, 0}}}); }, {"frame 0", "rolling_shutter", "no one pose"});
+  EXPECT_NO_THROW(camera({{"rolling_shutter", {0, 0, 0, 0}}}));
   expect_error([&] { camera({{"ftheta_p1", 0.001}}); }, {"frame 0", "ftheta_p1", "undistort the images"});
   expect_error([&] { camera({{"latlong", true}}); }, {"latlong"});
   expect_error([&] { camera({{"sk_x", 5.0}}); }, {"sk_x"});
