@@ -11,6 +11,7 @@
 #include <chrono>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -197,6 +198,13 @@ TEST_F(Gige, WhatCannotBeServedIsAClearError) {
   EXPECT_THROW(CameraServer(recording, {.address = "127.0.0.1"}), FileError);
   recording.frames.clear();
   EXPECT_THROW(CameraServer(recording, {.address = "127.0.0.1"}), FileError);
+}
+
+TEST_F(Gige, AnAddressHasOneCamera) {
+  std::optional<CameraServer> first(std::in_place, recording, CameraServerOptions{.address = "127.0.0.1"});
+  EXPECT_THROW(CameraServer(recording, {.address = "127.0.0.1"}), DeviceError);
+  first.reset();
+  EXPECT_NO_THROW(CameraServer(recording, {.address = "127.0.0.1"}));
 }
 
 TEST_F(Gige, AnotherSizeThanTheConfigurationsIsAClearError) {

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <cstring>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "tracker/camera_server/address_claim.h"
 
 namespace sheen {
 namespace {
@@ -34,6 +36,7 @@ struct CameraServer::Impl {
   RigRecording recording;
   std::size_t frame_bytes = 0, frame_rows = 0;
   bool loop = false;
+  std::optional<AddressClaim> claim;
   ArvGvFakeCamera* camera = nullptr;
 
   mutable std::mutex mutex;         // guards everything below
@@ -69,6 +72,7 @@ void CameraServer::Impl::start(const CameraServerOptions& options) {
   const double rate = options.frame_rate_hz > 0 ? options.frame_rate_hz : recording.frame_rate_hz;
   if (!(rate > 0)) throw ConfigError("the frame rate must be positive");
   const ArvPixelFormat format = to_aravis(recording.format);
+  claim.emplace(options.address);
   camera = arv_gv_fake_camera_new_full(options.address.c_str(), "SHEEN01",
                                        options.description.empty() ? nullptr : options.description.c_str());
   if (!camera || !arv_gv_fake_camera_is_running(camera))
