@@ -21,6 +21,7 @@ class CuttingRelay {
   int port() const { return port_; }
   bool connected() const { return connected_; }
   void hold() { holds_ = true; }
+  bool holds() const { return holds_; }  ///< until the connection ends
   std::size_t held() const;
   /// Returns when it is done; the next connection is not held back.
   void cut();
