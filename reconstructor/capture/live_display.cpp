@@ -2,6 +2,7 @@
 #include "reconstructor/capture/live_display.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -17,7 +18,7 @@
 namespace sheen {
 namespace {
 
-constexpr int kPreviewWidth = 480;
+constexpr int kPreviewWidth = 640, kPreviewHeight = 480, kThumbnailWidth = 480;
 constexpr int kJpegQuality = 80;
 constexpr std::chrono::seconds kTurn{3};    ///< for which one of several cameras is shown
 constexpr double kFewWait = 3, kLag_s = 1;  ///< images that may wait, or as many as are added in this time
@@ -29,8 +30,31 @@ std::shared_ptr<const std::string> jpeg_text(const ImageU8& image) {
   return std::make_shared<const std::string>(bytes.begin(), bytes.end());
 }
 
-Camera preview_camera(const Camera& camera) {
-  return camera.scaled(kPreviewWidth, std::max(1, camera.height * kPreviewWidth / camera.width));
+/// The part of the camera's view that shows the object, with a rim round it.
+Camera preview_camera(const Camera& camera, const Rigid3& camera_from_object, const Mesh& mesh) {
+  constexpr double kRim = 1.1;
+  const auto [centre, radius] = bounding_sphere(mesh);
+  const Eigen::Vector3d at = camera_from_object.rotation * centre + camera_from_object.translation;
+  const auto pixel = camera.project(at);
+  const double half_height = pixel ? kRim * radius * camera.fy / at.z() : camera.height;
+  if (!pixel || 2 * half_height > camera.height)
+    return camera.scaled(kPreviewWidth, std::max(1, camera.height * kPreviewWidth / camera.width));
+  Camera part = camera;
+  part.height = static_cast<int>(std::ceil(2 * half_height));
+  part.width = part.height * kPreviewWidth / kPreviewHeight;
+  part.cx += 0.5 * (part.width - 1) - pixel->x();
+  part.cy += 0.5 * (part.height - 1) - pixel->y();
+  return part.scaled(kPreviewWidth, kPreviewHeight);
+}
+
+constexpr std::array<std::uint8_t, 3> kGround{29, 33, 36};  ///< of pictures and window
+
+ImageU8 on_ground(ImageU8 picture, const ImageU8& coverage) {
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = 0; x < picture.width(); ++x)
+      if (coverage.at(x, y) == 0)
+        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = kGround[std::size_t(c)];
+  return picture;
 }
 
 /// Every nth pixel: quick, and good enough for a thumbnail.
@@ -42,6 +66,20 @@ ImageU8 thumbnail(const ImageU8& image, int width) {
       for (int c = 0; c < image.channels(); ++c)
         small.at(x, y, c) = image.at(x * image.width() / width, y * image.height() / height, c);
   return small;
+}
+
+/// Where the mesh should be in the camera's image: a person sees at once whether it sits.
+void draw_outline(ImageU8& picture, const RayPainter& painter, const Capture& capture) {
+  constexpr std::array<std::uint8_t, 3> kColour{70, 220, 130};
+  const ImageU8 object =
+      painter.silhouette(capture.camera.scaled(picture.width(), picture.height()), capture.pose.camera_from_object);
+  const auto differs = [&](int x, int y) {
+    return object.at(x, y) != object.at(x - 1, y) || object.at(x, y) != object.at(x, y - 1);
+  };
+  for (int y = 1; y < picture.height(); ++y)
+    for (int x = 1; x < picture.width(); ++x)
+      if (differs(x, y))
+        for (int c = 0; c < picture.channels(); ++c) picture.at(x, y, c) = kColour[std::size_t(c)];
 }
 
 TrackerLink link_of(const ReceiverStats& link, const EndProgress& end,
@@ -108,7 +146,10 @@ ImageU8 plain_picture(const RayPainter& painter, const Mesh& mesh, const Camera&
   const Eigen::Vector3f eye = camera_centre(camera_from_object).cast<float>();
   ImageU8 picture(camera.width, camera.height, 3);
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (!hits[i]) continue;
+    if (!hits[i]) {
+      std::ranges::copy(kGround, picture.data() + 3 * i);
+      continue;
+    }
     const auto& triangle = mesh.triangles[hits[i].triangle];
     const Eigen::Vector3f &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]],
                           &c = mesh.vertices[triangle[2]];
@@ -122,7 +163,7 @@ ImageU8 plain_picture(const RayPainter& painter, const Mesh& mesh, const Camera&
 Viewpoint first_look(const std::shared_ptr<const Mesh>& mesh) {
   ViewControls controls;
   controls.frame(mesh);
-  return controls.orbit.viewpoint(kPreviewWidth, 3 * kPreviewWidth / 4);
+  return controls.orbit.viewpoint(kPreviewWidth, kPreviewHeight);
 }
 
 /// What the model has to say of the next view is old while images wait.
@@ -258,6 +299,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   const Latest now = latest();
   update_previews(now);
   update_next_view(now);
+  count_surface(now);
   MonitorState state;
   state.version = SHEEN_VERSION;
   state.model = names_.model;
@@ -293,6 +335,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.picture_latency = summarize(status.latency.to_picture);
   state.rank_histogram = status.rank_histogram;
   state.model_bytes = status.model_bytes;
+  if (counted_ > 0) state.surface = surface_;
   state.trade = status.trade;
   state.held_out_curve = status.held_out_curve;
   if (!lags(status)) {
@@ -308,19 +351,32 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
 void LiveDisplay::update_previews(const Latest& now) {
   if (now.capture && now.capture != drawn_capture_) {
     drawn_capture_ = now.capture;
-    camera_jpeg_ = jpeg_text(thumbnail(to_srgb8(to_linear_rgb(now.capture->image)), kPreviewWidth));
+    ImageU8 picture = thumbnail(to_srgb8(to_linear_rgb(now.capture->image)), kThumbnailWidth);
+    if (now.painter && now.capture->pose.usable()) draw_outline(picture, *now.painter, *now.capture);
+    camera_jpeg_ = jpeg_text(picture);
   }
   if (!now.snapshot || now.number == drawn_) return;
   const bool posed = now.capture && now.capture->pose.usable(), untouched = now.snapshot->empty();
   if (!posed && !untouched) return;
   drawn_ = now.number;
-  const Viewpoint from = posed ? Viewpoint{preview_camera(now.capture->camera), now.capture->pose.camera_from_object}
-                               : first_look(now.snapshot->shared_mesh());
+  const Viewpoint from =
+      posed ? Viewpoint{preview_camera(now.capture->camera, now.capture->pose.camera_from_object, now.snapshot->mesh()),
+                        now.capture->pose.camera_from_object}
+            : first_look(now.snapshot->shared_mesh());
   preview_note_ = no_photograph_note(*now.snapshot, from.eye());
-  if (untouched)
+  if (untouched) {
     preview_jpeg_ = jpeg_text(plain_picture(*now.painter, now.snapshot->mesh(), from.camera, from.camera_from_object));
-  else
-    preview_jpeg_ = jpeg_text(to_srgb8(now.painter->paint(*now.snapshot, from.camera, from.camera_from_object).beauty));
+    return;
+  }
+  const PaintedView painted = now.painter->paint(*now.snapshot, from.camera, from.camera_from_object);
+  preview_jpeg_ = jpeg_text(on_ground(to_srgb8(painted.beauty), painted.coverage));
+}
+
+void LiveDisplay::count_surface(const Latest& now) {
+  if (!now.snapshot || now.number == counted_) return;
+  counted_ = now.number;
+  const SnapshotFigures figures = now.snapshot->figures();
+  surface_ = {.seen = figures.seen, .measured = figures.measured};
 }
 
 void LiveDisplay::update_next_view(const Latest& now) {

@@ -58,6 +58,7 @@ class LiveDisplay {
   void update_previews(const Latest& now);
   void update_next_view(const Latest& now);
   bool keeps_asking_for(const NextView& asked, const Latest& now, const Eigen::Vector3d& wanted);
+  void count_surface(const Latest& now);
   std::string guidance_in_words(const Latest& now) const;
 
   Names names_;
@@ -69,7 +70,8 @@ class LiveDisplay {
   std::shared_ptr<const Capture> drawn_capture_;
   std::shared_ptr<const std::string> preview_jpeg_, camera_jpeg_;
   std::string preview_note_;
-  std::uint64_t advised_ = 0;  ///< likewise
+  std::uint64_t advised_ = 0, counted_ = 0;  ///< likewise
+  MonitorState::Surface surface_;
   std::optional<NextView> next_view_;
   int otherwise_ = 0;  ///< snapshots in a row that want another view than `next_view_`
 };

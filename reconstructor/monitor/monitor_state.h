@@ -91,6 +91,11 @@ struct MonitorState {
   DurationSummary latency, model_latency, picture_latency;  ///< from the grab until durable, in the model, and shown
   std::vector<std::size_t> rank_histogram;                  ///< patches of rank 0, 1, ...
   std::uint64_t model_bytes = 0;
+  /// Of the surface, 0..1: what some image showed, and what is more than imputed. Empty: there is no model yet.
+  struct Surface {
+    double seen = 0, measured = 0;
+  };
+  std::optional<Surface> surface;
   Trade trade;
 
   std::vector<HeldOutPoint> held_out_curve;

@@ -104,6 +104,8 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
   for (const auto& [name, queue] : state.queues)
     json["queues"][name] = {{"depth", queue.depth}, {"capacity", queue.capacity}};
   json["rank_histogram"] = state.rank_histogram;
+  json["surface"] = nullptr;
+  if (state.surface) json["surface"] = {{"seen", state.surface->seen}, {"measured", state.surface->measured}};
   json["model_bytes"] = state.model_bytes;
   json["trade"] = to_json(state.trade);
   json["held_out_curve"] = curve_to_json(state.held_out_curve);

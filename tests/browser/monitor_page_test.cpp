@@ -110,6 +110,8 @@ TEST_F(MonitorPage, ShowsWhatWasPublished) {
   const std::string page = browse("--dump-dom " + server.url());
   EXPECT_THAT(page, HasSubstr("data-state=\"disconnected\""));
   EXPECT_THAT(page, HasSubstr(element("state-detail", "viewer is gone")));
+  EXPECT_THAT(page, HasSubstr("The connection is lost: viewer is gone."));
+  EXPECT_THAT(page, HasSubstr("data-tone=\"bad\""));
   EXPECT_THAT(page, HasSubstr(element("session", "/captures/teapot")));
   EXPECT_THAT(page, HasSubstr(element("accepted", "121")));
   EXPECT_THAT(page, HasSubstr(element("accepted-detail", "160 received, 26 refused, 6 waiting")));
@@ -122,6 +124,21 @@ TEST_F(MonitorPage, ShowsWhatWasPublished) {
                           HasSubstr("tcp://127.0.0.1:7410"), HasSubstr("refused: unknown key")));
   EXPECT_THAT(page, HasSubstr("src=\"preview.jpg?v=1\""));
   EXPECT_THAT(page, HasSubstr("id=\"camera\" alt=\"The newest camera image\" hidden"));
+}
+
+TEST_F(MonitorPage, OneSentenceComesFirst) {
+  MonitorServer server({.port = 0});
+  MonitorState state = sample_monitor_state();
+  state.tracker.trouble.clear();
+  const auto shown = [&] {
+    const Publisher publisher(server, state);
+    return browse("--dump-dom " + server.url());
+  };
+  EXPECT_THAT(shown(),
+              AllOf(HasSubstr("role=\"status\">82 % of the surface is seen.<"), HasSubstr("data-tone=\"good\""),
+                    HasSubstr("121 images in the model · 34.3 dB on views it never saw")));
+  state.tracker.trouble = "too fast: motion blur";
+  EXPECT_THAT(shown(), AllOf(HasSubstr("The latest images cannot be used."), HasSubstr("data-tone=\"bad\"")));
 }
 
 TEST_F(MonitorPage, BeforeTheFirstTrackerSaysHowToStartOne) {
@@ -146,7 +163,8 @@ TEST_F(MonitorPage, ShowsHowFarTheEndIs) {
   const std::string page = browse("--dump-dom " + server.url());
   EXPECT_THAT(page, HasSubstr("data-state=\"saving\""));
   EXPECT_THAT(page, HasSubstr(element("state-detail", "the model: part 13 of 52")));
-  EXPECT_THAT(page, HasSubstr("<div id=\"ending\" role=\"progressbar\"><div style=\"width: 25%;\">"));
+  EXPECT_THAT(page, AllOf(HasSubstr("aria-valuenow=\"25\""), HasSubstr("<div style=\"width: 25%;\">"),
+                          HasSubstr("The model is being saved.")));
 }
 
 TEST_F(MonitorPage, SaysWhenAllIsWellKnown) {
@@ -192,7 +210,7 @@ TEST_F(MonitorPage, DrawsTheCurve) {
   const auto screenshot = [&](const std::string& name) {
     const Publisher publisher(server, state);
     const std::filesystem::path file = folder / name;
-    browse("--window-size=1280,1560 --screenshot='" + file.string() + "' " + server.url());
+    browse("--window-size=1280,2400 --screenshot='" + file.string() + "' " + server.url() + "#details");
     return accent_pixels(file);
   };
   const int with_curve = screenshot("sheen_monitor_page.png");

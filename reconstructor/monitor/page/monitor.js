@@ -11,13 +11,58 @@ const details = {
   stale: (s) => "no frame for " + ago(s.frame_age_s),
   disconnected: (s) => s.links.filter((l) => l.came && !l.connected && !l.ended).map((l) => l.name).join(", ") + " is gone",
   ended: () => "the source has ended",
-  finishing: (s) => "image " + s.ending.done + " of " + s.ending.total,
-  refining: (s) => "the mesh: step " + s.ending.done + " of " + s.ending.total,
-  saving: (s) => "the model: part " + s.ending.done + " of " + s.ending.total,
-  judging: (s) => "on held-out views: picture " + s.ending.done + " of " + s.ending.total,
+  finishing: (s) => doneOf(s, "image"),
+  refining: (s) => doneOf(s, "the mesh: step"),
+  saving: (s) => doneOf(s, "the model: part"),
+  judging: (s) => doneOf(s, "on held-out views: picture"),
   failed: () => "see below",
   stalled: (s) => "no news from the reconstructor for " + ago(s.published_age_s),
 };
+
+// What a person needs to know first, and how urgent it is: the tone of the traffic light.
+const toldFirst = {
+  waiting: (s) => ["idle", s.links.every((l) => l.connected) ? "The tracker is here. Waiting for its first image." : "Waiting for a tracker."],
+  live: (s) => s.tracker.trouble ? ["bad", "The latest images cannot be used."] : ["good", progressOf(s)],
+  stale: () => ["warn", "The camera sends nothing at the moment."],
+  disconnected: (s) => ["bad", "The connection is lost: " + details.disconnected(s) + "."],
+  ended: (s) => ["good", "All images have come. " + progressOf(s)],
+  finishing: (s) => ["busy", "The last images are being added."],
+  refining: () => ["busy", "The mesh is being refined a last time."],
+  saving: () => ["busy", "The model is being saved."],
+  judging: () => ["busy", "The model is saved. It is being compared with the views kept aside."],
+  failed: () => ["bad", "The capture has stopped. What was stored is safe."],
+  stalled: () => ["warn", "The reconstructor has fallen silent."],
+};
+function doneOf(s, what) {
+  return s.ending.total ? what + " " + s.ending.done + " of " + s.ending.total : "";
+}
+function progressOf(s) {
+  if (s.well_known) return "All of it is well known.";
+  if (!s.surface || !s.surface.seen) return "Images arrive.";
+  return Math.floor(100 * s.surface.seen) + " % of the surface is seen.";
+}
+
+// Where to go, or why that is not said: what the model has to say is old while images wait.
+function nextOf(s) {
+  if (s.ending) return "";
+  if (s.next_view) return (s.well_known ? "Done: " : "Next: ") + s.next_view;
+  return s.frames.waiting > 5 ? "The model catches up: " + s.frames.waiting + " images wait." : "";
+}
+
+// The rest in a line: how many, how good, what waits.
+function countsOf(s) {
+  const f = s.frames, last = s.held_out_curve[s.held_out_curve.length - 1], words = [];
+  if (f.accepted) words.push(f.accepted + (f.accepted === 1 ? " image" : " images") + " in the model");
+  if (last && last.psnr_db !== null) words.push(last.psnr_db.toFixed(1) + " dB on views it never saw");
+  if (f.waiting > 1) words.push(f.waiting + " wait to be added");
+  if (f.sequence_gaps) words.push(f.sequence_gaps + " lost on the way");
+  return words.join(" · ");
+}
+
+function tell(tone, sentence) {
+  document.body.dataset.tone = tone;
+  if ($("sentence").textContent !== sentence) text("sentence", sentence);  // read out once
+}
 
 function ago(seconds) {
   if (seconds === null) return "–";
@@ -66,6 +111,7 @@ function ticks(low, high, n) {
 }
 
 function drawCurve(curve) {
+  if (!$("details").open) return;
   const canvas = $("curve"), style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(name).trim();
   const scale = window.devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
@@ -111,7 +157,7 @@ function drawCurve(curve) {
 
 // Effort, time and memory against what was asked for, and how soundly the model holds what it was given.
 function tradeRows(t) {
-  const part = (value) => value === null ? "–" : (100 * value).toPrecision(2) + " %";
+  const part = (value) => value === null ? "–" : (value >= 0.1 ? (100 * value).toFixed(0) : (100 * value).toPrecision(2)) + " %";
   const against = (name, value, limit, kept, shown) => ({
     name: name, value: value || 0, scale: limit || value || 1, tone: kept === null ? "idle" : kept ? "good" : "bad",
     shown: (value === null ? "–" : shown(value)) + (limit === null ? "" : " of " + shown(limit)) +
@@ -157,9 +203,16 @@ function show(s) {
   text("state-detail", details[s.state](s));
   text("session", s.session_folder);
   $("ending").hidden = !s.ending;
-  if (s.ending) $("ending").firstElementChild.style.width = 100 * s.ending.done / Math.max(1, s.ending.total) + "%";
+  if (s.ending) {
+    const percent = 100 * s.ending.done / Math.max(1, s.ending.total);
+    $("ending").ariaValueNow = Math.round(percent);
+    $("ending").firstElementChild.style.width = percent + "%";
+  }
+  tell(...toldFirst[s.state](s));
+  text("counts", countsOf(s));
   $("error").hidden = !s.error; text("error", s.error);
-  $("next-view").hidden = !s.next_view || s.ending; text("next-view", s.next_view ? (s.well_known ? "Done: " : "Next: ") + s.next_view : "");
+  text("next-view", nextOf(s));
+  $("next-view").hidden = !$("next-view").textContent;
   $("next-view").classList.toggle("done", s.well_known);
   $("hint").hidden = !s.hint; $("hint").firstElementChild.textContent = s.hint;
 
@@ -247,9 +300,16 @@ async function poll() {
     document.title = "UNREACHABLE · Sheen";
     text("state-name", "unreachable");
     text("state-detail", error.name === "Error" ? error.message : "the reconstructor does not answer");
+    tell("bad", error.name === "Error" ? "This page gets no answer: " + error.message + "." : "The reconstructor does not answer.");
   }
   setTimeout(poll, kPollMs);
 }
 for (const link of document.querySelectorAll("footer a")) link.href = withToken(link.getAttribute("href"));
+// Whoever opened the details finds them open again.
+$("details").open = location.hash === "#details" || sessionStorage.getItem("details") === "open";
+$("details").addEventListener("toggle", () => {
+  sessionStorage.setItem("details", $("details").open ? "open" : "");
+  if (latest) drawCurve(latest.held_out_curve);
+});
 window.addEventListener("resize", () => { if (latest) drawCurve(latest.held_out_curve); });
 poll();

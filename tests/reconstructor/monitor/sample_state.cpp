@@ -34,6 +34,7 @@ MonitorState sample_monitor_state() {
   state.model_latency = summarize(model_latency);
   state.picture_latency = summarize(picture_latency);
   state.rank_histogram = {14, 820, 1940, 2210, 870, 190, 33};
+  state.surface = {.seen = 0.828, .measured = 0.79};
   state.model_bytes = 48'200'000;
   state.trade = {.favour = "speed",
                  .effort_level = 2,
