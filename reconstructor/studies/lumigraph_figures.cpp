@@ -10,7 +10,9 @@
 #include "common/base/format.h"
 #include "common/image/color.h"
 #include "common/image/image_metrics.h"
+#include "common/parallel/for_each.h"
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_painter.h"
+#include "reconstructor/models/intrinsic_lumigraph/predicted_arrival.h"
 #include "reconstructor/models/intrinsic_lumigraph/seen_surface.h"
 #include "reconstructor/studies/shadow_warp.h"
 
@@ -25,7 +27,7 @@ constexpr int kMagnified = 3;
 /// The view's colours as the lumigraph knows them, under other shadows.
 ImageU8 lit_under(const StillLife& scene, const LightState& light, const ImageU8& shadow) {
   const LumigraphData& data = *scene.model->data();
-  RelitView relit = relight(central_view(scene), data.lights, scene.model->light_place(light));
+  RelitView relit = relight(central_view(scene), data.lights, scene.model->light_place(light), in_parallel);
   scale(relit, light.rgb);
   return to_srgb8(shadowed(relit, inverse(shadow)));
 }

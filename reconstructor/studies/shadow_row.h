@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/image/image.h"
-#include "reconstructor/models/intrinsic_lumigraph/intrinsic_view.h"
+#include "reconstructor/lumigraph_file/intrinsic_view.h"
 #include "reconstructor/studies/still_life.h"
 
 namespace sheen {

@@ -11,7 +11,7 @@
 #include <opencv2/video/tracking.hpp>
 #include <optional>
 
-#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
+#include "reconstructor/lumigraph_file/depth_points.h"
 
 namespace sheen {
 namespace {

@@ -50,7 +50,9 @@ const std::vector<Room> kReconstructor = {
     {"radiance", "surface|numerics"},
     {"refinement", ""},
     {"light_field_file", "radiance|surface|numerics|coding"},
-    {"models", "light_field_file|radiance|surface|numerics|coding"},
+    {"irradiance_field_file", "radiance|numerics|coding"},
+    {"lumigraph_file", "radiance|numerics|coding"},
+    {"models", "light_field_file|irradiance_field_file|lumigraph_file|radiance|surface|numerics|coding"},
     {"render", "models|surface|numerics"},
     {"page", "render|light_field_file|radiance|surface|numerics|coding"},
     {"exchange", "models"},
@@ -59,7 +61,7 @@ const std::vector<Room> kReconstructor = {
     {"effort", "evaluation|render|models|radiance"},
     {"scene", "effort|models"},
     {"capture", "scene|effort|evaluation|monitor|render|models|radiance|refinement"},
-    {"studies", "effort|evaluation|render|models|radiance|surface|numerics"},
+    {"studies", "lumigraph_file|effort|evaluation|render|models|radiance|surface|numerics"},
 };
 
 std::vector<Rule> rules_of_rooms(const std::string& house, const std::vector<Room>& rooms) {
@@ -82,6 +84,9 @@ std::vector<Rule> all_rules() {
        "reconstructor/numerics/.*|Eigen/.*|[a-z0-9_]+"},
       {"a file is decoded without threads, rays, pictures and the encoder", "reconstructor/light_field_file/[^/]*",
        "reconstructor/light_field_file/encode/.*|tbb/.*|thread|future|common/(image|geometry/(?!mesh\\.h)).*", ""},
+      {"so are those of models that are relit, into pictures of plain pixels",
+       "reconstructor/(?:irradiance_field_file|lumigraph_file)/[^/]*",
+       ".*/encode/.*|tbb/.*|thread|future|opencv2/.*|common/(image/(?!(?:image|color)\\.h)|geometry/).*", ""},
       {"models never include each other", "reconstructor/models/([^/]+)/.*", "reconstructor/models/[^/]+/.*",
        "reconstructor/models/$1/.*"},
       {"what all models share knows none of them", "reconstructor/models/[^/]+", "reconstructor/models/[^/]+/.*", ""},

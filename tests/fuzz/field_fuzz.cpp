@@ -8,6 +8,7 @@
 
 #include "common/base/errors.h"
 #include "reconstructor/coding/chunk_file.h"
+#include "reconstructor/irradiance_field_file/encode/field_encoding.h"
 #include "reconstructor/models/irradiance_field/field_file.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/reconstructor/models/irradiance_field/lambertian_relief.h"

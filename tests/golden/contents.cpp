@@ -1,12 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/golden/contents.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <iomanip>
 #include <sstream>
 #include <stdexcept>
 
+#include "common/base/crc32c.h"
+#include "reconstructor/irradiance_field_file/field_reader.h"
+#include "reconstructor/light_field_file/light_field_file.h"
+
 namespace sheen {
+
+FileContents::Part Checksum::part(const std::string& name) const {
+  return {name, crc32c(bytes_)};
+}
+
+std::uint8_t value_of_255(float grey_level) {
+  return static_cast<std::uint8_t>(std::clamp(grey_level + 0.5f, 0.0f, 255.0f));
+}
+
+FileContents contents_of(std::string_view bytes, const std::string& file) {
+  if (is_light_field_file(bytes)) return contents_of_light_field(bytes, file);
+  if (is_field_file(bytes)) return contents_of_irradiance_field(bytes, file);
+  return contents_of_lumigraph(bytes, file);
+}
 
 std::string FileContents::text() const {
   std::ostringstream out;

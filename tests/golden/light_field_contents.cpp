@@ -1,30 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-
-#include "common/base/crc32c.h"
 #include "reconstructor/light_field_file/light_field_evaluator.h"
 #include "reconstructor/light_field_file/light_field_file.h"
 #include "tests/golden/contents.h"
 
 namespace sheen {
 namespace {
-
-/// Numbers as they would stand in memory that is little-endian.
-class Checksum {
- public:
-  void add(std::int64_t number) {
-    for (int byte = 0; byte < 8; ++byte) bytes_.push_back(static_cast<std::uint8_t>(number >> (8 * byte)));
-  }
-  template <typename Numbers>
-  void add_all(const Numbers& numbers) {
-    add(static_cast<std::int64_t>(numbers.size()));
-    for (const auto number : numbers) add(static_cast<std::int64_t>(number));
-  }
-  FileContents::Part part(const std::string& name) const { return {name, crc32c(bytes_)}; }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-};
 
 void add_map(Checksum& sum, const QuantisedMap& map, std::size_t bands) {
   sum.add(map.empty());
@@ -64,10 +44,6 @@ std::vector<FileContents::Part> whole_numbers(const QuantisedModel& quantised) {
   }
   return {mesh.part("mesh"),         lattices.part("lattices"), eyes.part("eyes"),
           vertices.part("vertices"), patches.part("patches"),   states.part("states")};
-}
-
-std::uint8_t value_of_255(float grey_level) {
-  return static_cast<std::uint8_t>(std::clamp(grey_level + 0.5f, 0.0f, 255.0f));
 }
 
 std::vector<std::uint8_t> picture_of_means(const CompactModel& model) {

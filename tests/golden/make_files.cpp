@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes the files of this folder anew, where a version of a format begins: make_files FOLDER. What stands beside them
-// comes from the build of one's own machine: read_files --print FILE > FILE.txt, and what golden_models_test says it
-// found.
+// comes from the build of one's own machine: read_files --print FILE > FILE.txt.
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -9,8 +8,8 @@
 #include "common/base/files.h"
 #include "common/simulation/light_rig.h"
 #include "common/simulation/light_rig_capture.h"
+#include "reconstructor/lumigraph_file/encode/lumigraph_encoding.h"
 #include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph.h"
-#include "reconstructor/models/intrinsic_lumigraph/lumigraph_file.h"
 #include "reconstructor/models/surface_light_field/surface_light_field.h"
 #include "tests/reconstructor/models/irradiance_field/lambertian_relief.h"
 #include "tests/support/analytic_scene.h"

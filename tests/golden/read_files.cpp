@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   for (int i = print ? 2 : 1; i < argc; ++i) {
     const std::string file = argv[i];
     try {
-      const sheen::FileContents found = sheen::contents_of_light_field(bytes_of(file), file);
+      const sheen::FileContents found = sheen::contents_of(bytes_of(file), file);
       if (print) {
         std::fputs(found.text().c_str(), stdout);
         continue;

@@ -11,6 +11,7 @@
 #include "common/simulation/point_lit_scene.h"
 #include "common/simulation/test_object.h"
 #include "reconstructor/models/irradiance_field/irradiance_field.h"
+#include "reconstructor/models/irradiance_field/picture_plane.h"
 
 namespace sheen {
 

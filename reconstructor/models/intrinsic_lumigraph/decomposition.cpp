@@ -9,7 +9,8 @@
 #include <cmath>
 
 #include "common/base/order_statistics.h"
-#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
+#include "common/parallel/for_each.h"
+#include "reconstructor/lumigraph_file/depth_points.h"
 
 namespace sheen {
 namespace {
@@ -44,7 +45,7 @@ float brightness_over(const Vector3f& rgb, const Vector3f& reflectance) {
 
 /// Calls `visit(pixel, point)` for all pixels whose surface is known, in parallel.
 void for_each_surface(const CapturedView& view, const std::function<void(std::size_t, const Vector3f&)>& visit) {
-  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
+  for_each_point(view.from, view.depth, in_parallel, [&](std::size_t pixel, const Vector3f& point) {
     if (view.depth.data()[pixel] > 0) visit(pixel, point);
   });
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "reconstructor/models/intrinsic_lumigraph/intrinsic_view.h"
+#include "reconstructor/lumigraph_file/intrinsic_view.h"
+#include "reconstructor/models/intrinsic_lumigraph/captured_view.h"
 
 namespace sheen {
 

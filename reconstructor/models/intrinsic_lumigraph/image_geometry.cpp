@@ -7,6 +7,7 @@
 
 #include "common/base/errors.h"
 #include "common/image/color.h"
+#include "reconstructor/models/intrinsic_lumigraph/carved_hull.h"
 #include "reconstructor/models/intrinsic_lumigraph/decomposition.h"
 #include "reconstructor/models/intrinsic_lumigraph/plane_sweep.h"
 #include "reconstructor/models/intrinsic_lumigraph/shadow_masks.h"
@@ -158,7 +159,7 @@ LumigraphData lumigraph_of_images(std::vector<CapturedView> views, const LightSe
         decompose(view, lights, reflectance, ambient > 0 ? ambient : kGuessedAmbient)));
     view = {.from = view.from};  // its images are no longer needed
   }
-  data.hull = ShadowHull(some_views(data), lights);
+  data.hull = carved_hull(some_views(data), lights);
   return data;
 }
 

@@ -4,7 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
+#include "common/geometry/mesh.h"
+#include "reconstructor/lumigraph_file/lumigraph_data.h"
+#include "reconstructor/models/intrinsic_lumigraph/captured_view.h"
 
 namespace sheen {
 

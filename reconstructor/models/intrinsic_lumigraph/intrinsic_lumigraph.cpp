@@ -8,8 +8,8 @@
 #include "common/base/stage_clock.h"
 #include "reconstructor/models/intrinsic_lumigraph/decomposition.h"
 #include "reconstructor/models/intrinsic_lumigraph/image_geometry.h"
-#include "reconstructor/models/light_refusal.h"
 #include "reconstructor/radiance/capture_rules.h"
+#include "reconstructor/radiance/light_refusal.h"
 #include "reconstructor/radiance/radiance_image.h"
 
 namespace sheen {

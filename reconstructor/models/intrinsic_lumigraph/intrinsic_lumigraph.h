@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "reconstructor/models/appearance_model.h"
+#include "reconstructor/models/intrinsic_lumigraph/captured_view.h"
 #include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph_options.h"
 #include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph_snapshot.h"
 

@@ -6,9 +6,11 @@
 #include <optional>
 
 #include "common/base/errors.h"
+#include "common/parallel/for_each.h"
 #include "reconstructor/models/intrinsic_lumigraph/intrinsic_pictures.h"
 #include "reconstructor/models/intrinsic_lumigraph/lamp_reach.h"
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_file.h"
+#include "reconstructor/models/intrinsic_lumigraph/predicted_arrival.h"
 #include "reconstructor/models/intrinsic_lumigraph/surface_blend.h"
 
 namespace sheen {
@@ -112,7 +114,7 @@ Eigen::Vector3d IntrinsicLumigraphSnapshot::light_place(const LightState& light)
 
 RelitView IntrinsicLumigraphSnapshot::relit(const IntrinsicView& view, const LightState& light) const {
   const Eigen::Vector3d place = light_place(light);
-  RelitView relit = relight(view, data_->lights, place);
+  RelitView relit = relight(view, data_->lights, place, in_parallel);
   scale(relit, light.rgb);
   if (!data_->of_images) return relit;
   return {shadowed(relit, predicted_arrival(*data_, view, place)), {}};
@@ -178,7 +180,8 @@ std::unique_ptr<ViewShader> InterpolatedImages::shader_for(const ViewQuery& quer
   const Eigen::Vector3d place = model_->light_place(query.light);
   ViewBlend views(data, query.eye, [&](const IntrinsicView& view) {
     RelitView relit;
-    relit.lit = every_light_ ? mean_image(view, data->lights) : interpolated_images(view, data->lights, place);
+    relit.lit = every_light_ ? mean_image(view, data->lights, in_parallel)
+                             : interpolated_images(view, data->lights, place, in_parallel);
     scale(relit, every_light_ ? Eigen::Vector3f::Ones() : query.light.rgb);
     return std::make_shared<const RelitView>(std::move(relit));
   });

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
+#include "reconstructor/lumigraph_file/lumigraph_data.h"
 #include "reconstructor/models/intrinsic_lumigraph/mean_look.h"
 #include "reconstructor/models/intrinsic_lumigraph/seen_surface.h"
 #include "reconstructor/models/model_snapshot.h"

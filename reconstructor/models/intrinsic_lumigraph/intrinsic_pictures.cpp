@@ -3,7 +3,9 @@
 
 #include <optional>
 
+#include "common/parallel/for_each.h"
 #include "reconstructor/models/intrinsic_lumigraph/lamp_reach.h"
+#include "reconstructor/models/intrinsic_lumigraph/predicted_arrival.h"
 #include "reconstructor/models/intrinsic_lumigraph/view_blend.h"
 
 namespace sheen {
@@ -104,7 +106,7 @@ RelitView IntrinsicPictures::of_view(const IntrinsicView& view, const LightState
   if (property_ == SurfaceProperty::kShadow && data.of_images)
     return {shadow_of(predicted_arrival(data, view, place)), {}};
   if (property_ != SurfaceProperty::kIllumination) return {reflectance_of(view), {}};
-  RelitView illumination = illuminated(view, data.lights, place);
+  RelitView illumination = illuminated(view, data.lights, place, in_parallel);
   scale(illumination, light.rgb);
   if (!data.of_images) return illumination;
   return {shadowed(illumination, predicted_arrival(data, view, place)), {}};

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
+#include "reconstructor/lumigraph_file/lumigraph_data.h"
 #include "reconstructor/models/intrinsic_lumigraph/seen_surface.h"
 
 namespace sheen {

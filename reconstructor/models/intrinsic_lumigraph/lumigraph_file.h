@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <string_view>
 
 #include "reconstructor/models/intrinsic_lumigraph/intrinsic_lumigraph_snapshot.h"
 
@@ -20,9 +19,5 @@ void save_lumigraph(const IntrinsicLumigraphSnapshot& model, const std::filesyst
                     const ModelMetadata& metadata, const StepsDone& progress);
 /// Throws FileError that names file and chunk.
 std::shared_ptr<const IntrinsicLumigraphSnapshot> load_lumigraph(const std::filesystem::path& folder);
-
-/// The views' file. Throws FileError.
-std::string encode_lumigraph(const LumigraphData& data, const StepsDone& progress = {});
-LumigraphData decode_lumigraph(std::string_view bytes, const std::string& file);
 
 }  // namespace sheen

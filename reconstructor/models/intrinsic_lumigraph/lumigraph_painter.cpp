@@ -7,7 +7,9 @@
 #include <cmath>
 #include <utility>
 
-#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
+#include "common/parallel/for_each.h"
+#include "reconstructor/lumigraph_file/depth_points.h"
+#include "reconstructor/models/intrinsic_lumigraph/predicted_arrival.h"
 #include "reconstructor/models/intrinsic_lumigraph/surface_blend.h"
 
 namespace sheen {
@@ -103,7 +105,8 @@ ImageF LumigraphPainter::paint_interpolated(const PosedCamera& from, const Light
   look_from(from);
   const Eigen::Vector3d place = model_->light_place(light);
   RelitView relit = *blended([&](const IntrinsicView& view) {
-    return std::make_shared<const RelitView>(RelitView{interpolated_images(view, model_->data()->lights, place), {}});
+    return std::make_shared<const RelitView>(
+        RelitView{interpolated_images(view, model_->data()->lights, place, in_parallel), {}});
   });
   scale(relit, light.rgb);
   return std::move(relit.lit);

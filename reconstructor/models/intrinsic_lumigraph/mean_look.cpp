@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 
-#include "reconstructor/models/intrinsic_lumigraph/four_pixels.h"
+#include "reconstructor/lumigraph_file/four_pixels.h"
 #include "reconstructor/surface/nearest_seen.h"
 
 namespace sheen {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/geometry/mesh.h"
-#include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
+#include "reconstructor/lumigraph_file/lumigraph_data.h"
 #include "reconstructor/surface/sample_state.h"
 
 namespace sheen {

@@ -8,7 +8,7 @@
 #include "common/camera/posed_camera.h"
 #include "common/geometry/ray_scene.h"
 #include "common/image/image.h"
-#include "reconstructor/models/intrinsic_lumigraph/light_set.h"
+#include "reconstructor/lumigraph_file/light_set.h"
 
 namespace sheen {
 

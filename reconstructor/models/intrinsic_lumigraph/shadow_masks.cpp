@@ -7,7 +7,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/base/order_statistics.h"
-#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
+#include "common/parallel/for_each.h"
+#include "reconstructor/lumigraph_file/depth_points.h"
 #include "reconstructor/models/intrinsic_lumigraph/weiss.h"
 
 namespace sheen {
@@ -90,7 +91,7 @@ std::vector<ImageU8> shadow_masks(const CapturedView& view, const LightSet& ligh
   for (const int light : view.lights) lamps.push_back(lights.lamp(light));
   ImageF darker(w, h, static_cast<int>(n));  // log of brightness over what a matt surface would show
   ImageU8 facing(w, h, static_cast<int>(n));
-  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
+  for_each_point(view.from, view.depth, in_parallel, [&](std::size_t pixel, const Vector3f& point) {
     std::vector<Vector3f> incidences(n);
     std::vector<float> brightness(n);
     for (std::size_t i = 0; i < n; ++i) {

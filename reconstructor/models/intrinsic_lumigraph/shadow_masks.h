@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "reconstructor/models/intrinsic_lumigraph/intrinsic_view.h"
+#include "reconstructor/lumigraph_file/intrinsic_view.h"
+#include "reconstructor/models/intrinsic_lumigraph/captured_view.h"
 
 namespace sheen {
 

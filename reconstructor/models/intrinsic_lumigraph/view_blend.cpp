@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
-#include "reconstructor/models/intrinsic_lumigraph/four_pixels.h"
+#include "reconstructor/lumigraph_file/depth_points.h"
+#include "reconstructor/lumigraph_file/four_pixels.h"
 
 namespace sheen {
 

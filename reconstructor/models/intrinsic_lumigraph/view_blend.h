@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
+#include "reconstructor/lumigraph_file/lumigraph_data.h"
 #include "reconstructor/models/intrinsic_lumigraph/mean_look.h"
 
 namespace sheen {

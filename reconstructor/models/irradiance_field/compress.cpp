@@ -8,7 +8,7 @@
 
 #include "common/base/errors.h"
 #include "reconstructor/coding/step_search.h"
-#include "reconstructor/models/irradiance_field/field_file.h"
+#include "reconstructor/irradiance_field_file/encode/field_encoding.h"
 
 namespace sheen {
 namespace {

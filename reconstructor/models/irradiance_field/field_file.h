@@ -6,9 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "reconstructor/models/irradiance_field/field_coding.h"
 #include "reconstructor/models/irradiance_field/irradiance_field_snapshot.h"
-#include "reconstructor/models/irradiance_field/lit_scene.h"
 
 namespace sheen {
 
@@ -17,9 +15,6 @@ namespace sheen {
 
 inline constexpr const char* kFieldFormat = "irradiance field";  ///< "format" in model.json
 
-std::string encode_field(const LitScene& scene, const QuantisedField& field);
-/// Whether a file begins like one.
-bool is_field_file(std::string_view start);
 /// Throws FileError that names file and chunk.
 std::shared_ptr<const IrradianceFieldSnapshot> decode_field(std::string_view bytes, const std::string& file,
                                                             bool in_one_file);

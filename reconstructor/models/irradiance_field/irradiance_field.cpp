@@ -7,9 +7,12 @@
 #include "common/base/errors.h"
 #include "common/base/stage_clock.h"
 #include "common/image/color.h"
+#include "reconstructor/irradiance_field_file/encode/field_encoding.h"
 #include "reconstructor/models/irradiance_field/compress.h"
-#include "reconstructor/models/light_refusal.h"
+#include "reconstructor/models/irradiance_field/find_terms.h"
+#include "reconstructor/models/irradiance_field/light_kernels.h"
 #include "reconstructor/radiance/capture_rules.h"
+#include "reconstructor/radiance/light_refusal.h"
 #include "reconstructor/radiance/radiance_image.h"
 
 namespace sheen {

@@ -2,6 +2,7 @@
 #include "reconstructor/models/irradiance_field/irradiance_field_options.h"
 
 #include "reconstructor/models/irradiance_field/irradiance_field.h"
+#include "reconstructor/models/irradiance_field/picture_plane.h"
 
 namespace sheen {
 namespace {

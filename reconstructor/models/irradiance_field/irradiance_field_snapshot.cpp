@@ -5,27 +5,17 @@
 #include <cmath>
 #include <functional>
 
-#include "common/base/errors.h"
 #include "common/base/order_statistics.h"
 #include "common/image/color.h"
+#include "common/parallel/for_each.h"
+#include "reconstructor/irradiance_field_file/encode/field_encoding.h"
 #include "reconstructor/models/irradiance_field/compress.h"
 #include "reconstructor/models/irradiance_field/field_file.h"
 #include "reconstructor/models/irradiance_field/light_intervals.h"
-#include "reconstructor/models/light_refusal.h"
+#include "reconstructor/models/irradiance_field/picture_plane.h"
 
 namespace sheen {
 namespace {
-
-/// Between lights the absolute weights add up to 3 at most; what lies beyond them is a difference of ever larger ones.
-constexpr float kMostWeight = 4;
-
-constexpr double kOnPlane = 1e-4;  // of its distance: nearer than that a lamp is on its plane
-
-/// The nearer a light, the more it counts; none less than nothing.
-Eigen::VectorXf weights_by_distance(const Eigen::Matrix3Xd& lights, const Eigen::Vector3d& place) {
-  const Eigen::VectorXd weights = (lights.colwise() - place).colwise().squaredNorm().cwiseInverse().transpose();
-  return (weights / weights.sum()).cast<float>();
-}
 
 class PictureShader : public ViewShader {
  public:
@@ -63,46 +53,10 @@ IrradianceFieldSnapshot::IrradianceFieldSnapshot(std::shared_ptr<const Mesh> mes
       field_(std::make_shared<const QuantisedField>(std::move(field))),
       version_(version),
       in_one_file_(in_one_file),
-      relighting_(std::make_shared<const Relighting>(dequantise(*field_))) {
+      relighting_(std::make_shared<const Relighting>(dequantise(*field_), in_parallel)) {
   if (field_->lights == 0) return;
-  kriging_.emplace(scene_.lights, scene_.kernel);
-  plane_ = light_plane(scene_);
+  lights_.emplace(scene_);
   cameras_.push_back(scene_.camera);
-}
-
-LightState IrradianceFieldSnapshot::known_light(const LightState& light) const {
-  if (light.kind == LightKind::kFixed) return light;
-  LightState known = light;
-  const bool far = light.kind == LightKind::kDirectional;
-  const std::string wrong = light_refusal(light, far ? LightKind::kDirectional : LightKind::kPoint);
-  const auto met = plane_ && wrong.empty() ? plane_->meet(light.position) : std::nullopt;
-  if (met) {
-    // Lamps on the plane keep their brightness to the last bit.
-    const double off = std::abs(plane_->normal.dot(light.position) - plane_->distance);
-    if (!far && off <= kOnPlane * plane_->distance) return light;
-    const double reference = far ? plane_->distance : light.position.norm();
-    known.kind = LightKind::kPoint;
-    known.position = *met;
-    known.rgb *= static_cast<float>(met->squaredNorm() / (reference * reference));
-    return known;
-  }
-  if (!wrong.empty() || light.kind != scene_.kind)
-    throw ConfigError(
-        scene_.kind == LightKind::kDirectional
-            ? "this irradiance field was built in directional light: give directions, not positions"
-            : "this irradiance field was built in the light of near lamps: give positions, not directions");
-  if (far) known.position.normalize();
-  return known;
-}
-
-Eigen::VectorXf IrradianceFieldSnapshot::weights(const LightState& light) const {
-  if (light.kind == LightKind::kFixed)
-    return Eigen::VectorXf::Constant(field_->lights, 1.0f / static_cast<float>(field_->lights));
-  const Eigen::VectorXf kriged = kriging_->weights(light.position);
-  const float sum = kriged.cwiseAbs().sum();
-  if (sum <= kMostWeight) return kriged;
-  const float part = kMostWeight / sum;
-  return part * kriged + (1 - part) * weights_by_distance(scene_.lights, light.position);
 }
 
 std::vector<LightState> IrradianceFieldSnapshot::lights() const {
@@ -114,9 +68,9 @@ std::vector<LightState> IrradianceFieldSnapshot::lights() const {
 
 ImageF IrradianceFieldSnapshot::picture(const LightState& light) const {
   if (empty()) return ImageF(std::max(1, field_->size.width), std::max(1, field_->size.height), 3);
-  const LightState known = known_light(light);
-  ImageF picture = relighting_->encoded_picture(weights(known));
-  decode_levels(picture);
+  const LightState known = lights_->known(light);
+  ImageF picture = relighting_->encoded_picture(lights_->weights(known), in_parallel);
+  decode_levels(picture, in_parallel);
   if (known.rgb != Eigen::Vector3f::Ones())
     for (std::size_t i = 0; i < picture.size(); ++i) picture.data()[i] *= known.rgb[static_cast<Eigen::Index>(i % 3)];
   return picture;
@@ -124,9 +78,9 @@ ImageF IrradianceFieldSnapshot::picture(const LightState& light) const {
 
 ImageU8 IrradianceFieldSnapshot::screen_picture(const LightState& light) const {
   if (empty()) return to_srgb8(picture(light));
-  const LightState known = known_light(light);
+  const LightState known = lights_->known(light);
   if (known.rgb != Eigen::Vector3f::Ones()) return to_srgb8(picture(light));
-  return rounded_levels(relighting_->encoded_picture(weights(known)));
+  return rounded_levels(relighting_->encoded_picture(lights_->weights(known), in_parallel), in_parallel);
 }
 
 std::unique_ptr<ViewShader> IrradianceFieldSnapshot::shader_for(const ViewQuery& query) const {
@@ -161,7 +115,7 @@ ViewAdvice IrradianceFieldSnapshot::advise_next_view(const Eigen::Vector3d& eye)
 
 std::optional<LightAdvice> IrradianceFieldSnapshot::advise_next_light(double tolerance) const {
   if (empty()) return std::nullopt;
-  return judge_lights(scene_, *kriging_, *relighting_, tolerance);
+  return judge_lights(scene_, lights_->kriging(), *relighting_, tolerance);
 }
 
 std::unique_ptr<Compression> IrradianceFieldSnapshot::compression(CompressionTarget target) const {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "reconstructor/models/irradiance_field/field_coding.h"
-#include "reconstructor/models/irradiance_field/lit_scene.h"
-#include "reconstructor/models/irradiance_field/relighting.h"
+#include "reconstructor/irradiance_field_file/field_lights.h"
+#include "reconstructor/irradiance_field_file/quantised_field.h"
+#include "reconstructor/irradiance_field_file/relighting.h"
 #include "reconstructor/models/model_snapshot.h"
 #include "reconstructor/models/surface_properties.h"
 
@@ -22,10 +22,7 @@ class IrradianceFieldSnapshot : public ModelSnapshot, public KnownSurface {
   IrradianceFieldSnapshot(std::shared_ptr<const Mesh> mesh, LitScene scene, QuantisedField field, std::uint64_t version,
                           bool in_one_file);
 
-  /// Linear radiance, 3 channels, of the camera's picture. Where near lights moved on a plane, a light off it is taken
-  /// for the one on it that the object's origin sees in the same direction, weaker by the squares of their distances; a
-  /// far light is as bright there as a lamp at the plane's nearest place. Throws ConfigError for any other light of
-  /// another kind than those that the images were taken in.
+  /// Linear radiance, 3 channels, of the camera's picture. Throws ConfigError as `FieldLights::known`.
   ImageF picture(const LightState& light) const;
   /// The same for a screen: 8-bit sRGB, what `to_srgb8` makes of it but for rounding. In white light levels are not
   /// decoded first: half the time.
@@ -52,19 +49,12 @@ class IrradianceFieldSnapshot : public ModelSnapshot, public KnownSurface {
   void save(const std::filesystem::path& path, const ModelMetadata& metadata, const StepsDone& progress) const override;
 
  private:
-  /// The light that the kriging knows, with the brightness of the one that is asked for.
-  LightState known_light(const LightState& light) const;
-  /// Weights of the images in the picture that a light gives, but for its colour: the kriging's, which fade to a mean
-  /// of the nearest lights far beyond all of them.
-  Eigen::VectorXf weights(const LightState& light) const;
-
   std::shared_ptr<const Mesh> mesh_;
   LitScene scene_;
   std::shared_ptr<const QuantisedField> field_;  // this and `relighting_` are shared with copies
   std::uint64_t version_;
   bool in_one_file_;
-  std::optional<PointKriging> kriging_;  ///< none without lights
-  std::optional<LightPlane> plane_;
+  std::optional<FieldLights> lights_;  ///< none without images
   std::shared_ptr<const Relighting> relighting_;
   std::vector<PosedCamera> cameras_;
 };

@@ -2,6 +2,7 @@
 #include "reconstructor/models/irradiance_field/kind.h"
 
 #include "common/base/files.h"
+#include "reconstructor/irradiance_field_file/field_reader.h"
 #include "reconstructor/models/irradiance_field/field_file.h"
 #include "reconstructor/models/irradiance_field/gl/field_drawer.h"
 #include "reconstructor/models/irradiance_field/irradiance_field_options.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/base/order_statistics.h"
+#include "common/parallel/for_each.h"
 
 namespace sheen {
 namespace {
@@ -61,8 +62,8 @@ double growth(const LitScene& scene, const Relighting& relighting, const std::ve
   const std::size_t step = std::max<std::size_t>(1, n / kMostTried);
   for (std::size_t i = 0; i < n; i += step) {
     if (around[i].neighbours.size() + kFewestLights > n || around[i].one_sided() > kRim) continue;
-    const ImageF wider =
-        relighting.encoded_picture(residual_without(scene, static_cast<Eigen::Index>(i), around[i].neighbours));
+    const ImageF wider = relighting.encoded_picture(
+        residual_without(scene, static_cast<Eigen::Index>(i), around[i].neighbours), in_parallel);
     powers.push_back(std::log2(std::max(typical_largest(wider), kLeastError) / std::max(errors[i], kLeastError)));
   }
   if (powers.empty()) return kLeastGrowth;
@@ -102,7 +103,8 @@ std::optional<LightAdvice> judge_lights(const LitScene& scene, const PointKrigin
   }
   std::vector<double> errors;
   for (Eigen::Index i = 0; i < n; ++i)
-    errors.push_back(typical_largest(relighting.encoded_picture(kriging.leave_one_out().row(i).transpose())));
+    errors.push_back(
+        typical_largest(relighting.encoded_picture(kriging.leave_one_out().row(i).transpose(), in_parallel)));
   const double power = growth(scene, relighting, around, errors);
   // Of an interval at a light, half way.
   const auto error_at = [&](Eigen::Index light, double length) {

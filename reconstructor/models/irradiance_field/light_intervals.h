@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "reconstructor/models/irradiance_field/lit_scene.h"
-#include "reconstructor/models/irradiance_field/relighting.h"
+#include "reconstructor/irradiance_field_file/lit_scene.h"
+#include "reconstructor/irradiance_field_file/relighting.h"
 #include "reconstructor/models/light_advice.h"
 #include "reconstructor/numerics/point_kriging.h"
 

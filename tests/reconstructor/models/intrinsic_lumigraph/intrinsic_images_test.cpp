@@ -5,8 +5,10 @@
 #include <cmath>
 #include <random>
 
+#include "reconstructor/lumigraph_file/shadow_hull.h"
+#include "reconstructor/models/intrinsic_lumigraph/carved_hull.h"
 #include "reconstructor/models/intrinsic_lumigraph/decomposition.h"
-#include "reconstructor/models/intrinsic_lumigraph/shadow_hull.h"
+#include "reconstructor/models/intrinsic_lumigraph/predicted_arrival.h"
 #include "reconstructor/models/intrinsic_lumigraph/shadow_masks.h"
 #include "reconstructor/models/intrinsic_lumigraph/weiss.h"
 #include "reconstructor/radiance/radiance_image.h"
@@ -119,7 +121,7 @@ class HullTest : public ShadowTest {
   double agreement() const {
     const IntrinsicView lit = decomposed();
     const std::vector<const IntrinsicView*> views{&lit};
-    const ShadowHull hull(views, *lights_);
+    const ShadowHull hull = carved_hull(views, *lights_);
     double least = 1;
     for (const std::size_t m : {1u, 2u, 3u}) {
       const LightState& light = rig_->midway_lights()[m];
@@ -147,7 +149,7 @@ TEST_F(HullTest, HidesNothingOutsideItsGrid) {
   const IntrinsicView lit = decomposed();
   const std::vector<const IntrinsicView*> views{&lit};
   const Lamp lamp = lights_->lamp(0);
-  EXPECT_FALSE(ShadowHull(views, *lights_).hides({0, 0, 5}, lamp));
+  EXPECT_FALSE(carved_hull(views, *lights_).hides({0, 0, 5}, lamp));
   EXPECT_FALSE(ShadowHull().hides({0, 0, 0}, lamp));
 }
 

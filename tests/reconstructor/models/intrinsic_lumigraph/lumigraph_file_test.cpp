@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/intrinsic_lumigraph/lumigraph_file.h"
+#include "reconstructor/lumigraph_file/encode/lumigraph_encoding.h"
+#include "reconstructor/lumigraph_file/lumigraph_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -43,7 +45,7 @@ TEST_F(LumigraphFileTest, AModelOfImagesKeepsItsHull) {
   LumigraphData data = *saved_->data();
   data.of_images = true;
   data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {3, 2, 2}, {15, 0, 3, 1, 1, 0, 7, 0, 15, 0, 0, 14});
-  const LumigraphData again = decode_lumigraph(encode_lumigraph(data), "views.ilg");
+  const LumigraphData again = read_lumigraph(encode_lumigraph(data), "views.ilg");
   EXPECT_TRUE(again.of_images);
   EXPECT_EQ(again.hull.cells(), data.hull.cells());
   EXPECT_EQ(again.hull.size(), data.hull.size());
@@ -51,21 +53,21 @@ TEST_F(LumigraphFileTest, AModelOfImagesKeepsItsHull) {
   EXPECT_EQ(again.hull.cell(), data.hull.cell());
 
   data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {30, 2, 2}, {1, 0, 0, 1});
-  EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "fewer cells than it says";
+  EXPECT_THROW(read_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "fewer cells than it says";
   data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {2, 2, 1}, {1, 0, 16, 1});
-  EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "more than solid";
+  EXPECT_THROW(read_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "more than solid";
   data.hull = ShadowHull({1, -2, 0.5f}, 0.01f, {1 << 13, 1 << 13, 1 << 13}, {});
-  EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "more than any honest file";
+  EXPECT_THROW(read_lumigraph(encode_lumigraph(data), "views.ilg"), FileError) << "more than any honest file";
 }
 
 TEST_F(LumigraphFileTest, DamageIsNoticed) {
   for (const std::size_t at : {std::size_t{3}, std::size_t{9}, bytes_.size() / 3, bytes_.size() - 5}) {
     std::string broken = bytes_;
     broken[at] = static_cast<char>(broken[at] ^ 0x20);
-    EXPECT_THROW(decode_lumigraph(broken, "views.ilg"), FileError) << "byte " << at;
+    EXPECT_THROW(read_lumigraph(broken, "views.ilg"), FileError) << "byte " << at;
   }
   for (const std::size_t length : {std::size_t{0}, std::size_t{11}, bytes_.size() / 2, bytes_.size() - 1})
-    EXPECT_THROW(decode_lumigraph(std::string_view(bytes_).substr(0, length), "views.ilg"), FileError) << length;
+    EXPECT_THROW(read_lumigraph(std::string_view(bytes_).substr(0, length), "views.ilg"), FileError) << length;
 }
 
 TEST_F(LumigraphFileTest, WhatCannotBeIsRefused) {
@@ -74,7 +76,7 @@ TEST_F(LumigraphFileTest, WhatCannotBeIsRefused) {
     IntrinsicView view = *data.views[0];
     spoil(data, view);
     data.views[0] = std::make_shared<const IntrinsicView>(view);
-    EXPECT_THROW(decode_lumigraph(encode_lumigraph(data), "views.ilg"), FileError);
+    EXPECT_THROW(read_lumigraph(encode_lumigraph(data), "views.ilg"), FileError);
   };
   refused([](LumigraphData& data, IntrinsicView&) { data.lights.kind = LightKind::kEnvironment; });
   refused([](LumigraphData& data, IntrinsicView&) { data.lights.places(1, 1) = std::nan(""); });

@@ -5,8 +5,10 @@
 #include "common/datasets/light_list.h"
 #include "common/image/color.h"
 #include "common/image/image_metrics.h"
+#include "reconstructor/irradiance_field_file/encode/field_encoding.h"
 #include "reconstructor/models/irradiance_field/field_file.h"
 #include "reconstructor/models/irradiance_field/irradiance_field.h"
+#include "reconstructor/models/irradiance_field/picture_plane.h"
 #include "reconstructor/radiance/radiance_image.h"
 #include "tests/support/shared_data.h"
 

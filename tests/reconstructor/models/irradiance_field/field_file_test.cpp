@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/irradiance_field/field_file.h"
+#include "reconstructor/irradiance_field_file/encode/field_encoding.h"
 
 #include <gtest/gtest.h>
 

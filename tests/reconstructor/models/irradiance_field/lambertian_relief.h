@@ -9,6 +9,7 @@
 #include "common/base/angle.h"
 #include "common/capture/capture.h"
 #include "reconstructor/models/irradiance_field/irradiance_field.h"
+#include "reconstructor/models/irradiance_field/picture_plane.h"
 
 namespace sheen {
 

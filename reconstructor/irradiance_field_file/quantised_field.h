@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <string>
 #include <string_view>
 #include <vector>
 
-#include "reconstructor/models/irradiance_field/field_terms.h"
+#include "reconstructor/irradiance_field_file/field_terms.h"
 
 namespace sheen {
-
-/// An image of more lights than this, or of more pixels on a side, is not asked for by anybody honest.
-inline constexpr int kMostLights = 4096, kMostSide = 1 << 15;
 
 /// `FieldTerms` in whole numbers. All frequencies of all maps have one step: since both transforms are orthonormal, it
 /// is that of one distortion for the whole scene, and a map is kept where it rises above it. So each tile has the rank
@@ -31,13 +26,10 @@ struct QuantisedField {
   std::array<Component, 3> components;
 };
 
-QuantisedField quantise(const FieldTerms& field, int lights, float step);
 FieldTerms dequantise(const QuantisedField& field);
 
-/// One colour component as bits in contexts; exact.
-std::string encode_component(const QuantisedField& field, std::size_t component);
-/// `field` has its size and lights, and the component as many `bits` as terms. Throws std::runtime_error for bytes that
-/// are none.
+/// Reads one colour component. `field` has its size and lights, and the component as many `bits` as terms. Throws
+/// std::runtime_error for bytes that are none.
 void decode_component(std::string_view bytes, QuantisedField& field, std::size_t component);
 
 }  // namespace sheen

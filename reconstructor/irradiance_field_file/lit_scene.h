@@ -3,14 +3,9 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "common/camera/posed_camera.h"
 #include "common/capture/lighting.h"
-#include "common/geometry/mesh.h"
-#include "common/image/image.h"
 #include "reconstructor/numerics/point_kriging.h"
 
 namespace sheen {
@@ -23,17 +18,6 @@ struct LitScene {
   PointKernel kernel;
   double error = 0;  ///< RMS of encoded values, 0..1, of predicting an image from the others
 };
-
-/// Kernels that a scene chooses from, by how well they predict each of its images from the others. Distances are those
-/// between lights, or between their places as seen along the camera's axis.
-std::vector<PointKernel> light_kernels(const Eigen::Matrix3Xd& lights);
-
-/// The rectangle that the camera sees, as two triangles: in the plane through the object's origin that faces it, or a
-/// metre away where the origin is not before the camera. The camera has no distortion.
-Mesh picture_plane(const PosedCamera& camera);
-
-/// Pixel of the camera's image at barycentric (u, v) of a triangle of its picture plane.
-Eigen::Vector2f picture_place(const ImageSize& size, std::uint32_t triangle, float u, float v);
 
 /// The plane on which near lights moved: x.normal = distance, > 0. None where they did not, or where it goes through
 /// the object's origin.

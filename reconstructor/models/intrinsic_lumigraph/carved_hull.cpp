@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/intrinsic_lumigraph/shadow_hull.h"
+#include "reconstructor/models/intrinsic_lumigraph/carved_hull.h"
 
 #include <tbb/parallel_for.h>
 
@@ -11,7 +11,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
+#include "common/parallel/for_each.h"
+#include "reconstructor/lumigraph_file/depth_points.h"
 
 namespace sheen {
 namespace {
@@ -27,17 +28,12 @@ constexpr double kLookers = 0.12;    // of the cameras that a cell is before: on
 // A cell is empty if, of the ways of a lamp's light through it, this part ends at pixels that are lit. Of about none
 // that do the cell is solid: it casts a shadow, and the edge of that lies within the cells between.
 constexpr float kEmptyPart = 0.4f;
-constexpr float kHiding = 0.25f * ShadowHull::kSolid;  // what is more solid hides the lamp
 constexpr std::uint16_t kLeastLit = 2, kMostWays = 60000;
 constexpr std::uint8_t kLit = 220;     // of what arrives: from here on light has passed
 constexpr std::uint8_t kShadow = 128;  // up to here it has not
 constexpr float kLeastCosine = 0.3f;   // of light that is seen to arrive; what faces away is as bright as its shadow
 constexpr float kLeastBright = 0.5f;   // of its surroundings: darker, a pixel may be in the shadow of all lamps
 constexpr double kSurroundings = 0.1;  // of the picture's width
-constexpr int kSpeck = 3;              // pixels: smaller spots of light or shadow are noise
-constexpr int kEdge = 3;               // pixels: over which edges are smoothed, as wrong as they are
-constexpr float kClearance = 5.5f;     // cells: what a way to a lamp begins with, which is not asked
-constexpr int kLayer = 3;              // cells that a surface may be thicker than that, where depth is wrong
 
 /// Pixels that are not much darker than what is round them. One that no lamp reaches looks like a dark one that all
 /// reach; the light that seems to arrive there would pass through what hides it.
@@ -86,30 +82,39 @@ void count(std::uint16_t& ways) {
   if (shared.load(std::memory_order_relaxed) < kMostWays) shared.fetch_add(1, std::memory_order_relaxed);
 }
 
-}  // namespace
+/// A hull on its way: solid, then emptied of what cameras and light pass through.
+class HullCarving {
+ public:
+  explicit HullCarving(std::span<const IntrinsicView* const> views) : views_(views) { place_grid(); }
+  void look_through();
+  void shine_through(const LightSet& lights);
+  ShadowHull hull() && { return {origin_, cell_, size_, std::move(cells_)}; }
 
-ShadowHull::ShadowHull(std::span<const IntrinsicView* const> views, const LightSet& lights) {
-  if (views.empty()) return;
-  place_grid(views);
-  look_through(views);
-  std::vector<ImageU8> bright;
-  for (const IntrinsicView* view : views) bright.push_back(bright_pixels(*view));
-  for (int light = 0; light < static_cast<int>(lights.places.cols()); ++light) {
-    LightWays ways(cells_.size());
-    for (std::size_t v = 0; v < views.size(); ++v) shine_through(*views[v], bright[v], lights, light, ways);
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-      if (ways.lit[i] < kLeastLit) continue;
-      const float lit = static_cast<float>(ways.lit[i]) / static_cast<float>(ways.all[i]);
-      cells_[i] = std::min(cells_[i], static_cast<std::uint8_t>(kSolid * std::max(0.0f, 1 - lit / kEmptyPart)));
-    }
-  }
-}
+ private:
+  /// How many ways of a lamp's light pass through each cell, and how many of them end at a pixel that is lit.
+  struct LightWays {
+    std::vector<std::uint16_t> all, lit;
+    explicit LightWays(std::size_t cells) : all(cells), lit(cells) {}
+  };
+  void place_grid();
+  void shine_through(const IntrinsicView& view, const ImageU8& bright, const LightSet& lights, int light,
+                     LightWays& ways) const;
+  /// Calls `visit(cell)` along the way until it leaves the grid.
+  template <typename Visit>
+  void walk(const Vector3f& from, const Vector3f& direction, float length, const Visit& visit) const;
+  /// Along the way from a point to a lamp, but for where it begins: the surface itself.
+  template <typename Visit>
+  void walk_to_lamp(const Vector3f& point, const Lamp& lamp, const Visit& visit) const;
 
-ShadowHull::ShadowHull(const Vector3f& origin, float cell, const Vector3i& size, std::vector<std::uint8_t> cells)
-    : origin_(origin), cell_(cell), size_(size), cells_(std::move(cells)) {}
+  std::span<const IntrinsicView* const> views_;
+  Vector3f origin_ = Vector3f::Zero();
+  float cell_ = 0;
+  Vector3i size_ = Vector3i::Zero();
+  std::vector<std::uint8_t> cells_;
+};
 
 template <typename Visit>
-void ShadowHull::walk(const Vector3f& from, const Vector3f& direction, float length, const Visit& visit) const {
+void HullCarving::walk(const Vector3f& from, const Vector3f& direction, float length, const Visit& visit) const {
   // From cell to cell (Amanatides and Woo 1987).
   const Vector3f start = (from - origin_) / cell_, step = direction / cell_;
   Vector3i at = start.array().floor().cast<int>();
@@ -125,9 +130,8 @@ void ShadowHull::walk(const Vector3f& from, const Vector3f& direction, float len
   const std::size_t row = static_cast<std::size_t>(size_.x()), sheet = row * static_cast<std::size_t>(size_.y());
   for (float passed = 0; passed < length;) {
     if ((at.array() < 0).any() || (at.array() >= size_.array()).any()) return;
-    if (!visit(static_cast<std::size_t>(at.x()) + row * static_cast<std::size_t>(at.y()) +
-               sheet * static_cast<std::size_t>(at.z())))
-      return;
+    visit(static_cast<std::size_t>(at.x()) + row * static_cast<std::size_t>(at.y()) +
+          sheet * static_cast<std::size_t>(at.z()));
     int axis = 0;
     passed = next.minCoeff(&axis);
     next[axis] += every[axis];
@@ -135,11 +139,11 @@ void ShadowHull::walk(const Vector3f& from, const Vector3f& direction, float len
   }
 }
 
-void ShadowHull::place_grid(std::span<const IntrinsicView* const> views) {
+void HullCarving::place_grid() {
   std::array<std::vector<float>, 3> places;
   double footprint = 0;
   std::size_t points = 0;
-  for (const IntrinsicView* view : views) {
+  for (const IntrinsicView* view : views_) {
     const DepthPoints surface(view->from);
     constexpr int kStride = 3;
     for (int y = 0; y < view->depth.height(); y += kStride)
@@ -166,10 +170,10 @@ void ShadowHull::place_grid(std::span<const IntrinsicView* const> views) {
   size_ = ((high - low) / cell_).array().ceil().cast<int>() + 2;
   cells_.assign(
       static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()),
-      kSolid);
+      ShadowHull::kSolid);
 }
 
-void ShadowHull::look_through(std::span<const IntrinsicView* const> views) {
+void HullCarving::look_through() {
   tbb::parallel_for(0, size_.z(), [&](int z) {
     std::size_t i =
         static_cast<std::size_t>(z) * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.x());
@@ -177,7 +181,7 @@ void ShadowHull::look_through(std::span<const IntrinsicView* const> views) {
       for (int x = 0; x < size_.x(); ++x, ++i) {
         const Vector3f centre = origin_ + cell_ * (Vector3f(float(x), float(y), float(z)).array() + 0.5f).matrix();
         std::size_t in_view = 0, looked_through = 0;
-        for (const IntrinsicView* view : views) {
+        for (const IntrinsicView* view : views_) {
           const Eigen::Vector3d in_camera = view->from.camera_from_object * centre.cast<double>();
           const auto pixel = view->from.camera.project(in_camera);
           if (!pixel || !view->from.camera.contains(*pixel)) continue;
@@ -192,103 +196,53 @@ void ShadowHull::look_through(std::span<const IntrinsicView* const> views) {
   });
 }
 
-void ShadowHull::shine_through(const IntrinsicView& view, const ImageU8& bright, const LightSet& lights, int light,
-                               LightWays& ways) const {
+void HullCarving::shine_through(const LightSet& lights) {
+  std::vector<ImageU8> bright;
+  for (const IntrinsicView* view : views_) bright.push_back(bright_pixels(*view));
+  for (int light = 0; light < static_cast<int>(lights.places.cols()); ++light) {
+    LightWays ways(cells_.size());
+    for (std::size_t v = 0; v < views_.size(); ++v) shine_through(*views_[v], bright[v], lights, light, ways);
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (ways.lit[i] < kLeastLit) continue;
+      const float lit = static_cast<float>(ways.lit[i]) / static_cast<float>(ways.all[i]);
+      cells_[i] =
+          std::min(cells_[i], static_cast<std::uint8_t>(ShadowHull::kSolid * std::max(0.0f, 1 - lit / kEmptyPart)));
+    }
+  }
+}
+
+void HullCarving::shine_through(const IntrinsicView& view, const ImageU8& bright, const LightSet& lights, int light,
+                                LightWays& ways) const {
   const auto found = std::find(view.lights.begin(), view.lights.end(), light);
   if (found == view.lights.end()) return;
   const ImageU8& arrives = view.arrives[static_cast<std::size_t>(found - view.lights.begin())];
   const Lamp lamp = lights.lamp(light);
-  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
+  for_each_point(view.from, view.depth, in_parallel, [&](std::size_t pixel, const Vector3f& point) {
     const bool lit = arrives.data()[pixel] >= kLit;
     if (!(view.depth.data()[pixel] > 0) || (!lit && arrives.data()[pixel] > kShadow)) return;
     if (lit && !(bright.data()[pixel] && faces(view, pixel, lamp.incidence(point)))) return;
     walk_to_lamp(point, lamp, [&](std::size_t cell) {
       count(ways.all[cell]);
       if (lit) count(ways.lit[cell]);
-      return true;
     });
   });
 }
 
 template <typename Visit>
-void ShadowHull::walk_to_lamp(const Vector3f& point, const Lamp& lamp, const Visit& visit) const {
+void HullCarving::walk_to_lamp(const Vector3f& point, const Lamp& lamp, const Visit& visit) const {
   const Vector3f towards = lamp.towards(point);
-  const float skip = kClearance * cell_ / towards.norm();
+  const float skip = kHullClearance * cell_ / towards.norm();
   walk(point + skip * towards, towards, lamp.kind == LightKind::kPoint ? 1 - skip : 1e30f, visit);
-}
-
-float ShadowHull::solidity(const Vector3f& place) const {
-  const Vector3f at = (place - origin_) / cell_ - Vector3f::Constant(0.5f);
-  const Vector3i first = at.array().floor().cast<int>();
-  if ((first.array() < 0).any() || (first.array() + 1 >= size_.array()).any()) return -1;
-  const Vector3f part = at - first.cast<float>();
-  const std::size_t row = static_cast<std::size_t>(size_.x()), sheet = row * static_cast<std::size_t>(size_.y());
-  const std::uint8_t* cell = cells_.data() + static_cast<std::size_t>(first.x()) +
-                             row * static_cast<std::size_t>(first.y()) + sheet * static_cast<std::size_t>(first.z());
-  const auto between = [](float a, float b, float t) { return a + t * (b - a); };
-  const auto along_x = [&](const std::uint8_t* c) { return between(c[0], c[1], part.x()); };
-  const auto on_sheet = [&](const std::uint8_t* c) { return between(along_x(c), along_x(c + row), part.y()); };
-  return between(on_sheet(cell), on_sheet(cell + sheet), part.z());
-}
-
-bool ShadowHull::hides(const Vector3f& point, const Lamp& lamp) const {
-  if (empty()) return false;
-  const Vector3f towards = lamp.towards(point);
-  const float distance = lamp.kind == LightKind::kPoint ? towards.norm() / cell_ : std::numeric_limits<float>::max();
-  const Vector3f step = cell_ * towards.normalized();
-  int layer = kLayer;
-  for (float passed = kClearance; passed < distance; ++passed) {
-    const float found = solidity(point + passed * step);
-    if (found < 0) return false;  // outside
-    const bool solid = found > kHiding;
-    if (solid && layer == 0) return true;
-    layer = solid ? layer - 1 : 0;
-  }
-  return false;
-}
-
-namespace {
-
-/// The pixels next to one of the other class, by 3 x 3 ways each.
-ImageU8 sampled_at_edges(const ShadowHull& hull, const IntrinsicView& view, const Lamp& lamp, const ImageU8& classes) {
-  constexpr int kSamples = 3;
-  const DepthPoints points(view.from);
-  ImageU8 sampled = classes;
-  const auto at_edge = [&](int x, int y) {
-    for (int v = y - 1; v <= y + 1; ++v)
-      for (int u = x - 1; u <= x + 1; ++u)
-        if (classes.at(u, v) != classes.at(x, y)) return true;
-    return false;
-  };
-  tbb::parallel_for(1, std::max(1, classes.height() - 1), [&](int y) {
-    for (int x = 1; x + 1 < classes.width(); ++x) {
-      const float depth = view.depth.at(x, y);
-      if (!(depth > 0) || !at_edge(x, y)) continue;
-      int reached = 0;
-      for (int j = 0; j < kSamples; ++j)
-        for (int i = 0; i < kSamples; ++i)
-          reached +=
-              !hull.hides(points.at(x + (i + 0.5) / kSamples - 0.5, y + (j + 0.5) / kSamples - 0.5, depth), lamp);
-      sampled.at(x, y) = static_cast<std::uint8_t>(255 * reached / (kSamples * kSamples));
-    }
-  });
-  return sampled;
 }
 
 }  // namespace
 
-ImageU8 reached_past(const ShadowHull& hull, const IntrinsicView& view, const Lamp& lamp) {
-  const int w = view.depth.width(), h = view.depth.height();
-  ImageU8 classes(w, h, 1, 255);
-  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
-    if (view.depth.data()[pixel] > 0 && hull.hides(point, lamp)) classes.data()[pixel] = 0;
-  });
-  ImageU8 sampled = sampled_at_edges(hull, view, lamp, classes), out(w, h, 1);
-  const cv::Mat found(h, w, CV_8UC1, sampled.data());
-  cv::Mat clean, smooth(h, w, CV_8UC1, out.data());
-  cv::medianBlur(found, clean, kSpeck);
-  cv::GaussianBlur(clean, smooth, {kEdge, kEdge}, 0, 0, cv::BORDER_REPLICATE);
-  return out;
+ShadowHull carved_hull(std::span<const IntrinsicView* const> views, const LightSet& lights) {
+  if (views.empty()) return {};
+  HullCarving carving(views);
+  carving.look_through();
+  carving.shine_through(lights);
+  return std::move(carving).hull();
 }
 
 }  // namespace sheen

@@ -1,37 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/irradiance_field/field_coding.h"
+#pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <stdexcept>
+#include <vector>
 
 #include "reconstructor/coding/context_coder.h"
+#include "reconstructor/irradiance_field_file/quantised_field.h"
 
-namespace sheen {
-namespace {
+// How the bits of an irradiance field's component stand in contexts: one description for what reads and what writes.
+namespace sheen::field_coder {
 
-// Smaller values than this part of a step less than one are rounded to zero: it costs less than it keeps.
-constexpr float kRounding = 0.4f;
-// The basis takes this part of the error that the maps have.
-constexpr double kBasisPart = 0.05;
-constexpr int kMostBits = 20;
-constexpr std::int32_t kMostCoefficient = 1 << 22;
+inline constexpr int kMostBits = 20;  ///< of a basis
 
 // Contexts: sizes of values by the size of those that they are like and by their frequency; then the reach of tiles;
 // then the basis.
-constexpr int kSizes = 16, kBands = 5, kReaches = 12;
-constexpr int kReachContexts = kSizes * kBands * kSignedContexts;
-constexpr int kBasisContexts = kReachContexts + kReaches * kNumberContexts;
-constexpr int kHeadContexts = kBasisContexts + kSignedContexts;
-constexpr int kContexts = kHeadContexts + kNumberContexts;
+inline constexpr int kSizes = 16, kBands = 5, kReaches = 12;
+inline constexpr int kReachContexts = kSizes * kBands * kSignedContexts;
+inline constexpr int kBasisContexts = kReachContexts + kReaches * kNumberContexts;
+inline constexpr int kHeadContexts = kBasisContexts + kSignedContexts;
+inline constexpr int kContexts = kHeadContexts + kNumberContexts;
 
-int band_of(int sum) {
+inline int band_of(int sum) {
   return sum == 0 ? 0 : sum == 1 ? 1 : sum < 4 ? 2 : sum < 8 ? 3 : 4;
 }
 
 /// By the sum of the weighted sizes of the values that it is like, in half octaves.
-int size_of(int likes) {
+inline int size_of(int likes) {
   if (likes == 0) return 0;
   int size = 1;
   for (int limit = 2; size < kSizes - 1 && likes > limit; limit += limit / 2 + 1) ++size;
@@ -125,63 +123,4 @@ void code_component(Coder& coder, const QuantisedField& field, QuantisedField::C
   Maps(grid, component.coefs).code(coder, terms);
 }
 
-}  // namespace
-
-QuantisedField quantise(const FieldTerms& field, int lights, float step) {
-  QuantisedField quantised{.size = field.size, .lights = lights, .step = step};
-  for (std::size_t c = 0; c < field.components.size(); ++c) {
-    const FieldTerms::Component& from = field.components[c];
-    QuantisedField::Component& to = quantised.components[c];
-    const auto rows = static_cast<std::size_t>(from.coefs.rows());
-    const auto rounded = [step](float value) {
-      const float steps = value / step;
-      const auto size = static_cast<std::int32_t>(std::min(std::abs(steps) + kRounding, float{kMostCoefficient}));
-      return steps < 0 ? -size : size;
-    };
-    Eigen::Index terms = from.coefs.cols();
-    while (terms > 0 && rounded(from.coefs.col(terms - 1).cwiseAbs().maxCoeff()) == 0) --terms;
-    to.coefs.reserve(static_cast<std::size_t>(terms) * rows);
-    for (Eigen::Index t = 0; t < terms; ++t) {
-      for (const float value : from.coefs.col(t)) to.coefs.push_back(rounded(value));
-      // An error d of a basis column is one of d * rms in the images; n of them add up in each.
-      const double rms = from.coefs.col(t).norm() / std::sqrt(static_cast<double>(rows)),
-                   unit = std::sqrt(kBasisPart / lights) * step / std::max(rms, 1e-9);
-      const int bits = std::clamp(static_cast<int>(std::ceil(-std::log2(unit))), 0, kMostBits);
-      to.bits.push_back(static_cast<std::uint8_t>(bits));
-      for (const float value : from.basis.col(t))
-        to.basis.push_back(static_cast<std::int32_t>(std::lround(std::ldexp(value, bits))));
-    }
-  }
-  return quantised;
-}
-
-FieldTerms dequantise(const QuantisedField& field) {
-  FieldTerms terms{.size = field.size};
-  for (std::size_t c = 0; c < field.components.size(); ++c) {
-    const QuantisedField::Component& from = field.components[c];
-    FieldTerms::Component& to = terms.components[c];
-    const auto count = static_cast<Eigen::Index>(from.terms());
-    const auto rows = static_cast<Eigen::Index>(tile_grid(field.size).tiles()) * kTilePixels;
-    to.basis = Eigen::Map<const Eigen::MatrixXi>(from.basis.data(), field.lights, count).cast<float>();
-    for (Eigen::Index t = 0; t < count; ++t)
-      to.basis.col(t) *= std::ldexp(1.0f, -from.bits[static_cast<std::size_t>(t)]);
-    to.coefs = field.step * Eigen::Map<const Eigen::MatrixXi>(from.coefs.data(), rows, count).cast<float>();
-  }
-  return terms;
-}
-
-std::string encode_component(const QuantisedField& field, std::size_t component) {
-  QuantisedField::Component copy = field.components[component];
-  BitModel bits(kContexts);
-  ContextEncoder encoder(bits);
-  code_component(encoder, field, copy);
-  return encoder.finish();
-}
-
-void decode_component(std::string_view bytes, QuantisedField& field, std::size_t component) {
-  BitModel bits(kContexts);
-  ContextDecoder decoder(bits, bytes);
-  code_component(decoder, field, field.components[component]);
-}
-
-}  // namespace sheen
+}  // namespace sheen::field_coder

@@ -7,6 +7,7 @@
 
 #include "common/camera/posed_camera.h"
 #include "common/image/image.h"
+#include "common/parallel/for_each.h"
 
 namespace sheen {
 
@@ -36,8 +37,8 @@ class DepthPoints {
   Eigen::Vector3f eye_;
 };
 
-/// Calls `visit(pixel, point)` for all pixels, row by row in parallel; without depth the point is the eye.
-void for_each_point(const PosedCamera& from, const ImageF& depth,
+/// Calls `visit(pixel, point)` for all pixels, a row at a time; without depth the point is the eye.
+void for_each_point(const PosedCamera& from, const ImageF& depth, const ForEach& for_each,
                     const std::function<void(std::size_t, const Eigen::Vector3f&)>& visit);
 
 }  // namespace sheen

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/light_refusal.h"
+#include "reconstructor/radiance/light_refusal.h"
 
 namespace sheen {
 

@@ -1,41 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/irradiance_field/field_terms.h"
+#include "reconstructor/models/irradiance_field/find_terms.h"
 
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 namespace sheen {
 namespace {
-
-using TileMatrix = Eigen::Matrix<float, kTileSide, kTileSide, Eigen::RowMajor>;
-
-/// Orthonormal DCT-II: row u is the cosine of frequency u.
-const TileMatrix& cosines() {
-  static const TileMatrix matrix = [] {
-    TileMatrix m;
-    for (int u = 0; u < kTileSide; ++u)
-      for (int x = 0; x < kTileSide; ++x)
-        m(u, x) = static_cast<float>(std::sqrt((u == 0 ? 1.0 : 2.0) / kTileSide) *
-                                     std::cos(std::numbers::pi * (x + 0.5) * u / kTileSide));
-    return m;
-  }();
-  return matrix;
-}
-
-const std::array<std::array<int, 2>, kTilePixels>& frequencies() {
-  static const auto order = [] {
-    std::array<std::array<int, 2>, kTilePixels> list{};
-    std::size_t k = 0;
-    for (int sum = 0; sum <= 2 * (kTileSide - 1); ++sum)
-      for (int x = std::max(0, sum - kTileSide + 1); x <= std::min(sum, kTileSide - 1); ++x) list[k++] = {x, sum - x};
-    return list;
-  }();
-  return order;
-}
 
 /// One colour component of an image as the frequencies of its tiles.
 Eigen::VectorXf tile_spectrum(const ImageF& image, const Eigen::RowVector3f& component) {
@@ -49,29 +21,17 @@ Eigen::VectorXf tile_spectrum(const ImageF& image, const Eigen::RowVector3f& com
       for (int x = 0; x < kTileSide; ++x)
         tile(y, x) = component.dot(Eigen::Map<const Eigen::RowVector3f>(
             image.pixel(std::min(left + x, image.width() - 1), std::min(top + y, image.height() - 1))));
-    const TileMatrix transformed = cosines() * tile * cosines().transpose();
+    const TileMatrix transformed = tile_cosines() * tile * tile_cosines().transpose();
     float* out = spectrum.data() + t * kTilePixels;
-    for (const auto& [u, v] : frequencies()) *out++ = transformed(v, u);
+    for (int k = 0; k < kTilePixels; ++k) {
+      const auto [u, v] = tile_frequency(k);
+      *out++ = transformed(v, u);
+    }
   }
   return spectrum;
 }
 
 }  // namespace
-
-TileGrid tile_grid(const ImageSize& size) {
-  return {(size.width + kTileSide - 1) / kTileSide, (size.height + kTileSide - 1) / kTileSide};
-}
-
-std::array<int, 2> tile_frequency(int k) {
-  return frequencies()[static_cast<std::size_t>(k)];
-}
-
-Eigen::Matrix3f component_of_colour() {
-  Eigen::Matrix3d m;
-  m << 1, 1, 1, 1, 0, -1, 1, -2, 1;
-  m.rowwise().normalize();
-  return m.cast<float>();
-}
 
 FieldTerms find_terms(std::span<const ImageF> images, double least_rms, Eigen::MatrixXd& gram) {
   FieldTerms field{.size = {images.front().width(), images.front().height()}};
@@ -99,12 +59,6 @@ FieldTerms find_terms(std::span<const ImageF> images, double least_rms, Eigen::M
     field.components[c].coefs = spectra * field.components[c].basis;
   }
   return field;
-}
-
-void tile_from_frequencies(const float* frequency, float* pixels) {
-  TileMatrix transformed;
-  for (const auto& [u, v] : frequencies()) transformed(v, u) = *frequency++;
-  Eigen::Map<TileMatrix>(pixels, kTileSide, kTileSide) = cosines().transpose() * transformed * cosines();
 }
 
 }  // namespace sheen

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/intrinsic_lumigraph/lumigraph_data.h"
+#include "reconstructor/lumigraph_file/lumigraph_data.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "reconstructor/models/intrinsic_lumigraph/depth_points.h"
+#include "reconstructor/lumigraph_file/depth_points.h"
 
 namespace sheen {
 namespace {
@@ -16,30 +16,17 @@ Vector3f half_rgb(const ImageHalf& image, std::size_t pixel) {
   return Eigen::Map<const Eigen::Matrix<Eigen::half, 3, 1>>(image.data() + 3 * pixel).cast<float>();
 }
 
-constexpr std::uint8_t kShadow = 200;  // of what arrives: up to here a pixel is not wholly lit
-
-/// Those of a set's lights that a view has, with their weights; again between its own lights where one is missing.
-using LightWeights = std::vector<std::pair<std::size_t, float>>;  // which of a view's lights, and its weight
-
-LightWeights lights_between(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
-  LightSet own{.kind = lights.kind, .places = Eigen::Matrix3Xd(3, static_cast<Eigen::Index>(view.lights.size()))};
-  for (std::size_t i = 0; i < view.lights.size(); ++i)
-    own.places.col(static_cast<Eigen::Index>(i)) = lights.places.col(view.lights[i]);
-  LightWeights out;
-  for (const auto& [light, weight] : own.between(place)) out.emplace_back(static_cast<std::size_t>(light), weight);
-  return out;
-}
-
 float cosine_at(const IntrinsicView& view, std::size_t pixel, const Vector3f& incidence) {
   return std::max(0.0f, half_rgb(view.slope, pixel).dot(incidence));
 }
 
 /// The weighted sum of a view's images.
-ImageF weighted_images(const IntrinsicView& view, const LightSet& lights, const LightWeights& weights) {
+ImageF weighted_images(const IntrinsicView& view, const LightSet& lights, const LightWeights& weights,
+                       const ForEach& for_each) {
   std::vector<Lamp> lamps;
   for (const int light : view.lights) lamps.push_back(lights.lamp(light));
   ImageF out(view.depth.width(), view.depth.height(), 3);
-  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
+  for_each_point(view.from, view.depth, for_each, [&](std::size_t pixel, const Vector3f& point) {
     const Vector3f reflectance = half_rgb(view.reflectance, pixel);
     const auto ambient = static_cast<float>(view.ambient.data()[pixel]);
     Vector3f sum = Vector3f::Zero();
@@ -55,11 +42,21 @@ ImageF weighted_images(const IntrinsicView& view, const LightSet& lights, const 
 
 }  // namespace
 
-RelitView relight(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+LightWeights lights_between(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+  LightSet own{.kind = lights.kind, .places = Eigen::Matrix3Xd(3, static_cast<Eigen::Index>(view.lights.size()))};
+  for (std::size_t i = 0; i < view.lights.size(); ++i)
+    own.places.col(static_cast<Eigen::Index>(i)) = lights.places.col(view.lights[i]);
+  LightWeights out;
+  for (const auto& [light, weight] : own.between(place)) out.emplace_back(static_cast<std::size_t>(light), weight);
+  return out;
+}
+
+RelitView relight(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place,
+                  const ForEach& for_each) {
   const auto between = lights_between(view, lights, place);
   const Lamp lamp = lights.lamp(place);
   RelitView out{ImageF(view.depth.width(), view.depth.height(), 3), ImageF(view.depth.width(), view.depth.height(), 3)};
-  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
+  for_each_point(view.from, view.depth, for_each, [&](std::size_t pixel, const Vector3f& point) {
     const Vector3f reflectance = half_rgb(view.reflectance, pixel),
                    dark = reflectance * static_cast<float>(view.ambient.data()[pixel]);
     Vector3f lit = dark + reflectance * cosine_at(view, pixel, lamp.incidence(point));
@@ -70,10 +67,11 @@ RelitView relight(const IntrinsicView& view, const LightSet& lights, const Eigen
   return out;
 }
 
-RelitView illuminated(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
+RelitView illuminated(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place,
+                      const ForEach& for_each) {
   const Lamp lamp = lights.lamp(place);
   RelitView out{ImageF(view.depth.width(), view.depth.height(), 3), ImageF(view.depth.width(), view.depth.height(), 3)};
-  for_each_point(view.from, view.depth, [&](std::size_t pixel, const Vector3f& point) {
+  for_each_point(view.from, view.depth, for_each, [&](std::size_t pixel, const Vector3f& point) {
     const auto ambient = static_cast<float>(view.ambient.data()[pixel]);
     Vector3f::Map(out.dark.data() + 3 * pixel).setConstant(ambient);
     Vector3f::Map(out.lit.data() + 3 * pixel).setConstant(ambient + cosine_at(view, pixel, lamp.incidence(point)));
@@ -90,8 +88,9 @@ ImageF shadowed(const RelitView& relit, const ImageU8& arrives) {
   return out;
 }
 
-ImageF interpolated_images(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
-  return weighted_images(view, lights, lights_between(view, lights, place));
+ImageF interpolated_images(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place,
+                           const ForEach& for_each) {
+  return weighted_images(view, lights, lights_between(view, lights, place), for_each);
 }
 
 ImageF interpolated_visibility(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place) {
@@ -102,23 +101,11 @@ ImageF interpolated_visibility(const IntrinsicView& view, const LightSet& lights
   return out;
 }
 
-ImageU8 predicted_arrival(const LumigraphData& data, const IntrinsicView& view, const Eigen::Vector3d& place) {
-  const LightWeights between = lights_between(view, data.lights, place);
-  if (between.size() == 1 && same_light_place(data.lights.places.col(view.lights[between[0].first]), place))
-    return view.arrives[between[0].first];
-  ImageU8 out = reached_past(data.hull, view, data.lights.lamp(place));
-  for (std::size_t i = 0; i < out.size(); ++i)
-    if (std::all_of(between.begin(), between.end(),
-                    [&](const auto& neighbour) { return view.arrives[neighbour.first].data()[i] <= kShadow; }))
-      out.data()[i] = 0;
-  return out;
-}
-
-ImageF mean_image(const IntrinsicView& view, const LightSet& lights) {
+ImageF mean_image(const IntrinsicView& view, const LightSet& lights, const ForEach& for_each) {
   LightWeights all;
   for (std::size_t i = 0; i < view.lights.size(); ++i)
     all.emplace_back(i, 1.0f / static_cast<float>(view.lights.size()));
-  return weighted_images(view, lights, all);
+  return weighted_images(view, lights, all, for_each);
 }
 
 void scale(RelitView& relit, const Vector3f& rgb) {

@@ -8,22 +8,12 @@
 
 #include "common/camera/posed_camera.h"
 #include "common/image/image.h"
-#include "reconstructor/models/intrinsic_lumigraph/light_set.h"
+#include "reconstructor/lumigraph_file/light_set.h"
 
 namespace sheen {
 
 using ImageHalf = Image<Eigen::half>;
 using ImageS8 = Image<std::int8_t>;
-
-/// The images that one camera took, each in another light.
-struct CapturedView {
-  PosedCamera from;
-  std::vector<int> lights;       ///< of the light set, ascending
-  std::vector<ImageF> radiance;  ///< per light: linear RGB in a light of brightness 1
-  std::vector<ImageU8> arrives;  ///< per light: 255 where its light arrives, 0 in shadow; between: an edge, or unknown
-  ImageF depth;                  ///< z in camera coordinates, metres; 0 where no surface is known
-  ImageF normals;                ///< unit, object frame; empty where they are not known
-};
 
 /// A view of the intrinsic lumigraph (001 sec. 4.3), as it is stored. The image of light i at a pixel is
 ///   R (ambient + V_i b.s_i) + e_i
@@ -31,7 +21,7 @@ struct CapturedView {
 /// surface does not explain, e_i. b stands for the normal, times what R leaves to it.
 struct IntrinsicView {
   PosedCamera from;
-  ImageF depth;             ///< as in `CapturedView`
+  ImageF depth;             ///< z in camera coordinates, metres; 0 where no surface is known
   ImageHalf reflectance;    ///< RGB
   ImageHalf slope;          ///< b, 3 channels
   ImageHalf ambient;        ///< light where the lamp's does not arrive

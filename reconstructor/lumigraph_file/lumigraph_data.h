@@ -2,11 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
-#include "common/geometry/mesh.h"
-#include "reconstructor/models/intrinsic_lumigraph/intrinsic_view.h"
-#include "reconstructor/models/intrinsic_lumigraph/shadow_hull.h"
+#include "common/parallel/for_each.h"
+#include "reconstructor/lumigraph_file/intrinsic_view.h"
+#include "reconstructor/lumigraph_file/shadow_hull.h"
 
 namespace sheen {
 
@@ -20,20 +21,22 @@ struct LumigraphData {
       0.14;  ///< RMS of encoded values, 0..1, of predicting an image in a light that was left out; 0.14: a guess
 };
 
+/// Those of a view's lights between which a place of the set lies, and their weights (`LightSet::between`).
+using LightWeights = std::vector<std::pair<std::size_t, float>>;
+LightWeights lights_between(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place);
+
 /// Radiance of a view in a light where it arrives, and where it does not. RGB.
 struct RelitView {
   ImageF lit, dark;
 };
 /// `place`: of the light, see `LightSet::place_of`. What a Lambertian surface does not explain is taken from the lights
 /// between which it lies.
-RelitView relight(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place);
+RelitView relight(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place,
+                  const ForEach& for_each);
 
 /// The same of a matt surface that reflects all light: its illumination (001 sec. 4.3), all channels alike.
-RelitView illuminated(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place);
-
-/// Without a mesh: part of each pixel of a view that a light reaches, 0..255. Of a captured light it is the mask of its
-/// image; between lights what the hull lets through, but what is in shadow in all of the neighbours stays so.
-ImageU8 predicted_arrival(const LumigraphData& data, const IntrinsicView& view, const Eigen::Vector3d& place);
+RelitView illuminated(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place,
+                      const ForEach& for_each);
 
 /// Multiplies by the colour of a light.
 void scale(RelitView& relit, const Eigen::Vector3f& rgb);
@@ -42,13 +45,14 @@ void scale(RelitView& relit, const Eigen::Vector3f& rgb);
 ImageF shadowed(const RelitView& relit, const ImageU8& arrives);
 
 /// The picture of a view that linear interpolation of its images gives: what everything is compared with.
-ImageF interpolated_images(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place);
+ImageF interpolated_images(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place,
+                           const ForEach& for_each);
 
 /// The same of its visibility, 0..1 in three equal channels.
 ImageF interpolated_visibility(const IntrinsicView& view, const LightSet& lights, const Eigen::Vector3d& place);
 
 /// The mean of a view's images.
-ImageF mean_image(const IntrinsicView& view, const LightSet& lights);
+ImageF mean_image(const IntrinsicView& view, const LightSet& lights, const ForEach& for_each);
 
 std::size_t bytes_of(const IntrinsicView& view);
 

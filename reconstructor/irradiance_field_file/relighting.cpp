@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/irradiance_field/relighting.h"
-
-#include <tbb/parallel_for.h>
+#include "reconstructor/irradiance_field_file/relighting.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,9 +34,10 @@ float decoded(float level, const std::vector<float>& table) {
 
 }  // namespace
 
-Relighting::Relighting(const FieldTerms& field) : size_(field.size), tiles_(tile_grid(field.size).tiles()) {
+Relighting::Relighting(const FieldTerms& field, const ForEach& for_each)
+    : size_(field.size), tiles_(tile_grid(field.size).tiles()) {
   for (std::size_t c = 0; c < basis_.size(); ++c) basis_[c] = field.components[c].basis;
-  tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) {
+  for_each(tiles_.size(), [&](std::size_t i) {
     Tile& tile = tiles_[i];
     const auto first = static_cast<Eigen::Index>(i) * kTilePixels;
     for (std::size_t c = 0; c < basis_.size(); ++c)
@@ -58,13 +57,13 @@ Relighting::Relighting(const FieldTerms& field) : size_(field.size), tiles_(tile
   });
 }
 
-ImageF Relighting::encoded_picture(const Eigen::VectorXf& weights) const {
+ImageF Relighting::encoded_picture(const Eigen::VectorXf& weights, const ForEach& for_each) const {
   std::array<Eigen::VectorXf, 3> amounts;
   for (std::size_t c = 0; c < basis_.size(); ++c) amounts[c] = basis_[c].transpose() * weights;
   const Eigen::Matrix3f colour_of_component = component_of_colour().transpose();
   const auto across = static_cast<std::size_t>(tile_grid(size_).across);
   ImageF picture(size_.width, size_.height, 3);
-  tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) {
+  for_each(tiles_.size(), [&](std::size_t i) {
     const Tile& tile = tiles_[i];
     Eigen::Matrix<float, kTilePixels, 3> sums = Eigen::Matrix<float, kTilePixels, 3>::Zero();
     const std::int16_t* pixels = tile.pixels.data();
@@ -96,20 +95,20 @@ std::size_t Relighting::bytes() const {
   return bytes;
 }
 
-ImageU8 rounded_levels(const ImageF& picture) {
+ImageU8 rounded_levels(const ImageF& picture, const ForEach& for_each) {
   ImageU8 rounded(picture.width(), picture.height(), picture.channels());
-  tbb::parallel_for(0, picture.height(), [&](int y) {
-    const float* row = picture.row(y);
-    std::transform(row, row + std::ptrdiff_t{picture.width()} * picture.channels(), rounded.row(y),
+  for_each(static_cast<std::size_t>(picture.height()), [&](std::size_t y) {
+    const float* row = picture.row(static_cast<int>(y));
+    std::transform(row, row + std::ptrdiff_t{picture.width()} * picture.channels(), rounded.row(static_cast<int>(y)),
                    [](float level) { return static_cast<std::uint8_t>(std::clamp(level, 0.0f, 255.0f) + 0.5f); });
   });
   return rounded;
 }
 
-void decode_levels(ImageF& picture) {
+void decode_levels(ImageF& picture, const ForEach& for_each) {
   const std::vector<float>& table = decoding_table();
-  tbb::parallel_for(0, picture.height(), [&](int y) {
-    float* row = picture.row(y);
+  for_each(static_cast<std::size_t>(picture.height()), [&](std::size_t y) {
+    float* row = picture.row(static_cast<int>(y));
     std::transform(row, row + std::ptrdiff_t{picture.width()} * picture.channels(), row,
                    [&](float level) { return decoded(level, table); });
   });

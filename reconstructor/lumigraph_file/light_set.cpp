@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/models/intrinsic_lumigraph/light_set.h"
+#include "reconstructor/lumigraph_file/light_set.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "common/base/errors.h"
-#include "reconstructor/models/light_refusal.h"
+#include "reconstructor/radiance/light_refusal.h"
 
 namespace sheen {
 namespace {
