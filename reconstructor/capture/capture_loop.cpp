@@ -92,6 +92,7 @@ void CaptureLoop::receive(std::stop_token stop) {
 /// False where a capture could not be stored: it is not acknowledged, so the tracker keeps it for the next start.
 bool CaptureLoop::store(TrackerLinks::Arrival& arrival, std::uint64_t& journaled, const std::stop_token& stop) {
   if (arrival.received.live) return true;
+  if (hold_out_next_.exchange(false)) arrival.received.capture.purpose = Purpose::kHeldOut;
   try {
     arrival.stored_as = store_capture(session_, *links_, arrival, stop);
     if (arrival.stored_as) journaled = std::max(journaled, *arrival.stored_as + 1);
@@ -373,6 +374,10 @@ std::optional<std::uint64_t> CaptureLoop::withdraw_last() {
   const std::optional<std::uint64_t> last = session_.last();
   if (last) session_.set_withdrawn(*last, true);
   return last;
+}
+
+void CaptureLoop::write_down(const std::string& key, const std::string& line) {
+  session_.set_metadata(key, session_.metadata(key).value_or("") + line + "\n");
 }
 
 LoopStatus CaptureLoop::status() const {

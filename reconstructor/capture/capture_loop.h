@@ -119,6 +119,10 @@ class CaptureLoop {
   /// Withdraws the last capture of the journal that is not withdrawn, and returns its index; nothing where there is
   /// none. Throws FileError.
   std::optional<std::uint64_t> withdraw_last();
+  /// The next capture that comes is stored as held out.
+  void hold_out_next() { hold_out_next_ = true; }
+  /// Adds a line to a text of the session's metadata. Throws FileError.
+  void write_down(const std::string& key, const std::string& line);
 
  private:
   struct Pending;
@@ -170,7 +174,7 @@ class CaptureLoop {
   std::vector<std::int64_t> unshown_grabbed_ns_;
   SparingLog watchers_log_{"display"};
   std::string effort_record_;  ///< as the session has it
-  std::atomic<bool> finished_{false};
+  std::atomic<bool> finished_{false}, hold_out_next_{false};
   // Not the threads' own: either may ask both to stop while `start` still assigns them.
   std::stop_source stop_receiving_, stop_ingesting_;
   std::jthread receive_thread_, ingest_thread_;

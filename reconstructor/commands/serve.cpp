@@ -27,6 +27,7 @@
 #include "reconstructor/capture/live_display.h"
 #include "reconstructor/capture/live_refinement.h"
 #include "reconstructor/capture/saved_model.h"
+#include "reconstructor/capture/steered_capture.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/favour_option.h"
 #include "reconstructor/commands/limit_options.h"
@@ -52,7 +53,7 @@ constexpr const char* kNoMesh = "none";
 struct ServeArguments {
   std::string mesh, session, config, model, keys, json;
   std::vector<std::string> endpoints{ReceiverOptions{}.endpoint}, tracker_keys;
-  std::string monitor_host = MonitorOptions{}.host, monitor_token_file;
+  std::string monitor_host = MonitorOptions{}.host, monitor_token_file, steer_token_file;
   int monitor_port = MonitorOptions{}.port;
   FavourArgument favour;
   LimitArguments limits;
@@ -106,20 +107,11 @@ std::string tracker_command(const ReceiverOptions& link) {
   return command;
 }
 
-/// What the person at the window is told.
-std::string take_back_last(CaptureLoop& loop) {
-  try {
-    const std::optional<std::uint64_t> taken = loop.withdraw_last();
-    return taken ? "image " + std::to_string(*taken) + " is taken back" : "there is no image to take back";
-  } catch (const Error& error) {
-    return std::string("not taken back: ") + error.what();
-  }
-}
-
 /// What keeps window and status page informed, when it is called again and again.
 std::function<void()> publishing(const CaptureLoop& loop, const CaptureEnd& end, LiveDisplay& display,
-                                 MonitorServer* monitor, bool window) {
-  return [&loop, &end, &display, monitor, window, last_monitor = std::chrono::steady_clock::now() - kMonitorInterval,
+                                 const SteeredCapture& steered, MonitorServer* monitor, bool window) {
+  return [&loop, &end, &display, &steered, monitor, window,
+          last_monitor = std::chrono::steady_clock::now() - kMonitorInterval,
           last_stage = EndStage::kCapturing]() mutable {
     const EndProgress progress = end.progress();
     const LoopStatus status = loop.status();
@@ -128,7 +120,9 @@ std::function<void()> publishing(const CaptureLoop& loop, const CaptureEnd& end,
     if (!monitor || (now - last_monitor < kMonitorInterval && progress.stage == last_stage)) return;
     last_monitor = now;
     last_stage = progress.stage;
-    monitor->publish(display.monitor_state(status, progress));
+    MonitorState state = display.monitor_state(status, progress);
+    if (const std::vector<std::string> lines = steered.lines(); !lines.empty()) state.steering = lines.back();
+    monitor->publish(std::move(state));
   };
 }
 
@@ -205,10 +199,14 @@ std::optional<FirstCapture::Found> wait_for_first(const ServeArguments& argument
   return over ? std::move(found) : std::nullopt;
 }
 
-void open_monitor(std::optional<MonitorServer>& monitor, const ServeArguments& arguments) {
+void open_monitor(std::optional<MonitorServer>& monitor, SteeredCapture& steered, const ServeArguments& arguments) {
   if (arguments.no_monitor) return;
-  const std::string token = monitor_token(arguments.monitor_token_file);
-  monitor.emplace(MonitorOptions{arguments.monitor_host, arguments.monitor_port, token});
+  monitor.emplace(
+      MonitorOptions{.host = arguments.monitor_host,
+                     .port = arguments.monitor_port,
+                     .token = monitor_token(arguments.monitor_token_file),
+                     .steer_token = arguments.steer_token_file.empty() ? "" : monitor_token(arguments.steer_token_file),
+                     .steer = [&steered](const SteerRequest& request) { return steered.ask(request); }});
   log_info("monitor", "watch at " + monitor->url());
 }
 
@@ -246,7 +244,7 @@ Plan chosen_plan(ServeArguments& arguments, const SceneRequest& request, const R
 
 /// Says how the capture went and writes the report.
 void report_end(const ServeArguments& arguments, const CaptureEnd::Result& result, const LoopStatus& status,
-                nlohmann::json model_choice, ReportFile& json) {
+                nlohmann::json model_choice, std::vector<std::string> steering, ReportFile& json) {
   if (result.model)
     log_info("session", "the model is saved", {{"model", result.model->string()}, {"captures", status.journaled}});
   else
@@ -254,6 +252,7 @@ void report_end(const ServeArguments& arguments, const CaptureEnd::Result& resul
              {{"folder", arguments.session}, {"captures", status.journaled}});
   nlohmann::json report = *result.report;
   if (!model_choice.is_null()) report["model_choice"] = std::move(model_choice);
+  if (!steering.empty()) report["steering"] = std::move(steering);
   print_summary(report);
   if (const std::string failure = status.link().source_failure; !failure.empty())
     log_warning("link", "the source failed: " + failure);
@@ -288,8 +287,9 @@ void serve(ServeArguments arguments) {
 
   LiveDisplay::Names names = names_of(arguments, trackers);
   if (plan) names.model = plan->scene.kind->name();
+  SteeredCapture steered;
   std::optional<MonitorServer> monitor;
-  open_monitor(monitor, arguments);
+  open_monitor(monitor, steered, arguments);
   std::optional<ViewerWindow> screen;
   if (!arguments.headless && plan) open_window(screen, *plan->scene.kind, {.screenshot_folder = arguments.session});
   if (!arguments.headless && !plan) require_display();
@@ -339,9 +339,13 @@ void serve(ServeArguments arguments) {
   loop.start();
   if (refinement) refinement->start();
   if (!waits) tell_it_waits(names);
-  const RepeatedWork publisher("display", kDisplayInterval,
-                               publishing(loop, end, display, monitor ? &*monitor : nullptr, window != nullptr));
-  const auto over = [&loop] { return loop.finished() || loop.status().no_more_captures || stop_requested(); };
+  const RepeatedWork publisher(
+      "display", kDisplayInterval,
+      publishing(loop, end, display, steered, monitor ? &*monitor : nullptr, window != nullptr));
+  const auto over = [&] {
+    steered.carry_out(loop);
+    return loop.finished() || loop.status().no_more_captures || stop_requested() || steered.finishes();
+  };
   wait_until(over, window, display.feed(), [&loop] { return take_back_last(loop); });
   tell_service_is_stopping();
   const CaptureEnd::Result result =
@@ -349,7 +353,7 @@ void serve(ServeArguments arguments) {
   nlohmann::json model_choice;
   if (request.automatic()) model_choice = {{"model", names.model}, {"why", names.model_reason}};
   const LoopStatus status = loop.status();
-  report_end(arguments, result, status, std::move(model_choice), json);
+  report_end(arguments, result, status, std::move(model_choice), steered.lines(), json);
   const auto& counts = reconstruction.account().counts();
   if (status.ingested > status.counts.withdrawn && counts.accepted + counts.held_out == 0)
     throw none_was_usable(arguments, status.ingested, makes_own_surface);
@@ -395,6 +399,9 @@ void add_serve_command(Command& program) {
       "--monitor-token-file", a->monitor_token_file,
       "file (mode 600) with the token that the page asks for; needed when other machines can reach the page; or "
       "set SHEEN_MONITOR_TOKEN");
+  command.option(
+      "--steer-token-file", a->steer_token_file,
+      "file (mode 600) with the token of those who may steer from the page: take back, hold out, note, finish");
   command.option("--json", a->json, "report to write at the end; - for standard output");
   command.callback([a] { serve(*a); });
 }

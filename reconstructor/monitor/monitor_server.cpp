@@ -6,6 +6,7 @@
 #include <sodium.h>
 #include <strings.h>
 
+#include <algorithm>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -26,7 +27,7 @@ using Clock = MonitorState::Clock;
 using httplib::Request;
 using httplib::Response;
 
-constexpr std::size_t kShortestToken = 16;
+constexpr std::size_t kShortestToken = 16, kLongestNote = 1000;
 
 /// The lines of a request that the page has a use for. What else clients send is work without an end: byte ranges of a
 /// picture by the thousand, encodings, bodies.
@@ -107,8 +108,11 @@ void require_valid(const MonitorOptions& options) {
   if (!is_loopback(options.host) && options.token.empty())
     throw ConfigError("the monitor page on " + options.host +
                       " could be seen by others: give it a token, or keep it on 127.0.0.1");
-  if (!options.token.empty() && options.token.size() < kShortestToken)
-    throw ConfigError("the monitor's token needs at least " + std::to_string(kShortestToken) + " characters");
+  for (const std::string& token : {options.token, options.steer_token})
+    if (!token.empty() && token.size() < kShortestToken)
+      throw ConfigError("the monitor's token needs at least " + std::to_string(kShortestToken) + " characters");
+  if (!options.steer_token.empty() && options.token == options.steer_token)
+    throw ConfigError("the token for watching and that for steering are one: whoever watches could steer");
 }
 
 struct Published {
@@ -135,7 +139,11 @@ struct MonitorServer::Impl {
     return published;
   }
 
+  bool may_steer(const Request& request) const {
+    return !options.steer_token.empty() && same_secret(token_of(request), options.steer_token);
+  }
   bool refused(const Request& request, Response& response);
+  void steer(const Request& request, Response& response) const;
   void add_routes();
 };
 
@@ -146,7 +154,7 @@ bool MonitorServer::Impl::refused(const Request& request, Response& response) {
   response.set_header("Content-Security-Policy",
                       "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; "
                       "img-src 'self' data:; frame-ancestors 'none'");
-  if (options.token.empty()) {
+  if (options.token.empty() && (options.steer_token.empty() || token_of(request).empty())) {
     if (is_loopback(without_port(request.get_header_value("Host")))) return false;
     response.status = 403;
     response.set_content("This page answers to 127.0.0.1 and localhost only.\n", "text/plain");
@@ -167,6 +175,25 @@ bool MonitorServer::Impl::refused(const Request& request, Response& response) {
   return true;
 }
 
+void MonitorServer::Impl::steer(const Request& request, Response& response) const {
+  const auto answer = [&response](int status, const std::string& words) {
+    response.status = status;
+    response.set_content(words + "\n", "text/plain; charset=utf-8");
+  };
+  if (!may_steer(request) || !request.has_header("Authorization"))
+    return answer(403,
+                  "Who watches may not steer: \"Authorization: Bearer TOKEN\" with the token for steering is needed.");
+  const auto action = steer_action(request.get_param_value("what"));
+  if (!action) return answer(400, "what is undo, hold-out, note or finish.");
+  std::string text = request.get_param_value("text");
+  if (text.size() > kLongestNote) return answer(400, "A note has at most " + std::to_string(kLongestNote) + " bytes.");
+  if (text.empty() && *action == SteerRequest::Action::kNote) return answer(400, "text is missing.");
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
+  const std::string why_not = options.steer({*action, std::move(text), request.remote_addr});
+  answer(why_not.empty() ? 202 : 503, why_not.empty() ? "asked for" : why_not);
+}
+
 void MonitorServer::Impl::add_routes() {
   http.set_pre_routing_handler([this](const Request& request, Response& response) {
     return refused(request, response) ? httplib::Server::HandlerResponse::Handled
@@ -176,13 +203,13 @@ void MonitorServer::Impl::add_routes() {
     const std::string_view page = status_page();
     response.set_content(page.data(), page.size(), "text/html; charset=utf-8");
   });
-  http.Get("/status.json", [this](const Request&, Response& response) {
+  http.Get("/status.json", [this](const Request& request, Response& response) {
     const std::shared_ptr<const Published> now = latest();
     const auto age = [](Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); };
     const double frame_age_s =
         now->state.last_frame ? age(*now->state.last_frame) : std::numeric_limits<double>::quiet_NaN();
     response.set_content(status_json(now->state, capture_state(now->state, now->when, Clock::now()), age(now->when),
-                                     frame_age_s, now->pictures),
+                                     frame_age_s, now->pictures, may_steer(request)),
                          "application/json");
   });
   http.Get("/metrics", [this](const Request&, Response& response) {
@@ -206,6 +233,7 @@ void MonitorServer::Impl::add_routes() {
     if (state == CaptureState::kFailed || state == CaptureState::kStalled) response.status = 503;
     response.set_content(std::string(to_string(state)) + "\n", "text/plain");
   });
+  http.Post("/steer", [this](const Request& request, Response& response) { steer(request, response); });
   http.set_error_handler([](const Request&, Response& response) {
     if (response.status == 404 && response.body.empty())
       response.set_content("There are / /status.json /metrics /preview.jpg /camera.jpg /healthz\n", "text/plain");
@@ -216,9 +244,10 @@ MonitorServer::MonitorServer(const MonitorOptions& options) : impl_(std::make_un
   require_valid(options);
   if (sodium_init() < 0) throw DeviceError("libsodium could not be initialised");
   impl_->options = options;
-  impl_->guesses.emplace(options.token, [impl = impl_.get()](const std::string& address, const std::string& message) {
-    impl->log.tell(address, message);
-  });
+  impl_->guesses.emplace(std::vector{options.token, options.steer_token},
+                         [impl = impl_.get()](const std::string& address, const std::string& message) {
+                           impl->log.tell(address, message);
+                         });
   impl_->add_routes();
   impl_->connections.emplace(options.host, options.port,
                              [impl = impl_.get()](const std::string& request, const std::string& address) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "reconstructor/monitor/monitor_state.h"
+#include "reconstructor/monitor/steering.h"
 
 namespace sheen {
 
@@ -12,10 +13,14 @@ struct MonitorOptions {
   std::string host = "127.0.0.1";
   int port = 7480;    ///< 0: any free one, see `MonitorServer::port`
   std::string token;  ///< at least 16 characters; needed where `host` is not loopback. Empty: nobody is asked for one
+  std::string steer_token;  ///< of those who may steer, too; at least 16 characters. Empty: nobody may
+  Steer steer;              ///< called on the connections' thread
 };
 
 /// Serves what was last published over HTTP:
 ///   /  status page    /status.json    /metrics (Prometheus)    /preview.jpg    /camera.jpg    /healthz
+///   POST /steer?what=undo|hold-out|note|finish (&text=NOTE), with "Authorization: Bearer STEER_TOKEN": nothing else
+///   steers, so that no link and no page of another site can.
 /// With a token, every request needs "Authorization: Bearer TOKEN" or "?token=TOKEN" and is answered 401 otherwise;
 /// without one, only requests to a loopback host name are answered, so that no web page of another site can read it by
 /// pointing its own name here. No client, however slow, keeps another one waiting (HttpConnections).

@@ -101,6 +101,7 @@ struct MonitorState {
   std::vector<HeldOutPoint> held_out_curve;
   std::string next_view;    ///< where to hold the camera next, for a person
   bool well_known = false;  ///< nothing needs an image any more; `next_view` says why
+  std::string steering;     ///< what was last asked from another desk, and done; empty: nothing
   std::string hint;         ///< what to do while nothing comes: a command
 
   std::shared_ptr<const std::string> preview_jpeg;  ///< the model; null: none yet

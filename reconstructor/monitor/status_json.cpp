@@ -61,7 +61,7 @@ Json curve_to_json(const std::vector<HeldOutPoint>& curve) {
 }  // namespace
 
 std::string status_json(const MonitorState& state, CaptureState capture, double published_age_s, double frame_age_s,
-                        const PictureVersions& pictures) {
+                        const PictureVersions& pictures, bool may_steer) {
   Json json = {{"role", "reconstructor"},
                {"version", state.version},
                {"state", to_string(capture)},
@@ -76,6 +76,8 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
                {"frame_age_s", json_number(frame_age_s)},
                {"next_view", state.next_view},
                {"well_known", state.well_known},
+               {"steering", state.steering},
+               {"may_steer", may_steer},
                {"hint", state.hint}};
   json["links"] = Json::array();
   for (const MonitorState::Link& link : state.links)

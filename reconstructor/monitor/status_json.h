@@ -14,8 +14,8 @@ struct PictureVersions {
 };
 
 /// What the page and `sheen-reconstructor monitor` read. SI units; a figure that is not known is null. A long held-out
-/// curve is thinned to some hundred points, its last one always among them.
+/// curve is thinned to some hundred points, its last one always among them. `may_steer`: whoever reads it.
 std::string status_json(const MonitorState& state, CaptureState capture, double published_age_s, double frame_age_s,
-                        const PictureVersions& pictures);
+                        const PictureVersions& pictures, bool may_steer = false);
 
 }  // namespace sheen

@@ -16,11 +16,11 @@ constexpr std::size_t kRemembered = 8;
 constexpr std::size_t kMostGuessers = 1024;  ///< beyond it all others are taken for one
 constexpr const char* kAllOthers = "others";
 
+}  // namespace
+
 bool same_secret(const std::string& a, const std::string& b) {
   return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
 }
-
-}  // namespace
 
 TokenGuesses::Guesser& TokenGuesses::guesser(const std::string& address, Clock::time_point now) {
   std::erase_if(guessers_, [now](const auto& g) { return now - g.second.at >= kAtOnce * kOneMoreAfter; });
@@ -40,7 +40,8 @@ TokenGuesses::Verdict TokenGuesses::judge(const std::string& address, const std:
     log_(address, "too many wrong tokens from " + address + ": no more are looked at for a while");
     return Verdict::kNotLookedAt;
   }
-  if (same_secret(token, token_)) return Verdict::kRight;
+  if (std::ranges::any_of(tokens_, [&](const std::string& right) { return same_secret(token, right); }))
+    return Verdict::kRight;
   who.left -= 1;
   who.wrong.push_back(hash);
   if (who.wrong.size() > kRemembered) who.wrong.pop_front();

@@ -141,6 +141,15 @@ TEST_F(MonitorPage, OneSentenceComesFirst) {
   EXPECT_THAT(shown(), AllOf(HasSubstr("The latest images cannot be used."), HasSubstr("data-tone=\"bad\"")));
 }
 
+TEST_F(MonitorPage, ButtonsAreForWhoMaySteer) {
+  MonitorServer server({.port = 0, .steer_token = "fedcba9876543210", .steer = [](const SteerRequest&) { return ""; }});
+  const Publisher publisher(server, sample_monitor_state());
+  EXPECT_THAT(browse("--dump-dom " + server.url()),
+              HasSubstr("<section id=\"steering\" aria-label=\"Steering\" hidden"));
+  EXPECT_THAT(browse("--dump-dom '" + server.url() + "?token=fedcba9876543210'"),
+              HasSubstr("<section id=\"steering\" aria-label=\"Steering\">"));
+}
+
 TEST_F(MonitorPage, BeforeTheFirstTrackerSaysHowToStartOne) {
   MonitorServer server({.port = 0});
   MonitorState state;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // An image is taken back: from a stored session, from one that is being recorded, through kill -9.
 #include <gtest/gtest.h>
+#include <httplib.h>
 
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -9,6 +10,7 @@
 #include "common/session/session.h"
 #include "tests/loopback/ball_dataset.h"
 #include "tests/loopback/daemons.h"
+#include "tests/support/breaking_peer.h"
 #include "tests/support/temp_folder.h"
 
 namespace sheen::testing {
@@ -145,6 +147,53 @@ TEST_F(Undo, WhatIsNotThereIsNamed) {
   undo_fails({}, 2, {"--last, --capture, --name or --list"});
   undo_fails({"--last", "--capture", "1"}, 2, {"give one of"});
   undo_fails({"--restore", "--last"}, 2, {"--restore needs"});
+}
+
+class Steered : public ::testing::Test {
+ protected:
+  Steered() { data_.write(); }
+  std::string post(const std::string& query) {
+    httplib::Client client("127.0.0.1", port_);
+    const auto answer =
+        client.Post("/steer?" + query, {{"Authorization", std::string("Bearer ") + kToken}}, "", "text/plain");
+    return answer ? answer->body : "no answer";
+  }
+
+  static constexpr const char* kToken = "fedcba9876543210";
+  const TempFolder temp_;
+  const BallDataset data_{.folder = temp_.path() / "data"};
+  const std::filesystem::path session_ = temp_.path() / "session";
+  const int port_ = port_of(free_address());
+};
+
+TEST_F(Steered, FromAnotherDeskAnImageIsTakenBackANoteIsWrittenAndTheCaptureEnds) {
+  const auto token = temp_.write("steer.token", std::string(kToken) + "\n");
+  std::filesystem::permissions(token, std::filesystem::perms::owner_read);
+  const std::string address = free_address();
+  Words command = reconstructor({"serve", "--mesh", data_.mesh(), "--session", session_, "--headless", "--endpoint",
+                                 address, "--monitor-port", std::to_string(port_), "--steer-token-file", token,
+                                 "--json", temp_.path() / "report.json"});
+  Process desk(command);
+  ASSERT_TRUE(desk.prints("waiting for a tracker", kPatience)) << desk.output();
+  EXPECT_EQ(post("what=hold-out"), "asked for\n");
+  ASSERT_TRUE(desk.prints("the next image is held out", kPatience)) << desk.output();
+  expect_outcome(run_to_end(patient_run({"--source", "dataset:" + data_.folder.string(), "--endpoint", address})), 0,
+                 {"16 keyframes sent"});
+  EXPECT_EQ(post("what=undo"), "asked for\n");
+  EXPECT_EQ(post("what=note&text=the%20left%20lamp%20was%20off"), "asked for\n");
+  ASSERT_TRUE(desk.prints("the left lamp was off", kPatience)) << desk.output();
+  EXPECT_EQ(post("what=finish"), "asked for\n");
+  expect_outcome(wait_to_end(desk), 0, {"127.0.0.1: image 15 is taken back", "the model is saved"});
+
+  const Session session = Session::open_read_only(session_);
+  EXPECT_EQ(session.withdrawn(), std::set<std::uint64_t>{15});
+  const std::string written = session.metadata("steering").value_or("");
+  EXPECT_NE(written.find("Z 127.0.0.1: image 15 is taken back\n"), std::string::npos) << written;
+  EXPECT_NE(written.find(": note: the left lamp was off\n"), std::string::npos) << written;
+  EXPECT_NE(written.find(": the capture is finished\n"), std::string::npos) << written;
+  EXPECT_EQ(Json::parse(read_file(temp_.path() / "report.json"))["steering"].size(), 4u);
+  EXPECT_EQ(session.read(0).purpose, Purpose::kHeldOut);
+  EXPECT_NE(session.read(1).purpose, Purpose::kHeldOut);
 }
 
 }  // namespace

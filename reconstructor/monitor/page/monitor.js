@@ -210,6 +210,8 @@ function show(s) {
   }
   tell(...toldFirst[s.state](s));
   text("counts", countsOf(s));
+  $("steering").hidden = !s.may_steer || Boolean(s.ending) || s.state === "failed";
+  if (s.steering) text("steered", s.steering);
   $("error").hidden = !s.error; text("error", s.error);
   text("next-view", nextOf(s));
   $("next-view").hidden = !$("next-view").textContent;
@@ -305,6 +307,26 @@ async function poll() {
   setTimeout(poll, kPollMs);
 }
 for (const link of document.querySelectorAll("footer a")) link.href = withToken(link.getAttribute("href"));
+// Only who has the token for steering sees the buttons; the server asks for it again, in a header that no link can set.
+const questions = {
+  undo: () => confirm("Take the last image back? It stays in the session, and the model forgets it.") && "",
+  "hold-out": () => "",
+  note: () => prompt("A note for this capture:"),
+  finish: () => confirm("Finish the capture? The waiting images are added and the model is saved.") && "",
+};
+async function steer(what) {
+  const answer = questions[what]();
+  if (answer === null || answer === false || (what === "note" && !answer.trim())) return;
+  try {
+    const said = await fetch("steer?what=" + what + "&text=" + encodeURIComponent(answer),
+      {method: "POST", headers: {Authorization: "Bearer " + token}, signal: AbortSignal.timeout(4000)});
+    text("steered", said.ok ? "Asked for; it is done within a second." : await said.text());
+  } catch {
+    text("steered", "Not asked for: the reconstructor does not answer.");
+  }
+}
+for (const button of document.querySelectorAll("#steering button")) button.onclick = () => steer(button.dataset.what);
+
 // Whoever opened the details finds them open again.
 $("details").open = location.hash === "#details" || sessionStorage.getItem("details") === "open";
 $("details").addEventListener("toggle", () => {

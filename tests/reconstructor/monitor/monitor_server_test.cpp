@@ -11,6 +11,7 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "common/base/errors.h"
@@ -135,6 +136,82 @@ TEST(MonitorServer, FailureShowsInHealth) {
   server.publish(state);
   EXPECT_EQ(get(server, "/healthz")->status, 503);
   EXPECT_EQ(get(server, "/healthz")->body, "failed\n");
+}
+
+class Steering : public testing::Test {
+ protected:
+  httplib::Result ask(const std::string& query, const std::string& token) {
+    return httplib::Client("127.0.0.1", server_->port())
+        .Post("/steer?" + query, {{"Authorization", "Bearer " + token}}, "", "text/plain");
+  }
+  void open(const std::string& watch_token, const std::string& steer_token) {
+    server_.emplace(MonitorOptions{
+        .port = 0, .token = watch_token, .steer_token = steer_token, .steer = [this](const SteerRequest& request) {
+          asked_.push_back(std::string(to_string(request.action)) + " " + request.text);
+          EXPECT_EQ(request.from, "127.0.0.1");
+          return busy_;
+        }});
+  }
+  bool may_steer(const httplib::Headers& headers) {
+    return nlohmann::json::parse(get(*server_, "/status.json", headers)->body)["may_steer"];
+  }
+
+  static constexpr const char* kSteers = "fedcba9876543210";
+  std::vector<std::string> asked_;
+  std::string busy_;
+  std::optional<MonitorServer> server_;
+};
+
+TEST_F(Steering, IsForThoseWithItsTokenAlone) {
+  for (const std::string watch : {"", kToken}) {
+    asked_.clear();
+    open(watch, kSteers);
+    EXPECT_EQ(ask("what=undo", kSteers)->status, 202);
+    EXPECT_EQ(ask("what=hold-out", kSteers)->status, 202);
+    EXPECT_EQ(ask("what=note&text=left%20lamp%20off%0a", kSteers)->status, 202);
+    EXPECT_EQ(ask("what=finish", kSteers)->status, 202);
+    EXPECT_EQ(asked_, (std::vector<std::string>{"undo ", "hold-out ", "note left lamp off ", "finish "}));
+
+    const auto watching = watch.empty() ? httplib::Headers{} : httplib::Headers{{"Authorization", "Bearer " + watch}};
+    EXPECT_TRUE(may_steer({{"Authorization", std::string("Bearer ") + kSteers}}));
+    EXPECT_FALSE(may_steer(watching));
+    EXPECT_EQ(
+        httplib::Client("127.0.0.1", server_->port()).Post("/steer?what=undo", watching, "", "text/plain")->status,
+        403);
+    EXPECT_EQ(ask("what=undo", "0000000000000000")->status, 401);
+    EXPECT_EQ(asked_.size(), 4u);
+  }
+}
+
+TEST_F(Steering, NeedsAHeaderThatNoLinkAndNoOtherSiteCanSet) {
+  open("", kSteers);
+  httplib::Client client("127.0.0.1", server_->port());
+  EXPECT_EQ(client.Post("/steer?what=undo&token=" + std::string(kSteers), "", "text/plain")->status, 403);
+  EXPECT_EQ(get(*server_, "/steer?what=undo", {{"Authorization", std::string("Bearer ") + kSteers}})->status, 404);
+  const auto preflight = client.Options("/steer");
+  EXPECT_FALSE(preflight && preflight->has_header("Access-Control-Allow-Headers"));
+  EXPECT_TRUE(asked_.empty());
+}
+
+TEST_F(Steering, WrongRequestsAreTold) {
+  open("", kSteers);
+  EXPECT_THAT(ask("what=explode", kSteers)->body, HasSubstr("undo, hold-out, note or finish"));
+  EXPECT_EQ(ask("", kSteers)->status, 400);
+  EXPECT_EQ(ask("what=note", kSteers)->status, 400);
+  EXPECT_EQ(ask("what=note&text=" + std::string(1001, 'x'), kSteers)->status, 400);
+  EXPECT_TRUE(asked_.empty());
+  busy_ = "too much was asked at once";
+  EXPECT_EQ(ask("what=undo", kSteers)->status, 503);
+}
+
+TEST_F(Steering, WithoutATokenForItNobodyMay) {
+  open("", "");
+  EXPECT_EQ(ask("what=undo", "")->status, 403);
+  EXPECT_EQ(ask("what=undo", kSteers)->status, 403);
+  EXPECT_FALSE(may_steer({}));
+  EXPECT_TRUE(asked_.empty());
+  EXPECT_THROW(open("", "short"), ConfigError);
+  EXPECT_THROW(open(kToken, kToken), ConfigError) << "whoever watches could steer";
 }
 
 TEST(MonitorServer, AsksForItsToken) {

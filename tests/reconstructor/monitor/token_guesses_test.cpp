@@ -25,7 +25,7 @@ class Guessing : public ::testing::Test {
   int next_ = 0;
   TokenGuesses::Clock::time_point now_{};
   std::map<std::string, int> told_;
-  TokenGuesses guesses_{kToken, [this](const std::string& address, const std::string& message) {
+  TokenGuesses guesses_{{kToken}, [this](const std::string& address, const std::string& message) {
                           EXPECT_NE(message.find(address), std::string::npos);
                           EXPECT_EQ(message.find("wrong "), message.find("wrong token"))
                               << "guesses are not written down";
