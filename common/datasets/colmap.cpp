@@ -93,6 +93,35 @@ Camera colmap_camera(int model_id, double width, double height, const std::vecto
   return camera;
 }
 
+ColmapParameters colmap_parameters(const Camera& camera) {
+  const bool fisheye = camera.lens == LensModel::kFisheye;
+  const int id = colmap_model_id(fisheye                     ? "OPENCV_FISHEYE"
+                                 : !camera.has_distortion()  ? "PINHOLE"
+                                 : camera.distortion[4] == 0 ? "OPENCV"
+                                                             : "FULL_OPENCV");
+  ColmapParameters out{.model = kModels[id].name, .values = {}};
+  for (const char role : std::string_view(kModels[id].parameters)) switch (role) {
+      case 'x':
+        out.values.push_back(camera.fx);
+        break;
+      case 'y':
+        out.values.push_back(camera.fy);
+        break;
+      case 'u':
+        out.values.push_back(camera.cx + 0.5);
+        break;
+      case 'v':
+        out.values.push_back(camera.cy + 0.5);
+        break;
+      case '0':
+        out.values.push_back(0);
+        break;
+      default:
+        out.values.push_back(camera.distortion[role - 'a']);
+    }
+  return out;
+}
+
 Rigid3 colmap_pose(const ColmapImage& image) {
   const double norm = image.rotation_wxyz.norm();
   if (!(std::abs(norm - 1) <= 1e-3))

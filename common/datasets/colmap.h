@@ -20,6 +20,9 @@ struct ColmapImage {
   Eigen::Vector3d translation;
 };
 
+/// Beside the images file: the names of the images that are held out, a line each. All others are for training.
+inline constexpr const char* kColmapHeldOut = "test.txt";
+
 using ColmapCameras = std::map<std::uint32_t, Camera>;
 
 /// Contents of `cameras.txt` / `images.txt` and of their binary twins. `file` names the file in errors. Throw
@@ -31,6 +34,12 @@ std::vector<ColmapImage> parse_colmap_images_binary(const std::string& file, std
 
 /// A camera of COLMAP's numbered models (`model_id`), first pixel centre at (0, 0). Throws Error with the reason.
 Camera colmap_camera(int model_id, double width, double height, const std::vector<double>& parameters);
+/// The same the other way round, in the simplest model that holds the lens.
+struct ColmapParameters {
+  std::string model;
+  std::vector<double> values;
+};
+ColmapParameters colmap_parameters(const Camera& camera);
 /// Parameters that a model has; -1 for a model that is not supported.
 int colmap_parameter_count(int model_id);
 /// -1 when unknown.

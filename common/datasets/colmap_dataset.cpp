@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "common/base/content_hash.h"
 #include "common/base/errors.h"
@@ -21,7 +22,8 @@ struct Model {
   ColmapCameras cameras;
   std::vector<ColmapImage> images;
   std::string description;
-  std::string other_text;  ///< a sentence where text beside it says otherwise
+  std::string other_text;                         ///< a sentence where text beside it says otherwise
+  std::optional<std::set<std::string>> held_out;  ///< by name, where the model says
 };
 
 bool is_file(const fs::path& path) {
@@ -80,6 +82,16 @@ std::string other_than_text(const fs::path& folder, const std::vector<ColmapImag
   }
 }
 
+std::set<std::string> lines_of(const std::string& text) {
+  std::set<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+    if (!line.empty()) lines.insert(normal_name(line));
+  }
+  return lines;
+}
+
 Model read_model(const fs::path& folder) {
   const bool binary = holds_model(folder, ".bin");
   const fs::path cameras = folder / (binary ? "cameras.bin" : "cameras.txt");
@@ -91,7 +103,24 @@ Model read_model(const fs::path& folder) {
                         : parse_colmap_images_text(model.images_file, images_bytes);
   if (binary) model.other_text = other_than_text(folder, model.images);
   model.description = content_hash(cameras_bytes) + content_hash(images_bytes);
+  if (const fs::path list = folder / kColmapHeldOut; is_file(list)) {
+    const std::string names = read_file(list);
+    model.held_out = lines_of(names);
+    model.description += content_hash(names);
+  }
   return model;
+}
+
+/// What `test.txt` says, for a person; empty where there is none. A name that no image has is a list of other images.
+std::string mark_held_out(const Model& model, std::vector<DatasetView>& views) {
+  if (!model.held_out) return {};
+  const std::string file = (model.folder / kColmapHeldOut).string();
+  std::set<std::string> unknown = *model.held_out;
+  for (const ColmapImage& image : model.images) unknown.erase(normal_name(image.name));
+  if (!unknown.empty()) throw FileError(file, "the model has no image \"" + *unknown.begin() + "\"");
+  for (DatasetView& view : views)
+    view.purpose = model.held_out->contains(normal_name(view.name)) ? Purpose::kHeldOut : Purpose::kTraining;
+  return file + ": its " + std::to_string(model.held_out->size()) + " images are held out";
 }
 
 std::string in_words(const Model& model) {
@@ -151,7 +180,7 @@ std::optional<ColmapViews> load_colmap(const fs::path& root, ImageAccount& accou
   const Model& model = *std::max_element(
       models.begin(), models.end(), [](const Model& a, const Model& b) { return a.images.size() < b.images.size(); });
   if (model.images.empty()) throw FileError(model.images_file, "holds no image");
-  ColmapViews colmap{.views = {}, .description = model.description, .models = choice_of(models, model)};
+  ColmapViews colmap{.views = {}, .description = model.description, .remarks = choice_of(models, model)};
   const FileFinder finder(root);
   std::set<std::string> names;
   for (const ColmapImage& image : model.images) {
@@ -166,6 +195,8 @@ std::optional<ColmapViews> load_colmap(const fs::path& root, ImageAccount& accou
     if (const fs::path mask = find_colmap_mask(finder, view.name); !mask.empty()) view.mask_path = mask;
     colmap.views.push_back(std::move(view));
   }
+  const std::string held_out = mark_held_out(model, colmap.views);
+  colmap.remarks += (colmap.remarks.empty() || held_out.empty() ? "" : "\n") + held_out;
   return colmap;
 }
 

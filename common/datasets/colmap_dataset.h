@@ -12,11 +12,13 @@
 namespace sheen {
 
 /// Views of the COLMAP model with most images: in `root`, `root/sparse` or a folder in that; of several with as many
-/// the first. Empty where there is none. Images that are missing stand in the account. Throws FileError.
+/// the first. `kColmapHeldOut` beside its files says what is held out. Empty where there is none. Images that are
+/// missing stand in the account. Throws FileError.
 struct ColmapViews {
   std::vector<DatasetView> views;
   std::string description;  ///< the bytes of its files, hashed
-  std::string models;       ///< what is not read of several, or of text beside binary files: sentences; empty: all is
+  /// What is not read of several models, or of text beside binary files, and what is held out: a sentence a line.
+  std::string remarks;
 };
 std::optional<ColmapViews> load_colmap(const std::filesystem::path& root, ImageAccount& account);
 

@@ -74,7 +74,7 @@ Description read_description(const fs::path& folder, const fs::path& root, Image
   const fs::path transforms = fs::is_directory(folder, ignored) ? folder / "transforms.json" : folder;
   if (is_file(transforms)) return read_transforms(transforms, account);
   if (const auto split = read_split_transforms(root, account)) return *split;
-  if (auto colmap = load_colmap(root, account)) return {std::move(colmap->views), colmap->description, colmap->models};
+  if (auto colmap = load_colmap(root, account)) return {std::move(colmap->views), colmap->description, colmap->remarks};
   throw FileError(folder.string(),
                   "holds neither a transforms.json (or transforms_train.json) nor a COLMAP model (cameras and images, "
                   ".bin or .txt)");

@@ -64,9 +64,12 @@ std::vector<DatasetView> load_cameras(const std::filesystem::path& transforms_js
 Capture read_capture(const Dataset& dataset, std::size_t view);
 
 /// Text of a `transforms.json` for these views (OpenGL axes, principal point shifted by 0.5), masks of the views
-/// that have one, train / val / test lists where any view is held out. `file`: what it is to be written as. Throws
-/// FileError.
-std::string transforms_text(const std::filesystem::path& file, const std::vector<DatasetView>& views);
-void write_transforms(const std::filesystem::path& file, const std::vector<DatasetView>& views);
+/// that have one, train / val / test lists where any view is held out, the first alone where all are for training.
+/// `file`: what it is to be written as. `points`: a PLY file that trainers begin with, as seen from there; empty: none.
+/// Throws FileError.
+std::string transforms_text(const std::filesystem::path& file, const std::vector<DatasetView>& views,
+                            const std::string& points = {});
+void write_transforms(const std::filesystem::path& file, const std::vector<DatasetView>& views,
+                      const std::string& points = {});
 
 }  // namespace sheen

@@ -17,6 +17,7 @@ StoredImages of_list(const std::filesystem::path& path) {
   return {.size = list->views.size(),
           .session = "lights:" + list->hash,
           .cameras = {list->camera},
+          .files = list->images,
           .motion = watch.motion(),
           .account = list->account,
           .summary = in_words(list->account, path.parent_path()),
@@ -30,6 +31,7 @@ StoredImages of_dataset(const std::filesystem::path& path) {
   StoredImages images{.size = dataset->views.size(),
                       .session = "dataset:" + dataset->hash,
                       .cameras = {},
+                      .files = {},
                       .motion = {},
                       .account = dataset->account,
                       .summary = in_words(dataset->account, dataset->root),
@@ -38,6 +40,7 @@ StoredImages of_dataset(const std::filesystem::path& path) {
   MotionWatch watch;
   for (const DatasetView& view : dataset->views) {
     images.cameras.push_back({view.camera, view.camera_from_object});
+    images.files.push_back(view.image_path);
     watch.look(images.cameras.back(), view.light);
   }
   images.motion = watch.motion();

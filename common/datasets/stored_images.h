@@ -18,12 +18,13 @@ namespace sheen {
 /// COLMAP) or a list of lights (.lp).
 struct StoredImages {
   std::size_t size = 0;
-  std::string session;               ///< of their captures: changes with the description and with any image
-  std::vector<PosedCamera> cameras;  ///< of all of them; of a list its one
-  RigMotion motion;                  ///< what changes between them
-  ImageAccount account;              ///< what became of the files
-  std::string summary;               ///< that in words, lines for a person
-  std::string warning;               ///< what is doubtful about them, a sentence for a person; empty: nothing
+  std::string session;                       ///< of their captures: changes with the description and with any image
+  std::vector<PosedCamera> cameras;          ///< of all of them; of a list its one
+  std::vector<std::filesystem::path> files;  ///< of each its image
+  RigMotion motion;                          ///< what changes between them
+  ImageAccount account;                      ///< what became of the files
+  std::string summary;                       ///< that in words, lines for a person
+  std::string warning;                       ///< what is doubtful about them, a sentence for a person; empty: nothing
   /// Reads one: `read_capture` of the data set or of the list.
   std::function<Capture(std::size_t index)> read;
 };

@@ -67,10 +67,10 @@ const char* light_key(const LightState& light) {
 
 }  // namespace
 
-std::string transforms_text(const std::filesystem::path& file, const std::vector<DatasetView>& views) {
+std::string transforms_text(const std::filesystem::path& file, const std::vector<DatasetView>& views,
+                            const std::string& points) {
   if (views.empty()) throw FileError(file.string(), "cannot be written: there are no views");
-  const bool lists =
-      std::any_of(views.begin(), views.end(), [](const DatasetView& v) { return v.purpose == Purpose::kHeldOut; });
+  const auto training_view = [](const DatasetView& v) { return v.purpose == Purpose::kTraining; };
   const Json shared_camera = camera_fields(views[0].camera);
   const bool one_camera = camera_model(views) && std::all_of(views.begin(), views.end(), [&](const DatasetView& v) {
                             return camera_fields(v.camera) == shared_camera;
@@ -84,6 +84,7 @@ std::string transforms_text(const std::filesystem::path& file, const std::vector
   out["orientation_override"] = "none";
   if (std::all_of(views.begin(), views.end(), [](const DatasetView& v) { return v.exposure_locked; }))
     out["exposure_locked"] = true;
+  if (!points.empty()) out["ply_file_path"] = points;
   Json training = Json::array(), held_out = Json::array();
   for (const DatasetView& view : views) {
     Json frame;
@@ -103,8 +104,8 @@ std::string transforms_text(const std::filesystem::path& file, const std::vector
     out["frames"].push_back(std::move(frame));
     (view.purpose == Purpose::kHeldOut ? held_out : training).push_back(view.name);
   }
-  if (lists) {
-    out["train_filenames"] = training;
+  if (!held_out.empty() || std::all_of(views.begin(), views.end(), training_view)) out["train_filenames"] = training;
+  if (!held_out.empty()) {
     out["val_filenames"] = held_out;
     out["test_filenames"] = held_out;
   }
@@ -115,8 +116,9 @@ std::string transforms_text(const std::filesystem::path& file, const std::vector
   }
 }
 
-void write_transforms(const std::filesystem::path& file, const std::vector<DatasetView>& views) {
-  write_file(file, transforms_text(file, views));
+void write_transforms(const std::filesystem::path& file, const std::vector<DatasetView>& views,
+                      const std::string& points) {
+  write_file(file, transforms_text(file, views, points));
 }
 
 }  // namespace sheen

@@ -72,7 +72,9 @@ CaptureSet open_capture_set(const std::filesystem::path& folder) {
             .damaged = damaged,
             .read = read,
             .cameras = some_cameras(*session, kept),
-            .motion = [session, kept] { return motion_between(*session, kept); }};
+            .motion = [session, kept] { return motion_between(*session, kept); },
+            .files = {},
+            .image_files = {}};
   }
   StoredImages images = open_stored_images(folder);
   for (const std::string& words : {images.summary, images.warning})
@@ -82,7 +84,8 @@ CaptureSet open_capture_set(const std::filesystem::path& folder) {
           .read = std::move(images.read),
           .cameras = std::move(images.cameras),
           .motion = [motion = images.motion] { return motion; },
-          .files = std::move(images.account)};
+          .files = std::move(images.account),
+          .image_files = std::move(images.files)};
 }
 
 }  // namespace sheen

@@ -26,6 +26,8 @@ struct CaptureSet {
   std::vector<PosedCamera> cameras;   ///< of a data set all; of a session some
   std::function<RigMotion()> motion;  ///< what moves between them; of a session it reads all
   std::optional<ImageAccount> files;  ///< of a data set or a list: what became of its image files
+  /// Of a data set or a list: the image of each. Of a session empty.
+  std::vector<std::filesystem::path> image_files;
 };
 
 /// The same captures in the frame of a mesh with this origin.

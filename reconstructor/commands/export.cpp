@@ -18,9 +18,10 @@ struct ExportArguments {
   std::string model, page, single, about, json;
   std::filesystem::path relight;
   SurfaceFiles surface;
+  ImageSets images;
 
   bool has_page() const { return !page.empty() || !single.empty(); }
-  bool has_files() const { return !relight.empty() || !surface.empty(); }
+  bool of_model() const { return !relight.empty() || !surface.empty(); }
 };
 
 void export_page(const ExportArguments& arguments) {
@@ -36,25 +37,34 @@ void export_page(const ExportArguments& arguments) {
   }
 }
 
-void export_files(const ExportArguments& arguments) {
-  ReportFile json(arguments.json);
-  install_stop_signals();
+nlohmann::json export_files(const ExportArguments& arguments) {
   const SavedModel saved = open_model(arguments.model);
   nlohmann::json report = nlohmann::json::object();
   if (!arguments.surface.empty()) report.update(export_surface(*saved.snapshot, arguments.model, arguments.surface));
   if (!arguments.relight.empty())
     report["relight"] = export_relight(*saved.snapshot, arguments.model, arguments.relight);
-  json.write(report.dump(2) + "\n");
+  return report;
 }
 
-void export_model(const ExportArguments& arguments) {
-  if (!arguments.has_page() && !arguments.has_files())
-    throw ConfigError("export: say what to write: --page, --single, --gltf, --ply, --obj or --relight");
+void export_what_is_asked(const ExportArguments& arguments) {
+  if (!arguments.has_page() && !arguments.of_model() && arguments.images.empty())
+    throw ConfigError(
+        "export: say what to write: of a model --page, --single, --gltf, --ply, --obj or --relight, of a session or "
+        "photographs --transforms or --colmap");
+  if ((arguments.has_page() || arguments.of_model()) && !arguments.images.empty())
+    throw ConfigError("export: --transforms and --colmap are of a session or photographs, the others of a model");
   if (!arguments.about.empty() && !arguments.has_page()) throw ConfigError("--about: is for --page and --single");
-  if (!arguments.json.empty() && !arguments.has_files())
-    throw ConfigError("--json: is for --gltf, --ply, --obj and --relight");
+  if (!arguments.json.empty() && !arguments.of_model() && arguments.images.empty())
+    throw ConfigError("--json: is not for --page and --single");
+  if (arguments.images.empty() && (arguments.images.undistort || !arguments.images.mesh.empty()))
+    throw ConfigError("--undistort and --mesh: are for --transforms and --colmap");
+  ReportFile json(arguments.json);
   if (arguments.has_page()) export_page(arguments);
-  if (arguments.has_files()) export_files(arguments);
+  install_stop_signals();
+  nlohmann::json report;
+  if (arguments.of_model()) report = export_files(arguments);
+  if (!arguments.images.empty()) report = export_images(arguments.model, arguments.images);
+  json.write(report.dump(2) + "\n");
 }
 
 }  // namespace
@@ -62,8 +72,14 @@ void export_model(const ExportArguments& arguments) {
 void add_export_command(Command& program) {
   auto arguments = std::make_shared<ExportArguments>();
   Command command =
-      program.subcommand("export", "Writes a model for others: a page for browsers, and files of other programs.");
-  command.option("model", arguments->model, "saved model: a file or a folder").required();
+      program.subcommand("export",
+                         "Writes a model for others: a page for browsers, and files of other programs; or "
+                         "photographs as a data set of other programs.");
+  command
+      .option(
+          "model", arguments->model,
+          "saved model: a file or a folder; for --transforms and --colmap a session, a data set or a list of lights")
+      .required();
   command.option("--page", arguments->page, "folder to write the page to, for any web server");
   command.option("--single", arguments->single, "the page as one file, which opens without a server (.html)");
   command.option("--about", arguments->about,
@@ -75,8 +91,14 @@ void add_export_command(Command& program) {
   command.option("--relight", arguments->relight,
                  "an irradiance field of far lights as polynomials: FILE.ptm, or a folder in the format of the relight "
                  "tools, which OpenLIME shows");
+  command.option("--transforms", arguments->images.transforms,
+                 "new folder for images, masks and cameras as nerfstudio reads them (transforms.json)");
+  command.option("--colmap", arguments->images.colmap, "new folder for the same as a COLMAP model, text and binary");
+  command.flag("--undistort", arguments->images.undistort, "images as pinhole cameras would have taken them");
+  command.option("--mesh", arguments->images.mesh,
+                 "mesh whose vertices are the points that trainers begin with; else that of the session's model");
   command.option("--json", arguments->json, "report to write; - for standard output");
-  command.callback([arguments] { export_model(*arguments); });
+  command.callback([arguments] { export_what_is_asked(*arguments); });
 }
 
 }  // namespace sheen

@@ -23,4 +23,16 @@ nlohmann::json export_surface(const ModelSnapshot& model, const std::string& nam
 /// ConfigError for any other model, FileError.
 nlohmann::json export_relight(const ModelSnapshot& model, const std::string& name, const std::filesystem::path& out);
 
+/// Where photographs with their cameras go, as data sets of other programs; empty: not asked for.
+struct ImageSets {
+  std::filesystem::path transforms, colmap;
+  std::string mesh;  ///< whose vertices are the points that trainers begin with; empty: of the session's saved model
+  bool undistort = false;
+  bool empty() const { return transforms.empty() && colmap.empty(); }
+};
+
+/// `source`: a session, a data set or a list of lights. What was written, for the report. Throws ConfigError,
+/// FileError, also where a folder is there already.
+nlohmann::json export_images(const std::string& source, const ImageSets& sets);
+
 }  // namespace sheen

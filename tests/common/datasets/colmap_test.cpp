@@ -4,9 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <filesystem>
+#include <sstream>
 #include <vector>
 
+#include "common/base/files.h"
+#include "common/datasets/colmap_writer.h"
 #include "support/expect_error.h"
+#include "support/temp_folder.h"
 
 namespace sheen {
 namespace {
@@ -147,6 +152,81 @@ TEST(ColmapImages, BinaryAndHostileBinary) {
   std::string points = bytes;
   points.replace(8 + 4 + 56 + 4 + 6, 8, 8, '\xff');  // times 24 this would wrap round
   expect_error([&] { parse_colmap_images_binary("images.bin", points); }, {"entry 0", "points2D"});
+}
+
+DatasetView view(const std::string& name, const Camera& camera) {
+  return {.name = name,
+          .image_path = {},
+          .mask_path = {},
+          .camera = camera,
+          .camera_from_object = {Eigen::Quaterniond(0.3, -0.4, 0.5, 0.7).normalized(), {0.1, -2, 1.0 / 3}},
+          .light = {},
+          .purpose = Purpose::kUnspecified,
+          .exposure_s = {}};
+}
+
+constexpr Camera kCamera{.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 319.5, .cy = 239.25};
+
+TEST(ColmapWriting, SaysWhatTheFormatSays) {
+  const TempFolder temp;
+  DatasetView still = view("left/a.png", kCamera);
+  still.camera_from_object = {Eigen::Quaterniond(0, 1, 0, 0), {0.5, 0, 2}};
+  const std::vector<ColouredPoint> points = {{{1, -2, 0.5}, {255, 128, 0}}};
+  write_colmap(temp.path(), {still}, points);
+  const auto lines = [&](const char* file) {
+    std::string out, text = read_file(temp.path() / file);
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);)
+      if (!line.starts_with('#')) out += line + "\n";
+    return out;
+  };
+  EXPECT_EQ(lines("cameras.txt"), "1 PINHOLE 640 480 500 510 320 239.75\n");
+  EXPECT_EQ(lines("images.txt"), "1 0 1 0 0 0.5 0 2 1 left/a.png\n\n");
+  EXPECT_EQ(lines("points3D.txt"), "1 1 -2 0.5 255 128 0 -1\n");
+  std::string binary;
+  put(binary, std::uint64_t{1});
+  put(binary, std::uint64_t{1});
+  for (const double value : {1.0, -2.0, 0.5}) put(binary, value);
+  for (const int value : {255, 128, 0}) put(binary, static_cast<std::uint8_t>(value));
+  put(binary, -1.0);
+  put(binary, std::uint64_t{0});
+  EXPECT_EQ(read_file(temp.path() / "points3D.bin"), binary);
+  EXPECT_FALSE(std::filesystem::exists(temp.path() / "test.txt")) << "nobody says what is held out";
+}
+
+TEST(ColmapWriting, IsReadAgainAsItWas) {
+  Camera brown = kCamera, full = kCamera, fisheye = kCamera;
+  brown.distortion = {0.1, -0.02, 1e-3, 2e-3, 0};
+  full.distortion = {0.1, -0.02, 1e-3, 2e-3, 1.0 / 3};
+  fisheye.lens = LensModel::kFisheye;
+  fisheye.distortion = {0.1, 0.2, -0.3, 0.4};
+  const TempFolder temp;
+  const std::vector<DatasetView> views = {view("a.png", kCamera), view("b.jpg", brown), view("c.png", full),
+                                          view("d.png", fisheye), view("e.png", brown)};
+  write_colmap(temp.path(), views, {});
+  const std::string text = read_file(temp.path() / "images.txt"), binary = read_file(temp.path() / "images.bin"),
+                    cameras_text = read_file(temp.path() / "cameras.txt"),
+                    cameras_binary = read_file(temp.path() / "cameras.bin");
+  const ColmapCameras cameras = parse_colmap_cameras_text("cameras.txt", cameras_text);
+  EXPECT_EQ(cameras, parse_colmap_cameras_binary("cameras.bin", cameras_binary));
+  EXPECT_EQ(cameras.size(), 4u) << "equal ones are one";
+  for (const auto& images : {parse_colmap_images_text("images.txt", text), parse_colmap_images_binary("b", binary)}) {
+    ASSERT_EQ(images.size(), views.size());
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      EXPECT_EQ(images[i].name, views[i].name);
+      EXPECT_EQ(cameras.at(images[i].camera_id), views[i].camera) << i;
+      const Rigid3 pose = colmap_pose(images[i]), truth = views[i].camera_from_object;
+      EXPECT_EQ(pose.translation, truth.translation);
+      EXPECT_NEAR(pose.rotation.angularDistance(truth.rotation), 0, 1e-15);
+    }
+  }
+}
+
+TEST(ColmapWriting, WhatItCannotHoldIsRefused) {
+  const TempFolder temp;
+  expect_error([&] { write_colmap(temp.path(), {}, {}); }, {"no views"});
+  for (const char* name : {"a b.png", "a\n.png", ""})
+    expect_error([&] { write_colmap(temp.path(), {view(name, kCamera)}, {}); }, {"images.txt", "name"});
 }
 
 }  // namespace

@@ -259,6 +259,23 @@ TEST_F(DatasetFiles, OfColmapModelsTheLargestIsRead) {
   EXPECT_EQ(names().size(), 3u);
 }
 
+TEST_F(DatasetFiles, WhatAColmapModelHoldsOut) {
+  for (const char* name : {"images/a.png", "images/b.png", "images/c.png"}) image(name);
+  colmap("sparse/0", {"a.png", "b.png", "c.png"});
+  const std::string hash = load_dataset(root()).hash;
+  EXPECT_EQ(load_dataset(root()).views[0].purpose, Purpose::kUnspecified);
+  write("sparse/0/test.txt", "b.png\r\n\n");
+  const Dataset dataset = load_dataset(root());
+  EXPECT_EQ(dataset.views[0].purpose, Purpose::kTraining);
+  EXPECT_EQ(dataset.views[1].purpose, Purpose::kHeldOut);
+  EXPECT_THAT(dataset.warning, HasSubstr("test.txt: its 1 images are held out"));
+  EXPECT_NE(dataset.hash, hash) << "it is another data set";
+  write("sparse/0/test.txt", "");
+  EXPECT_EQ(load_dataset(root()).views[1].purpose, Purpose::kTraining) << "none is held out";
+  write("sparse/0/test.txt", "d.png\n");
+  expect_error([&] { load_dataset(root()); }, {"sparse/0/test.txt", "d.png"});
+}
+
 TEST_F(DatasetFiles, MasksOfColmapByTheNamesThatToolsGive) {
   for (const char* name : {"images/a.jpg", "images/b.jpg", "images/sub/c.jpg", "images/d.jpg", "images/e.jpg"})
     image(name);

@@ -137,6 +137,22 @@ TEST(Transforms, ListsDecideThePurpose) {
   EXPECT_EQ(views[2].name, "./images/c.jpg") << "as the dataset writes it";
 }
 
+TEST(Transforms, WhatIsWrittenSaysThePurposesAndThePoints) {
+  Json json = valid();
+  std::vector<DatasetView> views = parse(json);
+  const auto written = [&] { return Json::parse(transforms_text("/data/t.json", views, "points.ply")); };
+  EXPECT_FALSE(written().contains("train_filenames")) << "nobody says";
+  EXPECT_EQ(written()["ply_file_path"], "points.ply");
+  for (DatasetView& view : views) view.purpose = Purpose::kTraining;
+  EXPECT_EQ(written()["train_filenames"].size(), 3u);
+  EXPECT_FALSE(written().contains("test_filenames"));
+  const auto again = [&] { return parse_transforms("t.json", transforms_text("/data/t.json", views), kAllThere); };
+  EXPECT_EQ(again()[2].purpose, Purpose::kTraining) << "and not: whichever the program holds out";
+  views[1].purpose = Purpose::kHeldOut;
+  EXPECT_EQ(written()["test_filenames"], Json({"images/b.jpg"}));
+  EXPECT_EQ(again()[1].purpose, Purpose::kHeldOut);
+}
+
 TEST(Transforms, LightsStandInTheirFrames) {
   Json json = valid();
   json["frames"][0]["light_position"] = {1, -2, 3};
