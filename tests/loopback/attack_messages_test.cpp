@@ -401,8 +401,10 @@ TEST(Attack, OnThePage) {
       memory.sample();
     }
   }
-  EXPECT_TRUE(eventually(
-      [&] { return Visitor(server.port()).ask("GET /healthz HTTP/1.1" + end).starts_with("HTTP/1.1 200"); }));
+  EXPECT_TRUE(eventually([&] {
+    server.publish({});  // one that has said nothing for seconds is called stalled, with status 503
+    return Visitor(server.port()).ask("GET /healthz HTTP/1.1" + end).starts_with("HTTP/1.1 200");
+  }));
 }
 
 }  // namespace
