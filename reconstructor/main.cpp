@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   sheen::CommandLine program("sheen-reconstructor",
                              "Makes a model of how an object looks from images with poses, live or from files.");
   program.require_subcommand();
-  program.version(SHEEN_VERSION);
+  program.version(SHEEN_VERSION "\n" SHEEN_BUILT);
   sheen::add_serve_command(program);
   sheen::add_build_command(program);
   sheen::add_refine_command(program);

@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
       "sheen-tracker",
       "Grabs images of a camera, finds its pose from a stage with tags, and streams images with poses.");
   program.require_subcommand();
-  program.version(SHEEN_VERSION);
+  program.version(SHEEN_VERSION "\n" SHEEN_BUILT);
   sheen::add_run_command(program);
   sheen::add_simulate_command(program);
   sheen::add_calibrate_command(program);
