@@ -49,7 +49,8 @@ nlohmann::json export_files(const ExportArguments& arguments) {
 void export_what_is_asked(const ExportArguments& arguments) {
   if (!arguments.has_page() && !arguments.of_model() && arguments.images.empty())
     throw ConfigError(
-        "export: say what to write: of a model --page, --single, --gltf, --ply, --obj or --relight, of a session or "
+        "export: say what to write: of a model --page, --single, --gltf, --ply, --obj, --usdz or --relight, of a "
+        "session or "
         "photographs --transforms or --colmap");
   if ((arguments.has_page() || arguments.of_model()) && !arguments.images.empty())
     throw ConfigError("export: --transforms and --colmap are of a session or photographs, the others of a model");
@@ -88,6 +89,7 @@ void add_export_command(Command& program) {
   command.option("--ply", arguments->surface.ply,
                  "FILE.ply: the same in the mesh's own frame, with FILE.png beside it");
   command.option("--obj", arguments->surface.obj, "FILE.obj: the same, with FILE.mtl and FILE.png beside it");
+  command.option("--usdz", arguments->surface.usdz, "FILE.usdz: the same for telephones, +Y up");
   command.option("--relight", arguments->relight,
                  "an irradiance field of far lights as polynomials: FILE.ptm, or a folder in the format of the relight "
                  "tools, which OpenLIME shows");

@@ -11,8 +11,8 @@ namespace sheen {
 
 /// Where a surface and its mean look go; empty: not asked for.
 struct SurfaceFiles {
-  std::filesystem::path gltf, ply, obj;
-  bool empty() const { return gltf.empty() && ply.empty() && obj.empty(); }
+  std::filesystem::path gltf, ply, obj, usdz;
+  bool empty() const { return gltf.empty() && ply.empty() && obj.empty() && usdz.empty(); }
 };
 
 /// What was written, for the report. `name`: of the model. Throws ConfigError where the model has no surface that is

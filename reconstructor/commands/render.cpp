@@ -18,8 +18,11 @@
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/demand_pictures.h"
+#include "reconstructor/commands/film.h"
+#include "reconstructor/commands/move_request.h"
 #include "reconstructor/commands/picture_layers.h"
 #include "reconstructor/commands/picture_names.h"
+#include "reconstructor/commands/render_compare.h"
 #include "reconstructor/commands/render_lights.h"
 #include "reconstructor/evaluation/held_out.h"
 #include "reconstructor/render/guess_marks.h"
@@ -30,10 +33,37 @@ namespace sheen {
 namespace {
 
 struct RenderArguments {
-  std::string model, cameras, out, json;
+  std::string model, cameras, compare, out, json;
   std::vector<std::string> layers;
   bool demand = false, mark_guesses = false;
   LightRequest light;
+  MoveRequest move;
+  FilmRequest film;
+  std::optional<int> frames;  ///< of a path
+};
+
+/// A model as it is seen from given places of its file's frame.
+class ModelPainter {
+ public:
+  explicit ModelPainter(const ModelSnapshot& model) : model_(model), rays_(model.mesh()), outlines_(model.mesh()) {}
+
+  const RayPainter& rays() const { return rays_; }
+  PosedCamera place_of(const DatasetView& view) const {
+    return in_frame_at(model_.mesh().origin, PosedCamera{view.camera, view.camera_from_object});
+  }
+  /// What the camera's light keys say, for a model that knows moving light.
+  LightState light_of(const DatasetView& view) const {
+    return model_.light_kind() == LightKind::kFixed ? LightState{} : in_frame_at(model_.mesh().origin, view.light);
+  }
+  SmoothView paint(const DatasetView& view) const {
+    const PosedCamera from = place_of(view);
+    return rays_.paint_smooth(model_, outlines_, from.camera, from.camera_from_object, light_of(view));
+  }
+
+ private:
+  const ModelSnapshot& model_;
+  RayPainter rays_;
+  Outlines outlines_;
 };
 
 /// Grey picture of one channel, 8 bit.
@@ -96,21 +126,46 @@ nlohmann::json demand_json(const DemandPictures& demand) {
   return json;
 }
 
-/// What the camera's light keys say, for a model that knows moving light.
-LightState light_of(const DatasetView& view, const ModelSnapshot& model) {
-  return model.light_kind() == LightKind::kFixed ? LightState{} : in_frame_at(model.mesh().origin, view.light);
+ImageU8 picture_of(const SmoothView& painted, bool mark) {
+  ImageU8 picture = straight_srgb8(painted);
+  if (mark) mark_guesses(painted, picture);
+  return picture;
 }
 
-void render(const RenderArguments& arguments) {
+void render(RenderArguments arguments) {
   ReportFile json(arguments.json);
+  if (!arguments.compare.empty() && arguments.move.asked())
+    throw ConfigError("--compare: its cameras are those of the photographs; leave out --turntable, --orbit and --path");
+  if (arguments.frames && arguments.light.path.empty() && arguments.move.keys.empty())
+    throw ConfigError("--frames: is for --light-path and --path");
+  arguments.move.frames = arguments.frames.value_or(arguments.move.frames);
+  arguments.light.frames = arguments.frames.value_or(arguments.light.frames);
+  const bool film = is_film(arguments.out);
+  if (!arguments.compare.empty()) {
+    if (film || arguments.demand || arguments.mark_guesses || !arguments.layers.empty())
+      throw ConfigError("--compare: writes pictures into a folder, without --demand, --mark-guesses and --layers");
+    return json.write(render_comparison(arguments.model, arguments.compare, arguments.out).dump(2) + "\n");
+  }
+  if (film && (arguments.demand || !arguments.layers.empty()))
+    throw ConfigError("--demand and --layers: a video has no place for them; give a folder");
   if (arguments.light.asked())
-    return render_lights(arguments.model, arguments.light, {arguments.mark_guesses, arguments.layers}, arguments.out,
-                         json);
-  if (arguments.cameras.empty())
-    throw ConfigError("--cameras is required: from where to render; or --lights, for a model that knows moving light");
+    return render_lights(arguments.model, arguments.light, {arguments.mark_guesses, arguments.layers, arguments.film},
+                         arguments.out, json);
+  if (arguments.cameras.empty() && !arguments.move.asked())
+    throw ConfigError(
+        "--cameras is required: from where to render; or --turntable, --orbit or --path; or --lights, for a model that "
+        "knows moving light");
   const SavedModel saved = open_model(arguments.model);
   const PictureLayers layers(arguments.layers, saved.snapshot, arguments.model);
-  const std::vector<DatasetView> cameras = load_cameras(arguments.cameras);
+  const std::vector<DatasetView> cameras = arguments.move.asked()
+                                               ? views_of(arguments.move, *saved.snapshot, arguments.model)
+                                               : load_cameras(arguments.cameras);
+  const ModelPainter painter(*saved.snapshot);
+  if (film) {
+    const auto picture = [&](std::size_t i) { return picture_of(painter.paint(cameras[i]), arguments.mark_guesses); };
+    const nlohmann::json video = write_film(arguments.out, arguments.film, cameras.size(), picture);
+    return json.write(nlohmann::json{{"video", video}}.dump(2) + "\n");
+  }
   const std::filesystem::path out = arguments.out;
   check_writable_folder(out);
   make_folder(out);
@@ -118,10 +173,9 @@ void render(const RenderArguments& arguments) {
   std::vector<std::string> views;
   for (const DatasetView& view : cameras) views.push_back(view.name);
   const std::vector<std::filesystem::path> names = picture_names(views);
+  const bool linear = !arguments.move.asked() || arguments.demand || !arguments.layers.empty();
   std::optional<DemandPictures> demand;
   if (arguments.demand) demand.emplace(*saved.snapshot, arguments.model);
-  const RayPainter painter(saved.snapshot->mesh());
-  const Outlines outlines(saved.snapshot->mesh());
   const ErrorCalibration calibration = calibration_of(saved, arguments.model);
   double predicted_db = 0;
   std::size_t predicted_views = 0;
@@ -129,11 +183,8 @@ void render(const RenderArguments& arguments) {
   FarViews far;
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const PosedCamera from =
-        in_frame_at(saved.snapshot->mesh().origin, PosedCamera{cameras[i].camera, cameras[i].camera_from_object});
-    const LightState light = light_of(cameras[i], *saved.snapshot);
-    const SmoothView painted =
-        painter.paint_smooth(*saved.snapshot, outlines, from.camera, from.camera_from_object, light);
+    const PosedCamera from = painter.place_of(cameras[i]);
+    const SmoothView painted = painter.paint(cameras[i]);
     const double db = predicted_psnr_db(painted, painted.coverage);
     if (std::isfinite(db)) {
       predicted_db += db;
@@ -141,16 +192,14 @@ void render(const RenderArguments& arguments) {
     }
     const std::string name = (out / names[i]).string();
     make_folder((out / names[i]).parent_path());
-    ImageU8 png = straight_srgb8(painted);
-    if (arguments.mark_guesses) mark_guesses(painted, png);
-    write_png(name + ".png", png);
+    write_png(name + ".png", picture_of(painted, arguments.mark_guesses));
     ExrFile file;
     file.parts.push_back({"beauty", {"R", "G", "B", "A"}, premultiplied(painted), ExrPrecision::kHalf});
     file.parts.push_back({"heuristic", {"Y"}, painted.heuristic, ExrPrecision::kHalf});
     file.parts.push_back(coverage_part(painted));
-    if (demand) demand->add(painter.cast(from.camera, from.camera_from_object), from.camera, name, file);
-    layers.add(painter, from, light, file);
-    write_exr(name + ".exr", file);
+    if (demand) demand->add(painter.rays().cast(from.camera, from.camera_from_object), from.camera, name, file);
+    layers.add(painter.rays(), from, painter.light_of(cameras[i]), file);
+    if (linear) write_exr(name + ".exr", file);
     const double away_deg = nearest_photograph_deg(*saved.snapshot, camera_centre(from.camera_from_object));
     far.add(names[i].string(), away_deg);
     pictures.push_back({{"file", names[i].string()},
@@ -171,8 +220,10 @@ void render(const RenderArguments& arguments) {
 
 void add_render_command(Command& program) {
   auto arguments = std::make_shared<RenderArguments>();
-  Command command = program.subcommand(
-      "render", "Renders a saved model from given cameras or in given lights: linear EXR and PNG per view.");
+  Command command = program.subcommand("render",
+                                       "Renders a saved model from given cameras, by one that moves, or in given "
+                                       "lights: linear EXR and PNG per view, or "
+                                       "a video.");
   command.option("model", arguments->model, "saved model: a file or a folder").required();
   const Option cameras = command.option("--cameras", arguments->cameras,
                                         "transforms.json with the cameras to render, or nerfstudio's camera_path.json");
@@ -188,10 +239,14 @@ void add_render_command(Command& program) {
   luminaires.excludes({cameras, lights});
   environment.excludes({cameras, lights, luminaires});
   path.excludes({cameras, lights, luminaires, environment});
-  command.option("--frames", arguments->light.frames, "pictures of --light-path")
-      .needs(path)
-      .show_default()
+  arguments->move.add_to(command, {cameras, lights, luminaires, environment, path});
+  command
+      .option("--compare", arguments->compare,
+              "session, data set or list of lights: each photograph beside the model's picture, and its PSNR")
+      .excludes({cameras, lights, luminaires, environment, path});
+  command.option("--frames", arguments->frames, "pictures of --light-path or --path; else 60")
       .check(whole_number_in(2, 100'000));
+  arguments->film.add_to(command);
   command
       .flag("--demand", arguments->demand,
             "also what the scene required: terms, samples, bytes, as pictures and parts of the EXR")
@@ -204,7 +259,8 @@ void add_render_command(Command& program) {
       .check(is_layer());
   command.flag("--mark-guesses", arguments->mark_guesses,
                "in the PNGs, stripe what no photograph shows and tint what is imputed");
-  command.option("--out", arguments->out, "folder for the pictures").required();
+  command.option("--out", arguments->out, "folder for the pictures, or a video: FILE.mp4 (H.264) or FILE.webm (VP9)")
+      .required();
   command.option("--json", arguments->json, "report to write; - for standard output");
   command.callback([arguments] { render(*arguments); });
 }

@@ -70,29 +70,40 @@ void render_lights(const std::filesystem::path& model, const LightRequest& reque
   const SavedModel saved = open_model(model);
   const std::vector<LitPicture> pictures = pictures_of(*saved.snapshot, model, request);
   const PictureLayers layers(extras.layers, saved.snapshot, model.string());
+  const RayPainter painter(saved.snapshot->mesh());
+  const PosedCamera& from = saved.snapshot->cameras().front();
+  const auto paint = [&](const LitPicture& picture) {
+    const std::vector<LightState>& lights = picture.lights;
+    return painter.paint(*saved.snapshot, from.camera, from.camera_from_object, lights.front(),
+                         {lights.begin() + 1, lights.end()});
+  };
+  const auto shown = [&](const PaintedView& painted) {
+    ImageU8 png = to_srgb8(painted.beauty);
+    if (extras.marked) mark_guesses(painted, png);
+    return png;
+  };
+  if (is_film(out)) {
+    const nlohmann::json video =
+        write_film(out, extras.film, pictures.size(), [&](std::size_t i) { return shown(paint(pictures[i])); });
+    return json.write(nlohmann::json{{"video", video}}.dump(2) + "\n");
+  }
   check_writable_folder(out);
   make_folder(out);
 
   std::vector<std::string> views;
   for (const LitPicture& picture : pictures) views.push_back(picture.name);
   const std::vector<std::filesystem::path> names = picture_names(views);
-  const RayPainter painter(saved.snapshot->mesh());
-  const PosedCamera& from = saved.snapshot->cameras().front();
   auto written = nlohmann::json::array();
   Progress progress("rendering", pictures.size());
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     if (stop_requested()) throw Error("stopped after " + std::to_string(i) + " pictures");
-    const std::vector<LightState>& lights = pictures[i].lights;
-    const PaintedView painted = painter.paint(*saved.snapshot, from.camera, from.camera_from_object, lights.front(),
-                                              {lights.begin() + 1, lights.end()});
+    const PaintedView painted = paint(pictures[i]);
     const std::string name = (out / names[i]).string();
     make_folder((out / names[i]).parent_path());
-    ImageU8 png = to_srgb8(painted.beauty);
-    if (extras.marked) mark_guesses(painted, png);
-    write_png(name + ".png", png);
+    write_png(name + ".png", shown(painted));
     ExrFile file;
     file.parts.push_back({"beauty", {"R", "G", "B"}, painted.beauty, ExrPrecision::kHalf});
-    layers.add(painter, from, lights.front(), file);
+    layers.add(painter, from, pictures[i].lights.front(), file);
     write_exr(name + ".exr", file);
     written.push_back({{"file", names[i].string()}});
     progress.update(i + 1);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/report_file.h"
+#include "reconstructor/commands/film.h"
 
 namespace sheen {
 
@@ -23,11 +24,12 @@ struct LightRequest {
 struct PictureExtras {
   bool marked = false;              ///< guesses are marked in the PNGs (`mark_guesses`)
   std::vector<std::string> layers;  ///< `PictureLayers`
+  FilmRequest film;                 ///< where the pictures go into a video
 };
 
 /// Renders a saved model that knows moving light, seen by its own camera: linear EXR and PNG, named as in the list or
-/// file; `json` gets their list. Throws ConfigError for a model of fixed light or of another kind of light, or without
-/// one of the layers.
+/// file, or a video; `json` gets their list. Throws ConfigError for a model of fixed light or of another kind of light,
+/// or without one of the layers.
 void render_lights(const std::filesystem::path& model, const LightRequest& request, const PictureExtras& extras,
                    const std::filesystem::path& out, ReportFile& json);
 

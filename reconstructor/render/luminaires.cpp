@@ -8,6 +8,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/order_statistics.h"
+#include "reconstructor/render/smooth_path.h"
 
 namespace sheen {
 namespace {
@@ -49,11 +50,6 @@ struct Cell {
   Vector3d direction = Vector3d::Zero();  ///< weighted by its light
   Vector3d rgb = Vector3d::Zero();        ///< radiance times solid angle
 };
-
-Vector3d catmull_rom(const Vector3d& before, const Vector3d& a, const Vector3d& b, const Vector3d& after, double t) {
-  const Vector3d start = (b - before) / 2, end = (after - a) / 2;
-  return a + t * (start + t * (3 * (b - a) - 2 * start - end + t * (2 * (a - b) + start + end)));
-}
 
 }  // namespace
 
@@ -121,17 +117,18 @@ EnvironmentLights lights_of(const ImageF& environment, std::span<const LightStat
 }
 
 std::vector<LightState> light_path(std::span<const LightState> keys, int frames) {
+  std::vector<Vector3d> places;
+  for (const LightState& key : keys) places.push_back(key.position);
+  const std::vector<Vector3d> smooth = smooth_path(places, frames, false);
   std::vector<LightState> path;
   const auto last = static_cast<double>(keys.size() - 1);
   for (int i = 0; i < frames; ++i) {
     const double at = last * i / (frames - 1);
     const auto k = std::min(static_cast<std::size_t>(at), keys.size() - 2);
-    const double t = at - static_cast<double>(k);
-    const LightState &a = keys[k], &b = keys[k + 1];
-    const LightState &before = keys[k == 0 ? 0 : k - 1], &after = keys[std::min(k + 2, keys.size() - 1)];
-    LightState light = a;
-    light.position = catmull_rom(before.position, a.position, b.position, after.position, t);
-    light.rgb = static_cast<float>(1 - t) * a.rgb + static_cast<float>(t) * b.rgb;
+    const auto t = static_cast<float>(at - static_cast<double>(k));
+    LightState light = keys[k];
+    light.position = smooth[static_cast<std::size_t>(i)];
+    light.rgb = (1 - t) * keys[k].rgb + t * keys[k + 1].rgb;
     if (light.kind == LightKind::kDirectional) light.position.normalize();
     path.push_back(light);
   }
