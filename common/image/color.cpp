@@ -2,7 +2,6 @@
 #include "common/image/color.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -10,11 +9,11 @@ namespace sheen {
 namespace {
 
 /// x^(5/12) of a normal float > 0, to 1e-6 of its value: 2^(5/12 log2 x) by polynomials (interpolation at Chebyshev
-/// nodes), without a branch, so that loops over it are vectorised.
+/// nodes), without a branch, so that loops over it are vectorised. (The library of emscripten has no std::bit_cast.)
 inline float power_5_12(float x) {
-  const auto bits = std::bit_cast<std::int32_t>(x);
+  const auto bits = __builtin_bit_cast(std::int32_t, x);
   const auto exponent = static_cast<float>((bits >> 23) - 127);
-  const float z = std::bit_cast<float>((bits & 0x7fffff) | 0x3f800000) - 1;  // mantissa - 1, in [0, 1)
+  const float z = __builtin_bit_cast(float, (bits & 0x7fffff) | 0x3f800000) - 1;  // mantissa - 1, in [0, 1)
   const float log2 =
       ((((((0.02001665f * z - 0.09462681f) * z + 0.21394321f) * z - 0.3383772f) * z + 0.47749636f) * z - 0.7211441f) *
            z +
@@ -28,7 +27,7 @@ inline float power_5_12(float x) {
   const float exp2 =
       ((((0.001893754f * part + 0.00894959f) * part + 0.05586034f) * part + 0.24014182f) * part + 0.6931545f) * part +
       0.9999999f;
-  return exp2 * std::bit_cast<float>((whole + 127) << 23);
+  return exp2 * __builtin_bit_cast(float, (whole + 127) << 23);
 }
 
 inline float encode(float x) {
