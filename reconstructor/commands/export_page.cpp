@@ -4,6 +4,7 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "reconstructor/irradiance_field_file/field_reader.h"
 #include "reconstructor/light_field_file/light_field_file.h"
 
 namespace sheen {
@@ -21,27 +23,43 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr std::string_view kPageFile = "index.html", kStyleFile = "sheen.css", kScriptFile = "sheen.js",
-                           kWorkerFile = "worker.js", kDecoderFile = "sheen.wasm", kModelFile = "model.slf";
+                           kWorkerFile = "worker.js", kDecoderFile = "sheen.wasm";
+
+/// What a page takes for models of a kind. Its script knows them by how the model's file is called.
+struct PageKind {
+  bool (*reads)(std::string_view start);
+  std::string_view model, worker, decoder;  ///< the model's file in a page; of the build, its worker and its decoder
+};
+constexpr std::array<PageKind, 2> kKinds{{
+    {is_light_field_file, "model.slf", "light_field_worker.js", "light_field.wasm"},
+    {is_field_file, "model.rif", "relit_worker.js", "relit.wasm"},
+}};
 
 /// Where the build or the installation put the page: beside the program's own folder.
 fs::path page_folder() {
   const fs::path program = fs::read_symlink("/proc/self/exe").parent_path();
   for (const char* place : {"../page", "../share/sheen/page"})
-    if (fs::exists(program / place / kDecoderFile)) return (program / place).lexically_normal();
+    if (fs::exists(program / place / kScriptFile)) return (program / place).lexically_normal();
   throw Error(
       "this build of the program has no page for browsers: install what it is made with (deploy/install "
       "packages-wasm.txt) and build again (deploy/build)");
 }
 
-/// The bytes of a model that the page draws.
-std::string model_bytes(const fs::path& model) {
+struct PageModelFile {
+  const PageKind* kind;
+  std::string bytes;
+};
+
+/// A model that a page draws.
+PageModelFile model_for_page(const fs::path& model) {
   if (fs::is_directory(model))
     throw ConfigError(model.string() +
                       ": a page takes a model that is one file: sheen-reconstructor compress makes it");
   std::string bytes = read_file(model);
-  if (!is_light_field_file(bytes))
-    throw ConfigError(model.string() + ": a page shows surface light fields (.slf), and this is none");
-  return bytes;
+  for (const PageKind& kind : kKinds)
+    if (kind.reads(bytes)) return {&kind, std::move(bytes)};
+  throw ConfigError(model.string() +
+                    ": a page shows surface light fields (.slf) and irradiance fields (.rif), and this is neither");
 }
 
 std::string escaped(std::string_view text) {
@@ -78,12 +96,13 @@ void put(std::string& page, std::string_view place, const std::string& what) {
   page.replace(at, place.size(), what);
 }
 
-std::string titled_page(const fs::path& from, const PageText& text) {
+std::string titled_page(const fs::path& from, const PageKind& kind, const PageText& text) {
   std::string page = read_file(from / kPageFile);
   const std::string title = escaped(text.title);
   put(page, "<title>Sheen</title>", "<title>" + title + "</title>");
   put(page, "<h1 id=\"title\">Sheen</h1>", "<h1 id=\"title\">" + title + "</h1>");
   put(page, "id=\"about\">{}<", "id=\"about\">" + text.about + "<");
+  put(page, "data-model=\"model.slf\"", "data-model=\"" + std::string(kind.model) + "\"");
   return page;
 }
 
@@ -114,9 +133,9 @@ void check_fields(const Json& object, std::initializer_list<std::string_view> kn
 }
 
 void check_about(const Json& about) {
-  check_fields(about, {"title", "text", "notes", "up", "eye", "target"}, "");
+  check_fields(about, {"title", "text", "notes", "up", "eye", "target", "light"}, "");
   for (const char* field : {"title", "text"}) check_string(about, field, false, "");
-  for (const char* field : {"up", "eye", "target"}) check_point(about, field, false, "");
+  for (const char* field : {"up", "eye", "target", "light"}) check_point(about, field, false, "");
   const Json notes = about.value("notes", Json::array());
   if (!notes.is_array()) throw std::runtime_error("\"notes\" is not a list [ ... ]");
   for (std::size_t i = 0; i < notes.size(); ++i) {
@@ -156,23 +175,24 @@ PageText read_page_text(const fs::path& file, const fs::path& model) {
 }
 
 void write_page(const fs::path& model, const fs::path& folder, const PageText& text) {
-  const std::string bytes = model_bytes(model);
+  const auto [kind, bytes] = model_for_page(model);
   const fs::path from = page_folder();
   make_folder(folder);
-  for (const std::string_view file : {kStyleFile, kScriptFile, kWorkerFile, kDecoderFile})
-    write_file(folder / file, read_file(from / file));
-  write_file(folder / kModelFile, bytes);
-  write_file(folder / kPageFile, titled_page(from, text));
+  for (const std::string_view file : {kStyleFile, kScriptFile}) write_file(folder / file, read_file(from / file));
+  write_file(folder / kWorkerFile, read_file(from / kind->worker));
+  write_file(folder / kDecoderFile, read_file(from / kind->decoder));
+  write_file(folder / kind->model, bytes);
+  write_file(folder / kPageFile, titled_page(from, *kind, text));
 }
 
 void write_single_page(const fs::path& model, const fs::path& file, const PageText& text) {
-  const std::string bytes = model_bytes(model);
+  const auto [kind, bytes] = model_for_page(model);
   const fs::path from = page_folder();
-  std::string page = titled_page(from, text);
+  std::string page = titled_page(from, *kind, text);
   put(page, "<link rel=\"stylesheet\" href=\"sheen.css\">", "<style>\n" + read_file(from / kStyleFile) + "</style>");
   put(page, "<script src=\"sheen.js\" defer></script>",
-      inside("sheen-worker", read_file(from / kWorkerFile)) +
-          inside("sheen-wasm", base64(read_file(from / kDecoderFile))) + inside("sheen-model", base64(bytes)) +
+      inside("sheen-worker", read_file(from / kind->worker)) +
+          inside("sheen-wasm", base64(read_file(from / kind->decoder))) + inside("sheen-model", base64(bytes)) +
           "<script>\n" + read_file(from / kScriptFile) + "</script>");
   write_file(file, page);
 }

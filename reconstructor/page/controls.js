@@ -5,7 +5,8 @@ const TURN_PER_SIDE = 3.2; // rad, for a drag along the shorter side of the pict
 const KEY_TURN = Math.PI / 24, KEY_PAN = 0.05, KEY_ZOOM = 1.12, WHEEL_ZOOM = 1.0015;
 
 export class Controls {
-  /** `hands`: { orbit(right, up), pan(right, up), zoom(factor), key(name) -> whether it is one of the page's }. */
+  /** `hands`: { orbit(right, up), drag(right, down), pan(right, up), zoom(factor), key(name) -> whether it is one of
+   * the page's }; `drag` is what a dragging hand does, `orbit` what arrow keys do, both in rad. */
   constructor(canvas, hands) {
     Object.assign(this, { canvas, hands });
     this.pointers = new Map();
@@ -44,7 +45,7 @@ export class Controls {
     } else if (event.shiftKey || event.buttons & 6) {
       this.hands.pan(-dx, dy);
     } else {
-      this.hands.orbit(-TURN_PER_SIDE * dx, TURN_PER_SIDE * dy);
+      this.hands.drag(TURN_PER_SIDE * dx, TURN_PER_SIDE * dy);
     }
     this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
   }

@@ -20,5 +20,5 @@ export function loadModel(on) {
   worker.onerror = () => on.failed({ message: "The decoder could not be started." });
   worker.postMessage({ type: "open", program: source("sheen-wasm", "sheen.wasm"),
                        model: source("sheen-model", document.body.dataset.model) });
-  return { look: (eye, id) => worker.postMessage({ type: "look", eye, id }) };
+  return { ask: (message) => worker.postMessage(message) };
 }

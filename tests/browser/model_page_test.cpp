@@ -37,13 +37,13 @@ struct Eye {
   Eigen::Vector3d place, target, up;
 };
 
-/// Shows the page in a frame, asks it for a picture from each eye, and posts them.
+/// Shows the page in a frame, asks it for a picture from each eye, or in each light, and posts them.
 const char* const kAsking =
     R"html(<!doctype html><iframe src="page/index.html" width="480" height="360" style="border:0"></iframe>
 <script>
 const post = (path, body) => fetch(path, { method: "POST", body });
 (async () => {
-  const { eyes, lose } = await (await fetch("eyes.json")).json(), frame = document.querySelector("iframe");
+  const { eyes, lights, lose } = await (await fetch("eyes.json")).json(), frame = document.querySelector("iframe");
   const state = () => frame.contentWindow.sheen?.figures().state;
   while (state() !== "whole" && state() !== "failed") await new Promise((go) => setTimeout(go, 20));
   const { sheen } = frame.contentWindow;
@@ -60,6 +60,10 @@ const post = (path, body) => fetch(path, { method: "POST", body });
     await restored;
     await post("picture", (await sheen.lookFrom(eye, target, up, { markGuesses: false })).pixels);
   }
+  for (const light of lights) {
+    const { width, height, pixels } = await sheen.lightFrom(light);
+    await post(`lit?width=${width}&height=${height}`, pixels);
+  }
   await post("done", JSON.stringify({ ...sheen.figures(),
                                       failure: frame.contentDocument.getElementById("failure").textContent }));
 })().catch((error) => post("done", JSON.stringify({ failure: String(error) })));
@@ -71,14 +75,13 @@ struct Shown {
   Json figures;
 };
 
-/// A folder, served to a browser, whose page is asked for pictures; `lose`: each twice, the second one when it has lost
-/// its graphics and got them back.
-Shown shown_in_browser(const fs::path& folder, const std::vector<Eye>& eyes, bool lose = false) {
-  Json list = Json::array();
-  const auto numbers = [](const Eigen::Vector3d& v) { return std::vector<double>(v.begin(), v.end()); };
-  for (const Eye& eye : eyes)
-    list.push_back({{"eye", numbers(eye.place)}, {"target", numbers(eye.target)}, {"up", numbers(eye.up)}});
-  write_file(folder / "eyes.json", Json{{"eyes", list}, {"lose", lose}}.dump());
+std::vector<double> numbers(const Eigen::Vector3d& v) {
+  return {v.begin(), v.end()};
+}
+
+/// A folder, served to a browser, whose page is asked for pictures, as `asked` says.
+Shown shown_in_browser(const fs::path& folder, const Json& asked) {
+  write_file(folder / "eyes.json", asked.dump());
   write_file(folder / "ask.html", kAsking);
 
   Shown shown;
@@ -91,6 +94,12 @@ Shown shown_in_browser(const fs::path& folder, const std::vector<Eye>& eyes, boo
     for (int y = 0; y < kHeight; ++y)  // its bottom row is the first
       std::copy_n(request.body.data() + std::size_t(kHeight - 1 - y) * kWidth * 4, std::size_t(kWidth) * 4,
                   reinterpret_cast<char*>(picture.row(y)));
+    shown.pictures.push_back(std::move(picture));
+  });
+  server.Post("/lit", [&](const httplib::Request& request, httplib::Response&) {
+    ImageU8 picture(std::stoi(request.get_param_value("width")), std::stoi(request.get_param_value("height")), 4);
+    if (request.body.size() != picture.size()) return;
+    std::copy_n(request.body.data(), picture.size(), reinterpret_cast<char*>(picture.data()));
     shown.pictures.push_back(std::move(picture));
   });
   server.Post("/done", [&](const httplib::Request& request, httplib::Response&) { done.set_value(request.body); });
@@ -112,6 +121,14 @@ Shown shown_in_browser(const fs::path& folder, const std::vector<Eye>& eyes, boo
   server.stop();
   serving.join();
   return shown;
+}
+
+/// From these eyes; `lose`: twice from each, the second time when the page has lost its graphics and got them back.
+Shown shown_in_browser(const fs::path& folder, const std::vector<Eye>& eyes, bool lose = false) {
+  Json list = Json::array();
+  for (const Eye& eye : eyes)
+    list.push_back({{"eye", numbers(eye.place)}, {"target", numbers(eye.target)}, {"up", numbers(eye.up)}});
+  return shown_in_browser(folder, {{"eyes", list}, {"lights", Json::array()}, {"lose", lose}});
 }
 
 /// How far a picture is off, where no outline of the surface runs near.
@@ -166,7 +183,7 @@ class ModelPage : public ::testing::Test {
  protected:
   void SetUp() override {
     if (std::system("command -v chromium > /dev/null 2>&1") != 0) GTEST_SKIP() << "chromium is not installed";
-    if (!fs::exists(SHEEN_PAGE_FOLDER "/sheen.wasm"))
+    if (!fs::exists(SHEEN_PAGE_FOLDER "/light_field.wasm"))
       GTEST_SKIP() << "this build has no page (deploy/install packages-wasm.txt, then build again)";
   }
   TempFolder folder_;
@@ -195,11 +212,58 @@ TEST_F(ModelPage, ShowsThePicturesOfTheRayPainter) {
   }
 }
 
+TEST_F(ModelPage, ShowsAnIrradianceFieldInAnyLight) {
+  const fs::path file = SHEEN_GOLDEN_FOLDER "/relief.rif";
+  write_page(file, folder_.path() / "page", page_text(file));
+  const SavedModel saved = open_model(file);
+  const PosedCamera& from = saved.snapshot->cameras().front();
+  const RayPainter painter(saved.snapshot->mesh());
+  std::vector<Eigen::Vector3d> lights{saved.snapshot->lights().front().position};
+  for (int i = 0; i < 8; ++i) {
+    const double turn = 2.4 * i, lean = 0.15 * i;
+    lights.emplace_back(std::sin(lean) * std::cos(turn), std::sin(lean) * std::sin(turn), std::cos(lean));
+  }
+  Json list = Json::array();
+  for (const Eigen::Vector3d& light : lights) list.push_back(numbers(light));
+  const Shown shown = shown_in_browser(folder_.path(), {{"eyes", Json::array()}, {"lights", list}, {"lose", false}});
+  EXPECT_EQ(shown.figures.at("failure"), "");
+  ASSERT_EQ(shown.pictures.size(), lights.size());
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const ImageU8 truth = to_srgb8(painter
+                                       .paint(*saved.snapshot, from.camera, from.camera_from_object,
+                                              {.kind = LightKind::kDirectional, .position = lights[i]})
+                                       .beauty);
+    const ImageU8& picture = shown.pictures[i];
+    ASSERT_EQ(picture.width(), truth.width());
+    ASSERT_EQ(picture.height(), truth.height());
+    int most = 0;
+    double mean = 0;
+    for (int y = 0; y < truth.height(); ++y)
+      for (int x = 0; x < truth.width(); ++x)
+        for (int c = 0; c < 3; ++c) {
+          const int off = std::abs(int{picture.at(x, y, c)} - int{truth.at(x, y, c)});
+          most = std::max(most, off);
+          mean += off;
+        }
+    EXPECT_LE(most, 2) << "light " << i;
+    EXPECT_LE(mean / static_cast<double>(truth.size()), 0.25) << "light " << i;
+  }
+}
+
+TEST_F(ModelPage, AnIrradianceFieldIsOneFileToo) {
+  make_folder(folder_.path() / "page");
+  const fs::path file = SHEEN_GOLDEN_FOLDER "/relief.rif";
+  write_single_page(file, folder_.path() / "page" / "index.html", page_text(file));
+  const Shown shown = shown_in_browser(folder_.path(), std::vector<Eye>{});
+  EXPECT_EQ(shown.figures.at("failure"), "");
+  EXPECT_EQ(shown.figures.at("state"), "whole");
+}
+
 TEST_F(ModelPage, IsOneFileToo) {
   make_folder(folder_.path() / "page");
   const fs::path file = SHEEN_GOLDEN_FOLDER "/sphere.slf";
   write_single_page(file, folder_.path() / "page" / "index.html", page_text(file));
-  const Shown shown = shown_in_browser(folder_.path(), {});
+  const Shown shown = shown_in_browser(folder_.path(), std::vector<Eye>{});
   EXPECT_EQ(shown.figures.at("failure"), "");
   EXPECT_EQ(shown.figures.at("state"), "whole");
 }
@@ -207,7 +271,7 @@ TEST_F(ModelPage, IsOneFileToo) {
 TEST_F(ModelPage, ShowsTheSameAfterTheGraphicsWereLost) {
   const fs::path file = SHEEN_GOLDEN_FOLDER "/sphere.slf";
   write_page(file, folder_.path() / "page", page_text(file));
-  const Shown shown = shown_in_browser(folder_.path(), {{{1, -2, 0.5}, {0, 0, 0}, {0, 0, 1}}}, true);
+  const Shown shown = shown_in_browser(folder_.path(), std::vector<Eye>{{{1, -2, 0.5}, {0, 0, 0}, {0, 0, 1}}}, true);
   EXPECT_EQ(shown.figures.at("failure"), "");
   ASSERT_EQ(shown.pictures.size(), 2);
   EXPECT_TRUE(std::equal(shown.pictures[0].data(), shown.pictures[0].data() + shown.pictures[0].size(),
@@ -219,7 +283,7 @@ TEST_F(ModelPage, ACutFileIsAPictureAndADamagedOneANamedError) {
   const std::string bytes = read_file(file);
   write_page(file, page, page_text(file));
   write_file(page / "model.slf", bytes.substr(0, bytes.find("STAT")));
-  const Shown cut = shown_in_browser(folder_.path(), {{{1, -2, 0.5}, {0, 0, 0}, {0, 0, 1}}});
+  const Shown cut = shown_in_browser(folder_.path(), std::vector<Eye>{{{1, -2, 0.5}, {0, 0, 0}, {0, 0, 1}}});
   EXPECT_EQ(cut.figures.at("failure"), "");
   EXPECT_GT(cut.figures.at("missingLayers"), 0);
   EXPECT_EQ(cut.pictures.size(), 1);
@@ -228,7 +292,7 @@ TEST_F(ModelPage, ACutFileIsAPictureAndADamagedOneANamedError) {
   damaged[bytes.find("VERT") + 40] ^= 1;
   write_file(page / "model.slf", damaged);
   fs::remove_all(folder_.path() / "profile");
-  const Shown none = shown_in_browser(folder_.path(), {});
+  const Shown none = shown_in_browser(folder_.path(), std::vector<Eye>{});
   EXPECT_EQ(none.figures.at("state"), "failed");
   EXPECT_THAT(none.figures.at("failure").get<std::string>(), ::testing::HasSubstr("chunk \"VERT\" is damaged"));
 }

@@ -56,9 +56,9 @@ TEST_F(PageExport, TextEndsNoScriptOfThePage) {
 }
 
 TEST_F(PageExport, OtherModelsAreRefusedBeforeAnythingIsWritten) {
-  write_file(folder_.path() / "other.rif", "sheenRIF and so on");
+  write_file(folder_.path() / "other.ilg", "sheenILG and so on");
   const std::filesystem::path page = folder_.path() / "page";
-  EXPECT_THROW(write_page(folder_.path() / "other.rif", page, {}), ConfigError);
+  EXPECT_THROW(write_page(folder_.path() / "other.ilg", page, {}), ConfigError);
   EXPECT_THROW(write_page(folder_.path(), page, {}), ConfigError);
   EXPECT_THROW(write_page(folder_.path() / "none.slf", page, {}), FileError);
   EXPECT_FALSE(std::filesystem::exists(page));

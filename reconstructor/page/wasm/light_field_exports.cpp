@@ -4,15 +4,16 @@
 #include <emscripten.h>
 
 #include <cstdint>
-#include <exception>
-#include <new>
-#include <string>
+#include <vector>
 
+#include "reconstructor/page/wasm/exchange.h"
 #include "reconstructor/page/wasm/page_model.h"
 
 namespace {
 
 using sheen::PageModel;
+using sheen::page::table_of;
+using sheen::page::tried;
 
 enum TableName : std::uint32_t {
   kError,
@@ -27,54 +28,22 @@ enum TableName : std::uint32_t {
   kCoefficients
 };
 
-struct Table {
-  const void* data = nullptr;
-  std::uint32_t bytes = 0;
-};
-
-std::string& file() {
-  static std::string bytes;
-  return bytes;
-}
 PageModel& model() {
   static PageModel model("this model");
   return model;
 }
-std::string& error() {
-  static std::string text;
-  return text;
-}
-
-template <typename Call>
-int tried(const Call& call) {
-  try {
-    return static_cast<int>(call());
-  } catch (const std::bad_alloc&) {
-    error() = "There is not enough memory for this model.";
-  } catch (const std::exception& failed) {
-    error() = failed.what();
-  }
-  return -1;
-}
-
-template <typename Numbers>
-Table table_of(const Numbers& numbers) {
-  return {numbers.data(), static_cast<std::uint32_t>(numbers.size() * sizeof(*numbers.data()))};
-}
-
 }  // namespace
 
 extern "C" {
 
 /// Room for so many bytes more of the file.
 EMSCRIPTEN_KEEPALIVE char* sheen_more(std::uint32_t bytes) {
-  file().resize(file().size() + bytes);
-  return file().data() + file().size() - bytes;
+  return sheen::page::room_for(bytes);
 }
 
 /// PageModel::read of what is there.
 EMSCRIPTEN_KEEPALIVE int sheen_read(int whole) {
-  return tried([&] { return model().read(file(), whole != 0); });
+  return tried([&] { return model().read(sheen::page::file(), whole != 0); });
 }
 
 /// Bytes of the next rows of terms, which are then the table `kTerms`.
@@ -104,8 +73,8 @@ EMSCRIPTEN_KEEPALIVE std::uint32_t sheen_term_texels() {
 }
 
 /// Address and length of a table, two numbers of 32 bits; until the next call.
-EMSCRIPTEN_KEEPALIVE const Table* sheen_table(std::uint32_t name) {
-  static Table table;
+EMSCRIPTEN_KEEPALIVE const sheen::page::Table* sheen_table(std::uint32_t name) {
+  static sheen::page::Table table;
   static std::vector<double> scene;
   static std::vector<float> cameras;
   static std::vector<std::uint32_t> edges;
@@ -138,7 +107,7 @@ EMSCRIPTEN_KEEPALIVE const Table* sheen_table(std::uint32_t name) {
       table = table_of(model().coefficients());
       break;
     default:
-      table = table_of(error());
+      table = table_of(sheen::page::error());
   }
   return &table;
 }
