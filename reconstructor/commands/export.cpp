@@ -6,6 +6,7 @@
 #include "common/base/errors.h"
 #include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
+#include "common/session/session.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/export_page.h"
@@ -38,6 +39,8 @@ void export_page(const ExportArguments& arguments) {
 }
 
 nlohmann::json export_files(const ExportArguments& arguments) {
+  if (Session::exists(arguments.model))
+    throw ConfigError(arguments.model + ": is a session; its model is " + arguments.model + "/" + kSessionModel);
   const SavedModel saved = open_model(arguments.model);
   nlohmann::json report = nlohmann::json::object();
   if (!arguments.surface.empty()) report.update(export_surface(*saved.snapshot, arguments.model, arguments.surface));

@@ -111,6 +111,15 @@ class ImageFolder {
   std::vector<DatasetView> views_;
 };
 
+bool is_saved_model(const std::string& path) {
+  try {
+    kind_of_model(path);
+    return true;
+  } catch (const FileError&) {
+    return false;
+  }
+}
+
 /// What `build` holds out where the captures do not say: of a model for what moves between them.
 int hold_out_every(const RigMotion& motion) {
   return SceneRequest({}, "auto").chosen_by(motion).settings->hold_out_every;
@@ -182,6 +191,8 @@ nlohmann::json export_set(const CaptureSet& captures, int every, const std::opti
 nlohmann::json export_images(const std::string& source, const ImageSets& sets) {
   for (const fs::path& folder : {sets.transforms, sets.colmap})
     if (!folder.empty()) check_writable_folder(folder);
+  if (is_saved_model(source))
+    throw ConfigError(source + ": is a model, which keeps no photographs; give the session or the data set of it");
   const CaptureSet captures = open_capture_set(source);
   if (captures.size == 0) throw FileError(source, "has no image to export");
   const int every = hold_out_every(captures.motion());

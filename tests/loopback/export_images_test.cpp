@@ -137,6 +137,12 @@ TEST_F(ExportImages, NothingIsOverwrittenAndWrongUseIsTold) {
                  {"of a model"});
   expect_outcome(export_to(data_.folder, {"--undistort", "--gltf", temp_.path() / "a.glb"}), 2, {"--undistort"});
   expect_outcome(export_to(data_.folder, {"--colmap", colmap_, "--mesh", temp_.path() / "none.ply"}), 1, {"none.ply"});
+  expect_outcome(export_to(session({"a"}), {"--gltf", temp_.path() / "a.glb"}), 2, {"is a session", "session/model"});
+  const fs::path model = temp_.path() / "model";
+  expect_outcome(run_to_end(reconstructor({"build", data_.folder, "--mesh", data_.mesh(), "--config", data_.scene(),
+                                           "--no-refine", "--out", model, "--loss", "0dB"})),
+                 0, {});
+  expect_outcome(export_to(model, {"--colmap", colmap_}), 2, {"is a model", "session"});
   expect_outcome(export_to(temp_.path() / "nowhere", {"--colmap", colmap_}), 1, {"nowhere"});
   EXPECT_FALSE(fs::exists(colmap_)) << "nothing is left of what failed";
 }
