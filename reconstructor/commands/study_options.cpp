@@ -8,6 +8,7 @@ namespace sheen {
 void StudyOptions::apply(SurfaceLightFieldOptions& options) const {
   set(options, "interpolation", interpolation);
   set(options, "imputation", imputation);
+  set(options, "visibility", visibility);
 }
 
 void add_study_options(Command& command, StudyOptions& options) {
@@ -20,6 +21,11 @@ void add_study_options(Command& command, StudyOptions& options) {
       .option("--imputation", options.imputation,
               "imputation of what images do not show: most-probable, or least-squares with gates as in the paper")
       .check(one_of({"most-probable", "least-squares"}))
+      .group("Studies");
+  command
+      .option("--visibility", options.visibility,
+              "what decides whether an image shows a sample: samples, or the triangle's vertices as in the paper")
+      .check(one_of({"samples", "vertices"}))
       .group("Studies");
 }
 

@@ -9,14 +9,14 @@ namespace sheen {
 
 class Command;
 
-/// The two ways in which Sheen departs most from the paper, selectable to compare with the paper's own.
+/// The ways in which a model departs most from the paper, selectable to compare with the paper's own.
 struct StudyOptions {
-  std::string interpolation = "kriging", imputation = "most-probable";
+  std::string interpolation = "kriging", imputation = "most-probable", visibility = "samples";
 
   void apply(SurfaceLightFieldOptions& options) const;
 };
 
-/// --interpolation and --imputation, in a group of their own.
+/// --interpolation, --imputation and --visibility, in a group of their own.
 void add_study_options(Command& command, StudyOptions& options);
 
 }  // namespace sheen

@@ -16,7 +16,7 @@ constexpr float kFarCosine = 0.94f;  // 20 degrees: an image from there would sa
 }  // namespace
 
 float SurfaceQuality::heuristic() const {
-  return seen ? std::min(1.0f, error / kWorstError) : 1;
+  return seen ? another_heuristic.value_or(std::min(1.0f, error / kWorstError)) : 1;
 }
 
 QualityReason SurfaceQuality::reason() const {

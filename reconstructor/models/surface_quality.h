@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 
 #include "reconstructor/surface/sample_state.h"
 
@@ -23,8 +24,10 @@ struct SurfaceQuality {
   float error = 0.14f;        ///< RMS of encoded values by which it is expected to be wrong; 0.14 of a guess
   float nearest_cosine = -1;  ///< of the angle to the nearest image's direction
   float best_cosine = 0;      ///< of the most frontal image; 0..1
+  std::optional<float> another_heuristic;  ///< that is asked for in place of the error's, 0..1; of what was seen
 
-  /// The quality heuristic, 0 = well known .. 1 = not at all: the error over 0.1 (20 dB); 1 where nothing was seen.
+  /// The quality heuristic, 0 = well known .. 1 = not at all: the error over 0.1 (20 dB) unless another is asked for;
+  /// 1 where nothing was seen.
   float heuristic() const;
   QualityReason reason() const;
 };

@@ -84,7 +84,7 @@ std::size_t by_paper_heuristic(const std::vector<Candidate>& all, const std::vec
   const auto snapshot = model.light_field_snapshot();
   const PaperHeuristic heuristic(*snapshot, vertex_stride(snapshot->mesh()));
   return most_wanting(all, left,
-                      [&](std::size_t vertex, const Eigen::Vector3d& eye) { return heuristic.of_ring(vertex, eye); });
+                      [&](std::size_t vertex, const Eigen::Vector3d& eye) { return heuristic.of_vertex(vertex, eye); });
 }
 
 /// What the window paints red.

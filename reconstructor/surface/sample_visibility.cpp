@@ -11,6 +11,8 @@
 #include <span>
 #include <utility>
 
+#include "reconstructor/surface/vertex_visibility.h"
+
 namespace sheen {
 SampleVisibility::SampleVisibility(const Mesh& mesh, const MapLayout& maps, const VisibilityOptions& options,
                                    std::shared_ptr<const RayScene> scene)
@@ -35,10 +37,15 @@ void SampleVisibility::use(const MapLayout& maps) {
 const SurfaceView& SampleVisibility::look(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
   view_.eye = camera_centre(camera_from_object);
   cast_depth(camera, camera_from_object, mask);
-  erode_depth(camera);
   find_facing();
   projection_.use(camera, camera_from_object);
-  test_samples(camera);
+  if (options_.test == VisibilityTest::kSamples) {
+    erode_depth(camera);
+    test_samples(camera);
+  } else {
+    ignore_edges();
+    test_vertices(camera, camera_from_object, mask);
+  }
   view_.visible_samples =
       std::accumulate(view_.visible_in_triangle.begin(), view_.visible_in_triangle.end(), std::size_t{0});
   return view_;
@@ -145,6 +152,12 @@ void SampleVisibility::erode_depth(const Camera& camera) {
   });
 }
 
+void SampleVisibility::ignore_edges() {
+  std::fill_n(view_.from_edge.data(), view_.from_edge.size(), std::uint8_t{2});
+  for (std::size_t i = 0; i < view_.safe_depth.size(); ++i)
+    view_.safe_depth.data()[i] = std::max(view_.safe_depth.data()[i], 0.0f);
+}
+
 void SampleVisibility::find_facing() {
   const Eigen::Vector3f eye = view_.eye.cast<float>();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 1024), [&](const auto& range) {
@@ -157,11 +170,34 @@ void SampleVisibility::find_facing() {
   });
 }
 
+float SampleVisibility::nearer(const Camera& camera) const {
+  return static_cast<float>(1 - options_.depth_tolerance / std::min(camera.fx, camera.fy));
+}
+
 void SampleVisibility::test_samples(const Camera& camera) {
-  const auto nearer = static_cast<float>(1 - options_.depth_tolerance / std::min(camera.fx, camera.fy));
-  const auto largest_x = static_cast<float>(camera.width - 2), largest_y = static_cast<float>(camera.height - 2);
+  const float closest = nearer(camera);
   const float* const safe_depth = view_.safe_depth.data();
   const std::ptrdiff_t width = view_.safe_depth.width();
+  mark_samples(
+      camera, [](std::size_t) { return true; },
+      [=](int column, int row, float z) { return closest * z <= safe_depth[row * width + column]; });
+}
+
+void SampleVisibility::test_vertices(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask) {
+  const std::vector<std::uint8_t> visible =
+      visible_vertices(mesh_, *scene_, camera, camera_from_object, mask, nearer(camera));
+  mark_samples(
+      camera,
+      [&](std::size_t t) {
+        const auto& [a, b, c] = mesh_.triangles[t];
+        return visible[a] && visible[b] && visible[c];
+      },
+      [&](int column, int row, float) { return mask.empty() || mask.at(column, row) != 0; });
+}
+
+template <typename MayShow, typename Shows>
+void SampleVisibility::mark_samples(const Camera& camera, MayShow&& may_show, Shows&& shows) {
+  const auto largest_x = static_cast<float>(camera.width - 2), largest_y = static_cast<float>(camera.height - 2);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 64), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       const std::size_t first = maps_->first_sample(t);
@@ -170,7 +206,7 @@ void SampleVisibility::test_samples(const Camera& camera) {
       view_.visible_in_triangle[t] = 0;
       view_.step_px[t] = 0;
       std::fill_n(view_.visible.begin() + first, samples, std::uint8_t{0});
-      if (view_.cosine[t] < options_.min_cosine) continue;
+      if (view_.cosine[t] < options_.min_cosine || !may_show(t)) continue;
 
       const auto [x, y, z] = projection_.of(t);
       std::uint8_t* const shown = view_.visible.data() + first;
@@ -178,7 +214,7 @@ void SampleVisibility::test_samples(const Camera& camera) {
       for (std::size_t s = 0; s < samples; ++s) {
         const bool inside = (x[s] >= 1) & (y[s] >= 1) & (x[s] <= largest_x) & (y[s] <= largest_y);
         const int column = inside ? static_cast<int>(x[s] + 0.5f) : 0, row = inside ? static_cast<int>(y[s] + 0.5f) : 0;
-        const bool seen = inside & (nearer * z[s] <= safe_depth[row * width + column]);
+        const bool seen = inside & shows(column, row, z[s]);
         shown[s] = seen;
         visible += seen;
       }

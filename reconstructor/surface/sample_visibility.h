@@ -16,7 +16,14 @@
 
 namespace sheen {
 
+/// What decides whether an image shows a sample.
+enum class VisibilityTest {
+  kSamples,   ///< the sample itself
+  kVertices,  ///< the paper's (000 sec. 4.2): all of a triangle is shown where its three vertices are
+};
+
 struct VisibilityOptions {
+  VisibilityTest test = VisibilityTest::kSamples;
   int erosion_px = 0;       ///< kept away from edges (silhouettes, depth steps, the mask's and the image's border)
                             ///< beyond the pixels that touch one
   double min_cosine = 0.1;  ///< of the angle between a triangle's normal and the direction to the camera
@@ -44,7 +51,8 @@ struct SurfaceView {
 
 /// Decides sample by sample what an image shows (000 sec. 4.2, which tests vertices only): the sample must be the first
 /// hit of its pixel's ray on a front face, away from every silhouette and depth edge, so that background never bleeds
-/// in.
+/// in. The paper's own test (`VisibilityTest::kVertices`) knows no edges: what hides the middle of a triangle, or lies
+/// beside it in its pixels, is taken for its colour.
 class SampleVisibility {
  public:
   /// `scene`: of the mesh, where there is one already.
@@ -61,8 +69,15 @@ class SampleVisibility {
   void cast_depth(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
   /// Makes that safe.
   void erode_depth(const Camera& camera);
+  /// Or takes it as it is.
+  void ignore_edges();
   void find_facing();
   void test_samples(const Camera& camera);
+  void test_vertices(const Camera& camera, const Rigid3& camera_from_object, const ImageU8& mask);
+  /// Marks the samples of triangles that `may_show(t)` where `shows(column, row, z)` of the pixel and their depth.
+  template <typename MayShow, typename Shows>
+  void mark_samples(const Camera& camera, MayShow&& may_show, Shows&& shows);
+  float nearer(const Camera& camera) const;  ///< fraction of a depth: what is nearer than that hides what is there
 
   const Mesh& mesh_;
   const MapLayout* maps_;

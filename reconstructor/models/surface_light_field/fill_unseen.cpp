@@ -110,9 +110,9 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> fill_unseen(const SurfaceLightF
   const std::vector<std::uint32_t> nearest = nearest_seen(snapshot.mesh(), seen);
   for (std::size_t p = 0; p < patches.size(); ++p)
     if (!patches[p] || !patches[p]->seen()) patches[p] = guess(snapshot, snapshot.shapes().patches[p], nearest);
-  return std::make_shared<SurfaceLightFieldSnapshot>(snapshot.shared_mesh(), snapshot.shared_maps(),
-                                                     snapshot.shared_shapes(), std::move(patches), snapshot.version(),
-                                                     snapshot.exposure(), snapshot.cameras());
+  return std::make_shared<SurfaceLightFieldSnapshot>(
+      snapshot.shared_mesh(), snapshot.shared_maps(), snapshot.shared_shapes(), std::move(patches), snapshot.version(),
+      snapshot.exposure(), snapshot.cameras(), snapshot.guidance_method());
 }
 
 }  // namespace sheen

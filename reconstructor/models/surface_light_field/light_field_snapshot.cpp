@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/models/surface_light_field/light_field_snapshot.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "common/image/color.h"
 #include "reconstructor/models/surface_light_field/next_view.h"
-#include "reconstructor/models/surface_light_field/quality.h"
 
 namespace sheen {
 namespace {
@@ -104,21 +100,8 @@ std::vector<SurfaceDemand> LightFieldSnapshot::demand() const {
 }
 
 std::vector<SurfaceQuality> LightFieldSnapshot::quality_for(const Eigen::Vector3d& eye) const {
-  std::vector<SurfaceQuality> vertices(mesh_->vertices.size()), triangles;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 64), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (const SeenVertex* from = seen_vertex(v)) {
-        SurfaceQuality& quality = vertices[v];
-        quality = assess_vertex(*from, (eye.cast<float>() - mesh_->vertices[v]).normalized(), common_sill());
-        quality.error = std::sqrt(quality.error * quality.error + file_.missing_square);
-      }
-  });
-  triangles.reserve(mesh_->triangles.size());
-  for (std::size_t t = 0; t < mesh_->triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh_->triangles[t];
-    triangles.push_back(seen(t) ? combine(vertices[a], vertices[b], vertices[c]) : SurfaceQuality{});
-  }
-  return triangles;
+  std::call_once(guidance_made_, [this] { guidance_ = make_guidance(*this); });
+  return guidance_->of_triangles(eye);
 }
 
 }  // namespace sheen

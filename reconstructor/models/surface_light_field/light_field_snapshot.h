@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "reconstructor/light_field_file/vertex_views.h"
 #include "reconstructor/models/model_snapshot.h"
 #include "reconstructor/models/surface_demand.h"
+#include "reconstructor/models/surface_light_field/capture_guidance.h"
 #include "reconstructor/radiance/exposure_field.h"
 #include "reconstructor/surface/map_layout.h"
 
@@ -37,12 +39,14 @@ struct FileFacts {
 class LightFieldSnapshot : public ModelSnapshot, public DemandingSurface {
  public:
   LightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps, std::uint64_t version,
-                     ExposureField exposure, std::vector<PosedCamera> cameras, FileFacts file = {})
+                     ExposureField exposure, std::vector<PosedCamera> cameras, GuidanceMethod guidance,
+                     FileFacts file = {})
       : mesh_(std::move(mesh)),
         maps_(std::move(maps)),
         version_(version),
         exposure_(std::move(exposure)),
         cameras_(std::move(cameras)),
+        guidance_method_(guidance),
         file_(file) {}
 
   const std::shared_ptr<const Mesh>& shared_mesh() const override { return mesh_; }
@@ -59,6 +63,8 @@ class LightFieldSnapshot : public ModelSnapshot, public DemandingSurface {
   const MapLayout& maps() const { return *maps_; }
   const ExposureField& exposure() const { return exposure_; }
   float brightest() const { return file_.brightest; }
+  float missing_square() const { return file_.missing_square; }
+  GuidanceMethod guidance_method() const { return guidance_method_; }
 
   virtual std::size_t patch_count() const = 0;
   virtual std::shared_ptr<const SurfacePatch> patch(std::size_t index) const = 0;  ///< null: no image has reached it
@@ -80,7 +86,7 @@ class LightFieldSnapshot : public ModelSnapshot, public DemandingSurface {
   virtual float common_sill() const = 0;  ///< mean of the vertices' sills
 
   virtual int max_rank() const = 0;                                           ///< of all patches
-  std::vector<SurfaceQuality> quality_for(const Eigen::Vector3d& eye) const;  ///< per triangle
+  std::vector<SurfaceQuality> quality_for(const Eigen::Vector3d& eye) const;  ///< per triangle, by the guidance
 
  private:
   std::shared_ptr<const Mesh> mesh_;
@@ -88,7 +94,10 @@ class LightFieldSnapshot : public ModelSnapshot, public DemandingSurface {
   std::uint64_t version_;
   ExposureField exposure_;
   std::vector<PosedCamera> cameras_;
+  GuidanceMethod guidance_method_;
   FileFacts file_;
+  mutable std::once_flag guidance_made_;
+  mutable std::unique_ptr<const CaptureGuidance> guidance_;
 };
 
 }  // namespace sheen

@@ -8,8 +8,7 @@
 #include <cmath>
 
 #include "common/base/angle.h"
-#include "reconstructor/models/surface_light_field/image_worth.h"
-#include "reconstructor/models/surface_light_field/quality.h"
+#include "reconstructor/models/surface_light_field/capture_guidance.h"
 
 namespace sheen {
 namespace {
@@ -48,19 +47,14 @@ struct Prospect {
   QualityReason reason = QualityReason::kGood;  ///< which has most of the heuristic
 };
 
-Prospect prospect_from(const LightFieldSnapshot& snapshot, const std::vector<Eigen::Vector3f>& normals,
-                       const Eigen::Vector3d& eye) {
-  const Mesh& mesh = snapshot.mesh();
-  const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kVerticesLookedAt);
+Prospect prospect_from(const Mesh& mesh, const std::vector<Eigen::Vector3f>& normals, std::size_t stride,
+                       const CaptureGuidance& guidance, const Eigen::Vector3d& eye) {
   double sum = 0, squared_error = 0, weight = 0;
   std::array<double, 5> by_reason{};
   for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) {
-    const Eigen::Vector3f direction = (eye.cast<float>() - mesh.vertices[v]).normalized();
-    const double facing = normals[v].dot(direction);
-    if (facing < 0.2) continue;
-    SurfaceQuality quality;
-    if (const SeenVertex* from = snapshot.seen_vertex(v))
-      quality = assess_vertex(*from, direction, snapshot.common_sill());
+    const double facing = normals[v].dot((eye.cast<float>() - mesh.vertices[v]).normalized());
+    if (facing < kInSight) continue;
+    const SurfaceQuality quality = guidance.of_vertex(v, eye);
     sum += facing * quality.heuristic();
     squared_error += facing * quality.error * quality.error;
     weight += facing;
@@ -77,15 +71,18 @@ Prospect prospect_from(const LightFieldSnapshot& snapshot, const std::vector<Eig
 }  // namespace
 
 ViewAdvice advise_next_view(const LightFieldSnapshot& snapshot, const Eigen::Vector3d& eye) {
-  const BoundingSphere bounds = bounding_sphere(snapshot.mesh());
+  const Mesh& mesh = snapshot.mesh();
+  const BoundingSphere bounds = bounding_sphere(mesh);
   const double distance = (eye - bounds.centre).norm();
-  const std::vector<Eigen::Vector3f> normals = vertex_normals(snapshot.mesh());
+  const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
+  const std::size_t stride = std::max<std::size_t>(1, mesh.vertices.size() / kVerticesLookedAt);
+  const std::unique_ptr<const CaptureGuidance> guidance = make_guidance(snapshot, stride);
   std::vector<Eigen::Vector3d> places;
   for (int i = 0; i < kCandidates; ++i) places.push_back(bounds.centre + distance * candidate(i));
   std::vector<Prospect> prospects(places.size());
   tbb::parallel_for(std::size_t{0}, places.size(),
-                    [&](std::size_t i) { prospects[i] = prospect_from(snapshot, normals, places[i]); });
-  const std::vector<double> worth = image_worth(snapshot, places);
+                    [&](std::size_t i) { prospects[i] = prospect_from(mesh, normals, stride, *guidance, places[i]); });
+  const std::vector<double> worth = guidance->worth(places);
   const auto worst = static_cast<std::size_t>(
       std::min_element(prospects.begin(), prospects.end(),
                        [](const Prospect& a, const Prospect& b) { return a.psnr_db < b.psnr_db; }) -

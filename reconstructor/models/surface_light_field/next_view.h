@@ -7,9 +7,9 @@
 
 namespace sheen {
 
-/// Where an image would be worth most (`image_worth`): a place on the sphere through the present eye, above the stage's
-/// plane. Where that place is well known already, the least known one. Looks at a part of the vertices, so that it can
-/// be asked for several times per second.
+/// Where an image would be worth most (`CaptureGuidance::worth`): a place on the sphere through the present eye, above
+/// the stage's plane. Where that place is well known already, the least known one. Looks at a part of the vertices, so
+/// that it can be asked for several times per second.
 ViewAdvice advise_next_view(const LightFieldSnapshot& snapshot, const Eigen::Vector3d& eye);
 
 }  // namespace sheen

@@ -36,7 +36,7 @@ PaperHeuristic::PaperHeuristic(const LightFieldSnapshot& snapshot, std::size_t e
   });
 }
 
-float PaperHeuristic::of_ring(std::size_t vertex, const Eigen::Vector3d& eye) const {
+float PaperHeuristic::of_vertex(std::size_t vertex, const Eigen::Vector3d& eye) const {
   const SeenVertex* from = snapshot_.seen_vertex(vertex);
   if (!from) return 1;
   const Terms terms =

@@ -22,7 +22,7 @@ class PaperHeuristic {
   /// A triangle; 1 where one of its vertices shows nothing.
   std::vector<float> seen_from(const Eigen::Vector3d& eye) const;
   /// A vertex alone.
-  float of_ring(std::size_t vertex, const Eigen::Vector3d& eye) const;
+  float of_vertex(std::size_t vertex, const Eigen::Vector3d& eye) const;
 
  private:
   const LightFieldSnapshot& snapshot_;

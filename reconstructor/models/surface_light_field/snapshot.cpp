@@ -37,8 +37,8 @@ SurfaceLightFieldSnapshot::SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh>
                                                      std::shared_ptr<const MapLayout> maps,
                                                      std::shared_ptr<const PatchShapes> shapes, Patches patches,
                                                      std::uint64_t version, ExposureField exposure,
-                                                     std::vector<PosedCamera> cameras)
-    : LightFieldSnapshot(std::move(mesh), std::move(maps), version, std::move(exposure), std::move(cameras)),
+                                                     std::vector<PosedCamera> cameras, GuidanceMethod guidance)
+    : LightFieldSnapshot(std::move(mesh), std::move(maps), version, std::move(exposure), std::move(cameras), guidance),
       shapes_(std::move(shapes)),
       patches_(std::move(patches)),
       common_sill_(mean_sill(patches_)) {}
@@ -58,7 +58,7 @@ std::shared_ptr<const LightFieldSnapshot> SurfaceLightFieldSnapshot::with_patche
   data.reserve(patches.size());
   for (const auto& patch : patches) data.push_back(std::static_pointer_cast<const PatchSnapshot>(patch));
   return std::make_shared<SurfaceLightFieldSnapshot>(shared_mesh(), shared_maps(), shapes_, std::move(data), version(),
-                                                     exposure(), cameras());
+                                                     exposure(), cameras(), guidance_method());
 }
 
 const VertexInterpolant* SurfaceLightFieldSnapshot::seen_at(std::size_t vertex) const {

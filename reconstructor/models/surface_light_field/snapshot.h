@@ -23,7 +23,8 @@ class SurfaceLightFieldSnapshot : public LightFieldSnapshot {
 
   SurfaceLightFieldSnapshot(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const MapLayout> maps,
                             std::shared_ptr<const PatchShapes> shapes, Patches patches, std::uint64_t version,
-                            ExposureField exposure = {}, std::vector<PosedCamera> cameras = {});
+                            ExposureField exposure = {}, std::vector<PosedCamera> cameras = {},
+                            GuidanceMethod guidance = GuidanceMethod::kExpectedError);
 
   SnapshotFigures figures() const override;
   std::size_t memory_bytes() const override;

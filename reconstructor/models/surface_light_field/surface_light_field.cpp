@@ -118,10 +118,12 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> SurfaceLightField::light_field_
     auto shapes = std::make_shared<const PatchShapes>(cut_into_patches(*p.mesh, *maps, p.options.patch.size));
     SurfaceLightFieldSnapshot::Patches none(shapes->patches.size());
     return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, std::move(maps), std::move(shapes), std::move(none),
-                                                       p.version++);
+                                                       p.version++, ExposureField{}, std::vector<PosedCamera>{},
+                                                       p.options.guidance);
   }
   return std::make_shared<SurfaceLightFieldSnapshot>(p.mesh, p.shape, p.patches->shapes(), p.patches->snapshots(),
-                                                     p.version++, p.exposure_field(), p.folded.cameras());
+                                                     p.version++, p.exposure_field(), p.folded.cameras(),
+                                                     p.options.guidance);
 }
 
 void SurfaceLightField::finish() {
@@ -131,7 +133,8 @@ void SurfaceLightField::finish() {
   p.visibility.reset();
   p.image = {};
   p.finished->snapshot = std::make_shared<SurfaceLightFieldSnapshot>(
-      p.mesh, p.shape, p.patches->shapes(), p.patches->finish(), p.version++, p.exposure_field(), p.folded.cameras());
+      p.mesh, p.shape, p.patches->shapes(), p.patches->finish(), p.version++, p.exposure_field(), p.folded.cameras(),
+      p.options.guidance);
   p.patches.reset();
   // What images took lies scattered between what is kept, where little of what follows has room.
   malloc_trim(0);

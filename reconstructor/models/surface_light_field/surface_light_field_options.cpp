@@ -30,6 +30,12 @@ std::vector<SettingKey> SurfaceLightFieldOptions::keys() {
       setting("imputation", patch.factor.imputation,
               {{Imputation::kMostProbable, "most-probable"}, {Imputation::kLeastSquares, "least-squares"}},
               SettingTable::kStudy),
+      setting("visibility", visibility.test,
+              {{VisibilityTest::kSamples, "samples"}, {VisibilityTest::kVertices, "vertices"}}, SettingTable::kStudy),
+      setting(
+          "guidance", guidance,
+          {{GuidanceMethod::kExpectedError, "expected-error"}, {GuidanceMethod::kPaperHeuristic, "paper-heuristic"}},
+          SettingTable::kStudy),
   };
   keys.insert(keys.end(), own.begin(), own.end());
   return keys;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "reconstructor/models/model_settings.h"
+#include "reconstructor/models/surface_light_field/capture_guidance.h"
 #include "reconstructor/models/surface_light_field/patch_model.h"
 
 namespace sheen {
@@ -21,6 +22,7 @@ struct SurfaceLightFieldOptions : ModelSettings {
   /// get it. 0: all maps keep the sides that the first image gives them.
   double map_detail = 0.02;
   PatchModelOptions patch;
+  GuidanceMethod guidance = GuidanceMethod::kExpectedError;
 
   /// Whether maps of chroma may be coarser than those of luma.
   bool coarse_chroma() const { return map_detail > 0; }

@@ -34,6 +34,8 @@ TEST(SceneConfig, ThePapersWaysAreAnExampleToo) {
   const SurfaceLightFieldOptions paper = load_options(SHEEN_EXAMPLES "/paper.toml");
   EXPECT_EQ(paper.patch.interpolation.method, ViewMethod::kDelaunay);
   EXPECT_EQ(paper.patch.factor.imputation, Imputation::kLeastSquares);
+  EXPECT_EQ(paper.visibility.test, VisibilityTest::kVertices);
+  EXPECT_EQ(paper.guidance, GuidanceMethod::kPaperHeuristic);
   EXPECT_NE(paper.no_small_form(), "");
   EXPECT_EQ(load_options(SHEEN_EXAMPLES "/scene.toml").no_small_form(), "");
 }
@@ -182,6 +184,8 @@ const std::vector<KeyCase>& all_keys() {
       {kAdvanced, "min_visible", "0.25", {"-0.1", "1.1", "nan"}},
       {kStudy, "interpolation", "\"delaunay\"", {"\"linear\"", "1"}},
       {kStudy, "imputation", "\"least-squares\"", {"\"none\"", "1"}},
+      {kStudy, "visibility", "\"vertices\"", {"\"triangles\"", "1"}},
+      {kStudy, "guidance", "\"paper-heuristic\"", {"\"paper\"", "1"}},
       {kImages, "hold_out_every", "4", {"1", "-1"}},
       {kImages, "exposure", "\"off\"", {"\"auto\"", "true"}},
       {kImages, "erosion_px", "3", {"-1", "33"}},
@@ -229,18 +233,20 @@ TEST(SceneConfig, EveryKeyHasARange) {
     }
 }
 
-/// What comes out of a reconstruction with a scene file: counts, ranks, bytes and a picture.
+/// What comes out of a reconstruction with a scene file: counts, ranks, bytes, a picture and what is red in it.
 std::string outcome(const std::vector<Capture>& images, const Mesh& mesh, const std::string& scene_text) {
   const TempFolder folder;
   const auto options = load_options(folder.write("s.toml", scene_text));
   Reconstruction built(mesh, options);
   for (const Capture& image : images) built.ingest(image);
-  const ImageF picture =
-      built.painter().paint(*built.snapshot(), images[0].camera, images[0].pose.camera_from_object).beauty;
+  const PaintedView painted =
+      built.painter().paint(*built.snapshot(), images[0].camera, images[0].pose.camera_from_object);
   std::string text = std::to_string(built.account().counts().accepted) + " " +
                      std::to_string(built.account().counts().held_out) + " " +
                      std::to_string(built.model().figures().bytes);
-  return text + content_hash({reinterpret_cast<const char*>(picture.data()), picture.size() * sizeof(float)});
+  for (const ImageF* image : {&painted.beauty, &painted.heuristic})
+    text += content_hash({reinterpret_cast<const char*>(image->data()), image->size() * sizeof(float)});
+  return text;
 }
 
 TEST(SceneConfig, EveryKeyChangesTheModel) {
@@ -271,6 +277,8 @@ TEST(SceneConfig, EveryKeyChangesTheModel) {
       {"erosion_px", {"", "6"}},
       {"interpolation", {"", "\"delaunay\""}},
       {"imputation", {"", "\"least-squares\""}},
+      {"visibility", {"", "\"vertices\""}},
+      {"guidance", {"", "\"paper-heuristic\""}},
   };
   ASSERT_EQ(cases.size(), all_keys().size());
   for (const KeyCase& c : all_keys()) {

@@ -45,7 +45,8 @@ SnapshotFigures figures_of(const std::vector<std::shared_ptr<const SurfacePatch>
 }  // namespace
 
 CompactLightField::CompactLightField(CompactModel model, std::shared_ptr<const std::string> encoded)
-    : LightFieldSnapshot(model.mesh, model.maps, kOnlySnapshot, model.exposure, model.cameras, facts_of(model)),
+    : LightFieldSnapshot(model.mesh, model.maps, kOnlySnapshot, model.exposure, model.cameras,
+                         GuidanceMethod::kExpectedError, facts_of(model)),
       light_field_(model, in_parallel),
       seen_(model.vertices.size()),
       figures_(figures_of(light_field_.patches())),

@@ -356,6 +356,14 @@ bool is_triangulated(const Description& description) {
   return word == kDelaunayWord;
 }
 
+/// What the window paints red; files that do not say have the expected error.
+GuidanceMethod guidance_of(const Description& description) {
+  if (!description.json().contains("guidance")) return GuidanceMethod::kExpectedError;
+  if (description.text("guidance") != kPaperHeuristicWord)
+    description.fail("guidance", std::string("must be ") + kPaperHeuristicWord + " or not there");
+  return GuidanceMethod::kPaperHeuristic;
+}
+
 /// Patches round a vertex that have the same views share them again.
 void share_views(Patches& patches, const PatchShapes& shapes) {
   std::vector<std::vector<std::shared_ptr<const VertexViews>>> round(shapes.first_round.size() - 1);
@@ -393,7 +401,8 @@ std::shared_ptr<const SurfaceLightFieldSnapshot> load_model(const fs::path& fold
   SurfaceLightFieldSnapshot::Patches all(shapes->patches.size());
   for (std::size_t i = 0; i < patches.data.size(); ++i) all[patches.layout.patches[i].patch] = patches.data[i];
   return std::make_shared<SurfaceLightFieldSnapshot>(mesh, maps, shapes, std::move(all), kOnlySnapshot,
-                                                     read_part(description, "exposure", exposure_from_json), cameras);
+                                                     read_part(description, "exposure", exposure_from_json), cameras,
+                                                     guidance_of(description));
 }
 
 ModelMetadata load_model_metadata(const fs::path& folder) {

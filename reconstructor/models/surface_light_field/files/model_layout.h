@@ -16,6 +16,7 @@ inline constexpr int kModelVersion = 6;
 inline constexpr const char* kModelFormat = "sheen surface light field";
 inline constexpr const char* kModelIdAttribute = "sheen.model";
 inline constexpr const char *kKrigingWord = "kriging", *kDelaunayWord = "delaunay";  ///< `ViewMethod`
+inline constexpr const char* kPaperHeuristicWord = "paper-heuristic";                ///< `GuidanceMethod`
 inline constexpr const char* kMeshFile = "mesh.ply";
 inline constexpr const char* kJsonFile = "model.json";
 inline constexpr const char* kMapsFile = "maps.exr";

@@ -82,6 +82,7 @@ Json description_of(const Snapshot& model, const ModelLayout& layout, const std:
   json["cameras"] = cameras_to_json(model.cameras());
   json["exposure"] = exposure_to_json(model.exposure());
   json["interpolation"] = model.triangulated() ? kDelaunayWord : kKrigingWord;
+  if (model.guidance_method() == GuidanceMethod::kPaperHeuristic) json["guidance"] = kPaperHeuristicWord;
   json["reflection"] = reflection_to_json(reflection_of(model));
   Json resolution = Json::array(), filter = Json::array();
   for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) {

@@ -233,6 +233,17 @@ TEST(ModelFiles, TriangulatedViewsComeBackAsTheyWere) {
   expect_error<ConfigError>([&] { opened->compressed({}); }, {"delaunay"});
 }
 
+TEST(ModelFiles, WhatTheWindowPaintsRedIsKept) {
+  const auto model = random_model(1);
+  for (const GuidanceMethod method : {GuidanceMethod::kExpectedError, GuidanceMethod::kPaperHeuristic}) {
+    const TempFolder folder;
+    const SurfaceLightFieldSnapshot guided(model->shared_mesh(), model->shared_maps(), model->shared_shapes(),
+                                           model->patches(), 1, {}, {}, method);
+    save_model(*std::dynamic_pointer_cast<const SurfaceLightFieldSnapshot>(guided.filled()), folder.path());
+    EXPECT_EQ(load_model(folder.path())->guidance_method(), method);
+  }
+}
+
 /// Saves a model, changes its model.json by `change` and expects opening to fail with `words`.
 template <typename Change>
 void expect_refused(Change change, const std::vector<std::string>& words) {
@@ -261,6 +272,8 @@ TEST(ModelFiles, EveryWrongFieldIsNamed) {
   expect_refused([](Json& json) { json["format"] = "another"; }, {"model.json", "no surface light field"});
   expect_refused([](Json& json) { json.erase("patches"); }, {"model.json", "patches"});
   expect_refused([](Json& json) { json.erase("vertices"); }, {"model.json", "vertices"});
+  expect_refused([](Json& json) { json["guidance"] = "red"; }, {"model.json", "guidance", "paper-heuristic"});
+  expect_refused([](Json& json) { json["guidance"] = 1; }, {"model.json", "guidance", "text"});
   expect_refused([](Json& json) { json["patch_of_triangle"].erase(0); }, {"patch_of_triangle", "7", "8"});
   expect_refused([](Json& json) { json["patch_of_triangle"][5] = 8; }, {"patch_of_triangle", "entry 5"});
   expect_refused([](Json& json) { json["patch_of_triangle"][5] = 1; }, {"patch_of_triangle", "patch 2", "no triangle"});
