@@ -10,11 +10,13 @@
 namespace sheen {
 
 RelitPicture::RelitPicture(std::string_view bytes, const std::string& file) {
-  const StoredField stored = read_field(bytes, file);
+  StoredField stored = read_field(bytes, file);
   const LitScene& scene = stored.scene;
   kind_ = scene.kind;
   lights_.emplace(scene);
-  relighting_.emplace(dequantise(stored.field), one_after_the_other);
+  const FieldTerms terms = dequantise(stored.field);
+  for (QuantisedField::Component& component : stored.field.components) component = {};  // a phone has little memory
+  relighting_.emplace(terms, one_after_the_other);
   places_.assign(scene.lights.data(), scene.lights.data() + scene.lights.size());
   const double away = scene.lights.colwise().norm().mean();
   scene_ = {static_cast<double>(stored.field.size.width), static_cast<double>(stored.field.size.height),
