@@ -6,6 +6,7 @@
 #include <cmath>
 #include <ctime>
 #include <numeric>
+#include <random>
 #include <utility>
 
 #include "common/base/errors.h"
@@ -76,6 +77,28 @@ Experiment load_experiment(std::shared_ptr<const Mesh> mesh, std::size_t count,
   const std::size_t kept = std::min(held_out.size(), std::max<std::size_t>(options.max_held_out, 1));
   for (std::size_t i = 0; i < kept; ++i) experiment.held_out.push_back(std::move(held_out[i * held_out.size() / kept]));
   return experiment;
+}
+
+std::vector<PosedCamera> random_viewpoints(const Experiment& experiment, std::size_t count, std::uint64_t seed) {
+  const Eigen::Vector3d centre = bounding_sphere(*experiment.mesh).centre;
+  double distance = 0;
+  Eigen::Vector3d pole = Eigen::Vector3d::Zero();
+  for (const Capture& capture : experiment.training) {
+    const Eigen::Vector3d from_centre = camera_centre(capture.pose.camera_from_object) - centre;
+    distance += from_centre.norm() / static_cast<double>(experiment.training.size());
+    pole += from_centre.normalized();
+  }
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  std::vector<PosedCamera> views;
+  for (std::size_t i = 0; i < count; ++i) {
+    Eigen::Vector3d direction(normal(engine), normal(engine), normal(engine));
+    direction.normalize();
+    if (direction.dot(pole) < 0) direction = -direction;
+    const Capture& like = experiment.training[i * experiment.training.size() / count];
+    views.push_back({like.camera, look_at(centre + distance * direction, centre, pole)});
+  }
+  return views;
 }
 
 double OnlineRun::median_ms() const {

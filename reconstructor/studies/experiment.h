@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "common/camera/posed_camera.h"
 #include "common/capture/capture.h"
 #include "common/geometry/mesh.h"
 #include "reconstructor/evaluation/held_out.h"
@@ -38,6 +40,10 @@ struct ExperimentOptions {
 Experiment load_experiment(std::shared_ptr<const Mesh> mesh, std::size_t count,
                            const std::function<Capture(std::size_t)>& read, const ExperimentOptions& options,
                            const std::function<void(std::size_t)>& done = {});
+
+/// So many cameras at random places on the hemisphere round the object whose pole is the mean direction of the training
+/// images, as far from it as they are on average; they look at its centre, each as one of the training cameras.
+std::vector<PosedCamera> random_viewpoints(const Experiment& experiment, std::size_t count, std::uint64_t seed);
 
 /// A light field built online, and what it took.
 struct OnlineRun {

@@ -72,7 +72,7 @@ Figure figure_rank_error(const BatchRun& batch, const FigureOptions& options);
 /// Figure 5: missing values imputed or not.
 Figure figure_imputation(const Experiment& experiment, const FigureOptions& options);
 
-/// Figure 8: pictures of the online and of the batch light field.
+/// Figure 8: pictures of the online and of the batch light field, from held-out views and from ten random ones.
 Figure figure_online_and_batch(const Experiment& experiment, const BatchRun& batch, const FigureOptions& options);
 
 /// Figure 9: time to a finished model for each mesh, with the same images.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "common/base/format.h"
 #include "common/image/color.h"
@@ -12,6 +13,23 @@ namespace {
 
 constexpr double kPaperPsnr = 33.2;
 constexpr double kGoalLoss = 0.1;  // dB, of held-out PSNR
+constexpr std::size_t kRandomViews = 10;
+
+/// PSNR between both models' pictures over the pixels that show the object's front, per view.
+PlotSeries psnr_between(const Appearance& a, const Appearance& b, const std::vector<PosedCamera>& views,
+                        const RayPainter& painter) {
+  PlotSeries series{.name = "online against PCA"};
+  for (const auto& [camera, camera_from_object] : views) {
+    const auto picture = [&](const Appearance& model) {
+      return to_srgb8(painter.paint(model, camera, camera_from_object).beauty);
+    };
+    ImageU8 front(camera.width, camera.height, 1);
+    const std::vector<Hit> hits = painter.cast(camera, camera_from_object);
+    std::transform(hits.begin(), hits.end(), front.data(), [](const Hit& hit) { return hit && hit.front; });
+    series.add(static_cast<double>(series.x.size() + 1), squared_error(picture(a), picture(b), front).psnr_db());
+  }
+  return series;
+}
 
 }  // namespace
 
@@ -45,11 +63,22 @@ Figure figure_online_and_batch(const Experiment& experiment, const BatchRun& bat
     figure.pictures.push_back({"figure_08_online", "online", a});
     figure.pictures.push_back({"figure_08_truth", "photograph", judged.truth});
   }
-  figure.ours =
-      format("Rank %d, views that neither saw: %.1f dB between the two. Held-out PSNR: online %.2f dB, batch %.2f dB.",
-             options.rank, between, of_online, of_batch);
-  figure.holds = between >= kPaperPsnr && of_batch - of_online <= kGoalLoss;
+  Plot random{.title = "Online against batch PCA at random viewpoints (figure 8)",
+              .x = {.label = "viewpoint"},
+              .y = {.label = "PSNR (dB)"}};
+  random.series.push_back(psnr_between(*online_model, *batch_model,
+                                       random_viewpoints(experiment, kRandomViews, options.seed), *experiment.painter));
+  random.levels.push_back({"the paper: online against PCA", kPaperPsnr});
+  const std::vector<double>& at_random = random.series.front().y;
+  const double mean_at_random = std::accumulate(at_random.begin(), at_random.end(), 0.0) / kRandomViews;
+  figure.ours = format(
+      "Rank %d, views that neither saw: %.1f dB between the two; at %zu random viewpoints of the hemisphere round the "
+      "object %.1f dB, at least %.1f dB. Held-out PSNR: online %.2f dB, batch %.2f dB.",
+      options.rank, between, kRandomViews, mean_at_random, *std::min_element(at_random.begin(), at_random.end()),
+      of_online, of_batch);
+  figure.holds = between >= kPaperPsnr && mean_at_random >= kPaperPsnr && of_batch - of_online <= kGoalLoss;
   figure.plots.push_back({"figure_08_online_and_batch", std::move(plot)});
+  figure.plots.push_back({"figure_08_random_viewpoints", std::move(random)});
   return figure;
 }
 

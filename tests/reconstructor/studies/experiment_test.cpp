@@ -71,6 +71,29 @@ TEST(Experiment, WhatShowsNothingIsLeftOut) {
   expect_error<Error>([&] { load(square_captures(3)); }, {"no held-out view"});
 }
 
+TEST(Experiment, RandomViewpointsLieOnTheHemisphereThatTheImagesWereTakenFrom) {
+  const Experiment experiment = load(square_captures(17));
+  const std::vector<PosedCamera> views = random_viewpoints(experiment, 400, 3);
+  ASSERT_EQ(views.size(), 400u);
+  EXPECT_EQ(views, random_viewpoints(experiment, 400, 3));
+  EXPECT_NE(views, random_viewpoints(experiment, 400, 4));
+  int low = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const PosedCamera& view : views) {  // the images are taken 0.5 m from the origin, from all round above it
+    const Eigen::Vector3d eye = camera_centre(view.camera_from_object);
+    EXPECT_NEAR(eye.norm(), 0.5, 1e-6);
+    EXPECT_GT(eye.z(), -0.1);
+    const auto middle = view.camera.project(view.camera_from_object * Eigen::Vector3d(0, 0, 0));
+    ASSERT_TRUE(middle);
+    EXPECT_LT((*middle - Eigen::Vector2d(79.5, 59.5)).norm(), 1e-6);
+    low += eye.z() < 0.25;
+    mean += eye / 400;
+  }
+  // Evenly over the area: heights are uniform between 0 and the radius, and so half are below half of it.
+  EXPECT_NEAR(low, 200, 50);
+  EXPECT_LT((mean - Eigen::Vector3d(0, 0, 0.25)).norm(), 0.08);
+}
+
 TEST(Experiment, ARunIsTheModelThatIngestMakes) {
   const Experiment experiment = load(square_captures(9));
   const OnlineRun run = build_online(experiment.mesh, experiment.in_order(), {});
