@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/format.h"
 #include "common/image/color.h"
 #include "reconstructor/models/surface_light_field/fill_unseen.h"
 #include "reconstructor/studies/figure.h"
@@ -47,8 +48,7 @@ TEST(FigureEight, ComparesOnlineAndBatchAtTenRandomViewpoints) {
     EXPECT_NEAR(measured.y[i], -10 * std::log10(squares / values), 1e-6) << i;
     mean += measured.y[i] / 10;
   }
-  char words[64];
-  std::snprintf(words, sizeof words, "at 10 random viewpoints of the hemisphere round the object %.1f dB", mean);
+  const std::string words = format("at 10 random viewpoints of the hemisphere round the object %.1f dB", mean);
   EXPECT_NE(figure.ours.find(words), std::string::npos) << figure.ours;
 }
 
