@@ -29,7 +29,7 @@ constexpr double kFarthest = 1e9;      // metres, of an eye
 constexpr double kNearestRadii = 1.5;  // of the mesh, of an eye that sees all of it
 
 /// From where the photographs were taken, from the side that is most in their middle.
-Viewpoint first_view(const ModelSnapshot& model) {
+LookAt first_view(const ModelSnapshot& model) {
   const BoundingSphere sphere = bounding_sphere(model.mesh());
   std::vector<double> distances;
   for (const PosedCamera& camera : model.cameras())
@@ -43,7 +43,7 @@ Viewpoint first_view(const ModelSnapshot& model) {
 
 /// What the views of a path say.
 struct Keys {
-  std::vector<Viewpoint> views;
+  std::vector<LookAt> views;
   bool closed = false;
   double fov_deg = 40;  ///< as window and page have it
 };
@@ -67,8 +67,8 @@ Vector3d point_in(const JsonFields& fields, const std::string& address, const st
   return out;
 }
 
-Viewpoint key_of(const JsonFields& fields, const Json& json, const std::string& where, const Vector3d& up) {
-  Viewpoint view{.eye = {}, .target = {}, .up = up};
+LookAt key_of(const JsonFields& fields, const Json& json, const std::string& where, const Vector3d& up) {
+  LookAt view{.eye = {}, .target = {}, .up = up};
   if (json.is_string()) {
     const std::string address = json.get<std::string>();
     view.eye = point_in(fields, address, "eye", where);
@@ -82,7 +82,7 @@ Viewpoint key_of(const JsonFields& fields, const Json& json, const std::string& 
 }
 
 /// Whether a picture's axes follow from it.
-bool is_a_view(const Viewpoint& view) {
+bool is_a_view(const LookAt& view) {
   const Vector3d forward = view.target - view.eye;
   return view.up.cross(forward).norm() > 1e-6 * view.up.norm() * forward.norm();
 }
@@ -127,7 +127,7 @@ std::vector<DatasetView> views_of(const MoveRequest& request, const ModelSnapsho
     throw ConfigError(name + ": is seen by one camera only, which cannot move; --light-path moves its light");
   const auto [width, height] = parse_image_size("--size", request.size, kLeastSide);
   const ImageSize size{width, height};
-  const Viewpoint first = first_view(model);
+  const LookAt first = first_view(model);
   const Vector3d& origin = model.mesh().origin;
   std::vector<PosedCamera> cameras;
   if (request.keys.empty()) {
@@ -136,7 +136,7 @@ std::vector<DatasetView> views_of(const MoveRequest& request, const ModelSnapsho
     for (PosedCamera& camera : cameras) camera = in_frame_at(-origin, camera);
   } else {
     const Keys keys = read_keys(request.keys, first.up);
-    const std::vector<Viewpoint> path = through(keys.views, request.frames, keys.closed);
+    const std::vector<LookAt> path = through(keys.views, request.frames, keys.closed);
     if (!std::all_of(path.begin(), path.end(), is_a_view))
       throw FileError(request.keys, "its path looks nowhere, or along its up direction, between two keys");
     cameras = with_field(path, keys.fov_deg, size);

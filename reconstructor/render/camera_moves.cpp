@@ -21,7 +21,7 @@ constexpr double kFilled = 0.9;         // of the picture's half, by what reache
 constexpr double kLeastDepth = 1e-3;    // of the distance to the target: what is nearer to the eye frames nothing
 constexpr double kWidestTangent = 2.0;  // of half the field of view
 
-PosedCamera camera_at(const Viewpoint& view, double focal, const ImageSize& size) {
+PosedCamera camera_at(const LookAt& view, double focal, const ImageSize& size) {
   return {{.width = size.width,
            .height = size.height,
            .fx = focal,
@@ -31,16 +31,16 @@ PosedCamera camera_at(const Viewpoint& view, double focal, const ImageSize& size
           look_at(view.eye, view.target, view.up)};
 }
 
-std::vector<PosedCamera> cameras_at(std::span<const Viewpoint> views, double focal, const ImageSize& size) {
+std::vector<PosedCamera> cameras_at(std::span<const LookAt> views, double focal, const ImageSize& size) {
   std::vector<PosedCamera> cameras;
-  for (const Viewpoint& view : views) cameras.push_back(camera_at(view, focal, size));
+  for (const LookAt& view : views) cameras.push_back(camera_at(view, focal, size));
   return cameras;
 }
 
 }  // namespace
 
-std::vector<Viewpoint> turntable(const Viewpoint& first, int frames) {
-  std::vector<Viewpoint> views;
+std::vector<LookAt> turntable(const LookAt& first, int frames) {
+  std::vector<LookAt> views;
   for (int i = 0; i < frames; ++i) {
     views.push_back(first);
     const AngleAxisd turn(kTurn * i / frames, first.up.normalized());
@@ -49,10 +49,10 @@ std::vector<Viewpoint> turntable(const Viewpoint& first, int frames) {
   return views;
 }
 
-std::vector<Viewpoint> swing(const Viewpoint& first, int frames) {
+std::vector<LookAt> swing(const LookAt& first, int frames) {
   const Vector3d up = first.up.normalized(), arm = first.eye - first.target;
   const Vector3d across = up.cross(arm).norm() > 1e-9 * arm.norm() ? up.cross(arm).normalized() : up.unitOrthogonal();
-  std::vector<Viewpoint> views;
+  std::vector<LookAt> views;
   for (int i = 0; i < frames; ++i) {
     const double at = kTurn * i / frames;
     views.push_back(first);
@@ -62,9 +62,9 @@ std::vector<Viewpoint> swing(const Viewpoint& first, int frames) {
   return views;
 }
 
-std::vector<Viewpoint> through(std::span<const Viewpoint> keys, int frames, bool closed) {
+std::vector<LookAt> through(std::span<const LookAt> keys, int frames, bool closed) {
   std::vector<Vector3d> eyes, targets, ups;
-  for (const Viewpoint& key : keys) {
+  for (const LookAt& key : keys) {
     eyes.push_back(key.eye);
     targets.push_back(key.target);
     ups.push_back(key.up.normalized());
@@ -72,14 +72,14 @@ std::vector<Viewpoint> through(std::span<const Viewpoint> keys, int frames, bool
   eyes = smooth_path(eyes, frames, closed);
   targets = smooth_path(targets, frames, closed);
   ups = smooth_path(ups, frames, closed);
-  std::vector<Viewpoint> views;
+  std::vector<LookAt> views;
   for (std::size_t i = 0; i < eyes.size(); ++i) views.push_back({eyes[i], targets[i], ups[i]});
   return views;
 }
 
-std::vector<PosedCamera> framed(std::span<const Viewpoint> views, const Mesh& mesh, const ImageSize& size) {
+std::vector<PosedCamera> framed(std::span<const LookAt> views, const Mesh& mesh, const ImageSize& size) {
   double reach = 0;  // of 1 / focal length, in halves of the picture
-  for (const Viewpoint& view : views) {
+  for (const LookAt& view : views) {
     const Rigid3 pose = look_at(view.eye, view.target, view.up);
     const double least = kLeastDepth * (view.target - view.eye).norm();
     for (const Eigen::Vector3f& vertex : mesh.vertices) {
@@ -92,7 +92,7 @@ std::vector<PosedCamera> framed(std::span<const Viewpoint> views, const Mesh& me
   return cameras_at(views, kFilled / reach, size);
 }
 
-std::vector<PosedCamera> with_field(std::span<const Viewpoint> views, double degrees, const ImageSize& size) {
+std::vector<PosedCamera> with_field(std::span<const LookAt> views, double degrees, const ImageSize& size) {
   return cameras_at(views, size.height / 2.0 / std::tan(degrees * kDegree / 2), size);
 }
 

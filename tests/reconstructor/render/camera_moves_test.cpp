@@ -13,15 +13,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-const Viewpoint kFirst{{0.4, 0.1, 0.3}, {0.1, 0.1, 0}, {0, 0, 1}};
+const LookAt kFirst{{0.4, 0.1, 0.3}, {0.1, 0.1, 0}, {0, 0, 1}};
 
-double angle(const Viewpoint& a, const Viewpoint& b) {
+double angle(const LookAt& a, const LookAt& b) {
   const Vector3d p = a.eye - a.target, q = b.eye - b.target;
   return std::atan2(p.cross(q).norm(), p.dot(q));
 }
 
 TEST(CameraMoves, ATurntableComesBackOneStepBehindItsLastFrame) {
-  const std::vector<Viewpoint> views = turntable(kFirst, 24);
+  const std::vector<LookAt> views = turntable(kFirst, 24);
   ASSERT_EQ(views.size(), 24u);
   EXPECT_EQ(views[0].eye, kFirst.eye);
   const double step = angle(views[0], views[1]);
@@ -34,7 +34,7 @@ TEST(CameraMoves, ATurntableComesBackOneStepBehindItsLastFrame) {
 }
 
 TEST(CameraMoves, ASwingStaysBeforeTheObjectAndClosesItself) {
-  const std::vector<Viewpoint> views = swing(kFirst, 60);
+  const std::vector<LookAt> views = swing(kFirst, 60);
   EXPECT_NEAR((views[0].eye - kFirst.eye).norm(), 0, 1e-12);
   EXPECT_NEAR((views[30].eye - kFirst.eye).norm(), 0, 1e-12) << "the middle of the eight";
   double farthest = 0, step = 0;
@@ -49,12 +49,12 @@ TEST(CameraMoves, ASwingStaysBeforeTheObjectAndClosesItself) {
 }
 
 TEST(CameraMoves, ASwingFromStraightAbove) {
-  for (const Viewpoint& view : swing({{0, 0, 1}, {0, 0, 0}, {0, 0, 1}}, 16)) EXPECT_TRUE(view.eye.allFinite());
+  for (const LookAt& view : swing({{0, 0, 1}, {0, 0, 0}, {0, 0, 1}}, 16)) EXPECT_TRUE(view.eye.allFinite());
 }
 
 TEST(CameraMoves, APathMeetsItsKeys) {
-  const std::vector<Viewpoint> keys = {{{1, 0, 0}, {0, 0, 0}}, {{0, 1, 1}, {0, 0, 0.1}}, {{-1, 0, 0}, {0, 0, 0}}};
-  const std::vector<Viewpoint> open = through(keys, 21, false), closed = through(keys, 30, true);
+  const std::vector<LookAt> keys = {{{1, 0, 0}, {0, 0, 0}}, {{0, 1, 1}, {0, 0, 0.1}}, {{-1, 0, 0}, {0, 0, 0}}};
+  const std::vector<LookAt> open = through(keys, 21, false), closed = through(keys, 30, true);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR((open[10 * k].eye - keys[k].eye).norm(), 0, 1e-12);
     EXPECT_NEAR((open[10 * k].target - keys[k].target).norm(), 0, 1e-12);
