@@ -19,12 +19,12 @@ constexpr std::size_t kRandomViews = 10;
 PlotSeries psnr_between(const Appearance& a, const Appearance& b, const std::vector<PosedCamera>& views,
                         const RayPainter& painter) {
   PlotSeries series{.name = "online against PCA"};
-  for (const auto& [camera, camera_from_object] : views) {
+  for (const PosedCamera& view : views) {
     const auto picture = [&](const Appearance& model) {
-      return to_srgb8(painter.paint(model, camera, camera_from_object).beauty);
+      return to_srgb8(painter.paint(model, view.camera, view.camera_from_object).beauty);
     };
-    ImageU8 front(camera.width, camera.height, 1);
-    const std::vector<Hit> hits = painter.cast(camera, camera_from_object);
+    ImageU8 front(view.camera.width, view.camera.height, 1);
+    const std::vector<Hit> hits = painter.cast(view.camera, view.camera_from_object);
     std::transform(hits.begin(), hits.end(), front.data(), [](const Hit& hit) { return hit && hit.front; });
     series.add(static_cast<double>(series.x.size() + 1), squared_error(picture(a), picture(b), front).psnr_db());
   }
