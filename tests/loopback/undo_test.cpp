@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An image is taken back: from a stored session, from one that is being recorded, through kill -9.
 #include <gtest/gtest.h>
-#include <httplib.h>
 
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -12,6 +11,8 @@
 #include "tests/loopback/daemons.h"
 #include "tests/support/breaking_peer.h"
 #include "tests/support/temp_folder.h"
+
+#include <httplib.h>  // behind Eigen: it brings a macro of the name _res
 
 namespace sheen::testing {
 namespace {
