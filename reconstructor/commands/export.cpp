@@ -39,8 +39,6 @@ void export_page(const ExportArguments& arguments) {
 }
 
 nlohmann::json export_files(const ExportArguments& arguments) {
-  if (Session::exists(arguments.model))
-    throw ConfigError(arguments.model + ": is a session; its model is " + arguments.model + "/" + kSessionModel);
   const SavedModel saved = open_model(arguments.model);
   nlohmann::json report = nlohmann::json::object();
   if (!arguments.surface.empty()) report.update(export_surface(*saved.snapshot, arguments.model, arguments.surface));
@@ -62,6 +60,8 @@ void export_what_is_asked(const ExportArguments& arguments) {
     throw ConfigError("--json: is not for --page and --single");
   if (arguments.images.empty() && (arguments.images.undistort || !arguments.images.mesh.empty()))
     throw ConfigError("--undistort and --mesh: are for --transforms and --colmap");
+  if ((arguments.has_page() || arguments.of_model()) && Session::exists(arguments.model))
+    throw ConfigError(arguments.model + ": is a session; its model is " + arguments.model + "/" + kSessionModel);
   ReportFile json(arguments.json);
   if (arguments.has_page()) export_page(arguments);
   install_stop_signals();
