@@ -137,8 +137,9 @@ TEST_F(ExportImages, NothingIsOverwrittenAndWrongUseIsTold) {
                  {"of a model"});
   expect_outcome(export_to(data_.folder, {"--undistort", "--gltf", temp_.path() / "a.glb"}), 2, {"--undistort"});
   expect_outcome(export_to(data_.folder, {"--colmap", colmap_, "--mesh", temp_.path() / "none.ply"}), 1, {"none.ply"});
-  expect_outcome(export_to(session({"a"}), {"--gltf", temp_.path() / "a.glb"}), 2, {"is a session", "session/model"});
-  expect_outcome(export_to(session({"a"}), {"--page", temp_.path() / "page"}), 2, {"is a session", "session/model"});
+  const fs::path of_a = session({"a"});
+  for (const Words& file : {Words{"--gltf", temp_.path() / "a.glb"}, Words{"--page", temp_.path() / "page"}})
+    expect_outcome(export_to(of_a, file), 2, {"is a session", "session/model"});
   const fs::path model = temp_.path() / "model";
   expect_outcome(run_to_end(reconstructor({"build", data_.folder, "--mesh", data_.mesh(), "--config", data_.scene(),
                                            "--no-refine", "--out", model, "--loss", "0dB"})),
