@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -29,10 +30,17 @@ constexpr std::string_view kPageFile = "index.html", kStyleFile = "sheen.css", k
 struct PageKind {
   bool (*reads)(std::string_view start);
   std::string_view model, worker, decoder;  ///< the model's file in a page; of the build, its worker and its decoder
+  std::string_view name;
+  std::vector<std::string_view> without;  ///< fields of `PageText::about` that such a page has no use for
 };
-constexpr std::array<PageKind, 2> kKinds{{
-    {is_light_field_file, "model.slf", "light_field_worker.js", "light_field.wasm"},
-    {is_field_file, "model.rif", "relit_worker.js", "relit.wasm"},
+const std::array<PageKind, 2> kKinds{{
+    {is_light_field_file, "model.slf", "light_field_worker.js", "light_field.wasm", "a surface light field", {"light"}},
+    {is_field_file,
+     "model.rif",
+     "relit_worker.js",
+     "relit.wasm",
+     "an irradiance field",
+     {"notes", "up", "eye", "target"}},
 }};
 
 /// Where the build or the installation put the page: beside the program's own folder.
@@ -50,14 +58,24 @@ struct PageModelFile {
   std::string bytes;
 };
 
-/// A model that a page draws.
-PageModelFile model_for_page(const fs::path& model) {
+void require_use_of(const PageText& text, const PageKind& kind) {
+  const Json about = Json::parse(text.about);
+  for (const std::string_view field : kind.without)
+    if (about.contains(field))
+      throw ConfigError("--about: the page of " + std::string(kind.name) + " has no \"" + std::string(field) + "\"");
+}
+
+/// A model that a page draws, and says this of.
+PageModelFile model_for_page(const fs::path& model, const PageText& text) {
   if (fs::is_directory(model))
     throw ConfigError(model.string() +
                       ": a page takes a model that is one file: sheen-reconstructor compress makes it");
   std::string bytes = read_file(model);
   for (const PageKind& kind : kKinds)
-    if (kind.reads(bytes)) return {&kind, std::move(bytes)};
+    if (kind.reads(bytes)) {
+      require_use_of(text, kind);
+      return {&kind, std::move(bytes)};
+    }
   throw ConfigError(model.string() +
                     ": a page shows surface light fields (.slf) and irradiance fields (.rif), and this is neither");
 }
@@ -175,7 +193,7 @@ PageText read_page_text(const fs::path& file, const fs::path& model) {
 }
 
 void write_page(const fs::path& model, const fs::path& folder, const PageText& text) {
-  const auto [kind, bytes] = model_for_page(model);
+  const auto [kind, bytes] = model_for_page(model, text);
   const fs::path from = page_folder();
   make_folder(folder);
   for (const std::string_view file : {kStyleFile, kScriptFile}) write_file(folder / file, read_file(from / file));
@@ -186,7 +204,7 @@ void write_page(const fs::path& model, const fs::path& folder, const PageText& t
 }
 
 void write_single_page(const fs::path& model, const fs::path& file, const PageText& text) {
-  const auto [kind, bytes] = model_for_page(model);
+  const auto [kind, bytes] = model_for_page(model, text);
   const fs::path from = page_folder();
   std::string page = titled_page(from, *kind, text);
   put(page, "<link rel=\"stylesheet\" href=\"sheen.css\">", "<style>\n" + read_file(from / kStyleFile) + "</style>");

@@ -19,7 +19,8 @@ PageText page_text(const std::filesystem::path& model);
 PageText read_page_text(const std::filesystem::path& file, const std::filesystem::path& model);
 
 /// Writes a page that shows a model in a browser, as a folder for any host of files. Files of an older page are
-/// replaced. Throws ConfigError where the page does not draw such models, FileError else.
+/// replaced. Throws ConfigError where the page does not draw such models, or has no use for what it is to say;
+/// FileError else.
 void write_page(const std::filesystem::path& model, const std::filesystem::path& folder, const PageText& text);
 /// The same as one file, which holds the model and opens from anywhere.
 void write_single_page(const std::filesystem::path& model, const std::filesystem::path& file, const PageText& text);

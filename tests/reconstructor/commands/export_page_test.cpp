@@ -64,5 +64,21 @@ TEST_F(PageExport, OtherModelsAreRefusedBeforeAnythingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(page));
 }
 
+TEST_F(PageExport, WhatAKindOfModelHasNoUseForIsRefusedByName) {
+  const auto golden = std::filesystem::path(SHEEN_GOLDEN_FOLDER);
+  const auto refused = [&](const char* model, const std::string& about) {
+    try {
+      write_single_page(golden / model, folder_.path() / "page.html", {.title = "x", .about = about});
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    } catch (const Error&) {  // a build without the page
+    }
+    return std::string("taken");
+  };
+  EXPECT_THAT(refused("sphere.slf", R"({"light": [0, 0, 1]})"), HasSubstr("a surface light field has no \"light\""));
+  EXPECT_THAT(refused("relief.rif", R"({"notes": []})"), HasSubstr("an irradiance field has no \"notes\""));
+  EXPECT_EQ(refused("sphere.slf", R"({"notes": []})"), "taken");
+}
+
 }  // namespace
 }  // namespace sheen
