@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stdlib.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -14,10 +16,10 @@ namespace sheen {
 class TempFolder {
  public:
   TempFolder() {
-    static int count = 0;
-    path_ = std::filesystem::temp_directory_path() /
-            ("sheen_test_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
-    std::filesystem::create_directories(path_);
+    // A name that was never there: a test that was killed leaves its folder, and its number comes again.
+    std::string name = (std::filesystem::temp_directory_path() / "sheen_test_XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": no folder for a test");
+    path_ = name;
   }
   ~TempFolder() {
     std::error_code ignored;
