@@ -7,15 +7,14 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
 #include "common/base/progress.h"
+#include "common/base/utc_time.h"
 
 namespace sheen {
 namespace {
@@ -66,18 +65,6 @@ class TerminalSink : public spdlog::sinks::stderr_color_sink_mt {
     spdlog::sinks::stderr_color_sink_mt::log(record);
   }
 };
-
-std::string utc_now() {
-  const auto now = std::chrono::system_clock::now();
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  std::array<char, 40> text{};
-  const std::size_t length = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &utc);
-  std::snprintf(text.data() + length, text.size() - length, ".%03dZ", static_cast<int>(ms));
-  return text.data();
-}
 
 std::string escaped(std::string_view text) {
   std::string out;

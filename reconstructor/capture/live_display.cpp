@@ -47,7 +47,7 @@ Camera preview_camera(const Camera& camera, const Rigid3& camera_from_object, co
   return part.scaled(kPreviewWidth, kPreviewHeight);
 }
 
-constexpr std::array<std::uint8_t, 3> kGround{29, 33, 36};  ///< of pictures and window
+constexpr std::array<std::uint8_t, 3> kGround{28, 31, 34};  ///< that of the window
 
 ImageU8 on_ground(ImageU8 picture, const ImageU8& coverage) {
   for (int y = 0; y < picture.height(); ++y)

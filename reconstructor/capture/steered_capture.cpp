@@ -1,25 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/capture/steered_capture.h"
 
-#include <chrono>
-#include <ctime>
 #include <optional>
 
 #include "common/base/errors.h"
 #include "common/base/log.h"
+#include "common/base/utc_time.h"
 
 namespace sheen {
 namespace {
 
 constexpr std::size_t kMostWaiting = 16;
-
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  ::gmtime_r(&now, &utc);
-  char text[32];
-  return {text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc)};
-}
 
 }  // namespace
 

@@ -51,8 +51,7 @@ void export_what_is_asked(const ExportArguments& arguments) {
   if (!arguments.has_page() && !arguments.of_model() && arguments.images.empty())
     throw ConfigError(
         "export: say what to write: of a model --page, --single, --gltf, --ply, --obj, --usdz or --relight, of a "
-        "session or "
-        "photographs --transforms or --colmap");
+        "session or photographs --transforms or --colmap");
   if ((arguments.has_page() || arguments.of_model()) && !arguments.images.empty())
     throw ConfigError("export: --transforms and --colmap are of a session or photographs, the others of a model");
   if (!arguments.about.empty() && !arguments.has_page()) throw ConfigError("--about: is for --page and --single");

@@ -250,22 +250,15 @@ TEST_F(ModelPage, ShowsAnIrradianceFieldInAnyLight) {
   }
 }
 
-TEST_F(ModelPage, AnIrradianceFieldIsOneFileToo) {
-  make_folder(folder_.path() / "page");
-  const fs::path file = SHEEN_GOLDEN_FOLDER "/relief.rif";
-  write_single_page(file, folder_.path() / "page" / "index.html", page_text(file));
-  const Shown shown = shown_in_browser(folder_.path(), std::vector<Eye>{});
-  EXPECT_EQ(shown.figures.at("failure"), "");
-  EXPECT_EQ(shown.figures.at("state"), "whole");
-}
-
 TEST_F(ModelPage, IsOneFileToo) {
   make_folder(folder_.path() / "page");
-  const fs::path file = SHEEN_GOLDEN_FOLDER "/sphere.slf";
-  write_single_page(file, folder_.path() / "page" / "index.html", page_text(file));
-  const Shown shown = shown_in_browser(folder_.path(), std::vector<Eye>{});
-  EXPECT_EQ(shown.figures.at("failure"), "");
-  EXPECT_EQ(shown.figures.at("state"), "whole");
+  for (const char* name : {"sphere.slf", "relief.rif"}) {
+    const fs::path file = fs::path(SHEEN_GOLDEN_FOLDER) / name;
+    write_single_page(file, folder_.path() / "page" / "index.html", page_text(file));
+    const Shown shown = shown_in_browser(folder_.path(), std::vector<Eye>{});
+    EXPECT_EQ(shown.figures.at("failure"), "") << name;
+    EXPECT_EQ(shown.figures.at("state"), "whole") << name;
+  }
 }
 
 TEST_F(ModelPage, ShowsTheSameAfterTheGraphicsWereLost) {
