@@ -31,9 +31,11 @@ RawMesh read_mesh(const std::filesystem::path& path) {
                                                  "program that made it");
 }
 
-bool has_area(const Mesh& mesh, const Triangle& triangle) {
-  const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>(), b = mesh.vertices[triangle[1]].cast<double>(),
-                        c = mesh.vertices[triangle[2]].cast<double>();
+template <typename Vertices>
+bool has_area(const Vertices& vertices, const Triangle& triangle) {
+  const Eigen::Vector3d a = vertices[triangle[0]].template cast<double>(),
+                        b = vertices[triangle[1]].template cast<double>(),
+                        c = vertices[triangle[2]].template cast<double>();
   const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
   return (b - a).cross(c - a).norm() > kNoArea * longest;
 }
@@ -44,8 +46,20 @@ Triangle rotated_to_smallest(Triangle t) {
   return t;
 }
 
-std::size_t remove_degenerate(Mesh& mesh) {
-  return std::erase_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh, t); });
+template <typename Vertices>
+std::size_t remove_degenerate(const Vertices& vertices, std::vector<Triangle>& triangles) {
+  return std::erase_if(triangles, [&](const Triangle& t) { return !has_area(vertices, t); });
+}
+
+/// Without what has no area, in the file's own precision and in single precision from the origin. The triangles that
+/// stay decide the origin: one that goes may lie where coordinates begin, far from all others.
+Mesh mesh_with_area(RawMesh& raw) {
+  remove_degenerate(raw.vertices, raw.triangles);
+  while (true) {
+    Mesh mesh = raw.mesh();
+    if (remove_degenerate(mesh.vertices, mesh.triangles) == 0) return mesh;
+    raw.triangles = std::move(mesh.triangles);
+  }
 }
 
 /// Keeps the first of equal triangles. The two sides of a sheet are not equal.
@@ -123,9 +137,9 @@ Mesh in_frame_at(const Eigen::Vector3d& origin, Mesh mesh) {
 
 LoadedMesh load_mesh(const std::filesystem::path& path) {
   RawMesh raw = read_mesh(path);
-  LoadedMesh loaded;
-  loaded.mesh = std::move(raw.mesh);
-  const std::size_t degenerate = raw.empty_faces + remove_degenerate(loaded.mesh);
+  const std::size_t all = raw.triangles.size();
+  LoadedMesh loaded{.mesh = mesh_with_area(raw), .diagnosis = {}};
+  const std::size_t degenerate = raw.empty_faces + all - loaded.mesh.triangles.size();
   const std::size_t duplicate = remove_duplicates(loaded.mesh);
   if (loaded.mesh.triangles.empty()) throw FileError(path.string(), "none of its triangles has an area");
   const std::size_t isolated = remove_isolated(loaded.mesh);
@@ -137,7 +151,7 @@ LoadedMesh load_mesh(const std::filesystem::path& path) {
 }
 
 Mesh load_mesh_unchanged(const std::filesystem::path& path) {
-  return read_mesh(path).mesh;
+  return read_mesh(path).mesh();
 }
 
 }  // namespace sheen

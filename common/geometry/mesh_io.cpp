@@ -79,7 +79,8 @@ RawMesh MeshBuilder::finish() {
   if (largest_index_ >= vertices_.size())
     fail(largest_place_, "refers to vertex " + std::to_string(largest_index_) + " (counted from 0), but there are " +
                              std::to_string(vertices_.size()));
-  return {origin_ ? mesh_of(vertices_, triangles(), *origin_) : mesh_of(vertices_, triangles()), empty_faces_};
+  std::vector<Triangle> split = triangles();
+  return {std::move(vertices_), std::move(split), origin_, empty_faces_};
 }
 
 WordReader::WordReader(std::string_view text, bool continuations) : rest_(text), continuations_(continuations) {

@@ -13,8 +13,12 @@ namespace sheen {
 
 /// A mesh as its file has it, before it is cleaned.
 struct RawMesh {
-  Mesh mesh;
-  std::size_t empty_faces = 0;  ///< faces of fewer than three corners
+  std::vector<Eigen::Vector3d> vertices;  ///< in the frame of the file
+  std::vector<Triangle> triangles;
+  std::optional<Eigen::Vector3d> origin;  ///< that the file names, in place of one that `mesh_of` finds
+  std::size_t empty_faces = 0;            ///< faces of fewer than three corners
+
+  Mesh mesh() const { return origin ? mesh_of(vertices, triangles, *origin) : mesh_of(vertices, triangles); }
 };
 
 /// The three formats, from a file's bytes; `path` only names the file in errors. Throw FileError.
@@ -49,7 +53,6 @@ class MeshBuilder {
   void add_face(std::span<const double> corners, FilePlace place);
   /// Triangles of three corners in a row each, every other one turned; a negative corner ends a strip.
   void add_strips(std::span<const double> corners, FilePlace place);
-  /// The origin that the file names, in place of one that `mesh_of` finds.
   void set_origin(const Eigen::Vector3d& origin) { origin_ = origin; }
   std::size_t vertex_count() const { return vertices_.size(); }
   RawMesh finish();

@@ -57,11 +57,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Input in{{data, size}};
   const auto read = kReaders[in.byte() % 3];
   try {
-    const Mesh mesh = read("fuzz", in.text()).mesh;
+    const Mesh mesh = read("fuzz", in.text()).mesh();
     expect_sound(mesh);
     if (mesh.origin.isZero(0)) {
-      expect_same(mesh, read_obj("fuzz.obj", as_text(mesh, true)).mesh);
-      expect_same(mesh, read_off("fuzz.off", as_text(mesh, false)).mesh);
+      expect_same(mesh, read_obj("fuzz.obj", as_text(mesh, true)).mesh());
+      expect_same(mesh, read_off("fuzz.off", as_text(mesh, false)).mesh());
     }
     const auto file = folder.path() / "mesh.ply";
     save_ply(mesh, file);

@@ -47,6 +47,29 @@ TEST(MeshOrigin, IsFoundByWhatTrianglesUse) {
   EXPECT_LT((mesh_of(vertices, kTriangles).origin - kUtm).norm(), 1);
 }
 
+TEST(MeshOrigin, IsFoundByTrianglesThatHaveAnArea) {
+  const TempFolder folder;
+  std::string text;
+  for (const Eigen::Vector3d& v : moved(kUtm)) text += format("v %.10f %.10f %.10f\n", v.x(), v.y(), v.z());
+  text += "v 0 0 0\nf 1 2 3\nf 1 3 4\nf 1 5 5\nf 5 5 5\n";  // a face that a program left where it begins to count
+  const LoadedMesh loaded = load_mesh(folder.write("a.obj", text));
+  EXPECT_LT((loaded.mesh.origin - kUtm).norm(), 1);
+  expect_in_place(loaded.mesh, kUtm);
+  EXPECT_EQ(loaded.diagnosis.removed_degenerate, 2);
+}
+
+TEST(MeshOrigin, IsFoundByWhatIsLeftInSinglePrecision) {
+  // The second triangle vanishes in the steps of single precision; the first, alone, is far out.
+  const TempFolder folder;
+  const LoadedMesh loaded = load_mesh(folder.write("a.obj",
+                                                   "v 20000 0 0\nv 20001 0 0\nv 20000 1 0\nf 1 2 3\n"
+                                                   "v 9999 0 0\nv 9999.00001 0 0\nv 9999 0.00001 0\nf 4 5 6\n"));
+  EXPECT_EQ(loaded.diagnosis.removed_degenerate, 1);
+  EXPECT_GT(loaded.mesh.origin.norm(), 19'000);
+  save_ply(loaded.mesh, folder.path() / "a.ply");
+  EXPECT_EQ(load_mesh(folder.path() / "a.ply").mesh.vertices, loaded.mesh.vertices);
+}
+
 TEST(MeshOrigin, EveryFormatIsReadInDoublePrecision) {
   const TempFolder folder;
   std::string places, obj;
