@@ -49,7 +49,7 @@ std::optional<Number> number(std::string_view written) {
   return value;
 }
 
-/// A name without the quotes round it.
+/// A name without the quotes round it, one on each side.
 std::string_view unquoted(std::string_view name) {
   for (const char quote : {'"', '\''})
     if (name.size() > 2 && name.front() == quote && name.back() == quote)
@@ -164,7 +164,7 @@ std::string light_list_text(std::span<const LitView> views) {
   if (views.front().light.kind == LightKind::kPoint && most_are_units(views)) text += " positions";
   text += '\n';
   for (const LitView& view : views) {
-    text += view.name;
+    text += unquoted(view.name) == view.name ? view.name : '"' + view.name + '"';
     for (const double value : view.light.position) text += ' ' + shortest(value);
     text += '\n';
   }

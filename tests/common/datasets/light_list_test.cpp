@@ -84,6 +84,14 @@ TEST(LightListTest, WrittenListsReadBackTheSame) {
   }
 }
 
+TEST(LightListTest, ANameMayHaveQuotesOfItsOwn) {
+  const auto views = parse_light_list("a.lp", "3\n''a.jpg'' 0 0 1\n\"'b'\" 0 1 0\n'c 1 0 0\n");
+  EXPECT_EQ(views[0].name, "'a.jpg'");
+  EXPECT_EQ(views[1].name, "'b'");
+  const auto again = parse_light_list("again.lp", light_list_text(views));
+  for (std::size_t i = 0; i < views.size(); ++i) EXPECT_EQ(again[i].name, views[i].name);
+}
+
 TEST(LightListTest, BrokenListsAreRefusedByTheirLine) {
   EXPECT_THAT(error_of(""), HasSubstr("dirs.lp: must begin with a line that says how many images follow"));
   EXPECT_THAT(error_of("a.jpg 0 0 1\n"), HasSubstr("must begin with a line"));
