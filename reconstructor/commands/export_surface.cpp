@@ -7,7 +7,7 @@
 #include "reconstructor/commands/exports.h"
 #include "reconstructor/exchange/mesh_files.h"
 #include "reconstructor/exchange/usdz_file.h"
-#include "reconstructor/render/gl/opening_view.h"
+#include "reconstructor/surface/opening_view.h"
 
 namespace sheen {
 namespace {

@@ -15,7 +15,7 @@
 #include "common/base/quantity.h"
 #include "common/capture/moved_origin.h"
 #include "reconstructor/render/camera_moves.h"
-#include "reconstructor/render/gl/opening_view.h"
+#include "reconstructor/surface/opening_view.h"
 
 namespace sheen {
 namespace {

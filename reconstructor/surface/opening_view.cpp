@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/render/gl/opening_view.h"
+#include "reconstructor/surface/opening_view.h"
 
 #include <cmath>
 

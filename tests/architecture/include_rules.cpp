@@ -54,7 +54,7 @@ const std::vector<Room> kReconstructor = {
     {"lumigraph_file", "radiance|numerics|coding"},
     {"models", "light_field_file|irradiance_field_file|lumigraph_file|radiance|surface|numerics|coding"},
     {"render", "models|surface|numerics"},
-    {"page", "render|light_field_file|irradiance_field_file|radiance|surface|numerics|coding"},
+    {"page", "light_field_file|irradiance_field_file|radiance|surface|numerics|coding"},
     {"exchange", "models"},
     {"monitor", ""},
     {"evaluation", "render|models|radiance|surface|numerics"},

@@ -12,6 +12,7 @@
 #include "reconstructor/light_field_file/edge_blending.h"
 #include "reconstructor/light_field_file/eye_coefficients.h"
 #include "reconstructor/light_field_file/light_field_reader.h"
+#include "reconstructor/light_field_file/page_tables.h"
 
 namespace sheen {
 
@@ -31,30 +32,24 @@ class PageModel {
   /// file; `whole`: no more will come. Throws FileError.
   Stage read(std::string_view bytes, bool whole);
 
-  // From kMesh on, in metres from `origin`:
+  // From kMesh on:
   const Mesh& mesh() const { return *model().mesh; }
-  /// Centre x y z, radius, up x y z, direction of the first view x y z, origin x y z, brightest encoded colour.
-  std::vector<double> scene() const;
-  /// Of each photograph: where it was taken x y z, right x y z, down x y z, forward x y z, half its width and half its
-  /// height at distance 1.
-  std::vector<float> cameras() const;
-
-  /// Four numbers per edge of the mesh: its vertices, the triangle on one side and that on the other; the same one
-  /// twice where the surface ends or more than two meet.
-  std::vector<std::uint32_t> edges() const;
+  std::vector<double> scene() const { return scene_table(mesh(), model().cameras, brightest_drawn(model())); }
+  std::vector<float> cameras() const { return camera_table(model().cameras); }
+  std::vector<std::uint32_t> edges() const { return edge_table(mesh()); }
 
   // From kMeans on:
   /// Twelve numbers per triangle: its vertices, samples along a side; the columns of its corners, its first sample
   /// among all; its first texel of terms, the number of terms (-1: nothing is known), and as bits of floats the
   /// smallest mean of its patch and the range of means. All are encoded colours with white at 1.
   const std::vector<std::uint32_t>& places() const { return places_; }
-  /// A texel per sample: its mean colour in 255ths of the range of its patch, and its SampleState * 127.
+  /// `pack_means`
   const std::vector<std::uint8_t>& means() const { return means_; }
 
   // From kTerms on:
   std::size_t term_texels() const { return term_texels_; }  ///< of all terms
-  /// The next rows of texels of terms, a sample's terms side by side: 128 + 127ths of the largest in the term; empty
-  /// behind the last. Coefficients are there only then.
+  /// The next rows of texels of terms, a sample's terms side by side (`pack_term`); empty behind the last. Coefficients
+  /// are there only then.
   const std::vector<std::uint8_t>& next_terms();
   const std::vector<std::uint8_t>& terms() const { return block_; }  ///< that `next_terms` gave last
   /// View coefficients for an eye: `max_terms()` values for each column of `places`, for texels (0..1) less 128 / 255.
@@ -74,7 +69,7 @@ class PageModel {
   QuantisedModel model_;  ///< from kTerms on
   std::vector<std::uint32_t> places_;
   std::vector<std::uint8_t> means_, texels_, block_;
-  std::vector<Eigen::Vector2f> mean_ranges_;  ///< per patch: smallest, range
+  std::vector<MeanRange> mean_ranges_;  ///< per patch
   std::size_t term_texels_ = 0, next_patch_ = 0;
   bool ended_ = false;
   std::optional<EdgeBlending> blending_;

@@ -8,8 +8,8 @@
 
 #include "reconstructor/models/model_snapshot.h"
 #include "reconstructor/render/demand_map.h"
-#include "reconstructor/render/gl/opening_view.h"
 #include "reconstructor/render/gl/orbit_camera.h"
+#include "reconstructor/surface/opening_view.h"
 
 namespace sheen {
 

@@ -10,11 +10,11 @@
 
 #include "reconstructor/models/surface_light_field/gl/range_allocator.h"
 #include "reconstructor/render/gl/hud.h"
-#include "reconstructor/render/gl/opening_view.h"
 #include "reconstructor/render/gl/orbit_camera.h"
 #include "reconstructor/render/gl/stroke_font.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/gl/viewer_feed.h"
+#include "reconstructor/surface/opening_view.h"
 
 namespace sheen {
 namespace {
