@@ -68,15 +68,9 @@ std::unique_ptr<ViewShader> LightFieldSnapshot::shader_for(const ViewQuery& quer
                                             quality_for(query.eye));
 }
 
-/// The first term alone: the mean map, whose coefficient is 1.
 std::optional<AverageLook> LightFieldSnapshot::average_look() const {
   if (empty()) return std::nullopt;
-  std::size_t columns = 0;
-  for (std::size_t t = 0; t < mesh_->triangles.size(); ++t)
-    for (const std::uint32_t column : place(t).columns) columns = std::max<std::size_t>(columns, column + 1);
-  Eigen::MatrixXf first = Eigen::MatrixXf::Zero(max_rank(), static_cast<Eigen::Index>(columns));
-  first.row(0).setOnes();
-  return AverageLook{std::make_unique<LightFieldShader>(*this, std::move(first), mean_exposure(*this),
+  return AverageLook{std::make_unique<LightFieldShader>(*this, average_coefficients(), mean_exposure(*this),
                                                         std::vector<SurfaceQuality>(mesh_->triangles.size())),
                      maps_->total_samples()};
 }

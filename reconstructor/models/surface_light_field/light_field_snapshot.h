@@ -74,6 +74,8 @@ class LightFieldSnapshot : public ModelSnapshot, public DemandingSurface {
   /// View coefficients for this eye: max_rank() x columns (`TrianglePlace::columns`), zero-padded. What a GPU needs per
   /// frame.
   virtual Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const = 0;
+  /// The same of all views that there are together: of each column the mean over those from its vertex.
+  virtual Eigen::MatrixXf average_coefficients() const = 0;
   /// The same snapshot with these patches in place of its own, which are newer: what a GPU holds that is still
   /// being filled.
   virtual std::shared_ptr<const LightFieldSnapshot> with_patches(

@@ -32,6 +32,14 @@ Eigen::VectorXf VertexInterpolant::coefficients(const Eigen::Vector3f& direction
   return h;
 }
 
+Eigen::VectorXf VertexInterpolant::average_coefficients() const {
+  const Eigen::Index count = views->directions.cols();
+  if (count == 0) return mean;
+  Eigen::VectorXf sum = Eigen::VectorXf::Zero(mean.size());
+  for (Eigen::Index view = 0; view < count; ++view) sum += coefficients(views->directions.col(view));
+  return sum / static_cast<float>(count);
+}
+
 void CoefficientsAtVertex::of(const VertexInterpolant& vertex, Eigen::Ref<Eigen::VectorXf> h) {
   const VertexViews& views = *vertex.views;
   if (vertex.triangulation) {

@@ -36,6 +36,8 @@ struct VertexInterpolant : SeenVertex {
   std::size_t bytes() const;  ///< without the views, which patches share
   /// h(d) for a unit direction from the vertex to the eye.
   Eigen::VectorXf coefficients(const Eigen::Vector3f& direction) const;
+  /// Their mean over the views.
+  Eigen::VectorXf average_coefficients() const;
 };
 
 /// `VertexInterpolant::coefficients` of patches that share a vertex, for one direction: what kernel and reflection are

@@ -137,6 +137,18 @@ Eigen::MatrixXf SurfaceLightFieldSnapshot::coefficients_for(const Eigen::Vector3
   return coefficients;
 }
 
+Eigen::MatrixXf SurfaceLightFieldSnapshot::average_coefficients() const {
+  Eigen::MatrixXf average = Eigen::MatrixXf::Zero(max_rank(), static_cast<Eigen::Index>(shapes_->columns()));
+  tbb::parallel_for(std::size_t{0}, patches_.size(), [&](std::size_t p) {
+    const PatchSnapshot* patch = patches_[p].get();
+    if (!patch || patch->rank() == 0) return;
+    auto column = static_cast<Eigen::Index>(shapes_->first_column[p]);
+    for (const VertexInterpolant& vertex : patch->vertices)
+      average.col(column++).head(patch->rank()) = vertex.average_coefficients();
+  });
+  return average;
+}
+
 std::shared_ptr<const ModelSnapshot> SurfaceLightFieldSnapshot::filled() const {
   return fill_unseen(*this);
 }

@@ -74,6 +74,13 @@ Eigen::MatrixXf CompactLightField::coefficients_for(const Eigen::Vector3d& eye) 
   return light_field_.coefficients_for(eye, in_parallel);
 }
 
+/// The first term alone: the mean map, whose coefficient is 1.
+Eigen::MatrixXf CompactLightField::average_coefficients() const {
+  Eigen::MatrixXf first = Eigen::MatrixXf::Zero(max_rank(), static_cast<Eigen::Index>(light_field_.shapes().columns()));
+  first.row(0).setOnes();
+  return first;
+}
+
 std::shared_ptr<const LightFieldSnapshot> CompactLightField::with_patches(
     const std::vector<std::shared_ptr<const SurfacePatch>>&) const {
   return shared_from_this();  // it never changes: what is not there yet is merely not drawn

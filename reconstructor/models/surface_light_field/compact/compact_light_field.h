@@ -32,6 +32,7 @@ class CompactLightField : public LightFieldSnapshot, public std::enable_shared_f
   bool seen(std::size_t triangle) const override;
   TrianglePlace place(std::size_t triangle) const override;
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const override;
+  Eigen::MatrixXf average_coefficients() const override;
   std::shared_ptr<const LightFieldSnapshot> with_patches(
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const override;
   const SeenVertex* seen_vertex(std::size_t vertex) const override;

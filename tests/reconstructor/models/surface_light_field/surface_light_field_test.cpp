@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <random>
 
+#include "common/image/color.h"
 #include "common/image/linear_reader.h"
 #include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
@@ -45,6 +46,27 @@ TEST(SurfaceLightField, ADiffuseSphereHasRankOneAndIsReproduced) {
   ingest_all(model, captures(scene, training_eyes(30)));
   EXPECT_GT(share_of_rank_up_to(model, 1), 0.9);
   EXPECT_GT(compare(*model.snapshot(), scene, unseen_eyes()).psnr_db(), 40);
+}
+
+TEST(SurfaceLightField, ItsAverageLookIsTheMeanOfAllViews) {
+  const Object object = square_object();
+  const Scene scene{object.surface, analytic::two_terms(0.2)};
+  SurfaceLightField model(object.mesh, plain_options());
+  ingest_all(model, captures(scene, training_eyes()));
+  const auto snapshot = model.snapshot();
+  const auto look = snapshot->average_look();
+  for (std::uint32_t t = 0; t < object.mesh->triangles.size(); ++t) {
+    const Eigen::Vector3d place =
+        (object.mesh->corner(t, 0) + object.mesh->corner(t, 1) + object.mesh->corner(t, 2)).cast<double>() / 3;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& eye : training_eyes())
+      mean += scene.radiance(place, (eye - place).normalized()).unaryExpr([](double v) {
+        return double{srgb_encode(static_cast<float>(v))};
+      });
+    mean /= static_cast<double>(training_eyes().size());
+    const Eigen::Vector3f shown = look->shader->shade(t, 1 / 3.0f, 1 / 3.0f).rgb;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(srgb_encode(shown[c]), mean[c], 3.0 / 255) << t << " " << c;
+  }
 }
 
 TEST(SurfaceLightField, APrintOnTwoLargeTrianglesIsNotBlurred) {

@@ -67,6 +67,30 @@ class CompactLightFieldTest : public ::testing::Test {
   TempFolder temp_;
 };
 
+TEST_F(CompactLightFieldTest, ItsAverageLookIsThatOfTheModelItWasMadeOf) {
+  const auto small = compressed({.loss_db = 0.1}).snapshot;
+  const auto exact_look = exact_->average_look(), look = small->average_look();
+  std::vector<double> off;  // grey levels
+  for (std::uint32_t t = 0; t < small->mesh().triangles.size(); ++t) {
+    const Eigen::Vector3f middle =
+        (small->mesh().corner(t, 0) + small->mesh().corner(t, 1) + small->mesh().corner(t, 2)) / 3;
+    std::uint32_t same = 0;  // triangles stand in another order
+    float nearest = 1;
+    for (std::uint32_t e = 0; e < exact_->mesh().triangles.size(); ++e) {
+      const Mesh& mesh = exact_->mesh();
+      const float away = ((mesh.corner(e, 0) + mesh.corner(e, 1) + mesh.corner(e, 2)) / 3 - middle).norm();
+      if (away < nearest) same = e;
+      nearest = std::min(nearest, away);
+    }
+    const Eigen::Vector3f a = look->shader->shade(t, 1 / 3.0f, 1 / 3.0f).rgb,
+                          b = exact_look->shader->shade(same, 1 / 3.0f, 1 / 3.0f).rgb;
+    for (int c = 0; c < 3; ++c) off.push_back(255 * std::abs(srgb_encode(a[c]) - srgb_encode(b[c])));
+  }
+  std::sort(off.begin(), off.end());
+  EXPECT_LT(off[off.size() / 2], 2);
+  EXPECT_LT(off[off.size() * 9 / 10], 6);
+}
+
 TEST_F(CompactLightFieldTest, LosesAsMuchAsItIsAskedTo) {
   // Photographs have noise: 36 dB. Beside the synthetic truth alone a tenth of a decibel is next to nothing.
   const auto judge = [this](const ModelSnapshot& model) {
