@@ -25,6 +25,7 @@
 #include "reconstructor/capture/capture_report.h"
 #include "reconstructor/capture/first_capture.h"
 #include "reconstructor/capture/live_display.h"
+#include "reconstructor/capture/live_model.h"
 #include "reconstructor/capture/live_refinement.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/capture/steered_capture.h"
@@ -199,14 +200,16 @@ std::optional<FirstCapture::Found> wait_for_first(const ServeArguments& argument
   return over ? std::move(found) : std::nullopt;
 }
 
-void open_monitor(std::optional<MonitorServer>& monitor, SteeredCapture& steered, const ServeArguments& arguments) {
+void open_monitor(std::optional<MonitorServer>& monitor, SteeredCapture& steered, LiveModel& model,
+                  const ServeArguments& arguments) {
   if (arguments.no_monitor) return;
   monitor.emplace(
       MonitorOptions{.host = arguments.monitor_host,
                      .port = arguments.monitor_port,
                      .token = monitor_token(arguments.monitor_token_file),
                      .steer_token = arguments.steer_token_file.empty() ? "" : monitor_token(arguments.steer_token_file),
-                     .steer = [&steered](const SteerRequest& request) { return steered.ask(request); }});
+                     .steer = [&steered](const SteerRequest& request) { return steered.ask(request); },
+                     .model = &model});
   log_info("monitor", "watch at " + monitor->url());
 }
 
@@ -288,8 +291,9 @@ void serve(ServeArguments arguments) {
   LiveDisplay::Names names = names_of(arguments, trackers);
   if (plan) names.model = plan->scene.kind->name();
   SteeredCapture steered;
+  LiveModel live_model;
   std::optional<MonitorServer> monitor;
-  open_monitor(monitor, steered, arguments);
+  open_monitor(monitor, steered, live_model, arguments);
   std::optional<ViewerWindow> screen;
   if (!arguments.headless && plan) open_window(screen, *plan->scene.kind, {.screenshot_folder = arguments.session});
   if (!arguments.headless && !plan) require_display();
@@ -320,6 +324,7 @@ void serve(ServeArguments arguments) {
   const std::shared_ptr<const Mesh> given = reconstruction.shared_mesh();
   LiveDisplay display(names);
   LoopObserver observer = display.observer();
+  live_model.watch(*plan->scene.kind, observer);
   if (!makes_own_surface) watch_mesh(*given, display, observer);
   observer.on_link = [&link_log](const std::vector<LinkState>& states) { link_log.look(states); };
   const bool refines = arguments.refine && !makes_own_surface;

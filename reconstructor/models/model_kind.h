@@ -9,6 +9,7 @@
 #include "common/capture/rig_motion.h"
 #include "reconstructor/models/model_settings.h"
 #include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/models/model_stream.h"
 
 namespace sheen {
 
@@ -43,6 +44,8 @@ class ModelKind {
   virtual ModelMetadata file_metadata([[maybe_unused]] const std::filesystem::path& file) const { return {}; }
   virtual void set_file_metadata([[maybe_unused]] const std::filesystem::path& file,
                                  [[maybe_unused]] const ModelMetadata& metadata) const {}
+  /// Null where no desk can draw such a model itself.
+  virtual std::unique_ptr<ModelStream> make_stream() const { return nullptr; }
   /// With an OpenGL context current. Throws DeviceError.
   virtual std::unique_ptr<ModelDrawer> make_drawer(const DrawerOptions& options) const = 0;
 };

@@ -28,6 +28,7 @@ using httplib::Request;
 using httplib::Response;
 
 constexpr std::size_t kShortestToken = 16, kLongestNote = 1000;
+constexpr const char* kModelPath = "/model/";  // of a page that stands in a frame of the status page
 
 /// The lines of a request that the page has a use for. What else clients send is work without an end: byte ranges of a
 /// picture by the thousand, encodings, bodies.
@@ -144,6 +145,7 @@ struct MonitorServer::Impl {
   }
   bool refused(const Request& request, Response& response);
   void steer(const Request& request, Response& response) const;
+  void add_model_routes();
   void add_routes();
 };
 
@@ -153,7 +155,8 @@ bool MonitorServer::Impl::refused(const Request& request, Response& response) {
   response.set_header("Referrer-Policy", "no-referrer");
   response.set_header("Content-Security-Policy",
                       "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; "
-                      "img-src 'self' data:; frame-ancestors 'none'");
+                      "img-src 'self' data:; frame-src 'self'; frame-ancestors " +
+                          std::string(request.path == kModelPath ? "'self'" : "'none'"));
   if (options.token.empty() && (options.steer_token.empty() || token_of(request).empty())) {
     if (is_loopback(without_port(request.get_header_value("Host")))) return false;
     response.status = 403;
@@ -194,6 +197,27 @@ void MonitorServer::Impl::steer(const Request& request, Response& response) cons
   answer(why_not.empty() ? 202 : 503, why_not.empty() ? "asked for" : why_not);
 }
 
+void MonitorServer::Impl::add_model_routes() {
+  if (!options.model) return;
+  const auto give = [](ServedModel::Answer answer, Response& response) {
+    response.status = answer.status;
+    response.set_content(answer.bytes, answer.status == 200 ? "application/octet-stream" : "text/plain");
+  };
+  http.Get(kModelPath, [this](const Request&, Response& response) {
+    const std::string_view page = options.model->page();
+    response.set_content(page.data(), page.size(), "text/html; charset=utf-8");
+  });
+  http.Get("/model/scene",
+           [this, give](const Request&, Response& response) { give(options.model->scene(), response); });
+  http.Get("/model/changes", [this, give](const Request& request, Response& response) {
+    const auto said = [&request](const char* name) { return request.get_param_value(name); };
+    const auto question = desk_question(said("scene"), said("changes"), said("eye"), request.has_param("moved"));
+    give(question ? options.model->changes_for(*question)
+                  : ServedModel::Answer{400, "scene and changes are whole numbers, eye is x,y,z in metres.\n"},
+         response);
+  });
+}
+
 void MonitorServer::Impl::add_routes() {
   http.set_pre_routing_handler([this](const Request& request, Response& response) {
     return refused(request, response) ? httplib::Server::HandlerResponse::Handled
@@ -208,8 +232,10 @@ void MonitorServer::Impl::add_routes() {
     const auto age = [](Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); };
     const double frame_age_s =
         now->state.last_frame ? age(*now->state.last_frame) : std::numeric_limits<double>::quiet_NaN();
+    PictureVersions pictures = now->pictures;
+    pictures.model_page = options.model && options.model->there();
     response.set_content(status_json(now->state, capture_state(now->state, now->when, Clock::now()), age(now->when),
-                                     frame_age_s, now->pictures, may_steer(request)),
+                                     frame_age_s, pictures, may_steer(request)),
                          "application/json");
   });
   http.Get("/metrics", [this](const Request&, Response& response) {
@@ -233,10 +259,12 @@ void MonitorServer::Impl::add_routes() {
     if (state == CaptureState::kFailed || state == CaptureState::kStalled) response.status = 503;
     response.set_content(std::string(to_string(state)) + "\n", "text/plain");
   });
+  add_model_routes();
   http.Post("/steer", [this](const Request& request, Response& response) { steer(request, response); });
   http.set_error_handler([](const Request&, Response& response) {
     if (response.status == 404 && response.body.empty())
-      response.set_content("There are / /status.json /metrics /preview.jpg /camera.jpg /healthz\n", "text/plain");
+      response.set_content("There are / /status.json /metrics /preview.jpg /camera.jpg /model/ /healthz\n",
+                           "text/plain");
   });
 }
 

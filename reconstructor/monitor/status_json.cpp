@@ -111,7 +111,10 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
   json["model_bytes"] = state.model_bytes;
   json["trade"] = to_json(state.trade);
   json["held_out_curve"] = curve_to_json(state.held_out_curve);
-  json["pictures"] = {{"preview", pictures.preview}, {"preview_note", state.preview_note}, {"camera", pictures.camera}};
+  json["pictures"] = {{"preview", pictures.preview},
+                      {"preview_note", state.preview_note},
+                      {"camera", pictures.camera},
+                      {"model_page", pictures.model_page}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A surface light field in the room: what is loaded, what is looked at, what is said.
 import { CameraPyramids, cameraReach } from "./cameras.js";
-import { loadModel } from "./loader.js";
 import { Notes } from "./notes.js";
 import { Orbit } from "./orbit.js";
 import { Painter } from "./painter.js";
@@ -132,23 +131,32 @@ function toggleCameras() {
   fly(before, { ...before, distance });
 }
 
+/** The object is there. */
+function enter(scene, vertices) {
+  page.orbit = new Orbit(scene, vertices);
+  if (about.up) page.orbit.setUp(about.up);
+  page.notes = new Notes(about.notes ?? [], page.origin, lookAtNote);
+  const link = location.hash;
+  goHome();
+  if (link) location.hash = link;
+  page.linked = followLink();
+}
+
 const onMessage = {
   arrived({ bytes }) {
     page.figures.bytes = bytes;
   },
-  mesh({ scene, cameras, vertices, triangles, edges }) {
+  mesh({ scene, cameras, vertices, triangles, edges, grows }) {
     page.kept.mesh = { vertices, triangles, edges, brightest: scene[13] };
     page.origin = Array.from(scene.slice(10, 13));
     page.cameras = cameras;
     page.viewer.setMesh(page.kept.mesh);
-    page.orbit = new Orbit(scene, vertices);
-    if (about.up) page.orbit.setUp(about.up);
-    page.notes = new Notes(about.notes ?? [], page.origin, lookAtNote);
-    const link = location.hash;
-    goHome();
-    if (link) location.hash = link;
-    page.linked = followLink();
+    page.whole = page.grows = grows === true;
+    page.pending = false;
+    page.askedEye = null;
     page.pyramids = new CameraPyramids(page.viewer.gl, cameras, scene[3]);
+    if (page.orbit) page.orbit.vertices = vertices; // another mesh of the same object: whoever looks stays there
+    else enter(scene, vertices);
     setState("mesh");
     changed();
   },
@@ -180,6 +188,18 @@ const onMessage = {
     setState("whole");
     changed();
   },
+  /** Of a model that is being captured: `put` brings it to the graphics. */
+  grown({ put, seen, whole }) {
+    if (seen) page.pending = false;
+    if (page.viewer.gl.isContextLost()) return;
+    const cameras = put(page.viewer);
+    if (cameras) page.cameras = cameras;
+    if (cameras) page.pyramids = new CameraPyramids(page.viewer.gl, cameras, page.orbit.radius);
+    if (whole) page.figures.changes = (page.figures.changes ?? 0) + 1;
+    if (whole) setState("whole");
+    changed();
+  },
+  waits: ({ message }) => say("note", message),
   failed: ({ message }) => fail(message),
 };
 
@@ -195,7 +215,8 @@ function startDrawing() {
   });
 }
 
-export function startLightField() {
+/** `load`: gives the messages of `onMessage`, and asks for what an eye sees. */
+export function startLightField(load) {
   startDrawing();
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
   canvas.addEventListener("webglcontextrestored", restore);
@@ -204,14 +225,14 @@ export function startLightField() {
     hands, resized, home: () => page.orbit && goHome(), followLink: () => followLink() && changed(),
     switches: [{ id: "guesses", key: "g", turn: toggleGuesses }, { id: "cameras", key: "c", turn: toggleCameras }],
   });
-  page.worker = loadModel(onMessage);
+  page.worker = load(onMessage);
   window.sheen = interfaceOfPage;
 }
 
 /** The graphics have lost all that they had (another program took them, a phone slept): from what was kept, or anew. */
 function restore() {
   const { mesh, means, room, terms } = page.kept;
-  if (room > MOST_TEXELS_KEPT) return location.reload(); // the address names the view
+  if (room > MOST_TEXELS_KEPT || page.grows) return location.reload(); // the address names the view
   startDrawing();
   if (mesh) page.viewer.setMesh(mesh);
   if (mesh) page.pyramids = new CameraPyramids(page.viewer.gl, page.cameras, page.orbit.radius);

@@ -5,7 +5,7 @@ import { fragmentShader, OUTLINE_SHADER, OUTLINE_VERTEX_SHADER, vertexShader } f
 import { subtract } from "./vectors.js";
 
 const ROW = 4096;
-const LARGE_LAYER_BITS = 24, SMALL_LAYER_BITS = 21; // a texture that one layer does not hold has small ones
+const LARGE_LAYER_BITS = 24, SMALL_LAYER_BITS = 21; // a texture that one layer does not hold, or that grows, has small ones
 const UNITS = { vertices: 0, places: 1, means: 2, basis: 3, coefficients: 4 };
 const LAYERS = 128; // of depth, in which triangles are sorted
 
@@ -52,26 +52,41 @@ export class Viewer {
     gl.texImage2D(gl.TEXTURE_2D, 0, internal, ROW, rows, 0, format, type, padded);
   }
 
-  /** Room for so many texels of 8 bits in layers. */
-  layered(name, texels) {
-    const gl = this.gl, rows = Math.max(1, Math.ceil(texels / ROW));
-    const bits = rows * ROW <= 1 << LARGE_LAYER_BITS ? LARGE_LAYER_BITS : SMALL_LAYER_BITS;
-    const height = Math.min(rows, 1 << (bits - 12));
-    if (this.textures[name]) gl.deleteTexture(this.textures[name]);
+  /** Room for so many texels of 8 bits in layers. Of the old texture, as many layers are kept. */
+  layered(name, texels, grows = false, kept = 0) {
+    const gl = this.gl, rows = Math.max(1, Math.ceil(texels / ROW)), old = this.textures[name];
+    const bits = rows * ROW <= 1 << LARGE_LAYER_BITS && !grows ? LARGE_LAYER_BITS : SMALL_LAYER_BITS;
+    const height = grows ? 1 << (bits - 12) : Math.min(rows, 1 << (bits - 12));
     delete this.textures[name];
     this.bound(name, gl.TEXTURE_2D_ARRAY);
     gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.RGBA8, ROW, height, Math.ceil(rows / height));
+    if (kept > 0) this.copyLayers(old, kept, height);
+    if (old) gl.deleteTexture(old);
     return bits;
   }
 
-  fill(name, firstRow, texels, bits) {
-    const gl = this.gl, height = 1 << (bits - 12);
+  /** From another texture into the one that is bound. */
+  copyLayers(from, count, height) {
+    const gl = this.gl, framebuffer = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, framebuffer);
+    for (let layer = 0; layer < count; ++layer) {
+      gl.framebufferTextureLayer(gl.READ_FRAMEBUFFER, gl.COLOR_ATTACHMENT0, from, 0, layer);
+      gl.copyTexSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, 0, 0, ROW, height);
+    }
+    gl.deleteFramebuffer(framebuffer);
+  }
+
+  /** Texels of means or terms, from a place on. */
+  write(name, first, texels) {
+    const gl = this.gl, bits = name === "means" ? this.meansBits : this.basisBits, height = 1 << (bits - 12);
     this.bound(name, gl.TEXTURE_2D_ARRAY);
-    for (let row = 0, rows = texels.length / (4 * ROW); row < rows;) {
-      const at = firstRow + row, count = Math.min(rows - row, height - (at % height));
-      gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, at % height, Math.floor(at / height), ROW, count, 1, gl.RGBA,
-                       gl.UNSIGNED_BYTE, texels, 4 * ROW * row);
-      row += count;
+    for (let done = 0, all = texels.length / 4; done < all;) {
+      const column = (first + done) % ROW, row = Math.floor((first + done) / ROW), left = all - done;
+      const width = Math.min(ROW - column, left);
+      const rows = width < ROW ? 1 : Math.min(Math.floor(left / ROW), height - (row % height));
+      gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, column, row % height, Math.floor(row / height), width, rows, 1, gl.RGBA,
+                       gl.UNSIGNED_BYTE, texels, 4 * done);
+      done += width * rows;
     }
   }
 
@@ -95,7 +110,8 @@ export class Viewer {
 
   setMeans(places, means) {
     this.setPlaces(places);
-    this.fill("means", 0, means, (this.meansBits = this.layered("means", means.length / 4)));
+    this.meansBits = this.layered("means", means.length / 4);
+    this.write("means", 0, means);
     this.coloured = true;
   }
 
@@ -104,8 +120,23 @@ export class Viewer {
     this.basisRows = 0;
   }
 
+  /** Of a model that grows: for all means, and for so many texels of terms. */
+  setRooms(means, terms) {
+    this.meansBits = this.layered("means", means);
+    this.basisBits = this.layered("basis", terms, true);
+    this.basisLayers = Math.ceil(terms / (1 << this.basisBits));
+  }
+
+  /** Room for so many texels of terms, or more; what is there stays. Returns for how many. */
+  growBasis(texels) {
+    const layers = Math.ceil(texels / (1 << this.basisBits));
+    this.layered("basis", texels, true, this.basisLayers);
+    this.basisLayers = layers;
+    return layers * (1 << this.basisBits);
+  }
+
   addBasis(texels) {
-    this.fill("basis", this.basisRows, texels, this.basisBits);
+    this.write("basis", ROW * this.basisRows, texels);
     this.basisRows += texels.length / (4 * ROW);
   }
 

@@ -7,6 +7,7 @@
 #include "reconstructor/models/surface_light_field/files/model_files.h"
 #include "reconstructor/models/surface_light_field/files/model_layout.h"
 #include "reconstructor/models/surface_light_field/gl/light_field_renderer.h"
+#include "reconstructor/models/surface_light_field/stream/light_field_stream.h"
 #include "reconstructor/models/surface_light_field/surface_light_field_options.h"
 
 namespace sheen {
@@ -36,6 +37,7 @@ class SurfaceLightFieldKind : public ModelKind {
   void set_file_metadata(const std::filesystem::path& file, const ModelMetadata& metadata) const override {
     save_compact(file, read_file(file), metadata);
   }
+  std::unique_ptr<ModelStream> make_stream() const override { return std::make_unique<LightFieldStream>(); }
   std::unique_ptr<ModelDrawer> make_drawer(const DrawerOptions& options) const override {
     return std::make_unique<LightFieldRenderer>(options);
   }

@@ -186,6 +186,19 @@ function picture(name, version) {
   if (version > 0) $(name).src = withToken(name + ".jpg?v=" + version);
 }
 
+// The model itself in place of its picture: whoever asks for it gets a page within this one.
+let turned = null;
+$("turn").onclick = () => {
+  if (turned) turned.remove();
+  turned = turned ? null : document.createElement("iframe");
+  $("turn").ariaPressed = String(turned !== null);
+  $("model").classList.toggle("turned", turned !== null);
+  if (!turned) return;
+  turned.src = withToken("model/");
+  turned.title = "The model, to be turned by hand";
+  $("model").prepend(turned);
+};
+
 const history = [];  // of counts, for the rate at which frames arrive
 function arrivalRate(received) {
   const now = performance.now() / 1000;
@@ -285,6 +298,7 @@ function show(s) {
   }));
   picture("preview", s.pictures.preview);
   text("preview-note", s.pictures.preview_note);
+  $("turn").hidden = !s.pictures.model_page;
   picture("camera", s.pictures.camera);
   text("photometric", s.photometric ? "light: " + s.photometric : "");
   text("version", "Sheen " + s.version);

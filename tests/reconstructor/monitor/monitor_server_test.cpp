@@ -138,6 +138,58 @@ TEST(MonitorServer, FailureShowsInHealth) {
   EXPECT_EQ(get(server, "/healthz")->body, "failed\n");
 }
 
+/// Answers with what it was asked.
+class SpokenModel : public ServedModel {
+ public:
+  bool there() const override { return there_; }
+  std::string_view page() const override { return "<!doctype html>the model"; }
+  Answer scene() override { return there_ ? Answer{200, "scene"} : Answer{404, "There is no model yet.\n"}; }
+  Answer changes_for(const DeskQuestion& asked) override {
+    return {busy_ ? 503 : 200, std::to_string(asked.scene) + " " + std::to_string(asked.changes) + " " +
+                                   std::to_string(asked.eye[0]) + " " + std::to_string(asked.eye[2]) +
+                                   (asked.moved ? " moved" : "")};
+  }
+  bool there_ = true, busy_ = false;
+};
+
+TEST(MonitorServer, DesksThatDrawTheModelThemselvesAreAnswered) {
+  SpokenModel model;
+  MonitorServer server({.port = 0, .model = &model});
+  const auto model_page = [&] {
+    return nlohmann::json::parse(get(server, "/status.json")->body)["pictures"]["model_page"];
+  };
+  EXPECT_EQ(model_page(), true);
+  const auto page = get(server, "/model/");
+  EXPECT_EQ(page->body, model.page());
+  EXPECT_THAT(page->get_header_value("Content-Security-Policy"), HasSubstr("frame-ancestors 'self'"));
+  EXPECT_THAT(get(server, "/")->get_header_value("Content-Security-Policy"), HasSubstr("frame-ancestors 'none'"));
+  EXPECT_EQ(get(server, "/model/scene")->body, "scene");
+  const std::string asked = "/model/changes?scene=4294967295&changes=7&eye=1.5,-2e-3,0.25";
+  EXPECT_EQ(get(server, asked)->body, "4294967295 7 1.500000 0.250000");
+  EXPECT_EQ(get(server, asked + "&moved=1")->body, "4294967295 7 1.500000 0.250000 moved");
+  model.busy_ = true;
+  EXPECT_EQ(get(server, asked)->status, 503);
+  model.there_ = false;
+  EXPECT_EQ(model_page(), false);
+  EXPECT_EQ(get(server, "/model/scene")->status, 404);
+}
+
+TEST(MonitorServer, AQuestionOfADeskThatIsNoneIsRefused) {
+  SpokenModel model;
+  MonitorServer server({.port = 0, .model = &model});
+  for (const char* query :
+       {"", "?scene=1&changes=1", "?scene=1&changes=1&eye=1,2", "?scene=1&changes=1&eye=1,2,3,4",
+        "?scene=1&changes=1&eye=1,2,", "?scene=1&changes=1&eye=1,,3", "?scene=1&changes=1&eye=nan,0,0",
+        "?scene=1&changes=1&eye=1,inf,0", "?scene=1&changes=1&eye=1e300,0,0", "?scene=-1&changes=1&eye=0,0,0",
+        "?scene=4294967296&changes=1&eye=0,0,0", "?scene=1&changes=x&eye=0,0,0", "?changes=1&eye=0,0,0"})
+    EXPECT_EQ(get(server, std::string("/model/changes") + query)->status, 400) << query;
+  MonitorServer none({.port = 0});
+  EXPECT_EQ(get(none, "/model/")->status, 404);
+  MonitorServer guarded({.port = 0, .token = "0123456789abcdef", .model = &model});
+  for (const char* path : {"/model/", "/model/scene", "/model/changes?scene=1&changes=1&eye=0,0,0"})
+    EXPECT_EQ(get(guarded, path)->status, 401) << path;
+}
+
 class Steering : public testing::Test {
  protected:
   httplib::Result ask(const std::string& query, const std::string& token) {
