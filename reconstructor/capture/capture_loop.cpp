@@ -95,7 +95,9 @@ bool CaptureLoop::store(TrackerLinks::Arrival& arrival, std::uint64_t& journaled
   if (hold_out_next_.exchange(false)) arrival.received.capture.purpose = Purpose::kHeldOut;
   try {
     arrival.stored_as = store_capture(session_, *links_, arrival, stop);
-    if (arrival.stored_as) journaled = std::max(journaled, *arrival.stored_as + 1);
+    const bool is_new = arrival.stored_as && *arrival.stored_as >= journaled;
+    if (is_new && paused_) session_.set_withdrawn(*arrival.stored_as, true);
+    if (is_new) journaled = *arrival.stored_as + 1;
   } catch (const SessionBusy&) {
     return false;  // asked to stop while it waited
   } catch (const std::exception& error) {
@@ -139,9 +141,9 @@ void CaptureLoop::ingest(std::stop_token stop) {
     const Session journal = patiently(stop, [&] { return Session::open_read_only(folder_); });
     Pending pending{.judge_interval = options_.judge_interval};
     for (std::uint64_t next = 0; !stop.stop_requested();) {
-      apply_withdrawals(journal, next, pending);
-      if (go_over_when_asked(next)) pending.model_changed();
       const Waited waited = wait_for_capture(next, stop);
+      apply_withdrawals(journal, next, pending);  // one that was withdrawn as it came is never added
+      if (go_over_when_asked(next)) pending.model_changed();
       const bool over = waited == Waited::kOver, ended = over || waited == Waited::kSourceEnded;
       if (waited == Waited::kArrived) {
         ingest_next(journal, next++);
@@ -382,7 +384,9 @@ void CaptureLoop::write_down(const std::string& key, const std::string& line) {
 
 LoopStatus CaptureLoop::status() const {
   const std::lock_guard lock(mutex_);
-  return status_;
+  LoopStatus now = status_;
+  now.paused = paused_;
+  return now;
 }
 
 }  // namespace sheen

@@ -50,6 +50,7 @@ struct LoopStatus {
   bool on_another_mesh = false;       ///< why: another mesh; else a withdrawal
   std::optional<MeshLook> mesh_look;  ///< while there is one
   bool no_more_captures = false;      ///< all that will come are durable
+  bool paused = false;                ///< what comes is withdrawn at once
   /// Captures that are durable and not in the model yet: journaled = accepted + held out + refused + withdrawn + these.
   std::uint64_t waiting() const { return journaled - std::min(journaled, ingested); }
   /// False from a withdrawal until the model is, to the bit, one that never saw the image.
@@ -121,6 +122,9 @@ class CaptureLoop {
   std::optional<std::uint64_t> withdraw_last();
   /// The next capture that comes is stored as held out.
   void hold_out_next() { hold_out_next_ = true; }
+  /// Captures that come from now on are stored and withdrawn at once, until `go_on`.
+  void pause() { paused_ = true; }
+  void go_on() { paused_ = false; }
   /// Adds a line to a text of the session's metadata. Throws FileError.
   void write_down(const std::string& key, const std::string& line);
 
@@ -174,7 +178,7 @@ class CaptureLoop {
   std::vector<std::int64_t> unshown_grabbed_ns_;
   SparingLog watchers_log_{"display"};
   std::string effort_record_;  ///< as the session has it
-  std::atomic<bool> finished_{false}, hold_out_next_{false};
+  std::atomic<bool> finished_{false}, hold_out_next_{false}, paused_{false};
   // Not the threads' own: either may ask both to stop while `start` still assigns them.
   std::stop_source stop_receiving_, stop_ingesting_;
   std::jthread receive_thread_, ingest_thread_;

@@ -313,6 +313,7 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   state.links = links_of(names_, status.links);
   state.hint = commands_for_missing(names_.trackers, status.links);
   state.ended = stats.ended;
+  state.paused = status.paused;
   state.ending = ending_of(end);
   state.error = status.error;
   state.warnings = now.warnings;

@@ -50,6 +50,12 @@ std::string SteeredCapture::done(const SteerRequest& request, CaptureLoop& loop)
     case Action::kHoldOut:
       loop.hold_out_next();
       return "the next image is held out";
+    case Action::kPause:
+      loop.pause();
+      return "paused: images are stored and taken back";
+    case Action::kGoOn:
+      loop.go_on();
+      return "images are added again";
     case Action::kNote:
       return "note: " + request.text;
     case Action::kFinish:

@@ -187,7 +187,7 @@ void MonitorServer::Impl::steer(const Request& request, Response& response) cons
     return answer(403,
                   "Who watches may not steer: \"Authorization: Bearer TOKEN\" with the token for steering is needed.");
   const auto action = steer_action(request.get_param_value("what"));
-  if (!action) return answer(400, "what is undo, hold-out, note or finish.");
+  if (!action) return answer(400, "what is undo, hold-out, pause, go-on, note or finish.");
   std::string text = request.get_param_value("text");
   if (text.size() > kLongestNote) return answer(400, "A note has at most " + std::to_string(kLongestNote) + " bytes.");
   if (text.empty() && *action == SteerRequest::Action::kNote) return answer(400, "text is missing.");

@@ -23,8 +23,8 @@ struct MonitorOptions {
 ///   /  status page    /status.json    /metrics (Prometheus)    /preview.jpg    /camera.jpg    /healthz
 ///   /model/  a page that draws the model itself; what it asks for: /model/scene
 ///   /model/changes?scene=N&changes=N&eye=X,Y,Z(&moved=1)
-///   POST /steer?what=undo|hold-out|note|finish (&text=NOTE), with "Authorization: Bearer STEER_TOKEN": nothing else
-///   steers, so that no link and no page of another site can.
+///   POST /steer?what=undo|hold-out|pause|go-on|note|finish (&text=NOTE), with "Authorization: Bearer STEER_TOKEN":
+///   nothing else steers, so that no link and no page of another site can.
 /// With a token, every request needs "Authorization: Bearer TOKEN" or "?token=TOKEN" and is answered 401 otherwise;
 /// without one, only requests to a loopback host name are answered, so that no web page of another site can read it by
 /// pointing its own name here. No client, however slow, keeps another one waiting (HttpConnections).

@@ -57,7 +57,8 @@ struct MonitorState {
     bool ended = false;  ///< it said that nothing more comes
   };
   std::vector<Link> links;
-  bool ended = false;  ///< the source said that nothing more comes
+  bool ended = false;   ///< the source said that nothing more comes
+  bool paused = false;  ///< what comes is stored and taken back at once
   /// What is done after the last image, and how much of it is done.
   struct Ending {
     CaptureState state = CaptureState::kFinishing;

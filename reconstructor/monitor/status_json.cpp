@@ -76,6 +76,7 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
                {"frame_age_s", json_number(frame_age_s)},
                {"next_view", state.next_view},
                {"well_known", state.well_known},
+               {"paused", state.paused},
                {"steering", state.steering},
                {"may_steer", may_steer},
                {"hint", state.hint}};

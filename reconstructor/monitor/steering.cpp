@@ -12,8 +12,9 @@ struct Word {
   Action action;
   const char* word;
 };
-constexpr std::array kWords{Word{Action::kUndo, "undo"}, Word{Action::kHoldOut, "hold-out"},
-                            Word{Action::kNote, "note"}, Word{Action::kFinish, "finish"}};
+constexpr std::array kWords{Word{Action::kUndo, "undo"},   Word{Action::kHoldOut, "hold-out"},
+                            Word{Action::kPause, "pause"}, Word{Action::kGoOn, "go-on"},
+                            Word{Action::kNote, "note"},   Word{Action::kFinish, "finish"}};
 
 }  // namespace
 

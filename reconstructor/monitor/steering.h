@@ -14,6 +14,8 @@ struct SteerRequest {
   enum class Action : std::uint8_t {
     kUndo,     ///< take the last image back
     kHoldOut,  ///< judge by the next image, and do not build with it
+    kPause,    ///< store what comes and take it back at once, until
+    kGoOn,     ///< this
     kNote,     ///< write `text` down
     kFinish,   ///< end the capture and save the model
   };
@@ -22,7 +24,7 @@ struct SteerRequest {
   std::string from;  ///< address
 };
 
-/// "undo", "hold-out", "note", "finish"; empty for any other word.
+/// "undo", "hold-out", "pause", "go-on", "note", "finish"; empty for any other word.
 std::optional<SteerRequest::Action> steer_action(std::string_view word);
 const char* to_string(SteerRequest::Action action);
 

@@ -197,5 +197,34 @@ TEST_F(Steered, FromAnotherDeskAnImageIsTakenBackANoteIsWrittenAndTheCaptureEnds
   EXPECT_NE(session.read(1).purpose, Purpose::kHeldOut);
 }
 
+/// Images that come while a capture is paused are stored, and the model is one that never saw them.
+TEST_F(Steered, WhatComesWhileItIsPausedIsStoredAndNotInTheModel) {
+  const auto token = temp_.write("steer.token", std::string(kToken) + "\n");
+  std::filesystem::permissions(token, std::filesystem::perms::owner_read);
+  const std::string address = free_address();
+  Process desk(reconstructor({"serve", "--mesh", data_.mesh(), "--session", session_, "--headless", "--endpoint",
+                              address, "--monitor-port", std::to_string(port_), "--steer-token-file", token, "--json",
+                              temp_.path() / "report.json"}));
+  ASSERT_TRUE(desk.prints("waiting for a tracker", kPatience)) << desk.output();
+  EXPECT_EQ(post("what=pause"), "asked for\n");
+  ASSERT_TRUE(desk.prints("paused: images are stored", kPatience)) << desk.output();
+  const BallDataset later{.folder = temp_.path() / "later", .views = 12};
+  later.write();
+  const auto send = [&](const BallDataset& images, const std::string& sent) {
+    expect_outcome(run_to_end(patient_run({"--source", "dataset:" + images.folder.string(), "--endpoint", address})), 0,
+                   {sent});
+  };
+  send(data_, "16 keyframes sent");
+  EXPECT_EQ(post("what=go-on"), "asked for\n");
+  ASSERT_TRUE(desk.prints("images are added again", kPatience)) << desk.output();
+  send(later, "12 keyframes sent");
+  EXPECT_EQ(post("what=finish"), "asked for\n");
+  expect_outcome(wait_to_end(desk), 0, {"the model is saved"});
+  const Json frames = Json::parse(read_file(temp_.path() / "report.json"))["frames"];
+  EXPECT_EQ(frames["withdrawn"], 16);
+  EXPECT_EQ(frames["accepted"].get<int>() + frames["held_out"].get<int>(), 12) << frames;
+  EXPECT_EQ(Session::open_read_only(session_).withdrawn().size(), 16u);
+}
+
 }  // namespace
 }  // namespace sheen::testing

@@ -221,7 +221,10 @@ function show(s) {
     $("ending").ariaValueNow = Math.round(percent);
     $("ending").firstElementChild.style.width = percent + "%";
   }
-  tell(...toldFirst[s.state](s));
+  const paused = s.paused && !s.ending && s.state !== "failed";
+  tell(...(paused ? ["warn", "Paused: images are stored, but not added to the model."] : toldFirst[s.state](s)));
+  $("pause").dataset.what = paused ? "go-on" : "pause";
+  text("pause", paused ? "Go on" : "Pause");
   text("counts", countsOf(s));
   $("steering").hidden = !s.may_steer || Boolean(s.ending) || s.state === "failed";
   if (s.steering) text("steered", s.steering);
@@ -325,6 +328,8 @@ for (const link of document.querySelectorAll("footer a")) link.href = withToken(
 const questions = {
   undo: () => confirm("Take the last image back? It stays in the session, and the model forgets it.") && "",
   "hold-out": () => "",
+  pause: () => "",
+  "go-on": () => "",
   note: () => prompt("A note for this capture:"),
   finish: () => confirm("Finish the capture? The waiting images are added and the model is saved.") && "",
 };

@@ -247,7 +247,7 @@ TEST_F(Steering, NeedsAHeaderThatNoLinkAndNoOtherSiteCanSet) {
 
 TEST_F(Steering, WrongRequestsAreTold) {
   open("", kSteers);
-  EXPECT_THAT(ask("what=explode", kSteers)->body, HasSubstr("undo, hold-out, note or finish"));
+  EXPECT_THAT(ask("what=explode", kSteers)->body, HasSubstr("undo, hold-out, pause, go-on, note or finish"));
   EXPECT_EQ(ask("", kSteers)->status, 400);
   EXPECT_EQ(ask("what=note", kSteers)->status, 400);
   EXPECT_EQ(ask("what=note&text=" + std::string(1001, 'x'), kSteers)->status, 400);
