@@ -407,7 +407,7 @@ std::string LiveDisplay::guidance_in_words(const Latest& now) const {
   if (next_view_->well_known) return next_view_->reason;
   const Guidance way =
       guide(now.capture->pose.camera_from_object, bounding_sphere(now.snapshot->mesh()).centre, next_view_->eye);
-  return (way.there() ? "" : "move ") + in_words(way) + ": " + next_view_->reason;
+  return advice_in_words(way, next_view_->reason);
 }
 
 }  // namespace sheen

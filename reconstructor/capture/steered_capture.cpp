@@ -48,8 +48,7 @@ std::string SteeredCapture::done(const SteerRequest& request, CaptureLoop& loop)
     case Action::kUndo:
       return take_back_last(loop);
     case Action::kHoldOut:
-      loop.hold_out_next();
-      return "the next image is held out";
+      return hold_out_next(loop);
     case Action::kPause:
       loop.pause();
       return "paused: images are stored and taken back";
@@ -77,6 +76,11 @@ std::string take_back_last(CaptureLoop& loop) {
   } catch (const Error& error) {
     return std::string("not taken back: ") + error.what();
   }
+}
+
+std::string hold_out_next(CaptureLoop& loop) {
+  loop.hold_out_next();
+  return "the next image is held out";
 }
 
 }  // namespace sheen

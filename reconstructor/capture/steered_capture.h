@@ -38,5 +38,7 @@ class SteeredCapture {
 
 /// What the person who took the last image back is told.
 std::string take_back_last(CaptureLoop& loop);
+/// What the person is told whose next image judges the model.
+std::string hold_out_next(CaptureLoop& loop);
 
 }  // namespace sheen

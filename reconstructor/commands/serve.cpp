@@ -351,7 +351,9 @@ void serve(ServeArguments arguments) {
     steered.carry_out(loop);
     return loop.finished() || loop.status().no_more_captures || stop_requested() || steered.finishes();
   };
-  wait_until(over, window, display.feed(), [&loop] { return take_back_last(loop); });
+  wait_until(
+      over, window, display.feed(),
+      {.take_back = [&loop] { return take_back_last(loop); }, .hold_out = [&loop] { return hold_out_next(loop); }});
   tell_service_is_stopping();
   const CaptureEnd::Result result =
       end_capture(loop, end, window, display.feed(), {arguments.session, build_command(arguments)});

@@ -31,7 +31,7 @@ void require_display() {
 }
 
 void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const ViewerFeed& feed,
-                const std::function<std::string()>& take_back) {
+                const CaptureRequests& requests) {
   std::stop_source done;
   SparingLog log("capture");
   const auto tell = [&log](const std::exception_ptr& error) { log.tell(words_of(error), words_of(error)); };
@@ -48,7 +48,7 @@ void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const 
       tell);
   if (window) {
     try {
-      return window->run(feed, done.get_token(), take_back);
+      return window->run(feed, done.get_token(), requests);
     } catch (const Error& error) {
       log_warning("window", "the capture continues without it: " + std::string(error.what()));
       window = nullptr;

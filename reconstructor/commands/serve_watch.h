@@ -24,7 +24,7 @@ void require_display();
 
 /// Until `over` or, where there is a window, the person closes it. A window that is lost is set to null.
 void wait_until(const std::function<bool()>& over, ViewerWindow*& window, const ViewerFeed& feed,
-                const std::function<std::string()>& take_back = {});
+                const CaptureRequests& requests = {});
 
 /// Tells the log when each tracker comes and goes, why it refuses, and when its source has ended.
 class LinkLog {

@@ -23,7 +23,7 @@ namespace {
 struct ViewArguments {
   std::string model, screenshot, mode = "appearance", size = "1280x800";
   std::vector<double> eye;
-  bool reasons = false, states = false;
+  bool reasons = false, states = false, clean = false;
 };
 
 /// A model on its way into a window: read beside it, and shown as far as it is there.
@@ -93,6 +93,7 @@ void view(const ViewArguments& arguments) {
   controls.mode = *mode;
   controls.reasons = arguments.reasons;
   controls.states = arguments.states;
+  controls.panels = !arguments.clean;
   if (!arguments.eye.empty()) controls.eye = {arguments.eye[0], arguments.eye[1], arguments.eye[2]};
 
   if (picture_only) {
@@ -116,6 +117,7 @@ void add_view_command(Command& program) {
   command.option("--mode", arguments->mode, kModes).show_default();
   command.flag("--reasons", arguments->reasons, "colour where images are needed by the reason");
   command.flag("--states", arguments->states, "tint what is imputed or unseen");
+  command.flag("--clean", arguments->clean, "the object alone, without panels");
   command.option("--size", arguments->size, "size of the window or the screenshot, pixels").show_default();
   command.option("--eye", arguments->eye, "where to look from: x,y,z in the model's frame, metres")
       .check(number_in(-kLongestLength, kLongestLength))

@@ -50,4 +50,8 @@ std::string in_words(const Guidance& guidance) {
          (along ? ", " + whole(guidance.up_deg) + up : "");
 }
 
+std::string advice_in_words(const Guidance& guidance, const std::string& reason) {
+  return (guidance.there() ? "" : "move ") + in_words(guidance) + (reason.empty() ? "" : ": " + reason);
+}
+
 }  // namespace sheen

@@ -20,5 +20,7 @@ Guidance guide(const Rigid3& camera_from_object, const Eigen::Vector3d& centre, 
 
 /// "35 degrees to the left, 10 up"; "here, hold still" where it is there.
 std::string in_words(const Guidance& guidance);
+/// "move 35 degrees to the left, 10 up: no image from near here", as window and monitor page say it.
+std::string advice_in_words(const Guidance& guidance, const std::string& reason);
 
 }  // namespace sheen

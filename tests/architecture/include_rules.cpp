@@ -21,7 +21,8 @@ struct Rule {
 const std::string kSources = "(?:common|tracker|reconstructor)/.*";
 const std::string kHeavy =
     "opencv2/.*|embree3/.*|.*\\.pb\\.h|google/protobuf/.*|zmq.*|httplib\\.h|sqlite3\\.h|arv\\.h|spdlog/.*|"
-    "nlohmann/json\\.hpp|toml\\+\\+/.*|CLI/.*|Imf.*|GLFW/.*|epoxy/.*|ceres/.*|tbb/.*|png\\.h|jpeglib\\.h|zstd\\.h|"
+    "nlohmann/json\\.hpp|toml\\+\\+/.*|CLI/.*|Imf.*|GLFW/.*|imgui.*|backends/.*|epoxy/.*|ceres/.*|tbb/"
+    ".*|png\\.h|jpeglib\\.h|zstd\\.h|"
     "sodium\\.h|apriltag/.*";
 
 /// The rooms of a house, a floor each: a file includes what stands in its own room and in those named after it.

@@ -37,50 +37,41 @@ void main() {
 }
 )glsl";
 
-constexpr Rgba kUsedTag{60, 230, 90, 255}, kUnusedTag{255, 150, 40, 255}, kShadow{0, 0, 0, 150};
-
 /// Image pixels -> pixels of the target.
 Eigen::Vector2f on_panel(const Panel& panel, const Camera& camera, const Eigen::Vector2d& pixel) {
   return {static_cast<float>(panel.x + (pixel.x() + 0.5) * panel.width / camera.width),
           static_cast<float>(panel.y + (pixel.y() + 0.5) * panel.height / camera.height)};
 }
 
-/// Text round a place, on a dark ground.
-void label(OverlayPainter& overlay, const Eigen::Vector2f& middle, const std::string& text, Rgba color) {
-  const float width = overlay.advance() * static_cast<float>(text.size()), height = overlay.line_height();
-  overlay.fill(middle.x() - width / 2 - 2, middle.y() - height / 2, width + 4, height, kShadow);
-  overlay.text(middle.x() - width / 2, middle.y() - height / 2, text, color);
-}
-
-void draw_tags(const Capture& capture, const Panel& panel, OverlayPainter& overlay) {
+void add_tags(const Capture& capture, const Panel& panel, Sketch& sketch) {
   for (const TagObservation& tag : capture.tags) {
-    const Rgba color = tag.used ? kUsedTag : kUnusedTag;
+    const Rgba color = tag.used ? kUsedTagColor : kUnusedTagColor;
     Eigen::Vector2f middle = Eigen::Vector2f::Zero();
     std::array<Eigen::Vector2f, 4> corners;
     for (int i = 0; i < 4; ++i) {
       corners[i] = on_panel(panel, capture.camera, tag.corners[i]);
       middle += 0.25f * corners[i];
     }
-    for (int i = 0; i < 4; ++i) overlay.line(corners[i], corners[(i + 1) % 4], 2, color);
-    label(overlay, middle, std::to_string(tag.id), color);
+    for (int i = 0; i < 4; ++i) sketch.lines.push_back({corners[i], corners[(i + 1) % 4], 2, color});
+    sketch.labels.push_back({middle, std::to_string(tag.id), color});
   }
 }
 
 /// Red x, green y, blue z from the origin of the object frame.
-void draw_axes(const Capture& capture, double length, const Panel& panel, OverlayPainter& overlay) {
+void add_axes(const Capture& capture, double length, const Panel& panel, Sketch& sketch) {
   constexpr int kPieces = 12;  // axes bend with the lens
   constexpr Rgba kColors[3] = {{255, 70, 60, 255}, {70, 220, 70, 255}, {80, 140, 255, 255}};
   for (int axis = 0; axis < 3; ++axis) {
-    std::optional<Eigen::Vector2d> before;
+    std::optional<Eigen::Vector2f> before;
     for (int i = 0; i <= kPieces; ++i) {
       const Eigen::Vector3d point = Eigen::Vector3d::Unit(axis) * (length * i / kPieces);
       const auto pixel = capture.camera.project(capture.pose.camera_from_object * point);
-      if (before && pixel)
-        overlay.line(on_panel(panel, capture.camera, *before), on_panel(panel, capture.camera, *pixel), 3,
-                     kColors[axis]);
-      before = pixel;
+      const std::optional<Eigen::Vector2f> at =
+          pixel ? std::optional(on_panel(panel, capture.camera, *pixel)) : std::nullopt;
+      if (before && at) sketch.lines.push_back({*before, *at, 3, kColors[axis]});
+      before = at;
     }
-    if (before) label(overlay, on_panel(panel, capture.camera, *before), std::string(1, "xyz"[axis]), kColors[axis]);
+    if (before) sketch.labels.push_back({*before, std::string(1, "xyz"[axis]), kColors[axis]});
   }
 }
 
@@ -144,10 +135,11 @@ void CameraPicture::draw(const std::shared_ptr<const Capture>& capture, const Me
   check_gl("drawing the camera picture");
 }
 
-void CameraPicture::annotate(const Capture& capture, const Mesh* mesh, const Panel& panel, OverlayPainter& overlay) {
-  draw_tags(capture, panel, overlay);
-  if (capture.pose.usable()) draw_axes(capture, mesh ? 0.6 * bounding_sphere(*mesh).radius : 0.05, panel, overlay);
-  overlay.flush(panel);
+Sketch CameraPicture::annotations(const Capture& capture, const Mesh* mesh, const Panel& panel) {
+  Sketch sketch{.clip = panel};
+  add_tags(capture, panel, sketch);
+  if (capture.pose.usable()) add_axes(capture, mesh ? 0.6 * bounding_sphere(*mesh).radius : 0.05, panel, sketch);
+  return sketch;
 }
 
 }  // namespace sheen

@@ -7,10 +7,13 @@
 #include "common/geometry/mesh.h"
 #include "reconstructor/render/gl/gl_objects.h"
 #include "reconstructor/render/gl/model_drawer.h"
-#include "reconstructor/render/gl/overlay_painter.h"
+#include "reconstructor/render/gl/sketch.h"
 #include "reconstructor/render/gl/textured_panel.h"
 
 namespace sheen {
+
+inline constexpr Rgba kUsedTagColor{60, 230, 90, 255}, kUnusedTagColor{255, 150, 40, 255};
+inline constexpr Rgba kOutlineColor{64, 217, 255, 255};
 
 /// The camera's image with what was found in it and what the pose says: the outlines of the tags (green: the pose rests
 /// on it), the mesh's visible edges and the object's axes, all through the lens distortion.
@@ -20,7 +23,7 @@ class CameraPicture {
   /// Image and mesh, into a panel of the camera's shape; within the caller's scissor. The mesh may be null.
   void draw(const std::shared_ptr<const Capture>& capture, const Mesh* mesh, const Panel& panel, int target_height);
   /// Tags and axes over it.
-  static void annotate(const Capture& capture, const Mesh* mesh, const Panel& panel, OverlayPainter& overlay);
+  static Sketch annotations(const Capture& capture, const Mesh* mesh, const Panel& panel);
 
  private:
   void upload_image(const std::shared_ptr<const Capture>& capture);

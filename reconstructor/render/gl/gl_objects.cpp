@@ -213,8 +213,12 @@ void RenderTarget::resolve() const {
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.id());
 }
 
-void RenderTarget::clear_picture(const Eigen::Vector3f& color) const {
+void RenderTarget::draw_over() const {
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.id());
+}
+
+void RenderTarget::clear_picture(const Eigen::Vector3f& color) const {
+  draw_over();
   glClearColor(color.x(), color.y(), color.z(), 1);
   glClear(GL_COLOR_BUFFER_BIT);
 }
@@ -232,6 +236,7 @@ void RenderTarget::show(int window_width, int window_height) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, window_width, window_height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
 ImageU8 RenderTarget::read() const {

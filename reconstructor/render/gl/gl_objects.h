@@ -100,13 +100,15 @@ class RenderTarget {
   void draw_on() const;                            ///< drawing goes to the samples again, which stay as they are
   void resolve() const;                            ///< samples -> picture; drawing goes to the picture from now on
 
+  void draw_over() const;                                  ///< drawing goes to the picture from now on
   void clear_picture(const Eigen::Vector3f& color) const;  ///< drawing goes to the picture from now on
   /// A part of another target's picture over a part of this one's, smoothly enlarged. Drawing goes to the picture from
   /// now on.
   void enlarge(const RenderTarget& other, const Panel& from, const Panel& to) const;
 
-  void show(int window_width, int window_height) const;  ///< the picture, to the window's back buffer
-  ImageU8 read() const;                                  ///< the picture: RGB, top row first
+  void show(int window_width,
+            int window_height) const;  ///< the picture, to the window's back buffer, where drawing goes then
+  ImageU8 read() const;                ///< the picture: RGB, top row first
 
  private:
   int width_, height_;

@@ -34,10 +34,17 @@ std::optional<Demand> demand_of(SurfaceShading shading) {
   }
 }
 
+Eigen::Vector3f need_color(float need) {
+  static const Eigen::Vector3f known(0.18f, 0.66f, 0.38f), some(0.98f, 0.80f, 0.28f), unknown(0.90f, 0.16f, 0.12f);
+  const float part = std::clamp(need, 0.0f, 1.0f);
+  return part < 0.5f ? Eigen::Vector3f(known + 2 * part * (some - known))
+                     : Eigen::Vector3f(some + (2 * part - 1) * (unknown - some));
+}
+
 Eigen::Vector3f reason_color(QualityReason reason) {
   switch (reason) {  // told apart by colour-blind people too (Okabe and Ito)
     case QualityReason::kGood:
-      return {0.30f, 0.34f, 0.38f};
+      return need_color(0);
     case QualityReason::kUnseen:
       return state_color(SampleState::kUnseen);
     case QualityReason::kOblique:

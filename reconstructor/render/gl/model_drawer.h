@@ -18,8 +18,8 @@ namespace sheen {
 
 enum class SurfaceShading {
   kAppearance,  ///< what the camera would see; striped where no image reached: dark, or a guess
-  kHeuristic,   ///< the brighter the red, the more images are needed
-  kReasons,     ///< a colour a reason, as bright as the need: see `reason_color`
+  kHeuristic,   ///< how much images are needed: see `need_color`
+  kReasons,     ///< from the green of what is known to the colour of the reason: see `reason_color`
   kStates,      ///< kAppearance, tinted where samples are imputed or unseen: see `state_color`
   kPlain,       ///< the mesh in grey: all that there is before the first image
   kRank,        ///< what the scene required, as `DemandMap` has it: terms,
@@ -29,6 +29,10 @@ enum class SurfaceShading {
 
 /// Of a shading that shows what the scene required.
 std::optional<Demand> demand_of(SurfaceShading shading);
+
+/// From green, nothing is needed, over yellow to red: 0..1, sRGB-encoded. `need`: 0..1, see
+/// `SurfaceQuality::heuristic`.
+Eigen::Vector3f need_color(float need);
 
 /// Colour of a reason in `SurfaceShading::kReasons` and in its legend: 0..1, sRGB-encoded.
 Eigen::Vector3f reason_color(QualityReason reason);

@@ -37,12 +37,11 @@ void PictureDrawer::resize(int width, int height) {
   restart();
 }
 
-bool PictureDrawer::draw_soon(const ViewerState& state, const ViewControls& controls,
-                              const std::vector<std::string>& news) {
+bool PictureDrawer::draw_soon(const ViewerState& state, const ViewControls& controls) {
   restart();
   if (pacer_.finest() || controls.mode == ViewMode::kCamera) {
     const DrawingTime time;
-    draw_fine(state, controls, news);
+    draw_fine(state, controls);
     if (controls.mode != ViewMode::kCamera) pacer_.moved(time.elapsed());
     return true;
   }
@@ -54,7 +53,7 @@ bool PictureDrawer::draw_soon(const ViewerState& state, const ViewControls& cont
     coarse_.emplace(width, height, 1);
   }
   const DrawingTime time;
-  scene_.draw_coarse(state, controls, news, *coarse_, *target_);
+  scene_.draw_coarse(state, controls, *coarse_, *target_);
   pacer_.moved(time.elapsed());
   return false;
 }
@@ -64,13 +63,12 @@ int PictureDrawer::rows_per_piece() const {
   return std::max(kLeastRows, static_cast<int>(std::ceil(target_->height() / pieces)));
 }
 
-bool PictureDrawer::draw_piece(const ViewerState& state, const ViewControls& controls,
-                               const std::vector<std::string>& news) {
+bool PictureDrawer::draw_piece(const ViewerState& state, const ViewControls& controls) {
   const DrawingTime time;
   const int rows = controls.mode == ViewMode::kCamera ? target_->height() : rows_per_piece();
   scene_.draw_rows(state, controls, *target_, rows_drawn_, rows);
   const bool last = rows_drawn_ + rows >= target_->height();
-  if (last) scene_.finish(state, controls, news, *target_);
+  if (last) target_->resolve();
   pieces_ms_ = (rows_drawn_ > 0 ? pieces_ms_ : 0) + time.elapsed();
   rows_drawn_ += rows;
   if (!last) return false;
@@ -79,10 +77,9 @@ bool PictureDrawer::draw_piece(const ViewerState& state, const ViewControls& con
   return true;
 }
 
-void PictureDrawer::draw_fine(const ViewerState& state, const ViewControls& controls,
-                              const std::vector<std::string>& news) {
+void PictureDrawer::draw_fine(const ViewerState& state, const ViewControls& controls) {
   scene_.draw_rows(state, controls, *target_, 0, target_->height());
-  scene_.finish(state, controls, news, *target_);
+  target_->resolve();
   restart();
 }
 

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "reconstructor/render/gl/frame_pacer.h"
 #include "reconstructor/render/gl/gl_objects.h"
@@ -25,14 +23,15 @@ class PictureDrawer {
   void resize(int width, int height);
 
   /// A picture that is soon there. True: it is as fine as can be.
-  bool draw_soon(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news);
+  bool draw_soon(const ViewerState& state, const ViewControls& controls);
   /// The next piece of the fine picture; true when that was the last one and the picture is there. Until then the one
   /// before stays. State and controls must be those of the pieces before: `restart` where they are not.
-  bool draw_piece(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news);
+  bool draw_piece(const ViewerState& state, const ViewControls& controls);
   void restart() { rows_drawn_ = 0; }
   /// The fine picture, whole.
-  void draw_fine(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news);
+  void draw_fine(const ViewerState& state, const ViewControls& controls);
 
+  ViewerScene& scene() { return scene_; }
   const FramePacer& pacer() const { return pacer_; }
   /// After `resize`.
   const RenderTarget& target() const { return *target_; }

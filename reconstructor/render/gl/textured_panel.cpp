@@ -21,13 +21,13 @@ void main() {
 constexpr const char* kFragmentShader = R"glsl(#version 330 core
 uniform sampler2D picture;
 uniform bool black_is_empty;
-uniform float red;
+uniform vec3 flat_color;  // negative: the picture's own
 in vec2 place;
 out vec4 pixel;
 void main() {
   vec3 rgb = texture(picture, place).rgb;
   if (black_is_empty && rgb == vec3(0.0)) discard;
-  pixel = red >= 0.0 ? vec4(red, 0.0, 0.0, 1.0) : vec4(rgb, 1.0);
+  pixel = vec4(flat_color.r >= 0.0 ? flat_color : rgb, 1.0);
 }
 )glsl";
 
@@ -64,7 +64,7 @@ void TexturedPanel::draw(const Panel& panel, int target_height, const Look& look
   program_.use();
   glUniform1i(program_.uniform("picture"), 0);
   glUniform1i(program_.uniform("black_is_empty"), look.black_is_empty);
-  glUniform1f(program_.uniform("red"), look.red.value_or(-1));
+  glUniform3fv(program_.uniform("flat_color"), 1, look.color.value_or(Eigen::Vector3f(-1, -1, -1)).data());
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture_.id());
   glViewport(panel.x, target_height - panel.y - panel.height, panel.width, panel.height);

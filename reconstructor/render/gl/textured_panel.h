@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 
 #include "common/image/image.h"
@@ -25,8 +26,8 @@ class TexturedPanel {
   void upload(const ImageU8& picture, Scaling scaling);
 
   struct Look {
-    bool black_is_empty = false;    ///< black pixels leave what is there
-    std::optional<float> red = {};  ///< in place of the picture's colours: one red, 0..1
+    bool black_is_empty = false;                ///< black pixels leave what is there
+    std::optional<Eigen::Vector3f> color = {};  ///< in place of the picture's colours: sRGB-encoded, 0..1
   };
   /// All of `panel`, which counts from the top of a target of that height.
   void draw(const Panel& panel, int target_height, const Look& look) const;

@@ -55,6 +55,26 @@ std::optional<ViewMode> view_mode_from(std::string_view word) {
   return std::nullopt;
 }
 
+Ground next(Ground ground) {
+  return ground == Ground::kBlack ? Ground::kDark : static_cast<Ground>(static_cast<int>(ground) + 1);
+}
+
+Eigen::Vector3f color_of(Ground ground) {
+  switch (ground) {
+    case Ground::kDark:
+      return {0.11f, 0.12f, 0.135f};
+    case Ground::kGrey:
+      return {0.46f, 0.46f, 0.46f};
+    case Ground::kLight:
+      return {0.91f, 0.91f, 0.90f};
+    case Ground::kWhite:
+      return {1, 1, 1};
+    case Ground::kBlack:
+      break;
+  }
+  return {0, 0, 0};
+}
+
 void ViewControls::frame(const std::shared_ptr<const Mesh>& mesh) {
   if (!mesh || mesh == framed_) return;
   framed_ = mesh;

@@ -28,14 +28,21 @@ std::optional<Demand> demand_of(ViewMode mode);
 /// Of "appearance", "heuristic", "split", "camera", "rank", "resolution", "bytes"; nothing for any other word.
 std::optional<ViewMode> view_mode_from(std::string_view word);
 
+/// What stands behind the object.
+enum class Ground { kDark, kGrey, kLight, kWhite, kBlack };
+Ground next(Ground ground);
+Eigen::Vector3f color_of(Ground ground);  ///< sRGB-encoded, 0..1
+
 /// What the person at the window has chosen.
 struct ViewControls {
   ViewMode mode = ViewMode::kAppearance;
   bool follow = false;   ///< look through the tracked camera instead of the free one
   bool reasons = false;  ///< the heuristic by its reasons
   bool states = false;   ///< tint what is imputed or unseen
-  bool help = false;
-  bool figures = true;  ///< text and guides over the picture
+  bool help = false;     ///< the list of the keys
+  bool details = false;  ///< all figures, not only what comes first
+  bool panels = true;    ///< panels and guides over the picture
+  Ground ground = Ground::kDark;
   OrbitCamera orbit;
   Eigen::Vector2d light_rotation = Eigen::Vector2d::Zero();  ///< see `Viewpoint::light_rotation`
 

@@ -10,6 +10,7 @@ namespace sheen {
 namespace {
 
 constexpr Rgba kTracked{255, 215, 90, 255}, kNext{90, 220, 120, 255}, kDivider{90, 95, 105, 255};
+constexpr float kDividerWidth = 2;
 
 bool posed(const ViewerState& state) {
   return state.capture && state.capture->pose.usable();
@@ -22,14 +23,6 @@ Viewpoint tracked_viewpoint(const Capture& capture, const Panel& panel) {
   camera.distortion = {};
   return {camera, capture.pose.camera_from_object};
 }
-
-/// Capitals of 9 pixels in a window of 800 and below, larger in larger ones.
-float text_unit(int height) {
-  return std::clamp(std::round(static_cast<float>(height) / 250) / 2, 1.5f, 5.0f);
-}
-
-constexpr int kDividerWidth = 2;
-const Eigen::Vector3f kBackground(0.11f, 0.12f, 0.135f);
 
 const Mesh* mesh_of(const ViewerState& state) {
   return state.snapshot ? &state.snapshot->mesh() : nullptr;
@@ -89,7 +82,7 @@ std::vector<ViewerScene::SurfacePanel> ViewerScene::surface_panels(const ViewerS
 
 void ViewerScene::draw_rows(const ViewerState& state, const ViewControls& controls, const RenderTarget& target, int top,
                             int rows) {
-  if (top == 0) target.clear(kBackground);
+  if (top == 0) target.clear(color_of(controls.ground));
   target.draw_on();
   for (const SurfacePanel& surface : surface_panels(state, controls, target.width(), target.height())) {
     const ScissorScope scissor(in_rows(surface.panel, top, rows), target.height());
@@ -103,16 +96,9 @@ void ViewerScene::draw_rows(const ViewerState& state, const ViewControls& contro
   }
 }
 
-void ViewerScene::finish(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,
-                         const RenderTarget& target) {
-  target.resolve();
-  draw_overlay(state, controls, news, target);
-}
-
-void ViewerScene::draw_coarse(const ViewerState& state, const ViewControls& controls,
-                              const std::vector<std::string>& news, const RenderTarget& coarse,
+void ViewerScene::draw_coarse(const ViewerState& state, const ViewControls& controls, const RenderTarget& coarse,
                               const RenderTarget& target) {
-  target.clear_picture(kBackground);
+  target.clear_picture(color_of(controls.ground));
   for (const SurfacePanel& surface : surface_panels(state, controls, target.width(), target.height())) {
     const auto part = [](int size, int of, int whole) {
       return std::clamp(static_cast<int>(std::lround(double(size) * of / whole)), 1, of);
@@ -121,75 +107,64 @@ void ViewerScene::draw_coarse(const ViewerState& state, const ViewControls& cont
                       part(surface.panel.height, coarse.height(), target.height())};
     Viewpoint viewpoint = surface.viewpoint;
     viewpoint.camera = viewpoint.camera.scaled(small.width, small.height);
-    coarse.clear(kBackground);
+    coarse.clear(color_of(controls.ground));
     surface_->draw(viewpoint,
                    {small, coarse.height(), static_cast<float>(surface.panel.width) / static_cast<float>(small.width)},
                    surface.shading);
     coarse.resolve();
     target.enlarge(coarse, small, surface.panel);
   }
-  draw_overlay(state, controls, news, target);
 }
 
-void ViewerScene::draw_overlay(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes,
-                               const RenderTarget& target) {
-  const int width = target.width(), height = target.height();
-  overlay_.begin(width, height, text_unit(height));
+std::vector<Sketch> ViewerScene::sketches(const ViewerState& state, const ViewControls& controls, int width,
+                                          int height) {
+  std::vector<Sketch> all;
   if (controls.mode == ViewMode::kCamera) {
     if (state.capture)
-      CameraPicture::annotate(*state.capture, mesh_of(state),
-                              fit({0, 0, width, height}, state.capture->camera.width, state.capture->camera.height),
-                              overlay_);
-    else
-      notes.push_back("no camera image");
-  } else {
-    if (!state.snapshot) notes.push_back("no model");
-    if (controls.follow && !posed(state)) notes.push_back("no tracked camera to follow");
-    if (controls.figures && !(controls.follow && posed(state)))
-      for (const SurfacePanel& surface : surface_panels(state, controls, width, height)) draw_guides(state, surface);
-    if (controls.mode == ViewMode::kSplit)
-      overlay_.fill(static_cast<float>(width / 2 - kDividerWidth / 2), 0, kDividerWidth, static_cast<float>(height),
-                    kDivider);
+      all.push_back(CameraPicture::annotations(
+          *state.capture, mesh_of(state),
+          fit({0, 0, width, height}, state.capture->camera.width, state.capture->camera.height)));
+    return all;
   }
-  if (controls.figures) draw_hud(state, controls, std::move(notes));
-  overlay_.flush({0, 0, width, height});
-  check_gl(std::string("drawing the view '") + to_string(controls.mode) + "'");
+  if (controls.panels && !(controls.follow && posed(state)))
+    for (const SurfacePanel& surface : surface_panels(state, controls, width, height))
+      all.push_back(guides(state, surface));
+  if (controls.mode == ViewMode::kSplit) {
+    const float middle = static_cast<float>(width) / 2;
+    all.push_back({.clip = {0, 0, width, height},
+                   .lines = {{{middle, 0}, {middle, static_cast<float>(height)}, kDividerWidth, kDivider}}});
+  }
+  return all;
 }
 
 /// Where the tracked camera is and where it should go, in the free camera's picture.
-void ViewerScene::draw_guides(const ViewerState& state, const SurfacePanel& surface) {
-  const Panel& panel = surface.panel;
-  const Viewpoint& viewpoint = surface.viewpoint;
+Sketch ViewerScene::guides(const ViewerState& state, const SurfacePanel& surface) {
+  const auto& [panel, viewpoint, shading] = surface;
+  Sketch sketch{.clip = panel};
   const Eigen::Vector2f origin(static_cast<float>(panel.x) + 0.5f, static_cast<float>(panel.y) + 0.5f);
-  const auto pixel = [&](const Eigen::Vector3d& point) -> std::optional<Eigen::Vector2f> {
-    const auto p = viewpoint.camera.project(viewpoint.camera_from_object * point);
+  const auto pixel = [&, &view = viewpoint](const Eigen::Vector3d& point) -> std::optional<Eigen::Vector2f> {
+    const auto p = view.camera.project(view.camera_from_object * point);
     if (!p) return std::nullopt;
     return p->cast<float>() + origin;
   };
-  const auto line = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b, Rgba color) {
+  const auto line = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     const auto from = pixel(a), to = pixel(b);
-    if (from && to) overlay_.line(*from, *to, 1.5f, color);
+    if (from && to) sketch.lines.push_back({*from, *to, 1.5f, kTracked});
   };
-  const double size = 0.35 * bounding_sphere(state.snapshot->mesh()).radius;
   if (posed(state)) {
+    const double size = 0.35 * bounding_sphere(state.snapshot->mesh()).radius;
     const Camera& camera = state.capture->camera;
     const Rigid3 object_from_camera = state.capture->pose.camera_from_object.inverse();
     const double x = 0.5 * camera.width / camera.fx * size, y = 0.5 * camera.height / camera.fy * size;
     const Eigen::Vector3d corners[4] = {{-x, -y, size}, {x, -y, size}, {x, y, size}, {-x, y, size}};
     for (int i = 0; i < 4; ++i) {
-      line(object_from_camera.translation, object_from_camera * corners[i], kTracked);
-      line(object_from_camera * corners[i], object_from_camera * corners[(i + 1) % 4], kTracked);
+      line(object_from_camera.translation, object_from_camera * corners[i]);
+      line(object_from_camera * corners[i], object_from_camera * corners[(i + 1) % 4]);
     }
   }
-  if (state.next_view)
-    if (const auto at = pixel(state.next_view->eye)) {
-      const float r = 0.4f * overlay_.line_height();
-      const Eigen::Vector2f right(r, 0), down(0, r);
-      overlay_.triangle(*at - right, *at - down, *at + right, kNext);
-      overlay_.triangle(*at - right, *at + right, *at + down, kNext);
-      overlay_.text(at->x() + 1.5f * r, at->y() - overlay_.line_height() / 2, "next", kNext);
-    }
-  overlay_.flush(panel);
+  if (state.next_view && !state.next_view->well_known)
+    if (const auto at = pixel(state.next_view->eye)) sketch.marks.push_back({*at, "next", kNext});
+  return sketch;
 }
 
 const DemandMap& ViewerScene::demand_map(const std::shared_ptr<const ModelSnapshot>& snapshot, Demand demand) {
@@ -198,35 +173,38 @@ const DemandMap& ViewerScene::demand_map(const std::shared_ptr<const ModelSnapsh
   return demand_->map;
 }
 
-void ViewerScene::draw_hud(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes) {
+Told ViewerScene::told(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes,
+                       int width, int height) {
   if (state.snapshot && state.snapshot != counted_) {
-    ranks_ = state.snapshot->figures();
+    figures_ = state.snapshot->figures();
     counted_ = state.snapshot;
   }
+  const auto panels = surface_panels(state, controls, width, height);
+  if (controls.mode == ViewMode::kCamera && !state.capture) notes.push_back("no camera image");
+  if (controls.mode != ViewMode::kCamera && !state.snapshot) notes.push_back("no model");
+  if (controls.mode != ViewMode::kCamera && controls.follow && !posed(state))
+    notes.push_back("no tracked camera to follow");
   for (std::string& note : surface_->notes()) notes.push_back(std::move(note));
-  if (const auto panels = surface_panels(state, controls, overlay_.width(), overlay_.height());
-      !panels.empty() && surface_->follows_eye()) {
+  if (!panels.empty() && surface_->follows_eye()) {
     const std::string note = no_photograph_note(*state.snapshot, panels.front().viewpoint.eye());
     if (!note.empty()) notes.push_back(note);
   }
   std::optional<Guidance> guidance;
   if (state.snapshot && state.next_view) {
     const Rigid3 here = posed(state) ? state.capture->pose.camera_from_object
-                                     : controls.orbit.viewpoint(overlay_.width(), overlay_.height()).camera_from_object;
+                                     : controls.orbit.viewpoint(width, height).camera_from_object;
     guidance = guide(here, bounding_sphere(state.snapshot->mesh()).centre, state.next_view->eye);
   }
   const DemandMap* demand = nullptr;
   if (const std::optional<Demand> shown = demand_of(controls.mode); shown && state.snapshot)
     demand = &demand_map(state.snapshot, *shown);
   if (demand && demand->empty()) notes.push_back("this kind of model has no patches");
-  Hud{.state = state,
-      .controls = controls,
-      .model = model_,
-      .ranks = state.snapshot ? &ranks_ : nullptr,
-      .demand = demand,
-      .guidance = guidance ? &*guidance : nullptr,
-      .notes = std::move(notes)}
-      .draw(overlay_);
+  return sheen::told(state, controls,
+                     {.model = model_,
+                      .figures = state.snapshot ? &figures_ : nullptr,
+                      .demand = demand,
+                      .guidance = guidance ? &*guidance : nullptr},
+                     std::move(notes));
 }
 
 }  // namespace sheen

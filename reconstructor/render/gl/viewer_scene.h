@@ -8,9 +8,9 @@
 
 #include "reconstructor/models/model_kind.h"
 #include "reconstructor/render/gl/camera_picture.h"
-#include "reconstructor/render/gl/hud.h"
 #include "reconstructor/render/gl/model_drawer.h"
-#include "reconstructor/render/gl/overlay_painter.h"
+#include "reconstructor/render/gl/panel_words.h"
+#include "reconstructor/render/gl/sketch.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/gl/viewer_state.h"
 
@@ -27,13 +27,16 @@ class ViewerScene {
   bool update(const ViewerState& state) { return surface_->update(state.snapshot); }
   /// The samples of some rows of the picture, from `top` on; the target is cleared by the caller.
   void draw_rows(const ViewerState& state, const ViewControls& controls, const RenderTarget& target, int top, int rows);
-  /// Makes the picture of the samples when all rows are drawn. `news`: lines to show beside the state's own message.
-  void finish(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,
-              const RenderTarget& target);
-  /// The same picture where pixels cost too much: what shows a surface is drawn as large as `coarse` and enlarged;
-  /// text and lines are as sharp as ever.
-  void draw_coarse(const ViewerState& state, const ViewControls& controls, const std::vector<std::string>& news,
-                   const RenderTarget& coarse, const RenderTarget& target);
+  /// The same picture where pixels cost too much: what shows a surface is drawn as large as `coarse` and enlarged.
+  void draw_coarse(const ViewerState& state, const ViewControls& controls, const RenderTarget& coarse,
+                   const RenderTarget& target);
+
+  /// What belongs over the picture, at a size in pixels: tags and pose in the camera's image; with `panels`, where the
+  /// tracked camera is and where it should go.
+  static std::vector<Sketch> sketches(const ViewerState& state, const ViewControls& controls, int width, int height);
+  /// What the panels tell. `notes`: lines to show beside the state's own message.
+  Told told(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes, int width,
+            int height);
 
  private:
   /// A part of the picture that shows the surface.
@@ -44,10 +47,7 @@ class ViewerScene {
   };
   static std::vector<SurfacePanel> surface_panels(const ViewerState& state, const ViewControls& controls, int width,
                                                   int height);
-  void draw_overlay(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes,
-                    const RenderTarget& target);
-  void draw_guides(const ViewerState& state, const SurfacePanel& surface);
-  void draw_hud(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes);
+  static Sketch guides(const ViewerState& state, const SurfacePanel& surface);
 
   struct ShownDemand {
     Demand of;
@@ -59,9 +59,8 @@ class ViewerScene {
   const char* model_;  ///< what it is called
   std::unique_ptr<ModelDrawer> surface_;
   CameraPicture camera_;
-  OverlayPainter overlay_;
-  std::shared_ptr<const ModelSnapshot> counted_;  ///< of which `ranks_` are
-  SnapshotFigures ranks_;
+  std::shared_ptr<const ModelSnapshot> counted_;  ///< of which `figures_` are
+  SnapshotFigures figures_;
   std::optional<ShownDemand> demand_;  ///< the last one asked for
 };
 

@@ -7,14 +7,16 @@
 
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <string>
 #include <utility>
 
 #include "common/base/errors.h"
 #include "common/image/image_io.h"
 #include "reconstructor/render/gl/lost_display.h"
+#include "reconstructor/render/gl/panels.h"
 #include "reconstructor/render/gl/picture_drawer.h"
+#include "reconstructor/render/gl/screenshot_file.h"
+#include "reconstructor/render/gl/view_action.h"
 
 namespace sheen {
 namespace {
@@ -68,112 +70,130 @@ WindowHandle open_window(const ViewerOptions& options) {
   return window;
 }
 
-std::filesystem::path screenshot_name(ViewMode mode) {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char stamp[32];
-  std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &local);
-  return std::string("sheen-") + to_string(mode) + "-" + stamp;
-}
-
-/// A name that is free: two screenshots a second do not overwrite each other.
-std::filesystem::path free_name(const std::filesystem::path& stem) {
-  std::filesystem::path path = stem;
-  path += ".png";
-  for (int i = 2; std::filesystem::exists(path); ++i) {
-    path = stem;
-    path += "-" + std::to_string(i) + ".png";
-  }
-  return path;
-}
-
 }  // namespace
 
 struct ViewerWindow::Impl {
   Impl(const ModelKind& kind, const ViewerOptions& o)
       : options(o), window(open_window(o)), pictures(kind, o.drawer, o.samples) {
     glfwSetWindowUserPointer(window.get(), this);
-    glfwSetKeyCallback(window.get(), [](GLFWwindow* w, int key, int, int action, int) {
-      if (action == GLFW_PRESS) of(w).on_key(key);
+    glfwSetKeyCallback(window.get(), [](GLFWwindow* w, int key, int, int action, int modifiers) {
+      if (action != GLFW_RELEASE) of(w).on_key(key, modifiers, action == GLFW_PRESS);
+    });
+    glfwSetMouseButtonCallback(window.get(), [](GLFWwindow* w, int button, int action, int) {
+      of(w).on_button(button, action == GLFW_PRESS);
     });
     glfwSetCursorPosCallback(window.get(), [](GLFWwindow* w, double x, double y) { of(w).on_cursor(x, y); });
-    glfwSetScrollCallback(window.get(), [](GLFWwindow* w, double, double steps) {
-      of(w).controls.follow = false;
-      of(w).controls.orbit.dolly(std::pow(0.9, steps));
-      of(w).on_movement();
-    });
+    glfwSetScrollCallback(window.get(), [](GLFWwindow* w, double, double steps) { of(w).on_wheel(steps); });
     glfwSetWindowRefreshCallback(window.get(), [](GLFWwindow* w) { of(w).changed = true; });
     glfwSetFramebufferSizeCallback(window.get(), [](GLFWwindow* w, int, int) { of(w).changed = true; });
   }
 
   static Impl& of(GLFWwindow* w) { return *static_cast<Impl*>(glfwGetWindowUserPointer(w)); }
 
-  void on_key(int key) {
+  void on_key(int key, int modifiers, bool first) {
+    if (on_moving_key(key, modifiers) || !first) return;
+    if (key == GLFW_KEY_ESCAPE) return perform(ViewAction::kQuit);
+    if (const std::optional<ViewAction> action = action_of_key(key)) perform(*action);
+  }
+
+  /// Arrows, plus and minus do what the mouse does.
+  bool on_moving_key(int key, int modifiers) {
+    constexpr double kStep = 0.02, kNearer = 0.93;  // of the window's height
+    const auto is = [key](auto... keys) { return ((key == keys) || ...); };
+    if (is(GLFW_KEY_EQUAL, GLFW_KEY_KP_ADD, GLFW_KEY_MINUS, GLFW_KEY_KP_SUBTRACT)) {
+      dolly(is(GLFW_KEY_EQUAL, GLFW_KEY_KP_ADD) ? kNearer : 1 / kNearer);
+      return true;
+    }
+    if (!is(GLFW_KEY_LEFT, GLFW_KEY_RIGHT, GLFW_KEY_UP, GLFW_KEY_DOWN)) return false;
+    const Eigen::Vector2d part(kStep * (is(GLFW_KEY_RIGHT) - is(GLFW_KEY_LEFT)),
+                               kStep * (is(GLFW_KEY_DOWN) - is(GLFW_KEY_UP)));
+    move(part, modifiers & GLFW_MOD_CONTROL ? Hand::kTurnsLight
+               : modifiers & GLFW_MOD_SHIFT ? Hand::kPans
+                                            : Hand::kOrbits);
+    return true;
+  }
+
+  void perform(ViewAction action) {
     changed = true;
-    switch (key) {
-      case GLFW_KEY_1:
-      case GLFW_KEY_2:
-      case GLFW_KEY_3:
-      case GLFW_KEY_4:
-        controls.mode = static_cast<ViewMode>(key - GLFW_KEY_1);
-        break;
-      case GLFW_KEY_5:  // one after the other
-        controls.mode = controls.mode == ViewMode::kRank         ? ViewMode::kResolution
-                        : controls.mode == ViewMode::kResolution ? ViewMode::kBytes
-                                                                 : ViewMode::kRank;
-        break;
-      case GLFW_KEY_W:
-        controls.reasons = !controls.reasons;
-        break;
-      case GLFW_KEY_M:
-        controls.states = !controls.states;
-        break;
-      case GLFW_KEY_U:
-        if (take_back) tell(take_back());
-        break;
-      case GLFW_KEY_F:
-        controls.follow = !controls.follow;
-        break;
-      case GLFW_KEY_R:
-        controls.reset();
-        break;
-      case GLFW_KEY_S:
-        screenshot_wanted = true;
-        break;
-      case GLFW_KEY_H:
-        controls.help = !controls.help;
-        break;
-      case GLFW_KEY_Q:
-      case GLFW_KEY_ESCAPE:
-        glfwSetWindowShouldClose(window.get(), GLFW_TRUE);
-        break;
-      default:
-        break;
+    if (apply(action, controls)) return;
+    if (action == ViewAction::kUndo && requests.take_back) tell(requests.take_back());
+    if (action == ViewAction::kHoldOut && requests.hold_out) tell(requests.hold_out());
+    if (action == ViewAction::kScreenshot) screenshot_wanted = true;
+    if (action == ViewAction::kQuit) glfwSetWindowShouldClose(window.get(), GLFW_TRUE);
+  }
+
+  std::vector<ViewAction> offered(const ViewerState& state) const {
+    std::vector<ViewAction> actions;
+    const bool live = state.capture || state.link != TrackerLink::kNone;
+    for (const ActionWords& words : view_actions()) {
+      const ViewAction action = words.action;
+      if ((action == ViewAction::kCamera || action == ViewAction::kFollow) && !live) continue;
+      if (action == ViewAction::kUndo && !requests.take_back) continue;
+      if (action == ViewAction::kHoldOut && !requests.hold_out) continue;
+      actions.push_back(action);
+    }
+    return actions;
+  }
+
+  void on_button(int button, bool pressed) {
+    const bool on_panel = panels.cover(pointer.at);
+    if (pressed) hand_on_picture = !on_panel;
+    if (button != GLFW_MOUSE_BUTTON_LEFT) return;
+    // A click may be over before the panels see that it began.
+    released = !pressed && pointer.pressed && panels_changed;
+    if (!released) pointer.pressed = pressed && on_panel;
+    panels_changed = true;
+  }
+
+  void on_wheel(double steps) {
+    if (panels.cover(pointer.at)) {
+      pointer.wheel += static_cast<float>(steps);
+      panels_changed = true;
+    } else {
+      dolly(std::pow(0.9, steps));
     }
   }
 
   void on_cursor(double x, double y) {
-    const Eigen::Vector2d now(x, y), moved = now - cursor;
-    cursor = now;
-    const auto held = [&](int button) { return glfwGetMouseButton(window.get(), button) == GLFW_PRESS; };
-    const bool shift = glfwGetKey(window.get(), GLFW_KEY_LEFT_SHIFT) == GLFW_PRESS;
-    int width = 1, height = 1;
+    int width = 1, height = 1, pixels_across = 1, pixels_down = 1;
     glfwGetWindowSize(window.get(), &width, &height);
-    const Eigen::Vector2d part = moved / std::max(1, height);
-    const bool control = glfwGetKey(window.get(), GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS;
-    if (control && held(GLFW_MOUSE_BUTTON_LEFT)) {
+    glfwGetFramebufferSize(window.get(), &pixels_across, &pixels_down);
+    const Eigen::Vector2d now(x, y), part = (now - cursor) / std::max(1, height);
+    cursor = now;
+    const bool was_on_panel = panels.cover(pointer.at);
+    pointer.at =
+        Eigen::Vector2d(x * pixels_across / std::max(1, width), y * pixels_down / std::max(1, height)).cast<float>();
+    panels_changed |= was_on_panel || pointer.pressed || panels.cover(pointer.at);
+    const auto held = [&](auto... buttons) {
+      return ((glfwGetMouseButton(window.get(), buttons) == GLFW_PRESS) || ...);
+    };
+    const auto down = [&](auto... keys) { return ((glfwGetKey(window.get(), keys) == GLFW_PRESS) || ...); };
+    if (!hand_on_picture) return;
+    const bool left = held(GLFW_MOUSE_BUTTON_LEFT);
+    if (left && down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL))
+      move(part, Hand::kTurnsLight);
+    else if (held(GLFW_MOUSE_BUTTON_RIGHT, GLFW_MOUSE_BUTTON_MIDDLE) ||
+             (left && down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT)))
+      move(part, Hand::kPans);
+    else if (left)
+      move(part, Hand::kOrbits);
+  }
+
+  enum class Hand { kOrbits, kPans, kTurnsLight };
+  /// `part`: how far to the right and down, of the window's height.
+  void move(const Eigen::Vector2d& part, Hand hand) {
+    if (hand == Hand::kTurnsLight)
       controls.light_rotation += 4 * Eigen::Vector2d(part.x(), -part.y());
-      changed = true;
-      return;
-    }
-    if (held(GLFW_MOUSE_BUTTON_RIGHT) || held(GLFW_MOUSE_BUTTON_MIDDLE) || (held(GLFW_MOUSE_BUTTON_LEFT) && shift))
-      controls.orbit.pan(-part.x(), part.y());
-    else if (held(GLFW_MOUSE_BUTTON_LEFT))
-      controls.orbit.orbit(-4 * part.x(), 4 * part.y());
     else
-      return;
+      controls.follow = false;
+    if (hand == Hand::kPans) controls.orbit.pan(-part.x(), part.y());
+    if (hand == Hand::kOrbits) controls.orbit.orbit(-4 * part.x(), 4 * part.y());
+    on_movement();
+  }
+
+  void dolly(double factor) {
     controls.follow = false;
+    controls.orbit.dolly(factor);
     on_movement();
   }
 
@@ -184,7 +204,7 @@ struct ViewerWindow::Impl {
 
   std::vector<std::string> current_news() {
     if (!news.empty() && Clock::now() > news_until) news.clear();
-    if (news.empty() || screenshot_wanted) return {};  // a screenshot does not show what became of the last one
+    if (news.empty()) return {};
     return {news};
   }
 
@@ -194,11 +214,41 @@ struct ViewerWindow::Impl {
     changed = true;
   }
 
-  void save_screenshot() {
+  /// Pixels for what is one on a screen of ordinary density; more in a window that is large without being dense.
+  float panel_scale() const {
+    constexpr float kTallest = 1400;
+    float across = 1, down = 1;
+    glfwGetWindowContentScale(window.get(), &across, &down);
+    return std::max({1.0f, across, static_cast<float>(pictures.target().height()) / kTallest});
+  }
+
+  /// Into the framebuffer that is bound. @return what was pressed.
+  std::vector<ViewAction> draw_panels(const ViewerState& state, const ViewControls& chosen) {
+    const int width = pictures.target().width(), height = pictures.target().height();
+    const Told told = pictures.scene().told(state, chosen, current_news(), width, height);
+    const std::vector<Sketch> sketches = ViewerScene::sketches(state, chosen, width, height);
+    std::vector<ViewAction> pressed =
+        panels.lay_out({state, chosen, told, sketches, offered(state)}, width, height, panel_scale(), pointer);
+    pointer.wheel = 0;
+    panels.draw();
+    return pressed;
+  }
+
+  ImageU8 picture_with_panels(const ViewerState& state, const ViewControls& chosen) {
+    pictures.target().draw_over();
+    draw_panels(state, chosen);
+    return pictures.target().read();
+  }
+
+  /// Of the object alone.
+  void save_screenshot(const ViewerState& state) {
     screenshot_wanted = false;
-    const auto path = free_name(options.screenshot_folder / screenshot_name(controls.mode));
+    changed = true;  // what belongs to the picture is drawn over it
+    ViewControls clean = controls;
+    clean.panels = false;
+    const auto path = free_screenshot(options.screenshot_folder, controls.mode);
     try {
-      write_png(path, pictures.target().read());
+      write_png(path, picture_with_panels(state, clean));
       tell("saved " + path.string());
     } catch (const Error& error) {  // a full disk must not end the capture
       tell(std::string("no screenshot: ") + error.what());
@@ -225,32 +275,44 @@ struct ViewerWindow::Impl {
 
   /// True: the picture is as fine as can be.
   bool draw_soon(const ViewerState& state) {
-    const bool fine = pictures.draw_soon(state, controls, current_news());
-    show();
+    const bool fine = pictures.draw_soon(state, controls);
+    show(state);
     return fine;
   }
   /// True: the fine picture is there and shown.
   bool draw_piece(const ViewerState& state) {
-    const bool fine = pictures.draw_piece(state, controls, current_news());
-    if (fine) show();
+    const bool fine = pictures.draw_piece(state, controls);
+    if (fine) show(state);
     return fine;
   }
 
-  void show() {
+  void show(const ViewerState& state) {
+    panels_changed = false;
     pictures.target().show(pictures.target().width(), pictures.target().height());
+    const std::vector<ViewAction> pressed = draw_panels(state, controls);
     glfwSwapBuffers(window.get());
+    if (std::exchange(released, false)) {
+      pointer.pressed = false;
+      panels_changed = true;
+    }
+    for (const ViewAction action : pressed) perform(action);
   }
 
   ViewerOptions options;
   GlfwLibrary library;
   WindowHandle window;
   PictureDrawer pictures;
+  Panels panels;
   ViewControls controls;
+  Pointer pointer;
+  bool released = false;         ///< after what `pointer` says
+  bool hand_on_picture = false;  ///< the mouse was pressed there, not on a panel
   Eigen::Vector2d cursor = Eigen::Vector2d::Zero();
-  bool changed = true;      ///< something to draw
-  Clock::time_point moved;  ///< when a hand last moved the picture
+  bool changed = true;          ///< something to draw
+  bool panels_changed = false;  ///< the picture is as it was
+  Clock::time_point moved;      ///< when a hand last moved the picture
   bool screenshot_wanted = false;
-  std::function<std::string()> take_back;
+  CaptureRequests requests;
   std::string news;
   Clock::time_point news_until;
 };
@@ -263,9 +325,9 @@ ViewControls& ViewerWindow::controls() {
   return impl_->controls;
 }
 
-void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, std::function<std::string()> take_back) {
+void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, CaptureRequests requests) {
   Impl& w = *impl_;
-  w.take_back = std::move(take_back);
+  w.requests = std::move(requests);
   glfwSetWindowShouldClose(w.window.get(), GLFW_FALSE);
   std::shared_ptr<const ViewerState> shown;
   bool complete = true, fine = true;  // all of the state is on the GPU; the picture is as fine as can be
@@ -290,7 +352,8 @@ void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, std:
       fine = w.draw_piece(*shown);
       rested = std::max(rested, Clock::now()) + kRest * (Clock::now() - begun);
     }
-    if (fine && w.screenshot_wanted) w.save_screenshot();
+    if (w.panels_changed && !w.changed && shown) w.show(*shown);
+    if (fine && w.screenshot_wanted) w.save_screenshot(*shown);
     if (w.changed || (!fine && complete && Clock::now() >= w.moved + kStill))
       glfwPollEvents();
     else
@@ -302,15 +365,15 @@ void ViewerWindow::run(const ViewerFeed& feed, const std::stop_token& stop, std:
 ImageU8 ViewerWindow::draw_once(const ViewerState& state) {
   Impl& w = *impl_;
   w.take_in_whole(state);
-  w.pictures.draw_fine(state, w.controls, w.current_news());
-  return w.pictures.target().read();
+  w.pictures.draw_fine(state, w.controls);
+  return w.picture_with_panels(state, w.controls);
 }
 
 ImageU8 ViewerWindow::draw_soon(const ViewerState& state) {
   Impl& w = *impl_;
   w.take_in_whole(state);
-  w.pictures.draw_soon(state, w.controls, w.current_news());
-  return w.pictures.target().read();
+  w.pictures.draw_soon(state, w.controls);
+  return w.picture_with_panels(state, w.controls);
 }
 
 const FramePacer& ViewerWindow::pacer() const {

@@ -25,8 +25,14 @@ struct ViewerOptions {
   DrawerOptions drawer;
 };
 
-/// The window (GLFW, OpenGL 3.3). One per process; made, used and destroyed on the main thread. Keys: 1..4 modes, W
-/// reasons, M measured or imputed, U take back, F follow, R reset, S screenshot, H help, Q or Esc quit.
+/// What the window asks of a capture. Each returns a line for the person; without one there is no such button.
+struct CaptureRequests {
+  std::function<std::string()> take_back = {};  ///< the last image
+  std::function<std::string()> hold_out = {};   ///< the next image
+};
+
+/// The window (GLFW, OpenGL 3.3, Dear ImGui). One per process; made, used and destroyed on the main thread. Its keys
+/// and buttons: `view_actions`.
 class ViewerWindow {
  public:
   /// For models of one kind. Throws DeviceError without a display or without OpenGL 3.3: the message says what to do.
@@ -36,11 +42,12 @@ class ViewerWindow {
   ViewControls& controls();
 
   /// Shows what is published until the person quits or a stop is asked for; the window stays until this object goes,
-  /// and may be run again. Draws only when something has changed. `take_back`: what the key U does; it returns a line
-  /// for the person. Throws DeviceError when OpenGL fails or the display goes away.
-  void run(const ViewerFeed& feed, const std::stop_token& stop, std::function<std::string()> take_back = {});
+  /// and may be run again. Draws only when something has changed. Throws DeviceError when OpenGL fails or the display
+  /// goes away.
+  void run(const ViewerFeed& feed, const std::stop_token& stop, CaptureRequests requests = {});
 
-  /// One picture of `options.width` x `options.height` with all of the state on the GPU.
+  /// One picture of `options.width` x `options.height` with all of the state on the GPU, and with the panels where the
+  /// controls have them.
   ImageU8 draw_once(const ViewerState& state);
   /// The picture that the window shows first while a person moves it, as coarse as this machine asks for.
   ImageU8 draw_soon(const ViewerState& state);

@@ -47,7 +47,7 @@ void LumigraphDrawer::draw(const Viewpoint& viewpoint, const DrawArea& area, Sur
   refresh(viewpoint, light);
   const bool needs = shading == SurfaceShading::kHeuristic || shading == SurfaceShading::kReasons;
   TexturedPanel::Look look{.black_is_empty = true};
-  if (needs) look.red = std::min(1.0f, static_cast<float>(model.data()->error / 0.1));
+  if (needs) look.color = need_color(static_cast<float>(model.data()->error / 0.1));
   picture_.draw(area.panel, area.target_height, look);
 }
 

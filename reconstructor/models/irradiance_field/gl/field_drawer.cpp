@@ -27,7 +27,7 @@ void FieldDrawer::draw(const Viewpoint& viewpoint, const DrawArea& area, Surface
   relight(from);
   const bool needs = shading == SurfaceShading::kHeuristic || shading == SurfaceShading::kReasons;
   TexturedPanel::Look look;
-  if (needs) look.red = std::min(1.0f, static_cast<float>(shown_->scene().error / 0.1));
+  if (needs) look.color = need_color(static_cast<float>(shown_->scene().error / 0.1));
   const auto& size = shown_->field().size;
   picture_.draw(fit(area.panel, size.width, size.height), area.target_height, look);
 }

@@ -25,6 +25,9 @@ GlProgram surface_program(const SurfaceShaderVariant& variant) {
   set("quality", kQuality);
   for (int b = 0; b < BasisStore::kMaxBuffers; ++b) set(("basis" + std::to_string(b)).c_str(), kBasis + b);
   glUniform1f(program.uniform("inside_grey"), kInsideGrey);
+  for (int half = 0; half < 3; ++half)
+    glUniform3fv(program.uniform(("need_colors[" + std::to_string(half) + "]").c_str()), 1,
+                 need_color(0.5f * static_cast<float>(half)).data());
   for (int reason = 0; reason < 5; ++reason)
     glUniform3fv(program.uniform(("reason_colors[" + std::to_string(reason) + "]").c_str()), 1,
                  reason_color(static_cast<QualityReason>(reason)).data());

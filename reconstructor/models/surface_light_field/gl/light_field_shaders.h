@@ -40,6 +40,7 @@ uniform vec3 eye;
 uniform float exposure;            // of this eye: ExposureField
 uniform float pixel_size;          // DrawArea
 uniform float inside_grey;         // of the backs of triangles, sRGB-encoded
+uniform vec3 need_colors[3];       // from known to unknown
 uniform vec3 reason_colors[5];     // by QualityReason
 uniform vec3 state_colors[2];      // by SampleState: unseen, imputed
 uniform vec3 demand_colors[4];     // from little to much
@@ -97,6 +98,11 @@ vec3 exposed(vec3 encoded) {
   vec3 light = exposure * mix(low, high, vec3(greaterThan(encoded, vec3(0.04045))));
   return mix(12.92 * light, 1.055 * pow(max(light, 0.0), vec3(1.0 / 2.4)) - 0.055,
              vec3(greaterThan(light, vec3(0.0031308))));
+}
+
+vec3 need_color(float need) {
+  return need < 0.5 ? mix(need_colors[0], need_colors[1], 2.0 * need)
+                    : mix(need_colors[1], need_colors[2], 2.0 * need - 1.0);
 }
 
 // What is a guess, because no image showed it, is striped; where the states are asked for, they tint the surface.
@@ -162,9 +168,9 @@ void main() {
     return;
   }
   vec2 need = gl_FrontFacing ? texelFetch(quality, triangle).xy : vec2(1, 1);  // the back: not at all, unseen
-  float shape = 0.65 + 0.35 * facing();  // a hint of it: brightness means need
-  vec3 hue = shading == 1 ? vec3(1.0, 0.06, 0.04) : reason_colors[int(need.y + 0.5)];
-  color = vec4(mix(vec3(0.17), hue, need.x) * shape, 1);
+  float shape = 0.65 + 0.35 * facing();  // a hint of it: the hue means need
+  vec3 hue = shading == 1 ? need_color(need.x) : mix(need_colors[0], reason_colors[int(need.y + 0.5)], need.x);
+  color = vec4(hue * shape, 1);
 }
 )glsl";
 

@@ -36,7 +36,7 @@ class Window : public testing::Test {
       why_not_ = error.what();
       return false;
     }
-    window_->controls().figures = false;
+    window_->controls().panels = false;
     return true;
   }
   ViewerState state_of(std::shared_ptr<const SurfaceLightFieldSnapshot> snapshot) {

@@ -9,11 +9,12 @@
 #include <thread>
 
 #include "reconstructor/models/surface_light_field/gl/range_allocator.h"
-#include "reconstructor/render/gl/hud.h"
+#include "reconstructor/render/gl/model_drawer.h"
 #include "reconstructor/render/gl/orbit_camera.h"
-#include "reconstructor/render/gl/stroke_font.h"
+#include "reconstructor/render/gl/view_action.h"
 #include "reconstructor/render/gl/view_controls.h"
 #include "reconstructor/render/gl/viewer_feed.h"
+#include "reconstructor/render/guidance.h"
 #include "reconstructor/surface/opening_view.h"
 
 namespace sheen {
@@ -169,28 +170,57 @@ TEST(Guidance, IsSaidInWords) {
   EXPECT_EQ(in_words({20, 0.4}), "20 degrees to the right");
   EXPECT_EQ(in_words({0.4, -20}), "20 degrees down");
   EXPECT_EQ(in_words({2, -3}), "here, hold still");
+  EXPECT_EQ(advice_in_words({20, 0.4}, "no image from near here"),
+            "move 20 degrees to the right: no image from near here");
+  EXPECT_EQ(advice_in_words({2, -3}, ""), "here, hold still");
 }
 
-TEST(StrokeFont, EveryGlyphIsThereAndDiffersFromAllOthers) {
-  for (const float unit : {1.5f, 2.0f, 3.5f}) {
-    const GlyphAtlas atlas = draw_glyphs(unit);
-    std::set<std::vector<std::uint8_t>> seen;
-    for (int g = 0; g <= GlyphAtlas::kLast - GlyphAtlas::kFirst; ++g) {
-      std::vector<std::uint8_t> cell;
-      int ink = 0, border = 0;
-      for (int y = 0; y < atlas.cell_height; ++y)
-        for (int x = 0; x < atlas.cell_width; ++x) {
-          const int value = atlas.coverage.at(g % GlyphAtlas::kColumns * atlas.cell_width + x,
-                                              g / GlyphAtlas::kColumns * atlas.cell_height + y);
-          cell.push_back(static_cast<std::uint8_t>(value));
-          ink += value > 128;
-          if (y == 0 || y + 1 == atlas.cell_height) border += value;
-        }
-      EXPECT_EQ(ink > 0, g > 0) << g;
-      EXPECT_EQ(border, 0) << "glyph " << g << " reaches into the next line";
-      EXPECT_TRUE(seen.insert(cell).second) << "glyph " << g << " looks like another";
+TEST(ViewAction, EachHasAKeyOfItsOwn) {
+  std::set<int> keys;
+  for (const ActionWords& words : view_actions()) {
+    EXPECT_TRUE(keys.insert(words.key).second) << words.key;
+    EXPECT_EQ(action_of_key(words.key), words.action);
+    EXPECT_EQ(words_of(words.action).button, words.button);
+  }
+  EXPECT_FALSE(action_of_key('?'));
+}
+
+TEST(ViewAction, ChangesWhatItsButtonShows) {
+  for (const ActionWords& words : view_actions()) {
+    ViewControls controls;
+    controls.mode = ViewMode::kBytes;
+    const bool was = words.action != ViewAction::kDemand && is_on(words.action, controls);
+    if (apply(words.action, controls) && words.action != ViewAction::kReset && words.action != ViewAction::kGround &&
+        words.action != ViewAction::kPanels) {
+      EXPECT_NE(is_on(words.action, controls), was) << words.button;
     }
   }
+  ViewControls controls;
+  for (const ViewMode mode : {ViewMode::kRank, ViewMode::kResolution, ViewMode::kBytes, ViewMode::kRank}) {
+    EXPECT_TRUE(apply(ViewAction::kDemand, controls));
+    EXPECT_EQ(controls.mode, mode);
+  }
+}
+
+TEST(Ground, TheLastIsFollowedByTheFirst) {
+  std::set<std::vector<float>> colors;
+  Ground ground = Ground::kDark;
+  do {
+    const Eigen::Vector3f color = color_of(ground);
+    EXPECT_TRUE(colors.insert({color.x(), color.y(), color.z()}).second);
+    ground = next(ground);
+  } while (ground != Ground::kDark);
+  EXPECT_EQ(colors.size(), 5u);
+}
+
+TEST(NeedColor, WhatIsKnownIsGreenAndWhatIsNotIsRed) {
+  const auto leads = [](const Eigen::Vector3f& color, int channel) {
+    return color[channel] > 1.5f * std::max(color[(channel + 1) % 3], color[(channel + 2) % 3]);
+  };
+  EXPECT_TRUE(leads(need_color(0), 1));
+  EXPECT_TRUE(leads(need_color(1), 0));
+  EXPECT_GT(need_color(0).maxCoeff(), 0.5f) << "not dark";
+  EXPECT_TRUE(need_color(-1).isApprox(need_color(0)));
 }
 
 TEST(ViewMode, NamesRoundTrip) {

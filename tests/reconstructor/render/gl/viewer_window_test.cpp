@@ -103,10 +103,10 @@ TEST_F(Window, PiecesMakeTheSamePictureAsTheWhole) {
     while (!drawer.update(state)) {
     }
     int pieces = 1;
-    while (!drawer.draw_piece(state, controls, {})) ++pieces;
+    while (!drawer.draw_piece(state, controls)) ++pieces;
     EXPECT_GT(pieces, 3) << "while it is not known what a picture takes";
     const ImageU8 in_pieces = drawer.target().read();
-    drawer.draw_fine(state, controls, {});
+    drawer.draw_fine(state, controls);
     EXPECT_EQ(largest_difference(in_pieces, drawer.target().read()), 0) << to_string(mode);
   }
 }
@@ -139,7 +139,7 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
   state.link = TrackerLink::kStale;
   state.next_view = NextView{{-0.1, 0.2, 0.15}, "sparse directions"};
   ViewControls& controls = window_->controls();
-  controls.figures = true;
+  controls.panels = true;
   std::vector<ImageU8> pictures;
   for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera}) {
     controls.mode = mode;
@@ -155,6 +155,7 @@ TEST_F(Window, EveryModeDrawsWhatItShould) {
     return largest_difference(picture, pictures[0]) > 60;
   };
   EXPECT_TRUE(differs(&ViewControls::help));
+  EXPECT_TRUE(differs(&ViewControls::details));
   EXPECT_TRUE(differs(&ViewControls::follow));
   EXPECT_TRUE(differs(&ViewControls::states));
   EXPECT_FALSE(differs(&ViewControls::reasons)) << "the light field has none";
@@ -170,13 +171,13 @@ TEST_F(Window, SaysWhereNoPhotographIsFrom) {
   state.snapshot = model.snapshot();
   ViewControls& controls = window_->controls();
   controls.frame(state.snapshot->shared_mesh());
-  controls.figures = true;
-  const auto words = [&](const Eigen::Vector3d& eye) {  // amber pixels at the top right
+  controls.panels = true;
+  const auto words = [&](const Eigen::Vector3d& eye) {  // amber pixels
     controls.orbit.place(eye);
     const ImageU8 picture = window_->draw_once(state);
     int count = 0;
-    for (int y = 0; y < kHeight / 8; ++y)
-      for (int x = kWidth / 3; x < kWidth; ++x)
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
         count += picture.at(x, y, 0) > 200 && std::abs(picture.at(x, y, 1) - 190) < 40 && picture.at(x, y, 2) < 110;
     return count;
   };
@@ -213,7 +214,7 @@ TEST_F(Window, BeforeTheFirstImageTheMeshIsThereInGrey) {
 }
 
 TEST_F(Window, WhatThePersonWaitsForHasABar) {
-  window_->controls().figures = true;
+  window_->controls().panels = true;
   const auto green = [this](double fraction) {
     ViewerState state = state_of(SyntheticLightField({.around = 24, .across = 8}).snapshot());
     state.work = WorkInHand{"SAVING the model: part 13 of 52", fraction};
@@ -221,13 +222,35 @@ TEST_F(Window, WhatThePersonWaitsForHasABar) {
     int n = 0;
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x)
-        n += picture.at(x, y, 0) == 90 && picture.at(x, y, 1) == 220 && picture.at(x, y, 2) == 120;
+        n += picture.at(x, y, 0) == 70 && picture.at(x, y, 1) == 192 && picture.at(x, y, 2) == 122;
     return n;
   };
   EXPECT_EQ(green(0), 0);
   const int quarter = green(0.25);
   EXPECT_GT(quarter, 200);
   EXPECT_NEAR(green(1), 4 * quarter, 0.05 * 4 * quarter);
+}
+
+TEST_F(Window, PanelsLieOverThePictureAndDoNotChangeIt) {
+  const ViewerState state = state_of(SyntheticLightField({.around = 24, .across = 8}).snapshot());
+  const ImageU8 clean = window_->draw_once(state);
+  window_->controls().panels = true;
+  const ImageU8 with_panels = window_->draw_once(state);
+  EXPECT_GT(largest_difference(with_panels, clean), 60);
+  for (int y = 2 * kHeight / 5; y < 3 * kHeight / 5; ++y)
+    EXPECT_TRUE(std::equal(clean.row(y), clean.row(y) + 3 * kWidth, with_panels.row(y))) << y;
+  window_->controls().panels = false;
+  EXPECT_EQ(largest_difference(window_->draw_once(state), clean), 0);
+}
+
+TEST_F(Window, TheGroundIsWhatWasChosen) {
+  const auto snapshot = SyntheticLightField({.around = 24, .across = 8}).snapshot();
+  Ground& ground = window_->controls().ground;
+  do {
+    const ImageU8 picture = draw(snapshot);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(picture.at(0, 0, c), 255 * color_of(ground)[c], 1);
+    ground = next(ground);
+  } while (ground != Ground::kDark);
 }
 
 TEST_F(Window, TheMeshLiesOverTheImageThroughTheLens) {
@@ -265,7 +288,7 @@ TEST_F(Window, TheMeshLiesOverTheImageThroughTheLens) {
 }
 
 TEST_F(Window, EmptyStatesAndOddOnesAreDrawn) {
-  window_->controls().figures = true;
+  window_->controls().panels = true;
   window_->controls().follow = true;
   for (const ViewMode mode : {ViewMode::kAppearance, ViewMode::kHeuristic, ViewMode::kSplit, ViewMode::kCamera}) {
     window_->controls().mode = mode;
