@@ -184,13 +184,13 @@ std::optional<WorkInHand> work_of(const EndProgress& end) {
     case EndStage::kCapturing:
       break;
     case EndStage::kFinishing:
-      return WorkInHand{done("FINISHING", "image"), fraction, kNoModel};
+      return WorkInHand{done("The last images are being added", "image"), fraction, kNoModel};
     case EndStage::kRefining:
-      return WorkInHand{done("REFINING the mesh", "step"), fraction, kNoModel};
+      return WorkInHand{done("The mesh is being refined a last time", "step"), fraction, kNoModel};
     case EndStage::kSaving:
-      return WorkInHand{done("SAVING the model", "part"), fraction, kNoModel};
+      return WorkInHand{done("The model is being saved", "part"), fraction, kNoModel};
     case EndStage::kJudging:
-      return WorkInHand{done("JUDGING the model on held-out views", "picture"), fraction, kNoReport};
+      return WorkInHand{done("The model is compared with the views kept aside", "picture"), fraction, kNoReport};
   }
   return std::nullopt;
 }

@@ -50,7 +50,7 @@ class Opening {
   void open(const ModelKind& kind, const std::filesystem::path& path, ViewerFeed& feed) {
     constexpr double kFractionOfOneStage = 0.3;  // a bar that moves; nobody knows how long each takes
     ViewerState state;
-    state.work = WorkInHand{"OPENING the model", 0, {}};
+    state.work = WorkInHand{"The model is being opened", 0, {}};
     feed.publish(state);
     kind.open(path, [&](std::shared_ptr<const ModelSnapshot> model) {
       state.snapshot = std::move(model);

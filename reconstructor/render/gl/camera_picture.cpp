@@ -14,28 +14,50 @@ namespace sheen {
 namespace {
 
 // Vertices come projected, as the lens distorts them. A triangle with a corner that has no image is dropped.
-constexpr const char* kMeshVertexShader = R"glsl(#version 330 core
+constexpr const char* kCorners = R"glsl(#version 330 core
 uniform samplerBuffer corners;
-out vec3 beta;
-void main() {
-  int first = gl_VertexID - gl_VertexID % 3;
-  bool visible = texelFetch(corners, first).w > 0.0 && texelFetch(corners, first + 1).w > 0.0 &&
-                 texelFetch(corners, first + 2).w > 0.0;
-  int corner = gl_VertexID % 3;
-  beta = vec3(corner == 0, corner == 1, corner == 2);
-  gl_Position = visible ? vec4(texelFetch(corners, gl_VertexID).xyz, 1) : vec4(2, 2, 2, 1);
+bool visible(int first) {
+  return texelFetch(corners, first).w > 0.0 && texelFetch(corners, first + 1).w > 0.0 &&
+         texelFetch(corners, first + 2).w > 0.0;
 }
 )glsl";
 
-constexpr const char* kMeshFragmentShader = R"glsl(#version 330 core
-in vec3 beta;
-out vec4 color;
+constexpr const char* kMeshVertexShader = R"glsl(
 void main() {
-  vec3 pixels = beta / max(fwidth(beta), vec3(1e-6));  // distance to each edge
-  float line = 1.0 - smoothstep(0.4, 1.1, min(pixels.x, min(pixels.y, pixels.z)));
-  color = vec4(0.25, 0.85, 1.0, 0.38 * line);
+  int first = gl_VertexID - gl_VertexID % 3;
+  gl_Position = visible(first) ? vec4(texelFetch(corners, gl_VertexID).xyz, 1) : vec4(2, 2, 2, 1);
 }
 )glsl";
+
+// Each side of each triangle as a bar that reaches so far round it, behind all of the mesh.
+constexpr const char* kOutlineVertexShader = R"glsl(
+uniform vec2 half_size;  // of the panel, pixels
+uniform float reach;     // pixels
+uniform float depth;
+void main() {
+  int first = 3 * (gl_VertexID / 18), side = gl_VertexID % 18 / 6, corner = gl_VertexID % 6;
+  vec2 from = half_size * texelFetch(corners, first + side).xy;
+  vec2 to = half_size * texelFetch(corners, first + (side + 1) % 3).xy;
+  vec2 along = to - from;
+  along = length(along) > 0.0 ? normalize(along) : vec2(1, 0);
+  vec2 across = vec2(-along.y, along.x);
+  bool at_end = corner == 1 || corner == 2 || corner == 4, left = corner == 2 || corner == 4 || corner == 5;
+  vec2 place = (at_end ? to + reach * along : from - reach * along) + (left ? reach : -reach) * across;
+  gl_Position = visible(first) ? vec4(place / half_size, depth, 1) : vec4(2, 2, 2, 1);
+}
+)glsl";
+
+constexpr const char* kFlatFragmentShader = R"glsl(#version 330 core
+uniform vec4 flat_color;
+out vec4 color;
+void main() { color = flat_color; }
+)glsl";
+
+constexpr float kMeshIsNearer = 0.999998f, kBehindTheOutline = 0.999999f;  // depths: all of a mesh is less
+
+float outline_reach(int height) {
+  return std::max(1.5f, static_cast<float>(height) / 360);
+}
 
 /// Image pixels -> pixels of the target.
 Eigen::Vector2f on_panel(const Panel& panel, const Camera& camera, const Eigen::Vector2d& pixel) {
@@ -78,7 +100,8 @@ void add_axes(const Capture& capture, double length, const Panel& panel, Sketch&
 }  // namespace
 
 CameraPicture::CameraPicture()
-    : mesh_program_("mesh over the camera image", kMeshVertexShader, kMeshFragmentShader),
+    : mesh_program_("mesh in the camera image", std::string(kCorners) + kMeshVertexShader, kFlatFragmentShader),
+      outline_program_("outline of the mesh", std::string(kCorners) + kOutlineVertexShader, kFlatFragmentShader),
       vertex_array_(make_gl_vertex_array()),
       corners_(GL_RGBA32F, 16) {}
 
@@ -88,7 +111,7 @@ void CameraPicture::upload_image(const std::shared_ptr<const Capture>& capture) 
   shown_ = capture;
 }
 
-void CameraPicture::draw_mesh(const Capture& capture, const Mesh& mesh, const Panel& panel, int target_height) {
+void CameraPicture::draw_outline(const Capture& capture, const Mesh& mesh, const Panel& panel, int target_height) {
   const Camera& camera = capture.camera;
   const BoundingSphere object = bounding_sphere(mesh);
   const double depth = (capture.pose.camera_from_object * object.centre).z();
@@ -108,22 +131,34 @@ void CameraPicture::draw_mesh(const Capture& capture, const Mesh& mesh, const Pa
     for (const std::uint32_t v : t) corners.push_back(projected[v]);
   corners_.assign(corners.size(), corners.data());
 
-  mesh_program_.use();
-  glUniform1i(mesh_program_.uniform("corners"), 0);
-  corners_.bind(0);
   glViewport(panel.x, target_height - panel.y - panel.height, panel.width, panel.height);
   glBindVertexArray(vertex_array_.id());
   glEnable(GL_DEPTH_TEST);
   glClear(GL_DEPTH_BUFFER_BIT);
-  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);  // first the depth, so that hidden edges stay hidden
+  corners_.bind(0);
+  mesh_program_.use();
+  glUniform1i(mesh_program_.uniform("corners"), 0);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);  // the image stays where the mesh is, and hides what is behind
   glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(corners.size()));
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glDepthFunc(GL_LEQUAL);
-  glEnable(GL_BLEND);
+
+  const float reach = outline_reach(panel.height);
+  outline_program_.use();
+  glUniform1i(outline_program_.uniform("corners"), 0);
+  glUniform2f(outline_program_.uniform("half_size"), 0.5f * static_cast<float>(panel.width),
+              0.5f * static_cast<float>(panel.height));
+  const auto draw_round = [&](float pixels, float layer, const Eigen::Vector4f& color) {
+    glUniform1f(outline_program_.uniform("reach"), pixels);
+    glUniform1f(outline_program_.uniform("depth"), layer);
+    glUniform4fv(outline_program_.uniform("flat_color"), 1, color.data());
+    glDrawArrays(GL_TRIANGLES, 0, 6 * static_cast<GLsizei>(corners.size()));
+  };
+  const auto [r, g, b, opaque] = kOutlineColor;
+  draw_round(reach, kMeshIsNearer, Eigen::Vector4f(r, g, b, opaque) / 255);
+  glEnable(GL_BLEND);  // a dark rim round it, for bright images; the depth keeps bars from darkening each other
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE);
-  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(corners.size()));
+  draw_round(reach + 1, kBehindTheOutline, {0, 0, 0, 0.5f});
   glDisable(GL_BLEND);
-  glDepthFunc(GL_LESS);
   glDisable(GL_DEPTH_TEST);
 }
 
@@ -131,7 +166,7 @@ void CameraPicture::draw(const std::shared_ptr<const Capture>& capture, const Me
                          int target_height) {
   upload_image(capture);
   image_.draw(panel, target_height);
-  if (capture->pose.usable() && mesh) draw_mesh(*capture, *mesh, panel, target_height);
+  if (capture->pose.usable() && mesh) draw_outline(*capture, *mesh, panel, target_height);
   check_gl("drawing the camera picture");
 }
 

@@ -67,7 +67,7 @@ class ModelDrawer {
   /// Whether the picture is from the viewpoint's eye; else it is always from that of the images.
   virtual bool follows_eye() const { return true; }
   /// What a person should know of the drawing, a line each: that the graphics memory is full, say.
-  virtual std::vector<std::string> notes() const = 0;
+  virtual std::vector<std::string> notes() const { return {}; }
 };
 
 }  // namespace sheen

@@ -13,9 +13,8 @@ namespace sheen {
 struct Viewpoint {
   Camera camera;
   Rigid3 camera_from_object;
-  /// How far a person has turned the light, radians: round the z axis of the object, and up. For models of moving
-  /// light.
-  Eigen::Vector2d light_rotation = Eigen::Vector2d::Zero();
+  /// Towards the light, object frame, unit, for models of moving light; zero: where the model has it.
+  Eigen::Vector3d light = Eigen::Vector3d::Zero();
 
   bool operator==(const Viewpoint&) const = default;
   Eigen::Vector3d eye() const { return camera_centre(camera_from_object); }

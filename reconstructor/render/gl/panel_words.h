@@ -28,6 +28,13 @@ struct Swatch {
   std::string text;
 };
 
+/// Where the light is, for a model of which it moves: as whoever looks at the picture sees it (`light_ball.h`).
+struct ShownLight {
+  Eigen::Matrix3d axes;  ///< object frame -> that of the picture
+  Eigen::Vector3d now;
+  std::vector<Eigen::Vector3d> images;  ///< in which the images were taken
+};
+
 /// All that the panels tell a person, in words; the monitor page tells the same.
 struct Told {
   Tone tone = Tone::kIdle;
@@ -39,6 +46,7 @@ struct Told {
   std::string legend_title;            ///< what the picture shows
   std::vector<Swatch> legend;          ///< and what its colours mean
   std::vector<std::string> notes;      ///< warnings and news, a line each
+  std::optional<ShownLight> light;
 };
 
 /// What words are made of beside the state and the controls.

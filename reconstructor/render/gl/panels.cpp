@@ -6,14 +6,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstructor/render/gl/light_ball.h"
+#include "reconstructor/render/gl/panel_drawings.h"
+
 namespace sheen {
 namespace {
 
 constexpr ImU32 kGood = IM_COL32(70, 192, 122, 255), kBusy = IM_COL32(63, 184, 195, 255),
                 kWarn = IM_COL32(255, 190, 70, 255), kBad = IM_COL32(240, 100, 124, 255),
                 kIdle = IM_COL32(134, 149, 162, 255), kTrack = IM_COL32(70, 78, 86, 255),
-                kLit = IM_COL32(14, 124, 134, 255), kAlarm = IM_COL32(150, 20, 16, 235),
-                kShadow = IM_COL32(0, 0, 0, 150);
+                kLit = IM_COL32(14, 124, 134, 255), kAlarm = IM_COL32(150, 20, 16, 235);
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
                                     ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav |
@@ -35,12 +37,8 @@ ImU32 light_of(Tone tone) {
   return kIdle;
 }
 
-ImU32 color(const Rgba& c) {
-  return IM_COL32(c[0], c[1], c[2], c[3]);
-}
-
-ImVec2 at(const Eigen::Vector2f& p) {
-  return {p.x(), p.y()};
+ImVec2 at(const Eigen::Vector2f& place) {
+  return {place.x(), place.y()};
 }
 
 void text(const std::string& words) {
@@ -55,28 +53,6 @@ void text(const std::string& words, ImU32 color) {
 
 void dim_text(const std::string& words) {
   text(words, ImGui::GetColorU32(ImGuiCol_TextDisabled));
-}
-
-void draw_sketch(const Sketch& sketch, float scale) {
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const Panel& clip = sketch.clip;
-  list.PushClipRect({static_cast<float>(clip.x), static_cast<float>(clip.y)},
-                    {static_cast<float>(clip.x + clip.width), static_cast<float>(clip.y + clip.height)});
-  for (const auto& [from, to, width, tint] : sketch.lines) list.AddLine(at(from), at(to), color(tint), width * scale);
-  const float line = ImGui::GetTextLineHeight();
-  for (const auto& [place, word, tint] : sketch.marks) {
-    const float r = 0.4f * line;
-    const auto [x, y] = at(place);
-    list.AddQuadFilled({x - r, y}, {x, y - r}, {x + r, y}, {x, y + r}, color(tint));
-    list.AddText({x + 1.5f * r, y - line / 2}, color(tint), word.c_str());
-  }
-  for (const auto& [place, word, tint] : sketch.labels) {
-    const ImVec2 size = ImGui::CalcTextSize(word.c_str());
-    const float x = std::round(place.x() - size.x / 2), y = std::round(place.y() - size.y / 2), rim = 3 * scale;
-    list.AddRectFilled({x - rim, y}, {x + size.x + rim, y + size.y}, kShadow, rim);
-    list.AddText({x, y}, color(tint), word.c_str());
-  }
-  list.PopClipRect();
 }
 
 /// One layout of all panels.
@@ -95,11 +71,12 @@ class Layout {
     add_card();
     add_notes();
     add_legend();
+    add_light();
     add_trouble();
     if (content_.controls.help) add_keys();
   }
 
-  std::vector<ViewAction> pressed;
+  PanelEvents events;
   std::vector<Panel> places;
 
  private:
@@ -125,20 +102,20 @@ class Layout {
     const bool is_pressed = ImGui::Button(name);
     if (lit) ImGui::PopStyleColor();
     ImGui::EndDisabled();
-    if (ImGui::IsItemHovered()) add_tip(words);
-    if (is_pressed) pressed.push_back(words.action);
+    if (ImGui::IsItemHovered()) add_tip(words.says, std::string("key ") + words.key);
+    if (is_pressed) events.pressed.push_back(words.action);
     return is_pressed;
   }
 
   /// Above the button, or below one at the top.
-  void add_tip(const ActionWords& words) const {
+  void add_tip(const std::string& says, const std::string& keys) const {
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
     const bool above = low.y > height_ / 2;
     ImGui::SetNextWindowPos({(low.x + high.x) / 2, above ? low.y - margin_ : high.y + margin_}, ImGuiCond_Always,
                             {0.5f, above ? 1.0f : 0.0f});
     ImGui::BeginTooltip();
-    text(std::string(words.says));
-    dim_text(std::string("key ") + words.key);
+    text(says);
+    dim_text(keys);
     ImGui::EndTooltip();
   }
 
@@ -273,12 +250,30 @@ class Layout {
       for (const Swatch& swatch : told_.legend) {
         const auto [x, y] = ImGui::GetCursorScreenPos();
         const float top = std::round(y + (line - side) / 2);
-        ImGui::GetWindowDrawList()->AddRectFilled({x, top}, {x + side, top + side}, color(swatch.color),
+        ImGui::GetWindowDrawList()->AddRectFilled({x, top}, {x + side, top + side}, packed(swatch.color),
                                                   3 * gui_.scale());
         ImGui::Dummy({side, line});
         ImGui::SameLine(0, 0.6f * line);
         text(swatch.text);
       }
+    });
+  }
+
+  /// A small sphere that shows where the light comes from, and is dragged.
+  void add_light() {
+    if (!told_.light) return;
+    panel("light", {margin_, height_ - bottom_}, {0, 1}, [&] {
+      const float side = std::round(110 * gui_.scale()), radius = side / 2 - 1;
+      const ImVec2 corner = ImGui::GetCursorScreenPos();
+      const Eigen::Vector2f middle(corner.x + side / 2, corner.y + side / 2);
+      draw_light_ball(*told_.light, middle, radius, *ImGui::GetWindowDrawList());
+      ImGui::InvisibleButton("ball", {side, side});
+      if (ImGui::IsItemActive()) {
+        const auto [x, y] = ImGui::GetIO().MousePos;
+        events.light = told_.light->axes.transpose() * light_at({(x - middle.x()) / radius, (middle.y() - y) / radius});
+      }
+      if (ImGui::IsItemHovered() && !ImGui::IsItemActive())
+        add_tip(light_in_words(told_.light->now), "Ctrl and arrows");
     });
   }
 
@@ -328,23 +323,22 @@ class Layout {
 
 }  // namespace
 
-std::vector<ViewAction> Panels::lay_out_once(const PanelContent& content, int width, int height, float scale,
-                                             const Pointer& pointer) {
+PanelEvents Panels::lay_out_once(const PanelContent& content, int width, int height, float scale,
+                                 const Pointer& pointer) {
   gui_.begin(width, height, scale, pointer);
-  for (const Sketch& sketch : content.sketches) draw_sketch(sketch, scale);
+  for (const Sketch& sketch : content.sketches) draw_sketch(sketch, scale, *ImGui::GetBackgroundDrawList());
   Layout layout(gui_, content, width, height);
   if (content.controls.panels) layout.add_all();
   gui_.end();
   places_ = std::move(layout.places);
-  return std::move(layout.pressed);
+  return std::move(layout.events);
 }
 
-std::vector<ViewAction> Panels::lay_out(const PanelContent& content, int width, int height, float scale,
-                                        const Pointer& pointer) {
-  std::vector<ViewAction> pressed = lay_out_once(content, width, height, scale, pointer);
+PanelEvents Panels::lay_out(const PanelContent& content, int width, int height, float scale, const Pointer& pointer) {
+  PanelEvents events = lay_out_once(content, width, height, scale, pointer);
   // Panels that are new, or of a new size, know their size only now.
   lay_out_once(content, width, height, scale, {pointer.at, pointer.pressed});
-  return pressed;
+  return events;
 }
 
 bool Panels::cover(const Eigen::Vector2f& place) const {

@@ -21,21 +21,26 @@ struct PanelContent {
   std::vector<ViewAction> offered;  ///< those that have a button
 };
 
+/// What a hand did on the panels.
+struct PanelEvents {
+  std::vector<ViewAction> pressed;       ///< in this order
+  std::optional<Eigen::Vector3d> light;  ///< moved there: object frame, unit
+};
+
 /// What lies over the picture: what is told at the top left, notes at the top right, the legend of the colours at the
-/// bottom right, buttons along the bottom, keys on demand. With an OpenGL context current.
+/// bottom right, the light at the bottom left, buttons along the bottom, keys on demand. With an OpenGL context
+/// current.
 class Panels {
  public:
-  /// Lays everything out for a picture of this size in pixels. @return what was pressed, in this order.
-  std::vector<ViewAction> lay_out(const PanelContent& content, int width, int height, float scale,
-                                  const Pointer& pointer);
+  /// Lays everything out for a picture of this size in pixels.
+  PanelEvents lay_out(const PanelContent& content, int width, int height, float scale, const Pointer& pointer);
   /// What was laid out, into the framebuffer that is bound.
   void draw() { gui_.draw(); }
   /// Whether a panel lies there.
   bool cover(const Eigen::Vector2f& place) const;
 
  private:
-  std::vector<ViewAction> lay_out_once(const PanelContent& content, int width, int height, float scale,
-                                       const Pointer& pointer);
+  PanelEvents lay_out_once(const PanelContent& content, int width, int height, float scale, const Pointer& pointer);
   Gui gui_;
   std::vector<Panel> places_;
 };

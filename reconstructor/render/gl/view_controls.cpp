@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "reconstructor/render/gl/light_ball.h"
+
 namespace sheen {
 namespace {
 
@@ -15,7 +17,20 @@ BoundingSphere tight_sphere(const Mesh& mesh) {
   return sphere;
 }
 
+/// Of those at hand the one that is most from the upper left of the picture, as in drawings.
+Eigen::Vector3d first_light(const std::vector<Eigen::Vector3d>& lights, const Rigid3& camera_from_object) {
+  const Eigen::Vector3d wanted = picture_axes(camera_from_object).transpose() * Eigen::Vector3d(-0.5, 0.6, 0.62);
+  const auto like_wanted = [&](const Eigen::Vector3d& light) { return light.dot(wanted); };
+  return lights.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : *std::ranges::max_element(lights, {}, like_wanted);
+}
+
 }  // namespace
+
+std::vector<Eigen::Vector3d> light_directions(const ModelSnapshot& model) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const LightState& light : model.lights()) directions.push_back(light.position.normalized());
+  return directions;
+}
 
 const char* to_string(ViewMode mode) {
   switch (mode) {
@@ -79,6 +94,7 @@ void ViewControls::frame(const std::shared_ptr<const Mesh>& mesh) {
   if (!mesh || mesh == framed_) return;
   framed_ = mesh;
   opening_.reset();
+  lights_.clear();
   stand_where_it_opens();
 }
 
@@ -86,12 +102,12 @@ void ViewControls::frame(const ModelSnapshot& model) {
   if (model.shared_mesh() == framed_) return;
   framed_ = model.shared_mesh();
   opening_ = opening_view(model.cameras(), bounding_sphere(*framed_).centre);
+  lights_ = light_directions(model);
   stand_where_it_opens();
 }
 
 void ViewControls::reset() {
   follow = false;
-  light_rotation.setZero();
   if (framed_) stand_where_it_opens();
 }
 
@@ -102,6 +118,13 @@ void ViewControls::stand_where_it_opens() {
     orbit.look_from(opening_->direction);
   }
   if (eye) orbit.place(*eye - framed_->origin);
+  light = first_light(lights_, orbit.viewpoint(1, 1).camera_from_object);
+}
+
+void ViewControls::turn_light(double right_rad, double up_rad) {
+  if (light.isZero()) return;
+  const Eigen::Matrix3d axes = picture_axes(orbit.viewpoint(1, 1).camera_from_object);
+  light = axes.transpose() * turned_light(axes * light, right_rad, up_rad);
 }
 
 }  // namespace sheen

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "reconstructor/models/model_snapshot.h"
 #include "reconstructor/render/demand_map.h"
@@ -22,6 +23,9 @@ enum class ViewMode {
   kResolution,  ///< samples along a side of a map,
   kBytes,       ///< memory
 };
+/// Towards the lights of a model's images, object frame, unit; none where its light stands still.
+std::vector<Eigen::Vector3d> light_directions(const ModelSnapshot& model);
+
 const char* to_string(ViewMode mode);
 /// Of a mode that shows what the scene required.
 std::optional<Demand> demand_of(ViewMode mode);
@@ -44,7 +48,7 @@ struct ViewControls {
   bool panels = true;    ///< panels and guides over the picture
   Ground ground = Ground::kDark;
   OrbitCamera orbit;
-  Eigen::Vector2d light_rotation = Eigen::Vector2d::Zero();  ///< see `Viewpoint::light_rotation`
+  Eigen::Vector3d light = Eigen::Vector3d::Zero();  ///< see `Viewpoint::light`
 
   std::optional<Eigen::Vector3d>
       eye;  ///< where the free camera stands at first, in the frame of the mesh's file; empty: `frame` decides
@@ -53,13 +57,16 @@ struct ViewControls {
   void frame(const std::shared_ptr<const Mesh>& mesh);
   /// The same, as the model's cameras saw it, where it has some: `opening_view`.
   void frame(const ModelSnapshot& model);
-  void reset();  ///< back to where `frame` put the camera
+  void reset();  ///< back to where `frame` put the camera and the light
+  /// As `turned_light` does, for whoever looks through the free camera. A light that stands still stays.
+  void turn_light(double right_rad, double up_rad);
 
  private:
   void stand_where_it_opens();
 
   std::shared_ptr<const Mesh> framed_;
   std::optional<OpeningView> opening_;
+  std::vector<Eigen::Vector3d> lights_;  ///< of the model's images: directions, object frame
 };
 
 }  // namespace sheen

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/angle.h"
+#include "common/base/format.h"
+#include "reconstructor/render/gl/light_ball.h"
 #include "reconstructor/render/nearest_photograph.h"
 
 namespace sheen {
@@ -28,6 +31,16 @@ const Mesh* mesh_of(const ViewerState& state) {
   return state.snapshot ? &state.snapshot->mesh() : nullptr;
 }
 
+/// Where no image is in a light from about there: how far the nearest is; else empty.
+std::string no_light_note(const ShownLight& light) {
+  constexpr double kFarDeg = 15;
+  double most = -1;
+  for (const Eigen::Vector3d& image : light.images) most = std::max(most, image.dot(light.now));
+  const double away_deg = std::acos(std::min(1.0, most)) / kDegree;
+  if (away_deg <= kFarDeg) return {};
+  return format("no image in light from here: the nearest is %.0f degrees away", away_deg);
+}
+
 /// Of a panel, what lies in these rows; nothing may be left.
 Panel in_rows(const Panel& panel, int top, int rows) {
   const int first = std::max(panel.y, top), end = std::min(panel.y + panel.height, top + rows);
@@ -50,7 +63,7 @@ std::vector<ViewerScene::SurfacePanel> ViewerScene::surface_panels(const ViewerS
     const Panel panel = follow ? fit(area, state.capture->camera.width, state.capture->camera.height) : area;
     Viewpoint viewpoint =
         follow ? tracked_viewpoint(*state.capture, panel) : controls.orbit.viewpoint(panel.width, panel.height);
-    viewpoint.light_rotation = controls.light_rotation;
+    viewpoint.light = controls.light;
     panels.push_back({panel, viewpoint, shading});
   };
   const int half = std::max(1, width / 2);
@@ -199,12 +212,21 @@ Told ViewerScene::told(const ViewerState& state, const ViewControls& controls, s
   if (const std::optional<Demand> shown = demand_of(controls.mode); shown && state.snapshot)
     demand = &demand_map(state.snapshot, *shown);
   if (demand && demand->empty()) notes.push_back("this kind of model has no patches");
-  return sheen::told(state, controls,
-                     {.model = model_,
-                      .figures = state.snapshot ? &figures_ : nullptr,
-                      .demand = demand,
-                      .guidance = guidance ? &*guidance : nullptr},
-                     std::move(notes));
+  std::optional<ShownLight> light;
+  if (state.snapshot && !controls.light.isZero() && !panels.empty()) {
+    const Eigen::Matrix3d axes = picture_axes(panels.front().viewpoint.camera_from_object);
+    light = ShownLight{axes, axes * controls.light, light_directions(*state.snapshot)};
+    for (Eigen::Vector3d& direction : light->images) direction = axes * direction;
+    if (const std::string note = no_light_note(*light); !note.empty()) notes.push_back(note);
+  }
+  Told all = sheen::told(state, controls,
+                         {.model = model_,
+                          .figures = state.snapshot ? &figures_ : nullptr,
+                          .demand = demand,
+                          .guidance = guidance ? &*guidance : nullptr},
+                         std::move(notes));
+  all.light = std::move(light);
+  return all;
 }
 
 }  // namespace sheen

@@ -38,6 +38,9 @@ class ViewerScene {
   Told told(const ViewerState& state, const ViewControls& controls, std::vector<std::string> notes, int width,
             int height);
 
+  /// Whether the picture is from the viewpoint's eye.
+  bool follows_eye() const { return surface_->follows_eye(); }
+
  private:
   /// A part of the picture that shows the surface.
   struct SurfacePanel {

@@ -12,6 +12,7 @@
 
 #include "common/base/errors.h"
 #include "common/image/image_io.h"
+#include "reconstructor/render/gl/hand.h"
 #include "reconstructor/render/gl/lost_display.h"
 #include "reconstructor/render/gl/panels.h"
 #include "reconstructor/render/gl/picture_drawer.h"
@@ -75,6 +76,7 @@ WindowHandle open_window(const ViewerOptions& options) {
 struct ViewerWindow::Impl {
   Impl(const ModelKind& kind, const ViewerOptions& o)
       : options(o), window(open_window(o)), pictures(kind, o.drawer, o.samples) {
+    hand.holds_light(!pictures.scene().follows_eye());
     glfwSetWindowUserPointer(window.get(), this);
     glfwSetKeyCallback(window.get(), [](GLFWwindow* w, int key, int, int action, int modifiers) {
       if (action != GLFW_RELEASE) of(w).on_key(key, modifiers, action == GLFW_PRESS);
@@ -91,26 +93,31 @@ struct ViewerWindow::Impl {
   static Impl& of(GLFWwindow* w) { return *static_cast<Impl*>(glfwGetWindowUserPointer(w)); }
 
   void on_key(int key, int modifiers, bool first) {
-    if (on_moving_key(key, modifiers) || !first) return;
+    if (on_moving_key(key, {(modifiers & GLFW_MOD_SHIFT) != 0, (modifiers & GLFW_MOD_CONTROL) != 0}) || !first) return;
     if (key == GLFW_KEY_ESCAPE) return perform(ViewAction::kQuit);
     if (const std::optional<ViewAction> action = action_of_key(key)) perform(*action);
   }
 
   /// Arrows, plus and minus do what the mouse does.
-  bool on_moving_key(int key, int modifiers) {
-    constexpr double kStep = 0.02, kNearer = 0.93;  // of the window's height
-    const auto is = [key](auto... keys) { return ((key == keys) || ...); };
-    if (is(GLFW_KEY_EQUAL, GLFW_KEY_KP_ADD, GLFW_KEY_MINUS, GLFW_KEY_KP_SUBTRACT)) {
-      dolly(is(GLFW_KEY_EQUAL, GLFW_KEY_KP_ADD) ? kNearer : 1 / kNearer);
-      return true;
+  bool on_moving_key(int key, Hand::Modifiers modifiers) {
+    switch (key) {
+      case GLFW_KEY_LEFT:
+        return moves(hand.arrow(-1, 0, modifiers));
+      case GLFW_KEY_RIGHT:
+        return moves(hand.arrow(1, 0, modifiers));
+      case GLFW_KEY_UP:
+        return moves(hand.arrow(0, -1, modifiers));
+      case GLFW_KEY_DOWN:
+        return moves(hand.arrow(0, 1, modifiers));
+      case GLFW_KEY_EQUAL:  // where plus is
+      case GLFW_KEY_KP_ADD:
+        return moves(hand.come_nearer(1));
+      case GLFW_KEY_MINUS:
+      case GLFW_KEY_KP_SUBTRACT:
+        return moves(hand.come_nearer(-1));
+      default:
+        return false;
     }
-    if (!is(GLFW_KEY_LEFT, GLFW_KEY_RIGHT, GLFW_KEY_UP, GLFW_KEY_DOWN)) return false;
-    const Eigen::Vector2d part(kStep * (is(GLFW_KEY_RIGHT) - is(GLFW_KEY_LEFT)),
-                               kStep * (is(GLFW_KEY_DOWN) - is(GLFW_KEY_UP)));
-    move(part, modifiers & GLFW_MOD_CONTROL ? Hand::kTurnsLight
-               : modifiers & GLFW_MOD_SHIFT ? Hand::kPans
-                                            : Hand::kOrbits);
-    return true;
   }
 
   void perform(ViewAction action) {
@@ -135,66 +142,41 @@ struct ViewerWindow::Impl {
     return actions;
   }
 
-  void on_button(int button, bool pressed) {
-    const bool on_panel = panels.cover(pointer.at);
-    if (pressed) hand_on_picture = !on_panel;
-    if (button != GLFW_MOUSE_BUTTON_LEFT) return;
-    // A click may be over before the panels see that it began.
-    released = !pressed && pointer.pressed && panels_changed;
-    if (!released) pointer.pressed = pressed && on_panel;
+  bool on_panel() const { return panels.cover(hand.pointer().at); }
+
+  void on_button(int which, bool pressed) {
+    const Hand::Button button = which == GLFW_MOUSE_BUTTON_LEFT ? Hand::Button::kLeft : Hand::Button::kOther;
+    if (pressed)
+      hand.press(button, on_panel());
+    else
+      hand.release(button);
     panels_changed = true;
   }
 
   void on_wheel(double steps) {
-    if (panels.cover(pointer.at)) {
-      pointer.wheel += static_cast<float>(steps);
-      panels_changed = true;
-    } else {
-      dolly(std::pow(0.9, steps));
-    }
+    panels_changed |= on_panel();
+    moves(hand.wheel(steps, on_panel()));
   }
 
   void on_cursor(double x, double y) {
     int width = 1, height = 1, pixels_across = 1, pixels_down = 1;
     glfwGetWindowSize(window.get(), &width, &height);
     glfwGetFramebufferSize(window.get(), &pixels_across, &pixels_down);
-    const Eigen::Vector2d now(x, y), part = (now - cursor) / std::max(1, height);
-    cursor = now;
-    const bool was_on_panel = panels.cover(pointer.at);
-    pointer.at =
-        Eigen::Vector2d(x * pixels_across / std::max(1, width), y * pixels_down / std::max(1, height)).cast<float>();
-    panels_changed |= was_on_panel || pointer.pressed || panels.cover(pointer.at);
-    const auto held = [&](auto... buttons) {
-      return ((glfwGetMouseButton(window.get(), buttons) == GLFW_PRESS) || ...);
+    const auto down = [&](int left, int right) {
+      return glfwGetKey(window.get(), left) == GLFW_PRESS || glfwGetKey(window.get(), right) == GLFW_PRESS;
     };
-    const auto down = [&](auto... keys) { return ((glfwGetKey(window.get(), keys) == GLFW_PRESS) || ...); };
-    if (!hand_on_picture) return;
-    const bool left = held(GLFW_MOUSE_BUTTON_LEFT);
-    if (left && down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL))
-      move(part, Hand::kTurnsLight);
-    else if (held(GLFW_MOUSE_BUTTON_RIGHT, GLFW_MOUSE_BUTTON_MIDDLE) ||
-             (left && down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT)))
-      move(part, Hand::kPans);
-    else if (left)
-      move(part, Hand::kOrbits);
+    const bool was_on_panel = on_panel();
+    const Eigen::Vector2d place(x * pixels_across / std::max(1, width), y * pixels_down / std::max(1, height));
+    moves(hand.point(
+        place.cast<float>(), pixels_down,
+        {down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT), down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL)}));
+    panels_changed |= was_on_panel || hand.pointer().pressed || on_panel();
   }
 
-  enum class Hand { kOrbits, kPans, kTurnsLight };
-  /// `part`: how far to the right and down, of the window's height.
-  void move(const Eigen::Vector2d& part, Hand hand) {
-    if (hand == Hand::kTurnsLight)
-      controls.light_rotation += 4 * Eigen::Vector2d(part.x(), -part.y());
-    else
-      controls.follow = false;
-    if (hand == Hand::kPans) controls.orbit.pan(-part.x(), part.y());
-    if (hand == Hand::kOrbits) controls.orbit.orbit(-4 * part.x(), 4 * part.y());
-    on_movement();
-  }
-
-  void dolly(double factor) {
-    controls.follow = false;
-    controls.orbit.dolly(factor);
-    on_movement();
+  /// True for callers that have done what they were asked for.
+  bool moves(bool picture_moved) {
+    if (picture_moved) on_movement();
+    return true;
   }
 
   void on_movement() {
@@ -222,16 +204,16 @@ struct ViewerWindow::Impl {
     return std::max({1.0f, across, static_cast<float>(pictures.target().height()) / kTallest});
   }
 
-  /// Into the framebuffer that is bound. @return what was pressed.
-  std::vector<ViewAction> draw_panels(const ViewerState& state, const ViewControls& chosen) {
+  /// Into the framebuffer that is bound.
+  PanelEvents draw_panels(const ViewerState& state, const ViewControls& chosen) {
     const int width = pictures.target().width(), height = pictures.target().height();
     const Told told = pictures.scene().told(state, chosen, current_news(), width, height);
     const std::vector<Sketch> sketches = ViewerScene::sketches(state, chosen, width, height);
-    std::vector<ViewAction> pressed =
-        panels.lay_out({state, chosen, told, sketches, offered(state)}, width, height, panel_scale(), pointer);
-    pointer.wheel = 0;
+    PanelEvents events =
+        panels.lay_out({state, chosen, told, sketches, offered(state)}, width, height, panel_scale(), hand.pointer());
+    panels_changed |= hand.looked_at();
     panels.draw();
-    return pressed;
+    return events;
   }
 
   ImageU8 picture_with_panels(const ViewerState& state, const ViewControls& chosen) {
@@ -289,13 +271,13 @@ struct ViewerWindow::Impl {
   void show(const ViewerState& state) {
     panels_changed = false;
     pictures.target().show(pictures.target().width(), pictures.target().height());
-    const std::vector<ViewAction> pressed = draw_panels(state, controls);
+    const PanelEvents events = draw_panels(state, controls);
     glfwSwapBuffers(window.get());
-    if (std::exchange(released, false)) {
-      pointer.pressed = false;
-      panels_changed = true;
+    for (const ViewAction action : events.pressed) perform(action);
+    if (events.light && !controls.light.isApprox(*events.light, 1e-6)) {
+      controls.light = *events.light;
+      on_movement();
     }
-    for (const ViewAction action : pressed) perform(action);
   }
 
   ViewerOptions options;
@@ -304,10 +286,7 @@ struct ViewerWindow::Impl {
   PictureDrawer pictures;
   Panels panels;
   ViewControls controls;
-  Pointer pointer;
-  bool released = false;         ///< after what `pointer` says
-  bool hand_on_picture = false;  ///< the mouse was pressed there, not on a panel
-  Eigen::Vector2d cursor = Eigen::Vector2d::Zero();
+  Hand hand{controls};
   bool changed = true;          ///< something to draw
   bool panels_changed = false;  ///< the picture is as it was
   Clock::time_point moved;      ///< when a hand last moved the picture

@@ -202,7 +202,7 @@ TEST(LiveDisplay, ThePageSaysInWhichDirectionTheNextImageIs) {
 TEST(LiveDisplay, SaysNoNumbersOfAnEndThatHasNone) {
   LiveDisplay display({});
   display.publish_to_window({}, {EndStage::kSaving, 0, 0});
-  EXPECT_EQ(display.feed().latest()->work->what, "SAVING the model");
+  EXPECT_EQ(display.feed().latest()->work->what, "The model is being saved");
 }
 
 TEST(LiveDisplay, WhatIsReceivedIsUsedRefusedTakenBackOrWaits) {
@@ -241,9 +241,9 @@ TEST(LiveDisplay, FinishingSavingAndJudgingAreStatesWithABar) {
     EXPECT_EQ(page.ending->done, 3u);
     EXPECT_EQ(page.ending->total, 12u);
   };
-  expect(EndStage::kFinishing, CaptureState::kFinishing, "FINISHING: image 3 of 12");
-  expect(EndStage::kSaving, CaptureState::kSaving, "SAVING");
-  expect(EndStage::kJudging, CaptureState::kJudging, "JUDGING");
+  expect(EndStage::kFinishing, CaptureState::kFinishing, "The last images are being added: image 3 of 12");
+  expect(EndStage::kSaving, CaptureState::kSaving, "The model is being saved");
+  expect(EndStage::kJudging, CaptureState::kJudging, "The model is compared");
   display.publish_to_window({});
   EXPECT_FALSE(display.feed().latest()->work);
 }

@@ -2,19 +2,16 @@
 #include "reconstructor/models/intrinsic_lumigraph/gl/lumigraph_drawer.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/image/color.h"
 
 namespace sheen {
 namespace {
 
-/// Turned round the object's z axis, and up as far as the zenith or the horizon.
-Eigen::Vector3d turned_light(const Eigen::Vector3d& place, const Eigen::Vector2d& rotation) {
-  const double azimuth = std::atan2(place.y(), place.x()) + rotation.x(),
-               elevation = std::clamp(std::asin(place.normalized().z()) + rotation.y(), 0.02, M_PI / 2);
-  return place.norm() * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
-                                        std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+/// The pictures have no light from below the horizon.
+Eigen::Vector3d above_horizon(const Eigen::Vector3d& direction) {
+  constexpr double kLowest = 0.02;
+  return Eigen::Vector3d(direction.x(), direction.y(), std::max(direction.z(), kLowest)).normalized();
 }
 
 }  // namespace
@@ -28,10 +25,6 @@ bool LumigraphDrawer::update(const std::shared_ptr<const ModelSnapshot>& snapsho
   return true;
 }
 
-std::vector<std::string> LumigraphDrawer::notes() const {
-  return {"Ctrl and drag: turn the light"};
-}
-
 void LumigraphDrawer::refresh(const Viewpoint& viewpoint, const LightState& light) {
   if (shown_from_ && *shown_from_ == viewpoint) return;
   picture_.upload(to_srgb8(painter_->paint({viewpoint.camera, viewpoint.camera_from_object}, light)),
@@ -43,7 +36,7 @@ void LumigraphDrawer::draw(const Viewpoint& viewpoint, const DrawArea& area, Sur
   if (!painter_ || painter_->model()->empty()) return;
   const IntrinsicLumigraphSnapshot& model = *painter_->model();
   LightState light{.kind = model.light_kind(), .position = model.light_place({})};
-  light.position = turned_light(light.position, viewpoint.light_rotation);
+  if (!viewpoint.light.isZero()) light.position = light.position.norm() * above_horizon(viewpoint.light);
   refresh(viewpoint, light);
   const bool needs = shading == SurfaceShading::kHeuristic || shading == SurfaceShading::kReasons;
   TexturedPanel::Look look{.black_is_empty = true};

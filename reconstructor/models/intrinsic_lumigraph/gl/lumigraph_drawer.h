@@ -15,7 +15,6 @@ class LumigraphDrawer : public ModelDrawer {
  public:
   bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) override;
   void draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) override;
-  std::vector<std::string> notes() const override;
 
  private:
   /// Paints and uploads, where viewpoint or light have changed.

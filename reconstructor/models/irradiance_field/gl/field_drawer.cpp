@@ -23,8 +23,8 @@ void FieldDrawer::relight(const Eigen::Vector3d& from) {
 
 void FieldDrawer::draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) {
   if (!shown_ || shown_->empty()) return;
-  const Eigen::Vector3d from = (viewpoint.eye() - bounding_sphere(shown_->mesh()).centre).normalized();
-  relight(from);
+  const Eigen::Vector3d towards_eye = (viewpoint.eye() - bounding_sphere(shown_->mesh()).centre).normalized();
+  relight(viewpoint.light.isZero() ? towards_eye : viewpoint.light);
   const bool needs = shading == SurfaceShading::kHeuristic || shading == SurfaceShading::kReasons;
   TexturedPanel::Look look;
   if (needs) look.color = need_color(static_cast<float>(shown_->scene().error / 0.1));

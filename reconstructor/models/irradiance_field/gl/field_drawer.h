@@ -10,7 +10,7 @@
 namespace sheen {
 
 /// Draws an irradiance field. Its camera stands still, so what the mouse moves is the light: the picture fills the
-/// panel, lit from where the eye would be.
+/// panel.
 class FieldDrawer : public ModelDrawer {
  public:
   bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) override;

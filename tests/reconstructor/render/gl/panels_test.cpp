@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <set>
 
 #include "tests/reconstructor/render/gl/hidden_window.h"
@@ -13,7 +14,7 @@ namespace {
 /// All of the buttons, and nothing told.
 class PanelsOverPicture : public Window {
  protected:
-  std::vector<ViewAction> lay_out(const Pointer& pointer, int width = kWidth, float scale = 1) {
+  PanelEvents lay_out(const Pointer& pointer, int width = kWidth, float scale = 1) {
     return panels().lay_out({state_, controls_, told_, {}, offered_}, width, kHeight, scale, pointer);
   }
   Panels& panels() {
@@ -22,8 +23,8 @@ class PanelsOverPicture : public Window {
   }
   std::vector<ViewAction> click(const Eigen::Vector2f& at) {
     lay_out({at, false});
-    std::vector<ViewAction> pressed = lay_out({at, true});
-    const std::vector<ViewAction> released = lay_out({at, false});
+    std::vector<ViewAction> pressed = lay_out({at, true}).pressed;
+    const std::vector<ViewAction> released = lay_out({at, false}).pressed;
     pressed.insert(pressed.end(), released.begin(), released.end());
     return pressed;
   }
@@ -73,6 +74,33 @@ TEST_F(PanelsOverPicture, CoverWhereTheyAreSeenAndNowhereWhenTheyAreHidden) {
   controls_.panels = false;
   EXPECT_TRUE(all_that_can_be_clicked().empty());
   EXPECT_FALSE(panels().cover({20, 20}));
+}
+
+TEST_F(PanelsOverPicture, TheLightGoesWhereTheBallIsPointedAt) {
+  const Eigen::Matrix3d axes = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  told_.light = ShownLight{axes, {0, 0, 1}, {}};
+  lay_out({});
+  EXPECT_FALSE(lay_out({{20, kHeight - 20}, false}).light) << "nothing is pressed";
+  // The ball's middle is where the light is the eye's; the rest follows from places round it.
+  std::optional<Eigen::Vector2f> middle;
+  for (float y = kHeight - 130; y < kHeight && !middle; ++y)
+    for (float x = 10; x < 140 && !middle; ++x) {
+      lay_out({{x, y}, false});
+      const auto light = lay_out({{x, y}, true}).light;
+      if (light && (axes * *light).z() > 0.9999) middle = Eigen::Vector2f(x, y);
+    }
+  ASSERT_TRUE(middle);
+  lay_out({*middle, false});
+  lay_out({*middle, true});
+  const auto light = lay_out({*middle + Eigen::Vector2f(30, -20), true}).light;
+  ASSERT_TRUE(light);
+  const Eigen::Vector3d seen = axes * *light;
+  EXPECT_GT(seen.x(), 0.3);
+  EXPECT_NEAR(seen.y() / seen.x(), 20.0 / 30, 0.1);
+  const auto far = lay_out({{kWidth - 1, middle->y()}, true}).light;
+  ASSERT_TRUE(far) << "a drag may leave the ball";
+  EXPECT_GT((axes * *far).x(), 0.99);
+  EXPECT_GT((axes * *far).z(), 0);
 }
 
 }  // namespace
