@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/monitor/monitor_server.h"
 
-#include <arpa/inet.h>
 #include <httplib.h>
 #include <sodium.h>
 #include <strings.h>
@@ -14,7 +13,8 @@
 
 #include "common/base/errors.h"
 #include "common/base/sparing_log.h"
-#include "reconstructor/monitor/http_connections.h"
+#include "common/http/http_connections.h"
+#include "common/http/loopback_host.h"
 #include "reconstructor/monitor/metrics.h"
 #include "reconstructor/monitor/status_json.h"
 #include "reconstructor/monitor/status_page.h"
@@ -84,17 +84,6 @@ class Router : public httplib::Server {
   }
 };
 
-bool is_loopback(const std::string& host) {
-  in_addr v4{};
-  if (::inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
-  return host == "localhost" || host == "::1" || host == "[::1]";
-}
-
-std::string without_port(const std::string& host) {
-  const std::size_t colon = host.rfind(':');
-  return colon == std::string::npos || host.ends_with("]") ? host : host.substr(0, colon);
-}
-
 /// Of the header, else of the address.
 std::string token_of(const Request& request) {
   constexpr std::string_view kBearer = "Bearer ";
@@ -106,7 +95,7 @@ void require_valid(const MonitorOptions& options) {
   if (options.port < 0 || options.port > 65535)
     throw ConfigError("monitor port " + std::to_string(options.port) +
                       " is not a port; give one from 1 to 65535, or 0");
-  if (!is_loopback(options.host) && options.token.empty())
+  if (!is_loopback_host(options.host) && options.token.empty())
     throw ConfigError("the monitor page on " + options.host +
                       " could be seen by others: give it a token, or keep it on 127.0.0.1");
   for (const std::string& token : {options.token, options.steer_token})
@@ -158,7 +147,7 @@ bool MonitorServer::Impl::refused(const Request& request, Response& response) {
                       "img-src 'self' data:; frame-src 'self'; frame-ancestors " +
                           std::string(request.path == kModelPath ? "'self'" : "'none'"));
   if (options.token.empty() && (options.steer_token.empty() || token_of(request).empty())) {
-    if (is_loopback(without_port(request.get_header_value("Host")))) return false;
+    if (names_loopback(request.get_header_value("Host"))) return false;
     response.status = 403;
     response.set_content("This page answers to 127.0.0.1 and localhost only.\n", "text/plain");
     return true;

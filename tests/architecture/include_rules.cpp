@@ -32,6 +32,7 @@ struct Room {
 const std::vector<Room> kCommon = {
     {"base", ""},
     {"parallel", ""},
+    {"http", "base"},
     {"plot", "base"},
     {"geometry", "base"},
     {"stage", "base"},

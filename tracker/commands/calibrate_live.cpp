@@ -22,6 +22,11 @@ namespace {
 /// One line that is written over on a terminal; elsewhere one for each view that is kept.
 class GuideLine {
  public:
+  static LiveWords words(const ViewCollector& collector, SeenView seen) {
+    return {.first = words_of(seen, collector.next_view()),
+            .well = seen == SeenView::kKept || collector.next_view().empty(),
+            .detail = state_of(collector)};
+  }
   void show(const ViewCollector& collector, SeenView seen) {
     const std::string line = words_of(seen, collector.next_view()) + "  (" + state_of(collector) + ")";
     if (terminal_)
@@ -84,6 +89,7 @@ void collect_views(LiveSource& source, const CalibrationTarget& target, const Le
     const SeenView seen = collector->see(grey_image(frame->image), at_s, frame->exposure.exposure_s);
     if (seen == SeenView::kKept) write_png(free_name(folder, number), viewable(frame->image));
     line.show(*collector, seen);
+    source.show(frame->image, GuideLine::words(*collector, seen));
     if (collector->complete()) break;
   }
   line.end();

@@ -18,8 +18,8 @@ constexpr std::chrono::seconds kNothingComes{5};
 
 }  // namespace
 
-LiveSource::LiveSource(std::unique_ptr<FrameSource> source, const char* command)
-    : source_(std::move(source)), command_(command) {}
+LiveSource::LiveSource(std::unique_ptr<FrameSource> source, const char* command, std::optional<LivePage> page)
+    : source_(std::move(source)), command_(command), page_(std::move(page)) {}
 
 std::optional<Frame> LiveSource::next() {
   const auto begin = std::chrono::steady_clock::now();
@@ -43,6 +43,9 @@ void SourceArguments::add_to(Command& command) {
   command.option("--source", source, "aravis:ID, video:PATH or dataset:DIR");
   command.option("--config", config, "rig.toml; only its [source] counts");
   command.option("--camera", camera, "which camera of a --config with several, by its name");
+  command
+      .option("--page", page, "port of a page on this machine that shows the picture and what to do; 0 = any free one")
+      .check(range(0, 65535));
   command.option("--exposure-us", exposure_us, "exposure to set, microseconds").check(number_in(0.001, 1e8));
 }
 
@@ -53,11 +56,14 @@ LiveSource SourceArguments::open(const char* command) const {
   if (exposure_us > 0) camera_config.source.exposure_us = exposure_us;
   if (!camera_config.source_uri)
     throw ConfigError("no source; give --source URI or a --config whose [source] has a uri");
+  std::optional<LivePage> shown;
+  if (page) shown.emplace(*page);
+  if (shown) std::cerr << "sheen-tracker: the picture is at " << shown->url() << '\n';
   const EndOnStop opening("sheen-tracker: stopped before the source was open");
   std::unique_ptr<FrameSource> opened = open_source(parse_source_uri(*camera_config.source_uri), camera_config.source);
   if (const std::string remarks = opened->remarks(); !remarks.empty())
     std::cerr << "sheen-tracker: " << remarks << '\n';
-  return {std::move(opened), command};
+  return {std::move(opened), command, std::move(shown)};
 }
 
 }  // namespace sheen

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/base/command_line.h"
+#include "tracker/live_page/live_page.h"
 #include "tracker/sources/frame_source.h"
 
 namespace sheen {
@@ -15,16 +16,21 @@ namespace sheen {
 /// A camera that is looked at by a command which needs neither calibration nor stage.
 class LiveSource {
  public:
-  LiveSource(std::unique_ptr<FrameSource> source, const char* command);
+  LiveSource(std::unique_ptr<FrameSource> source, const char* command, std::optional<LivePage> page);
   /// The next frame whose image is whole; nothing when the person or the source has had enough. Throws DeviceError
   /// where none comes, and ConfigError for one of more than 8 bits.
   std::optional<Frame> next();
+  /// Shows a frame on the page, where there is one.
+  void show(const RawImage& image, const LiveWords& words) {
+    if (page_) page_->show(image, words);
+  }
   std::uint64_t incomplete() const { return incomplete_; }
   std::string message() const { return source_->message(); }
 
  private:
   std::unique_ptr<FrameSource> source_;
   const char* command_;
+  std::optional<LivePage> page_;
   std::uint64_t incomplete_ = 0;
   bool any_ = false;
 };
@@ -34,6 +40,7 @@ struct SourceArguments {
   std::filesystem::path config;
   std::string source, camera;
   double exposure_us = 0;
+  std::optional<int> page;  ///< its port
 
   void add_to(Command& command);
   bool given() const { return !source.empty() || !config.empty(); }

@@ -37,14 +37,28 @@ struct PreviewReport {
   double best_focus = 0;
 };
 
-std::string line_of(const PreviewReport& report) {
+std::string figures_of(const PreviewReport& report) {
   std::string line =
       sheen::format("frame %llu  focus %.3f (best %.3f)  mean %.0f %%  clipped %.2f %%  dark %.1f %%  %zu tags",
                     static_cast<unsigned long long>(report.frames), report.last.focus, report.best_focus,
                     100 * report.last.mean, 100 * report.last.clipped, 100 * report.last.dark, report.last.tags);
   if (report.exposure_s > 0) line += "  " + std::to_string(std::lround(1e6 * report.exposure_s)) + " us";
+  return line;
+}
+
+std::string line_of(const PreviewReport& report) {
+  std::string line = figures_of(report);
   if (const std::string what = advice(report.last); !what.empty()) line += "  " + what;
   return line;
+}
+
+LiveWords words_of(const PreviewReport& report) {
+  const std::string what = advice(report.last);
+  return {.first = what.empty() ? "Nothing is wrong." : what,
+          .well = what.empty(),
+          .detail = figures_of(report),
+          .focus = report.last.focus,
+          .best_focus = report.best_focus};
 }
 
 std::string json_of(const PreviewReport& report) {
@@ -111,6 +125,7 @@ void preview(const PreviewArguments& arguments) {
     report.last = inspect(frame->image, detector);
     report.best_focus = std::max(report.best_focus, report.last.focus);
     newest = std::move(frame->image);
+    source.show(newest, words_of(report));
     const bool saved = series && series->offer(newest);
     std::printf(terminal ? "\r\033[K%s%s" : "%s%s\n", line_of(report).c_str(), saved ? "  saved" : "");
     std::fflush(stdout);

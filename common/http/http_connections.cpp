@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstructor/monitor/http_connections.h"
+#include "common/http/http_connections.h"
 
 #include <arpa/inet.h>
 #include <netdb.h>
