@@ -17,12 +17,12 @@ namespace {
 
 struct ExportArguments {
   std::string model, page, single, about, json;
-  std::filesystem::path relight;
+  std::filesystem::path splats, relight;
   SurfaceFiles surface;
   ImageSets images;
 
   bool has_page() const { return !page.empty() || !single.empty(); }
-  bool of_model() const { return !relight.empty() || !surface.empty(); }
+  bool of_model() const { return !splats.empty() || !relight.empty() || !surface.empty(); }
 };
 
 void export_page(const ExportArguments& arguments) {
@@ -42,6 +42,7 @@ nlohmann::json export_files(const ExportArguments& arguments) {
   const SavedModel saved = open_model(arguments.model);
   nlohmann::json report = nlohmann::json::object();
   if (!arguments.surface.empty()) report.update(export_surface(*saved.snapshot, arguments.model, arguments.surface));
+  if (!arguments.splats.empty()) report["splats"] = export_splats(*saved.snapshot, arguments.model, arguments.splats);
   if (!arguments.relight.empty())
     report["relight"] = export_relight(*saved.snapshot, arguments.model, arguments.relight);
   return report;
@@ -50,7 +51,8 @@ nlohmann::json export_files(const ExportArguments& arguments) {
 void export_what_is_asked(const ExportArguments& arguments) {
   if (!arguments.has_page() && !arguments.of_model() && arguments.images.empty())
     throw ConfigError(
-        "export: say what to write: of a model --page, --single, --gltf, --ply, --obj, --usdz or --relight, of a "
+        "export: say what to write: of a model --page, --single, --gltf, --ply, --obj, --usdz, --splats or --relight, "
+        "of a "
         "session or photographs --transforms or --colmap");
   if ((arguments.has_page() || arguments.of_model()) && !arguments.images.empty())
     throw ConfigError("export: --transforms and --colmap are of a session or photographs, the others of a model");
@@ -92,6 +94,8 @@ void add_export_command(Command& program) {
                  "FILE.ply: the same in the mesh's own frame, with FILE.png beside it");
   command.option("--obj", arguments->surface.obj, "FILE.obj: the same, with FILE.mtl and FILE.png beside it");
   command.option("--usdz", arguments->surface.usdz, "FILE.usdz: the same for telephones, +Y up");
+  command.option("--splats", arguments->splats,
+                 "FILE.ply: Gaussians with spherical harmonics, whose shine moves in every splat viewer; at most 5 MB");
   command.option("--relight", arguments->relight,
                  "an irradiance field of far lights as polynomials: FILE.ptm, or a folder in the format of the relight "
                  "tools, which OpenLIME shows");

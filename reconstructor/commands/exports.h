@@ -19,6 +19,10 @@ struct SurfaceFiles {
 /// seen from all sides, FileError where a file cannot be written.
 nlohmann::json export_surface(const ModelSnapshot& model, const std::string& name, const SurfaceFiles& files);
 
+/// A model as Gaussians for splat viewers, in a file of at most 5 MB. Throws ConfigError where it has no surface that
+/// is seen from all sides, FileError.
+nlohmann::json export_splats(const ModelSnapshot& model, const std::string& name, const std::filesystem::path& out);
+
 /// An irradiance field of far lights as a polynomial texture map, or as a folder of the relight tools. Throws
 /// ConfigError for any other model, FileError.
 nlohmann::json export_relight(const ModelSnapshot& model, const std::string& name, const std::filesystem::path& out);

@@ -58,6 +58,7 @@ const std::vector<Room> kReconstructor = {
     {"render", "models|surface|numerics"},
     {"page", "light_field_file|irradiance_field_file|radiance|surface|numerics|coding"},
     {"exchange", "models"},
+    {"splats", "render|models|numerics"},
     {"monitor", ""},
     {"evaluation", "render|models|radiance|surface|numerics"},
     {"effort", "evaluation|render|models|radiance"},
