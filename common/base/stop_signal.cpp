@@ -51,4 +51,12 @@ bool stop_requested() {
   return g_signals > 0;
 }
 
+void count_stop_signal() {
+  ++g_signals;
+}
+
+void forget_stop_signals() {
+  g_signals = 0;
+}
+
 }  // namespace sheen

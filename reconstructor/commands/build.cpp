@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/commands/build.h"
+
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,11 +17,8 @@
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/commands/build_verdict.h"
 #include "reconstructor/commands/commands.h"
-#include "reconstructor/commands/favour_option.h"
 #include "reconstructor/commands/light_report.h"
-#include "reconstructor/commands/limit_options.h"
 #include "reconstructor/commands/mesh_choice.h"
-#include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/scene/model_choice.h"
@@ -28,17 +27,8 @@
 namespace sheen {
 namespace {
 
-struct BuildArguments {
-  std::string dataset, mesh, out, config, model, json, refine;
-  std::optional<int> hold_out;
-  bool no_refine = false;
-  FavourArgument favour;
-  LimitArguments limits;
-  SizeArguments size;
-};
-
 /// The data set's model with these settings.
-std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, const ChosenMesh& chosen,
+std::unique_ptr<Reconstruction> build_once(const BuildRequest& request, const ChosenMesh& chosen,
                                            const ModelSettings& settings, const Limits& limits,
                                            const MeasuredLevels& measured, int effort_level, bool first) {
   const CaptureSet& captures = chosen.captures;
@@ -64,30 +54,30 @@ std::unique_ptr<Reconstruction> build_once(const BuildArguments& arguments, cons
   reconstruction->leave_out(captures.withdrawn);
   reconstruction->refuse_damaged(captures.damaged);
   if (captures.size == 0 && captures.withdrawn > 0)
-    throw FileError(arguments.dataset, "all of its images are withdrawn; `undo --restore` puts them back");
+    throw FileError(request.dataset, "all of its images are withdrawn; `undo --restore` puts them back");
   const FrameCounts& counts = reconstruction->account().counts();
   if (counts.accepted == 0 && counts.held_out > 0)
-    throw FileError(arguments.dataset, "all of its images that show the mesh are held out (" +
-                                           std::to_string(counts.held_out) +
-                                           "): nothing is left to build from; name fewer in test_filenames");
-  if (counts.accepted == 0 && arguments.mesh.empty())
-    throw FileError(arguments.dataset, "none of its " + std::to_string(captures.size) +
-                                           " images can be used: a model of moving light needs a light in each");
+    throw FileError(request.dataset, "all of its images that show the mesh are held out (" +
+                                         std::to_string(counts.held_out) +
+                                         "): nothing is left to build from; name fewer in test_filenames");
+  if (counts.accepted == 0 && request.mesh.empty())
+    throw FileError(request.dataset, "none of its " + std::to_string(captures.size) +
+                                         " images can be used: a model of moving light needs a light in each");
   if (counts.accepted == 0)
-    throw FileError(arguments.dataset, "none of its " + std::to_string(captures.size) +
-                                           " images shows the mesh; check that both are in the same frame and units");
+    throw FileError(request.dataset, "none of its " + std::to_string(captures.size) +
+                                         " images shows the mesh; check that both are in the same frame and units");
   reconstruction->finish();
   return reconstruction;
 }
 
 /// Builds from the cheapest setting up until one reaches the PSNR asked for, or time or memory allow no dearer one;
 /// then the best of those built.
-std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments, const ChosenMesh& chosen,
+std::unique_ptr<Reconstruction> build_to_target(const BuildRequest& request, const ChosenMesh& chosen,
                                                 const ModelSettings& settings, const Limits& limits) {
   std::unique_ptr<Reconstruction> best;
   double best_db = 0;
   for (int level = settings.effort_levels() - 1; level >= 0; --level) {
-    auto built = build_once(arguments, chosen, settings, limits, {}, level, !best);
+    auto built = build_once(request, chosen, settings, limits, {}, level, !best);
     if (built->held_out().empty())
       throw ConfigError("--target needs held-out views to judge by: name test views or give --hold-out N");
     const double db = built->judge().model.psnr_db;
@@ -106,90 +96,95 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildArguments& arguments,
   return best;
 }
 
+/// A bar, and the end of the work where it is to stop.
+StepsDone saving() {
+  return [bar = progress_bar("saving")](std::size_t done, std::size_t steps) {
+    if (stop_requested()) throw Error("stopped while the model was saved; it was not written");
+    bar(done, steps);
+  };
+}
+
 /// What may be the cause of a model that failed, a sentence after a sentence.
 std::string cause(const ChosenMesh& chosen) {
   if (!chosen.doubt.empty()) return ". The mesh: " + chosen.doubt;
   return ". Check that mesh and images are of one object, in the same frame and units";
 }
 
-void build(BuildArguments arguments) {
-  install_stop_signals();
-  const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
-  ReportFile json(arguments.json);
-  Refining refining = refining_of(arguments.refine, arguments.no_refine);
-  const SceneRequest request(arguments.config, arguments.model);
+}  // namespace
+
+void build(BuildRequest request, const std::function<void(const nlohmann::json&)>& done) {
+  Refining refining = refining_of(request.refine, request.no_refine);
+  const SceneRequest asked(request.config, request.model);
   std::optional<CaptureSet> opened;
   std::string why;
   SceneConfig scene;
-  if (request.automatic()) {
-    const RigMotion motion = opened.emplace(open_capture_set(arguments.dataset)).motion();
+  if (asked.automatic()) {
+    const RigMotion motion = opened.emplace(open_capture_set(request.dataset)).motion();
     why = in_words(motion);
-    scene = request.chosen_by(motion);
-    if (surface_needs_camera(*scene.settings, arguments.mesh)) arguments.mesh.clear();  // it makes its own
+    scene = asked.chosen_by(motion);
+    if (surface_needs_camera(*scene.settings, request.mesh)) request.mesh.clear();  // it makes its own
     std::fprintf(stderr, "the model is chosen: %s, because %s\n", scene.kind->name(), why.c_str());
   } else {
-    scene = request.named();
+    scene = asked.named();
   }
   ModelSettings& settings = *scene.settings;
-  if (arguments.hold_out) settings.hold_out_every = *arguments.hold_out;
-  arguments.favour.fill(arguments.limits, arguments.size, settings);
-  Limits limits = arguments.limits.apply(settings);
-  limits.favour = arguments.favour.word;
+  if (request.hold_out) settings.hold_out_every = *request.hold_out;
+  request.favour.fill(request.limits, request.size, settings);
+  Limits limits = request.limits.apply(settings);
+  limits.favour = request.favour.word;
   limits.shown = false;  // before it is finished
-  const std::optional<double> tolerance = arguments.limits.between_lights(settings);
-  const std::optional<CompressionTarget> size = arguments.size.target(*scene.kind, settings);
-  if (arguments.out.empty())
+  const std::optional<double> tolerance = request.limits.between_lights(settings);
+  const std::optional<CompressionTarget> size = request.size.target(*scene.kind, settings);
+  if (request.out.empty())
     std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
   else
-    check_model_path(arguments.out, size.has_value());
-  CaptureSet captures = opened ? *std::move(opened) : open_capture_set(arguments.dataset);
-  if (!arguments.refine.empty() && surface_needs_camera(settings, arguments.mesh))
+    check_model_path(request.out, size.has_value());
+  CaptureSet captures = opened ? *std::move(opened) : open_capture_set(request.dataset);
+  if (!request.refine.empty() && surface_needs_camera(settings, request.mesh))
     throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
-  Mesh mesh = surface_for(settings, arguments.mesh, captures.cameras);
+  Mesh mesh = surface_for(settings, request.mesh, captures.cameras);
   captures = in_frame_at(mesh.origin, std::move(captures));
   // Where the light moves images differ for that reason alone.
   if (refining == Refining::kWhereItGains && settings.makes_mesh()) refining = Refining::kNever;
   nlohmann::json fit = nlohmann::json::object();
   const ChosenMesh chosen =
-      arguments.mesh.empty()
+      request.mesh.empty()
           ? ChosenMesh{.mesh = std::move(mesh), .given = {}, .captures = std::move(captures), .doubt = {}}
-          : choose_mesh(std::move(mesh), arguments.mesh, arguments.dataset, std::move(captures),
-                        settings.hold_out_every, refining, fit);
+          : choose_mesh(std::move(mesh), request.mesh, request.dataset, std::move(captures), settings.hold_out_every,
+                        refining, fit);
   const std::unique_ptr<Reconstruction> built =
-      limits.psnr_db ? build_to_target(arguments, chosen, settings, limits)
-                     : build_once(arguments, chosen, settings, limits, scene.measured, 0, true);
+      limits.psnr_db ? build_to_target(request, chosen, settings, limits)
+                     : build_once(request, chosen, settings, limits, scene.measured, 0, true);
   Reconstruction& reconstruction = *built;
   const Reconstruction::Judgement judged = reconstruction.judge();
   nlohmann::json lights;
   if (tolerance) lights = light_report(*reconstruction.snapshot(), *tolerance);
   const std::string failed = worthless(judged);
-  const bool saved = !arguments.out.empty() && failed.empty();
+  const bool saved = !request.out.empty() && failed.empty();
   std::optional<SmallFile> small;
   if (saved)
-    small = save_reconstruction(reconstruction, reconstruction.give_snapshot(), arguments.out, arguments.dataset, size,
-                                progress_bar("saving"));
-  if (saved && !small) note_judgement(judged.model, arguments.out);
+    small = save_reconstruction(reconstruction, reconstruction.give_snapshot(), request.out, request.dataset, size,
+                                saving());
+  if (saved && !small) note_judgement(judged.model, request.out);
   nlohmann::json report = reconstruction_report(reconstruction, judged);
   if (chosen.captures.files) report["files"] = files_report(*chosen.captures.files);
-  if (request.automatic()) report["model_choice"] = {{"model", scene.kind->name()}, {"why", why}};
-  if (small) report["file"] = file_report(arguments.out, *small);
+  if (asked.automatic()) report["model_choice"] = {{"model", scene.kind->name()}, {"why", why}};
+  if (small) report["file"] = file_report(request.out, *small);
   report.update(fit);
   report["held_out"]["object_pixels"] = chosen.given ? "of the mesh that was given" : "of the mesh";
-  print_summary(report);
   if (tolerance) report["lights"] = std::move(lights);
   const std::string doubtful = mostly_unused(reconstruction.account().counts());
   if (!failed.empty() || !doubtful.empty()) report["failed"] = failed.empty() ? doubtful : failed;
-  json.write(to_text(report));
-  if (!failed.empty()) throw Error(arguments.dataset + ": " + failed + "; no model was written" + cause(chosen));
+  done(report);
+  if (!failed.empty()) throw Error(request.dataset + ": " + failed + "; no model was written" + cause(chosen));
   if (!doubtful.empty())
-    throw Error(arguments.dataset + ": " + doubtful +
-                (saved ? "; the model of the others was written to " + arguments.out : "") + cause(chosen));
+    throw Error(request.dataset + ": " + doubtful +
+                (saved ? "; the model of the others was written to " + request.out : "") + cause(chosen));
 }
 
-}  // namespace
-
 void add_build_command(Command& program) {
-  auto arguments = std::make_shared<BuildArguments>();
+  auto arguments = std::make_shared<BuildRequest>();
+  auto report = std::make_shared<std::string>();
   Command command = program.subcommand("build", "Builds a model from posed photographs or a session.");
   command
       .option("dataset", arguments->dataset,
@@ -218,8 +213,16 @@ void add_build_command(Command& program) {
   arguments->limits.add_to(
       command, "PSNR that held-out views must reach, such as 35dB; the cheapest setting that reaches it is searched");
   arguments->size.add_to(command);
-  command.option("--json", arguments->json, "report to write; - for standard output");
-  command.callback([arguments] { build(*arguments); });
+  command.option("--json", *report, "report to write; - for standard output");
+  command.callback([arguments, report] {
+    install_stop_signals();
+    const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
+    ReportFile json(*report);
+    build(*arguments, [&](const nlohmann::json& made) {
+      print_summary(made);
+      json.write(to_text(made));
+    });
+  });
 }
 
 }  // namespace sheen

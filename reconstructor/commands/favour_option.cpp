@@ -5,6 +5,7 @@
 #include <array>
 
 #include "common/base/command_line.h"
+#include "common/base/errors.h"
 #include "reconstructor/commands/limit_options.h"
 #include "reconstructor/commands/size_options.h"
 
@@ -41,7 +42,8 @@ void FavourArgument::add_to(Command& command) {
 void FavourArgument::fill(LimitArguments& limits, SizeArguments& size, ModelSettings& settings) const {
   const auto* const favour =
       std::find_if(kFavours.begin(), kFavours.end(), [this](const Favour& f) { return word == f.word; });
-  if (favour == kFavours.end()) return;
+  if (word.empty()) return;
+  if (favour == kFavours.end()) throw ConfigError("--favour: '" + word + "' is not speed, accuracy or size");
   if (limits.budget.empty()) limits.budget = favour->budget;
   if (limits.tolerance.empty() && limits.target.empty() && has_tolerance(settings))
     limits.tolerance = favour->tolerance;

@@ -15,7 +15,8 @@ struct FavourArgument {
   std::string word;
 
   void add_to(Command& command);
-  /// `settings`: of the model; what it does not know is left as it is.
+  /// `settings`: of the model; what it does not know is left as it is. Throws ConfigError for
+  /// another word.
   void fill(LimitArguments& limits, SizeArguments& size, ModelSettings& settings) const;
 };
 

@@ -14,7 +14,6 @@
 #include "common/base/json_fields.h"
 #include "common/base/quantity.h"
 #include "common/capture/moved_origin.h"
-#include "reconstructor/render/camera_moves.h"
 #include "reconstructor/surface/opening_view.h"
 
 namespace sheen {
@@ -27,19 +26,6 @@ constexpr int kLeastSide = 16;
 constexpr int kMostFrames = 100'000;
 constexpr double kFarthest = 1e9;      // metres, of an eye
 constexpr double kNearestRadii = 1.5;  // of the mesh, of an eye that sees all of it
-
-/// From where the photographs were taken, from the side that is most in their middle.
-LookAt first_view(const ModelSnapshot& model) {
-  const BoundingSphere sphere = bounding_sphere(model.mesh());
-  std::vector<double> distances;
-  for (const PosedCamera& camera : model.cameras())
-    distances.push_back((camera_centre(camera.camera_from_object) - sphere.centre).norm());
-  std::sort(distances.begin(), distances.end());
-  const double distance = std::max(distances[distances.size() / 2], kNearestRadii * sphere.radius);
-  const std::optional<OpeningView> opening = opening_view(model.cameras(), sphere.centre);
-  if (!opening) return {sphere.centre + distance * Vector3d::UnitX(), sphere.centre};
-  return {sphere.centre + distance * opening->direction, sphere.centre, opening->up};
-}
 
 /// What the views of a path say.
 struct Keys {
@@ -81,12 +67,6 @@ LookAt key_of(const JsonFields& fields, const Json& json, const std::string& whe
   return view;
 }
 
-/// Whether a picture's axes follow from it.
-bool is_a_view(const LookAt& view) {
-  const Vector3d forward = view.target - view.eye;
-  return view.up.cross(forward).norm() > 1e-6 * view.up.norm() * forward.norm();
-}
-
 Keys read_keys(const std::string& file, const Vector3d& up) {
   const Json json = Json::parse(read_file(file), nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) throw FileError(file, "must be a JSON object with a list \"keys\"");
@@ -107,6 +87,18 @@ Keys read_keys(const std::string& file, const Vector3d& up) {
 }
 
 }  // namespace
+
+LookAt first_view(const ModelSnapshot& model) {
+  const BoundingSphere sphere = bounding_sphere(model.mesh());
+  std::vector<double> distances;
+  for (const PosedCamera& camera : model.cameras())
+    distances.push_back((camera_centre(camera.camera_from_object) - sphere.centre).norm());
+  std::sort(distances.begin(), distances.end());
+  const double distance = std::max(distances[distances.size() / 2], kNearestRadii * sphere.radius);
+  const std::optional<OpeningView> opening = opening_view(model.cameras(), sphere.centre);
+  if (!opening) return {sphere.centre + distance * Vector3d::UnitX(), sphere.centre};
+  return {sphere.centre + distance * opening->direction, sphere.centre, opening->up};
+}
 
 void MoveRequest::add_to(Command& command, const std::vector<Option>& instead_of) {
   Option turns = command.option("--turntable", turntable, "so many pictures once round the object");

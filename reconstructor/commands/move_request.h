@@ -8,8 +8,13 @@
 #include "common/base/command_line.h"
 #include "common/datasets/dataset.h"
 #include "reconstructor/models/model_snapshot.h"
+#include "reconstructor/render/camera_moves.h"
 
 namespace sheen {
+
+/// From where the photographs were taken, from the side that is most in their middle: object frame. The model has a
+/// camera.
+LookAt first_view(const ModelSnapshot& model);
 
 /// How a camera moves about a model; at most one of the three is given.
 struct MoveRequest {

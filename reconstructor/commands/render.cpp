@@ -11,7 +11,6 @@
 #include "common/base/json_number.h"
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
-#include "common/capture/moved_origin.h"
 #include "common/datasets/dataset.h"
 #include "common/image/exr.h"
 #include "common/image/image_io.h"
@@ -26,8 +25,8 @@
 #include "reconstructor/commands/render_lights.h"
 #include "reconstructor/evaluation/held_out.h"
 #include "reconstructor/render/guess_marks.h"
+#include "reconstructor/render/model_painter.h"
 #include "reconstructor/render/nearest_photograph.h"
-#include "reconstructor/render/ray_painter.h"
 
 namespace sheen {
 namespace {
@@ -42,29 +41,9 @@ struct RenderArguments {
   std::optional<int> frames;  ///< of a path
 };
 
-/// A model as it is seen from given places of its file's frame.
-class ModelPainter {
- public:
-  explicit ModelPainter(const ModelSnapshot& model) : model_(model), rays_(model.mesh()), outlines_(model.mesh()) {}
-
-  const RayPainter& rays() const { return rays_; }
-  PosedCamera place_of(const DatasetView& view) const {
-    return in_frame_at(model_.mesh().origin, PosedCamera{view.camera, view.camera_from_object});
-  }
-  /// What the camera's light keys say, for a model that knows moving light.
-  LightState light_of(const DatasetView& view) const {
-    return model_.light_kind() == LightKind::kFixed ? LightState{} : in_frame_at(model_.mesh().origin, view.light);
-  }
-  SmoothView paint(const DatasetView& view) const {
-    const PosedCamera from = place_of(view);
-    return rays_.paint_smooth(model_, outlines_, from.camera, from.camera_from_object, light_of(view));
-  }
-
- private:
-  const ModelSnapshot& model_;
-  RayPainter rays_;
-  Outlines outlines_;
-};
+PosedCamera posed(const DatasetView& view) {
+  return {view.camera, view.camera_from_object};
+}
 
 /// Grey picture of one channel, 8 bit.
 ExrPart coverage_part(const PaintedView& view) {
@@ -162,7 +141,9 @@ void render(RenderArguments arguments) {
                                                : load_cameras(arguments.cameras);
   const ModelPainter painter(*saved.snapshot);
   if (film) {
-    const auto picture = [&](std::size_t i) { return picture_of(painter.paint(cameras[i]), arguments.mark_guesses); };
+    const auto picture = [&](std::size_t i) {
+      return picture_of(painter.paint(posed(cameras[i]), cameras[i].light), arguments.mark_guesses);
+    };
     const nlohmann::json video = write_film(arguments.out, arguments.film, cameras.size(), picture);
     return json.write(nlohmann::json{{"video", video}}.dump(2) + "\n");
   }
@@ -183,8 +164,8 @@ void render(RenderArguments arguments) {
   FarViews far;
   Progress progress("rendering", cameras.size());
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const PosedCamera from = painter.place_of(cameras[i]);
-    const SmoothView painted = painter.paint(cameras[i]);
+    const PosedCamera from = painter.place_of(posed(cameras[i]));
+    const SmoothView painted = painter.paint(posed(cameras[i]), cameras[i].light);
     const double db = predicted_psnr_db(painted, painted.coverage);
     if (std::isfinite(db)) {
       predicted_db += db;
@@ -198,7 +179,7 @@ void render(RenderArguments arguments) {
     file.parts.push_back({"heuristic", {"Y"}, painted.heuristic, ExrPrecision::kHalf});
     file.parts.push_back(coverage_part(painted));
     if (demand) demand->add(painter.rays().cast(from.camera, from.camera_from_object), from.camera, name, file);
-    layers.add(painter.rays(), from, painter.light_of(cameras[i]), file);
+    layers.add(painter.rays(), from, painter.light_of(cameras[i].light), file);
     if (linear) write_exr(name + ".exr", file);
     const double away_deg = nearest_photograph_deg(*saved.snapshot, camera_centre(from.camera_from_object));
     far.add(names[i].string(), away_deg);

@@ -39,6 +39,11 @@ std::vector<PosedCamera> cameras_at(std::span<const LookAt> views, double focal,
 
 }  // namespace
 
+bool is_a_view(const LookAt& view) {
+  const Vector3d forward = view.target - view.eye;
+  return view.up.cross(forward).norm() > 1e-6 * view.up.norm() * forward.norm();
+}
+
 std::vector<LookAt> turntable(const LookAt& first, int frames) {
   std::vector<LookAt> views;
   for (int i = 0; i < frames; ++i) {

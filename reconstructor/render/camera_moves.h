@@ -17,6 +17,9 @@ struct LookAt {
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< of the picture, about
 };
 
+/// Whether a picture's axes follow from it: it looks somewhere, and not along its up direction.
+bool is_a_view(const LookAt& view);
+
 /// Once round the object, about `first.up` through `first.target`: with so many equal steps back to the first one.
 std::vector<LookAt> turntable(const LookAt& first, int frames);
 

@@ -23,7 +23,7 @@ const std::string kHeavy =
     "opencv2/.*|embree3/.*|.*\\.pb\\.h|google/protobuf/.*|zmq.*|httplib\\.h|sqlite3\\.h|arv\\.h|spdlog/.*|"
     "nlohmann/json\\.hpp|toml\\+\\+/.*|CLI/.*|Imf.*|GLFW/.*|imgui.*|backends/.*|epoxy/.*|ceres/.*|tbb/"
     ".*|png\\.h|jpeglib\\.h|zstd\\.h|"
-    "sodium\\.h|apriltag/.*";
+    "sodium\\.h|apriltag/.*|pybind11/.*";
 
 /// The rooms of a house, a floor each: a file includes what stands in its own room and in those named after it.
 struct Room {
@@ -59,6 +59,7 @@ const std::vector<Room> kReconstructor = {
     {"page", "light_field_file|irradiance_field_file|radiance|surface|numerics|coding"},
     {"exchange", "models"},
     {"splats", "render|models|numerics"},
+    {"library", "light_field_file"},
     {"monitor", ""},
     {"evaluation", "render|models|radiance|surface|numerics"},
     {"effort", "evaluation|render|models|radiance"},
@@ -90,17 +91,20 @@ std::vector<Rule> all_rules() {
       {"so are those of models that are relit, into pictures of plain pixels",
        "reconstructor/(?:irradiance_field_file|lumigraph_file)/[^/]*",
        ".*/encode/.*|tbb/.*|thread|future|opencv2/.*|common/(image/(?!(?:image|color)\\.h)|geometry/).*", ""},
+      {"other programs read our header with the standard library alone", "reconstructor/library/sheen/.*", ".*",
+       "[a-z0-9_]+"},
       {"models never include each other", "reconstructor/models/([^/]+)/.*", "reconstructor/models/[^/]+/.*",
        "reconstructor/models/$1/.*"},
       {"what all models share knows none of them", "reconstructor/models/[^/]+", "reconstructor/models/[^/]+/.*", ""},
       {"a model is named in its own folder, by the registry and by studies of it",
        "reconstructor/(?!models/|studies/|commands/(tradeoff|figures|study_options)\\.).*",
        "reconstructor/models/[^/]+/.*", ""},
-      {"only main includes commands", "(tracker|reconstructor)/(?!commands/|main\\.cpp).*",
+      {"only main and the Python module include commands", "(tracker|reconstructor)/(?!commands/|python/|main\\.cpp).*",
        "(tracker|reconstructor)/commands/.*", ""},
       {"only the wire reads Protobuf messages", kSources + "|tests/.*", ".*\\.pb\\.h", ""},
       {"only the transport uses ZeroMQ", kSources, "zmq.*", ""},
       {"only bundle.cpp uses Ceres", kSources + "|tests/.*", "ceres/.*", ""},
+      {"only the Python module uses pybind11", kSources + "|tests/.*", "pybind11/.*", ""},
       {"only ray_scene.cpp uses Embree", kSources + "|tests/.*", "embree3/.*", ""},
       {"only command_line.cpp uses CLI11", kSources + "|tests/.*", "CLI/.*", ""},
       {"heavy third-party headers stay out of our headers", kSources + "\\.h", kHeavy, ""},
@@ -131,6 +135,7 @@ const std::vector<Exception>& exceptions() {
       {"common/base/json_(fields|number)\\.h", "nlohmann/json\\.hpp"},
       {"common/link/(transport[a-z_]*|link_sockets|capture_sender|capture_receiver|monitor_socket|curve_keys)\\.cpp",
        "zmq.*"},
+      {"reconstructor/python/[^/]*\\.cpp", "pybind11/.*"},
       {"common/geometry/ray_scene\\.cpp", "embree3/.*"},
       {"common/base/command_line\\.cpp", "CLI/.*"},
       {"tracker/calibration/bundle\\.cpp", "ceres/.*"},
