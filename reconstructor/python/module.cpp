@@ -94,30 +94,84 @@ py::array_t<double> lights_of(const ModelSnapshot& model) {
   return out;
 }
 
-/// A method of `Model` that draws from where it is told: `picture` makes of what is painted what it returns.
+/// What is told to a method of `Model` that draws: from where, and in which light.
+struct Asked {
+  AskedView view;
+  Vector light;
+};
+
+/// Adds one: `draw(model, asked, first...)`, where the arguments `first` stand before the others.
+template <typename... First, typename Draw, typename... Names>
+void add_drawing(py::class_<OpenModel>& model, const char* name, const char* says, Draw draw, const Names&... names) {
+  const py::none none;
+  const auto method = [draw](const OpenModel& self, const First&... first, const Vector& eye, const Vector& target,
+                             const Vector& up, std::optional<double> field_of_view,
+                             const std::optional<Eigen::Matrix3d>& intrinsics,
+                             const std::optional<Eigen::Matrix4d>& camera_from_object,
+                             const std::optional<PosedCamera>& camera, std::optional<int> width,
+                             std::optional<int> height, const Vector& light) {
+    return draw(self,
+                Asked{{eye, target, up, field_of_view, intrinsics, camera_from_object, camera, width, height}, light},
+                first...);
+  };
+  model.def(name, method, names..., py::kw_only(), py::arg("eye") = none, py::arg("target") = none,
+            py::arg("up") = none, py::arg("field_of_view") = none, py::arg("intrinsics") = none,
+            py::arg("camera_from_object") = none, py::arg("camera") = none, py::arg("width") = none,
+            py::arg("height") = none, py::arg("light") = none, says);
+}
+
 template <typename T>
-auto drawing(Image<T> (*picture)(const SmoothView&)) {
-  return [picture](const OpenModel& model, const Vector& eye, const Vector& target, const Vector& up,
-                   std::optional<double> field_of_view, const std::optional<Eigen::Matrix3d>& intrinsics,
-                   const std::optional<Eigen::Matrix4d>& camera_from_object, std::optional<int> width,
-                   std::optional<int> height, const Vector& light) {
-    const AskedView view{eye, target, up, field_of_view, intrinsics, camera_from_object, width, height};
+auto picture(Image<T> (*of)(const SmoothView&)) {
+  return [of](const OpenModel& model, const Asked& asked) {
     const auto painted = [&] {
       const py::gil_scoped_release others_run;
-      return picture(model.paint(view, light));
+      return of(model.paint(asked.view, asked.light));
     };
     return array_of(painted());
   };
 }
 
-template <typename T>
-void add_drawing(py::class_<OpenModel>& model, const char* name, Image<T> (*picture)(const SmoothView&),
-                 const char* says) {
-  const py::none none;
-  model.def(name, drawing(picture), py::kw_only(), py::arg("eye") = none, py::arg("target") = none,
-            py::arg("up") = none, py::arg("field_of_view") = none, py::arg("intrinsics") = none,
-            py::arg("camera_from_object") = none, py::arg("width") = none, py::arg("height") = none,
-            py::arg("light") = none, says);
+py::dict layers_of(const OpenModel& model, const Asked& asked, const std::vector<std::string>& names) {
+  const auto painted = [&] {
+    const py::gil_scoped_release others_run;
+    return model.layers(names, asked.view, asked.light);
+  };
+  py::dict layers;
+  for (auto& [name, image] : painted()) layers[py::str(name)] = array_of(std::move(image));
+  return layers;
+}
+
+Eigen::Matrix3d intrinsics_of(const PosedCamera& posed) {
+  const Camera& c = posed.camera;
+  return Eigen::Matrix3d{{c.fx, 0, c.cx}, {0, c.fy, c.cy}, {0, 0, 1}};
+}
+
+void add_camera(py::module_& module) {
+  py::class_<PosedCamera> camera(module, "Camera", words::kCamera);
+  camera.def_property_readonly(
+      "width", [](const PosedCamera& c) { return c.camera.width; }, words::kWidth);
+  camera.def_property_readonly(
+      "height", [](const PosedCamera& c) { return c.camera.height; }, words::kHeight);
+  camera.def_property_readonly("intrinsics", &intrinsics_of, words::kIntrinsics);
+  camera.def_property_readonly(
+      "camera_from_object", [](const PosedCamera& c) { return c.camera_from_object.matrix(); },
+      words::kCameraFromObject);
+  camera.def_property_readonly(
+      "lens", [](const PosedCamera& c) { return c.camera.lens == LensModel::kFisheye ? "fisheye" : "opencv"; },
+      words::kLens);
+  camera.def_property_readonly(
+      "distortion",
+      [](const PosedCamera& c) { return Eigen::Map<const Eigen::VectorXd>(c.camera.distortion.data(), 5).eval(); },
+      words::kDistortion);
+  camera.def("__repr__",
+             [](const PosedCamera& c) { return format("<sheen.Camera: %d x %d>", c.camera.width, c.camera.height); });
+}
+
+/// In the frame of the mesh's file.
+std::vector<PosedCamera> cameras_of(const OpenModel& model) {
+  std::vector<PosedCamera> cameras = model.snapshot().cameras();
+  for (PosedCamera& camera : cameras) camera = in_frame_at(-model.snapshot().mesh().origin, camera);
+  return cameras;
 }
 
 using Path = std::optional<std::filesystem::path>;
@@ -192,8 +246,10 @@ void add_model(py::module_& module) {
   model.def("evaluate", &evaluate_model, py::arg("dataset"), py::kw_only(), py::arg("baselines") = false,
             py::arg("truth") = py::none(), py::arg("object") = py::none(), words::kEvaluate);
   model.def("export", &export_model, py::arg("path"), py::arg("form") = py::none(), words::kExport);
-  add_drawing(model, "render", &premultiplied, words::kRender);
-  add_drawing(model, "render_srgb8", &straight_srgb8, words::kRenderSrgb8);
+  model.def_property_readonly("cameras", &cameras_of, words::kCameras);
+  add_drawing(model, "render", words::kRender, picture(&premultiplied));
+  add_drawing(model, "render_srgb8", words::kRenderSrgb8, picture(&straight_srgb8));
+  add_drawing<std::vector<std::string>>(model, "render_layers", words::kRenderLayers, &layers_of, py::arg("layers"));
 }
 
 }  // namespace
@@ -203,6 +259,7 @@ PYBIND11_MODULE(_native, module) {
   options.disable_function_signatures();  // the texts have better ones
   module.doc() = words::kModule;
   add_exceptions(module);
+  add_camera(module);
   add_model(module);
   module.def(
       "open", [](const std::filesystem::path& path) { return std::make_unique<OpenModel>(path); }, py::arg("path"),

@@ -7,6 +7,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/python/views.h"
@@ -28,6 +31,9 @@ class OpenModel {
 
   /// As `render` draws it. Throws ConfigError.
   SmoothView paint(const AskedView& view, const std::optional<Eigen::Vector3d>& light) const;
+  /// Layers by their names (`PictureLayers`), as `render --layers` writes them. Throws ConfigError.
+  std::vector<std::pair<std::string, ImageF>> layers(const std::vector<std::string>& names, const AskedView& view,
+                                                     const std::optional<Eigen::Vector3d>& light) const;
 
  private:
   const ModelPainter& painter() const;

@@ -70,13 +70,16 @@ PosedCamera by_matrices(const AskedView& asked) {
           Rigid3::from_matrix(pose)};
 }
 
+PosedCamera in_size(const AskedView& asked, PosedCamera camera) {
+  camera.camera =
+      camera.camera.scaled(asked.width.value_or(camera.camera.width), asked.height.value_or(camera.camera.height));
+  return camera;
+}
+
 PosedCamera first_camera(const AskedView& asked, const ModelSnapshot& model) {
-  PosedCamera camera = model.cameras().front();
-  if (model.cameras().size() == 1)
-    camera.camera =
-        camera.camera.scaled(asked.width.value_or(camera.camera.width), asked.height.value_or(camera.camera.height));
-  else
-    camera = framed(std::array{first_view(model)}, model.mesh(), size_of(asked)).front();
+  const PosedCamera camera = model.cameras().size() == 1
+                                 ? in_size(asked, model.cameras().front())
+                                 : framed(std::array{first_view(model)}, model.mesh(), size_of(asked)).front();
   return in_frame_at(-model.mesh().origin, camera);
 }
 
@@ -88,6 +91,8 @@ PosedCamera camera_of(const AskedView& asked, const ModelSnapshot& model) {
     throw ConfigError("width and height: must be 1 or more");
   const bool looks = asked.eye || asked.target || asked.up || asked.field_of_view;
   const bool matrices = asked.intrinsics || asked.camera_from_object;
+  if (asked.camera && (looks || matrices)) throw ConfigError("camera: needs no eye, target, intrinsics and the like");
+  if (asked.camera) return checked(in_size(asked, *asked.camera));
   if (looks && matrices)
     throw ConfigError(
         "give eye and target (with up and field_of_view), or intrinsics and camera_from_object, not both");

@@ -10,13 +10,14 @@
 
 namespace sheen {
 
-/// From where a picture is asked for, as a script says it: a place that is looked from and at, or a camera by its
-/// matrices, or nothing.
+/// From where a picture is asked for, as a script says it: a place that is looked from and at, or a camera as it is or
+/// by its matrices, or nothing.
 struct AskedView {
   std::optional<Eigen::Vector3d> eye, target, up;     ///< frame of the mesh's file, metres
   std::optional<double> field_of_view;                ///< vertical, degrees
   std::optional<Eigen::Matrix3d> intrinsics;          ///< pixels; integer coordinates are pixel centres
   std::optional<Eigen::Matrix4d> camera_from_object;  ///< OpenCV axes
+  std::optional<PosedCamera> camera;                  ///< with its lens
   std::optional<int> width, height;                   ///< pixels
 };
 

@@ -21,13 +21,13 @@ Lengths are in metres and places in the frame of the mesh that the model was bui
 Several threads may use one model at once.)";
 
 inline constexpr const char* kRender =
-    R"(render($self, *, eye=None, target=None, up=None, field_of_view=None, intrinsics=None, camera_from_object=None, width=None, height=None, light=None)
+    R"(render($self, *, eye=None, target=None, up=None, field_of_view=None, intrinsics=None, camera_from_object=None, camera=None, width=None, height=None, light=None)
 --
 
 The picture of a camera, linear: float32 of (height, width, 4), red, green, blue and alpha.
 
 Colours are linear radiance times alpha, as `sheen-reconstructor render` writes them into OpenEXR files; alpha is the part
-of a pixel that shows the surface. The camera is given in one of two ways, or not at all: then it is the model's own, or
+of a pixel that shows the surface. The camera is given in one of three ways, or not at all: then it is the model's own, or
 one that shows all of the object from the side that most images were taken from.
 
 eye, target, up: (3,), from where to where the camera looks, and what is up in its picture (default: as in the images).
@@ -36,19 +36,31 @@ field_of_view: degrees from the picture's lower to its upper edge, 1 to 150 (def
 intrinsics: (3, 3), [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels; integer coordinates are the middles of pixels.
 camera_from_object: (4, 4), from the object's frame to the camera's: x right, y down, z forward (OpenCV).
 
-width, height: pixels (default 640 x 480, or the model's own camera's).
+camera: one of `cameras`, with its lens; width and height give its picture another size.
+
+width, height: pixels (default 640 x 480, or the camera's).
 light: (3,), where `light_kind` is "point" the lamp's place, where it is "directional" the direction to it (default: the
 first light of the images).
 
 Raises ConfigError naming the argument that is wrong.)";
 
 inline constexpr const char* kRenderSrgb8 =
-    R"(render_srgb8($self, *, eye=None, target=None, up=None, field_of_view=None, intrinsics=None, camera_from_object=None, width=None, height=None, light=None)
+    R"(render_srgb8($self, *, eye=None, target=None, up=None, field_of_view=None, intrinsics=None, camera_from_object=None, camera=None, width=None, height=None, light=None)
 --
 
 The same picture for a screen: uint8 of (height, width, 4), sRGB and linear alpha, colours not multiplied by it.
 
 These are the bytes of the PNG files of `sheen-reconstructor render`. Arguments as of `render`.)";
+
+inline constexpr const char* kRenderLayers =
+    R"(render_layers($self, layers, *, eye=None, target=None, up=None, field_of_view=None, intrinsics=None, camera_from_object=None, camera=None, width=None, height=None, light=None)
+--
+
+What else is in a picture's pixels: a dict of float32 arrays of (height, width, channels).
+
+layers: names out of "depth" (metres along the camera's axis, infinite where nothing is), "normals" (x, y, z in the
+camera's axes), and of an intrinsic lumigraph "reflectance", "illumination" and "shadow"; as `render --layers` writes
+them. Other arguments as of `render`.)";
 
 inline constexpr const char* kMesh = R"(mesh($self)
 --
@@ -109,6 +121,18 @@ inline constexpr const char* kLightKind =
 inline constexpr const char* kLights =
     "The lights of the images, places or directions (`light_kind`): float64 of (n, 3); none where no light is asked "
     "for.";
+inline constexpr const char* kCameras = "From where the images were taken: a list of `Camera`.";
+inline constexpr const char* kCamera = "A camera of the images: its place, its lens. `Model.render` draws through it.";
+inline constexpr const char* kWidth = "Of its images, pixels.";
+inline constexpr const char* kHeight = "Of its images, pixels.";
+inline constexpr const char* kIntrinsics =
+    "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels: float64 of (3, 3); integer coordinates are the middles of "
+    "pixels.";
+inline constexpr const char* kCameraFromObject =
+    "From the frame of the mesh to the camera's, x right, y down, z forward (OpenCV): float64 of (4, 4).";
+inline constexpr const char* kLens =
+    "What `distortion` is of: \"opencv\" (k1 k2 p1 p2 k3) or \"fisheye\" (k1 k2 k3 k4).";
+inline constexpr const char* kDistortion = "float64 of (5,); all zero is a pinhole.";
 inline constexpr const char* kBounds = "Least and greatest coordinates of the surface: float64 of (2, 3).";
 
 inline constexpr const char* kError = "What Sheen cannot do, and why.";

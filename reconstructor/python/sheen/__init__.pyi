@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Types of the module; help(sheen) says what each is.
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal, Union
 
@@ -14,6 +15,20 @@ __version__: str
 class Error(Exception): ...
 class FileError(Error, OSError): ...
 class ConfigError(Error, ValueError): ...
+
+class Camera:
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def intrinsics(self) -> NDArray[np.float64]: ...
+    @property
+    def camera_from_object(self) -> NDArray[np.float64]: ...
+    @property
+    def lens(self) -> Literal["opencv", "fisheye"]: ...
+    @property
+    def distortion(self) -> NDArray[np.float64]: ...
 
 class Model:
     @property
@@ -29,6 +44,8 @@ class Model:
     @property
     def lights(self) -> NDArray[np.float64]: ...
     @property
+    def cameras(self) -> list[Camera]: ...
+    @property
     def bounds(self) -> NDArray[np.float64]: ...
     def mesh(self) -> tuple[NDArray[np.float64], NDArray[np.uint32]]: ...
     def render(
@@ -40,6 +57,7 @@ class Model:
         field_of_view: float | None = None,
         intrinsics: ArrayLike | None = None,
         camera_from_object: ArrayLike | None = None,
+        camera: Camera | None = None,
         width: int | None = None,
         height: int | None = None,
         light: ArrayLike | None = None,
@@ -53,10 +71,26 @@ class Model:
         field_of_view: float | None = None,
         intrinsics: ArrayLike | None = None,
         camera_from_object: ArrayLike | None = None,
+        camera: Camera | None = None,
         width: int | None = None,
         height: int | None = None,
         light: ArrayLike | None = None,
     ) -> NDArray[np.uint8]: ...
+    def render_layers(
+        self,
+        layers: Sequence[str],
+        *,
+        eye: ArrayLike | None = None,
+        target: ArrayLike | None = None,
+        up: ArrayLike | None = None,
+        field_of_view: float | None = None,
+        intrinsics: ArrayLike | None = None,
+        camera_from_object: ArrayLike | None = None,
+        camera: Camera | None = None,
+        width: int | None = None,
+        height: int | None = None,
+        light: ArrayLike | None = None,
+    ) -> dict[str, NDArray[np.float32]]: ...
     def evaluate(
         self,
         dataset: _Path,

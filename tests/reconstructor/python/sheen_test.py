@@ -223,6 +223,40 @@ class Rendered(unittest.TestCase):
         self.assertLess(np.abs(straight - codes[shown][:, :3]).max(), 0.51)
         self.assertEqual(np.abs(linear[~shown]).max(), 0)
 
+    def test_cameras_of_the_images(self):
+        model = sheen.open(SPHERE)
+        self.assertEqual(len(model.cameras), model.images)
+        camera = model.cameras[1]
+        self.assertEqual(camera.distortion.shape, (5,))
+        side = dict(width=camera.width // 4, height=camera.height // 4)
+        seen = model.render(camera=camera, **side)
+        self.assertEqual(seen.shape, (side["height"], side["width"], 4))
+        if not camera.distortion.any():
+            k = np.diag([0.25, 0.25, 1]) @ camera.intrinsics
+            k[:2, 2] = (camera.intrinsics[:2, 2] + 0.5) / 4 - 0.5
+            again = model.render(intrinsics=k, camera_from_object=camera.camera_from_object, **side)
+            np.testing.assert_allclose(again, seen, atol=1e-3)
+        self.assertEqual(model.render(camera=camera).shape, (camera.height, camera.width, 4))
+        with self.assertRaisesRegex(sheen.ConfigError, "camera"):
+            model.render(camera=camera, eye=(1, 0, 0), target=(0, 0, 0))
+
+    def test_layers(self):
+        model = sheen.open(SPHERE)
+        eye, target, up = self.around(model)
+        view = dict(eye=eye, target=target, up=up, width=60, height=45)
+        layers = model.render_layers(["depth", "normals"], **view)
+        self.assertEqual({name: each.shape for name, each in layers.items()},
+                         {"depth": (45, 60, 1), "normals": (45, 60, 3)})
+        depth, normals = layers["depth"][..., 0], layers["normals"]
+        shown = np.isfinite(depth)
+        self.assertGreater(shown.mean(), 0.1)
+        self.assertLess(abs(depth[shown].min() - (np.linalg.norm(eye - target) - 0.09)), 0.01)  # a sphere of 0.09 m
+        np.testing.assert_allclose(np.linalg.norm(normals[shown], axis=-1), 1, atol=1e-3)
+        self.assertEqual(model.render_layers([], **view), {})
+        for words, names in (("layers", ["colour"]), ("shadow", ["shadow"])):
+            with self.assertRaisesRegex(sheen.ConfigError, words):
+                model.render_layers(names, **view)
+
     def test_threads_get_the_same_picture(self):
         model = sheen.open(SPHERE)
         pictures = []
@@ -269,16 +303,20 @@ class Described(unittest.TestCase):
         stub = ast.parse((pathlib.Path(sheen.__file__).parent / "__init__.pyi").read_text())
         typed = {node.name: node for node in stub.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
         self.assertEqual(sorted(typed), sorted(sheen.__all__))
-        members = {node.name: node for node in typed["Model"].body if isinstance(node, ast.FunctionDef)}
-        public = [name for name in dir(sheen.Model) if not name.startswith("_")]
+        for kind in (sheen.Camera, sheen.Model):
+            self.check_members(kind, typed[kind.__name__])
+        self.assertTrue((pathlib.Path(sheen.__file__).parent / "py.typed").exists())
+
+    def check_members(self, kind, typed):
+        members = {node.name: node for node in typed.body if isinstance(node, ast.FunctionDef)}
+        public = [name for name in dir(kind) if not name.startswith("_")]
         self.assertEqual(sorted(members), sorted(public))
         for name, node in members.items():
-            member = getattr(sheen.Model, name)
+            member = getattr(kind, name)
             self.assertTrue(member.__doc__, name)
             if callable(member):
                 said = list(inspect.signature(member).parameters)
                 self.assertEqual(said, [each.arg for each in node.args.args[1:] + node.args.kwonlyargs], name)
-        self.assertTrue((pathlib.Path(sheen.__file__).parent / "py.typed").exists())
 
 
 class Worked(unittest.TestCase):
