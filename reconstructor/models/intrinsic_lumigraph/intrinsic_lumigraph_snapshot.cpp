@@ -112,6 +112,13 @@ Eigen::Vector3d IntrinsicLumigraphSnapshot::light_place(const LightState& light)
   return lights.places.col(nearest);
 }
 
+std::vector<LightState> IntrinsicLumigraphSnapshot::lights() const {
+  std::vector<LightState> lights;
+  for (Eigen::Index i = 0; i < data_->lights.size(); ++i)
+    lights.push_back({.kind = data_->lights.kind, .position = data_->lights.places.col(i)});
+  return lights;
+}
+
 RelitView IntrinsicLumigraphSnapshot::relit(const IntrinsicView& view, const LightState& light) const {
   const Eigen::Vector3d place = light_place(light);
   RelitView relit = relight(view, data_->lights, place, in_parallel);

@@ -41,6 +41,7 @@ class IntrinsicLumigraphSnapshot : public ModelSnapshot, public KnownSurface {
   SnapshotFigures figures() const override;
   std::size_t memory_bytes() const override;
   LightKind light_kind() const override { return data_->lights.kind; }
+  std::vector<LightState> lights() const override;
   std::shared_ptr<const ModelSnapshot> filled() const override;
   ViewAdvice advise_next_view(const Eigen::Vector3d& eye) const override;
   std::unique_ptr<Compression> compression(CompressionTarget target) const override;

@@ -73,8 +73,10 @@ std::string counts_of(const ViewerState& state, const char* model) {
   if (!state.figures) {
     if (!state.snapshot) return {};
     words.emplace_back(model);
-    if (const std::size_t images = state.snapshot->cameras().size(); images > 0)
-      words.push_back(format("%zu image%s", images, images == 1 ? "" : "s"));
+    const std::size_t views = state.snapshot->cameras().size(), lights = state.snapshot->lights().size();
+    const char* const view = lights > 0 ? "view" : "image";
+    if (views > 0) words.push_back(format("%zu %s%s", views, view, views == 1 ? "" : "s"));
+    if (lights > 0) words.push_back(format("%zu light%s", lights, lights == 1 ? "" : "s"));
   } else {
     const CaptureFigures& f = *state.figures;
     const std::uint64_t built = f.frames_accepted - f.frames_held_out;

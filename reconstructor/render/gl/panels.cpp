@@ -96,7 +96,7 @@ class Layout {
 
   bool button(const ActionWords& words, const char* name) {
     const bool matters = sheen::matters(words.action, content_.controls);
-    const bool lit = matters && is_on(words.action, content_.controls);
+    const bool lit = matters && words.action != ViewAction::kDetails && is_on(words.action, content_.controls);
     ImGui::BeginDisabled(!matters);
     if (lit) ImGui::PushStyleColor(ImGuiCol_Button, kLit);
     const bool is_pressed = ImGui::Button(name);
@@ -107,11 +107,14 @@ class Layout {
     return is_pressed;
   }
 
-  /// Above the button, or below one at the top.
+  /// Above the button, or below one at the top; whole.
   void add_tip(const std::string& says, const std::string& keys) const {
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
     const bool above = low.y > height_ / 2;
-    ImGui::SetNextWindowPos({(low.x + high.x) / 2, above ? low.y - margin_ : high.y + margin_}, ImGuiCond_Always,
+    const float half = std::max(ImGui::CalcTextSize(says.c_str()).x, ImGui::CalcTextSize(keys.c_str()).x) / 2 +
+                       ImGui::GetStyle().WindowPadding.x;
+    const float middle = std::max(half + margin_, std::min((low.x + high.x) / 2, width_ - half - margin_));
+    ImGui::SetNextWindowPos({middle, above ? low.y - margin_ : high.y + margin_}, ImGuiCond_Always,
                             {0.5f, above ? 1.0f : 0.0f});
     ImGui::BeginTooltip();
     text(says);
@@ -273,7 +276,7 @@ class Layout {
         events.light = told_.light->axes.transpose() * light_at({(x - middle.x()) / radius, (middle.y() - y) / radius});
       }
       if (ImGui::IsItemHovered() && !ImGui::IsItemActive())
-        add_tip(light_in_words(told_.light->now), "Ctrl and arrows");
+        add_tip(light_in_words(told_.light->now), "drag, or Ctrl and arrows");
     });
   }
 

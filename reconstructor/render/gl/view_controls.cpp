@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "reconstructor/render/best_lit_view.h"
 #include "reconstructor/render/gl/light_ball.h"
 
 namespace sheen {
@@ -94,16 +95,20 @@ void ViewControls::frame(const std::shared_ptr<const Mesh>& mesh) {
   if (!mesh || mesh == framed_) return;
   framed_ = mesh;
   opening_.reset();
+  without_colours_ = false;
   lights_.clear();
   stand_where_it_opens();
 }
 
 void ViewControls::frame(const ModelSnapshot& model) {
-  if (model.shared_mesh() == framed_) return;
+  const bool again = model.shared_mesh() == framed_;
+  if (again && !(without_colours_ && opening_ && !model.empty())) return;
+  const bool moved = again && !(orbit.viewpoint(1, 1) == stood_);
   framed_ = model.shared_mesh();
-  opening_ = opening_view(model.cameras(), bounding_sphere(*framed_).centre);
+  opening_ = best_lit_view(model);
   lights_ = light_directions(model);
-  stand_where_it_opens();
+  without_colours_ = model.empty();
+  if (!moved) stand_where_it_opens();
 }
 
 void ViewControls::reset() {
@@ -118,7 +123,8 @@ void ViewControls::stand_where_it_opens() {
     orbit.look_from(opening_->direction);
   }
   if (eye) orbit.place(*eye - framed_->origin);
-  light = first_light(lights_, orbit.viewpoint(1, 1).camera_from_object);
+  stood_ = orbit.viewpoint(1, 1);
+  light = first_light(lights_, stood_.camera_from_object);
 }
 
 void ViewControls::turn_light(double right_rad, double up_rad) {

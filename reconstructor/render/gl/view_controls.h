@@ -55,7 +55,8 @@ struct ViewControls {
 
   /// Lets the free camera frame a mesh that it has not framed yet.
   void frame(const std::shared_ptr<const Mesh>& mesh);
-  /// The same, as the model's cameras saw it, where it has some: `opening_view`.
+  /// The same, as the model's cameras saw it, where it has some: `best_lit_view`. A model whose cameras are known
+  /// before its colours is looked at anew when these come, if nobody has moved it.
   void frame(const ModelSnapshot& model);
   void reset();  ///< back to where `frame` put the camera and the light
   /// As `turned_light` does, for whoever looks through the free camera. A light that stands still stays.
@@ -66,6 +67,8 @@ struct ViewControls {
 
   std::shared_ptr<const Mesh> framed_;
   std::optional<OpeningView> opening_;
+  bool without_colours_ = false;         ///< the model, when it was framed
+  Viewpoint stood_;                      ///< where it opened
   std::vector<Eigen::Vector3d> lights_;  ///< of the model's images: directions, object frame
 };
 

@@ -16,7 +16,6 @@ class FieldDrawer : public ModelDrawer {
   bool update(const std::shared_ptr<const ModelSnapshot>& snapshot) override;
   void draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) override;
   bool follows_eye() const override { return false; }
-  std::vector<std::string> notes() const override { return {"the mouse moves the light: the camera stands still"}; }
 
  private:
   void relight(const Eigen::Vector3d& from);

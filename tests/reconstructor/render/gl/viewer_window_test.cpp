@@ -231,6 +231,31 @@ TEST_F(Window, WhatThePersonWaitsForHasABar) {
   EXPECT_NEAR(green(1), 4 * quarter, 0.05 * 4 * quarter);
 }
 
+TEST(ViewControls, AModelIsLookedAtAnewWhenItsColoursComeUnlessSomebodyHasMovedIt) {
+  const Object object = sphere_object();
+  const std::vector<Eigen::Vector3d> eyes = {{0.4, 0, 0.2}, {0, 0.4, 0.2}, {-0.4, 0, 0.2}, {0, -0.4, 0.2}};
+  const auto radiance = analytic::encoded([](const Eigen::Vector3d& p, const Eigen::Vector3d&) {
+    return Eigen::Vector3d(Eigen::Vector3d::Constant(0.4 - 3 * p.y()));  // bright on the side of -y
+  });
+  SurfaceLightField model(object.mesh, plain_options());
+  ingest_all(model, captures({object.surface, radiance}, eyes));
+  const auto whole = std::dynamic_pointer_cast<const SurfaceLightFieldSnapshot>(model.snapshot());
+  const SurfaceLightFieldSnapshot grey(whole->shared_mesh(), whole->shared_maps(), whole->shared_shapes(),
+                                       SurfaceLightFieldSnapshot::Patches(whole->patches().size()), 0, {},
+                                       whole->cameras());
+  for (const bool moved : {false, true}) {
+    ViewControls controls;
+    controls.frame(grey);
+    if (moved) controls.orbit.orbit(0.1, 0);
+    const Viewpoint before = controls.orbit.viewpoint(kWidth, kHeight);
+    controls.frame(*whole);
+    const Viewpoint after = controls.orbit.viewpoint(kWidth, kHeight);
+    EXPECT_EQ(after == before, moved);
+    controls.reset();
+    EXPECT_LT(controls.orbit.viewpoint(kWidth, kHeight).eye().normalized().y(), -0.8) << "it opens in the best light";
+  }
+}
+
 TEST_F(Window, PanelsLieOverThePictureAndDoNotChangeIt) {
   const ViewerState state = state_of(SyntheticLightField({.around = 24, .across = 8}).snapshot());
   const ImageU8 clean = window_->draw_once(state);
