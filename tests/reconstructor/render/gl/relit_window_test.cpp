@@ -22,7 +22,7 @@ class RelitWindow : public testing::Test {
     state_.snapshot = snapshot_;
   }
 
-  const LambertianRelief relief_;
+  const LambertianRelief relief_{};
   const std::shared_ptr<const IrradianceFieldSnapshot> snapshot_ =
       std::dynamic_pointer_cast<const IrradianceFieldSnapshot>(relief_.model(dome_of_lights())->snapshot());
   ViewerState state_;
