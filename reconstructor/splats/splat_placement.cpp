@@ -22,7 +22,7 @@ constexpr std::size_t kSamplesPerSplat = 24;
 constexpr int kRounds = 8;                          ///< in which pieces grow even
 constexpr float kPlain = 0.5f;                      ///< of the mean detail: what is wanted for none
 constexpr float kNormalLength = 1.0f;               ///< of unit normals, in pieces' widths: pieces end at sharp edges
-constexpr float kWider = 2.2f;                      ///< than a piece is its Gaussian
+constexpr float kWider = 1.9f;                      ///< than a piece is its Gaussian
 constexpr float kNarrowest = 0.05f;                 ///< of a mean piece's width
 constexpr float kRoundest = 0.4f;                   ///< least ratio of the two widths
 constexpr float kThinnest = 0.002f, kFlat = 0.02f;  ///< ratio of thickness to width
