@@ -86,9 +86,9 @@ inline constexpr const char* kExport = R"(export($self, path, form=None)
 
 Writes the model for other programs: the report of `sheen-reconstructor export`, a dict.
 
-form: "gltf", "ply", "obj" or "usdz", the mesh with its mean look; "relight", an irradiance field as polynomials; "page", a
-folder, or "single", a file, that shows the model in a browser. By default the ending of `path` says it: .glb, .ply,
-.obj, .usdz, .ptm or .html, or none for a page.
+form: "gltf", "ply", "obj" or "usdz", the mesh with its mean look; "splats", a light field as Gaussians (PLY); "relight",
+an irradiance field as polynomials; "page", a folder, or "single", a file, that shows the model in a browser. By default
+the ending of `path` says it: .glb, .ply (the mesh), .obj, .usdz, .ptm or .html, or none for a page.
 
 A line on standard output says what was written.)";
 

@@ -31,28 +31,33 @@ Json relight(const OpenModel& model, const Path& out) {
   return {{"relight", export_relight(model.snapshot(), name_of(model), out)}};
 }
 
+Json splats(const OpenModel& model, const Path& out) {
+  return {{"splats", export_splats(model.snapshot(), name_of(model), out)}};
+}
+
 template <auto kWrite>
 Json page(const OpenModel& model, const Path& out) {
   kWrite(model.path(), out, page_text(model.path()));
   return Json::object();
 }
 
-/// What a model is written as, and the ending of such a file.
+/// What a model is written as, and the ending that says so; null: none does.
 struct Form {
   const char *name, *ending;
   Json (*write)(const OpenModel&, const Path&);
 };
-constexpr std::array<Form, 7> kForms{{{"gltf", ".glb", surface<&SurfaceFiles::gltf>},
+constexpr std::array<Form, 8> kForms{{{"gltf", ".glb", surface<&SurfaceFiles::gltf>},
                                       {"ply", ".ply", surface<&SurfaceFiles::ply>},
                                       {"obj", ".obj", surface<&SurfaceFiles::obj>},
                                       {"usdz", ".usdz", surface<&SurfaceFiles::usdz>},
+                                      {"splats", nullptr, splats},
                                       {"relight", ".ptm", relight},
                                       {"single", ".html", page<write_single_page>},
                                       {"page", "", page<write_page>}}};
 
 const Form& form_of(const Path& out, const std::string& name) {
   for (const Form& form : kForms)
-    if (name.empty() ? out.extension() == form.ending : name == form.name) return form;
+    if (name.empty() ? form.ending && out.extension() == form.ending : name == form.name) return form;
   std::string all;
   for (const Form& form : kForms) all += std::string(all.empty() ? "" : ", ") + form.name;
   throw ConfigError((name.empty() ? out.string() + ": its ending says no form" : "form: is not \"" + name + "\"") +

@@ -14,8 +14,8 @@ namespace sheen {
 // the caller and let go meanwhile (`interruptible`). They throw what the commands throw.
 
 std::string evaluated(const OpenModel& model, EvaluateRequest request);
-/// `form`: "gltf", "ply", "obj", "usdz", "relight", "page" or "single", as the options of `export`; empty: by the
-/// path's ending. What is written is told on standard output, too. Throws ConfigError for another form.
+/// `form`: "gltf", "ply", "obj", "usdz", "splats", "relight", "page" or "single", as the options of `export`; empty: by
+/// the path's ending. What is written is told on standard output, too. Throws ConfigError for another form.
 std::string exported(const OpenModel& model, const std::filesystem::path& out, const std::string& form);
 std::string built(const BuildRequest& request);
 

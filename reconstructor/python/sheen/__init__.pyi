@@ -102,7 +102,7 @@ class Model:
     def export(
         self,
         path: _Path,
-        form: Literal["gltf", "ply", "obj", "usdz", "relight", "page", "single"] | None = None,
+        form: Literal["gltf", "ply", "obj", "usdz", "splats", "relight", "page", "single"] | None = None,
     ) -> dict[str, Any]: ...
 
 def build(

@@ -352,6 +352,8 @@ class Worked(unittest.TestCase):
         self.assertEqual((self.folder / "box.glb").read_bytes(), (self.folder / "theirs.glb").read_bytes())
         model.export(self.folder / "surface", form="ply")
         self.assertEqual((self.folder / "surface").read_bytes()[:3], b"ply")
+        with self.assertRaisesRegex(sheen.ConfigError, "relief.rif"):
+            sheen.open(RELIEF).export(self.folder / "splats.ply", form="splats")
         with self.assertRaisesRegex(sheen.ConfigError, "its ending says no form"):
             model.export(self.folder / "box.fbx")
         with self.assertRaisesRegex(sheen.ConfigError, "form"):
