@@ -145,8 +145,8 @@ TEST_F(Relighting, AFolderIsCompressedLater) {
 TEST_F(Relighting, IsDrawnInTheLightOfTheMouse) {
   expect_outcome(build({"--out", model_, "--bytes", "20kB"}), 0, {});
   const fs::path picture = temp_.path() / "window.png";
-  const Outcome outcome = run_to_end(Words{SHEEN_WITH_XVFB} +
-                                     reconstructor({"view", model_, "--screenshot", picture, "--size", "240x176"}));
+  const Outcome outcome = run_to_end(Words{SHEEN_WITH_XVFB} + reconstructor({"view", model_, "--screenshot", picture,
+                                                                             "--clean", "--size", "240x176"}));
   if (outcome.output.find("without a display") != std::string::npos) GTEST_SKIP() << "no Xvfb here";
   expect_outcome(outcome, 0, {});
   const ImageU8 shown = to_srgb8(to_linear_rgb(read_image(picture)));
