@@ -132,8 +132,9 @@ TEST_F(SecondModel, IsDrawnByItsOwnDrawer) {
   serve_all();
   const auto shown = [&](const Words& how) {
     const fs::path picture = temp_.path() / "window.png";
-    const Outcome outcome = run_to_end(Words{SHEEN_WITH_XVFB} +
-                                       program({"view", model_, "--screenshot", picture, "--size", "200x160"}) + how);
+    const Outcome outcome =
+        run_to_end(Words{SHEEN_WITH_XVFB} +
+                   program({"view", model_, "--screenshot", picture, "--clean", "--size", "200x160"}) + how);
     if (outcome.output.find("without a display") != std::string::npos) return ImageU8();
     expect_outcome(outcome, 0, {});
     return to_srgb8(to_linear_rgb(read_image(picture)));
