@@ -281,6 +281,7 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
                  .link = link_of(stats, end, now.capture_at),
                  .next_view = lags(status) ? std::nullopt : next_view_,
                  .work = work_of(end),
+                 .paused = status.paused,
                  .message = std::move(message),
                  .trouble = trouble_of(stats, end)});
 }

@@ -33,6 +33,7 @@ void tell_first(const ViewerState& state, const SnapshotFigures* figures, Told& 
     told.sentence = std::move(sentence);
   };
   if (state.work) return first(Tone::kBusy, state.work->what);
+  if (state.paused) return first(Tone::kWarn, "Paused: images are stored, but not added to the model.");
   switch (state.link) {
     case TrackerLink::kWaiting:
       return first(Tone::kIdle, "Waiting for a tracker.");

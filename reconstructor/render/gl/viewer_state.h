@@ -62,6 +62,7 @@ struct ViewerState {
   TrackerLink link = TrackerLink::kNone;
   std::optional<NextView> next_view;
   std::optional<WorkInHand> work;
+  bool paused = false;  ///< from another desk: images are stored and not added
   std::string message;  ///< one line for the person at the screen
   std::string trouble;  ///< shown large: why the tracker refuses what the camera sees; else empty
 };

@@ -33,6 +33,9 @@ TEST(Told, TheSentenceSaysHowFarACaptureIs) {
   state.link = TrackerLink::kConnected;
   state.trouble = "too fast: motion blur";
   EXPECT_EQ(told_of(state).tone, Tone::kBad);
+  state.paused = true;
+  EXPECT_EQ(told_of(state).sentence, "Paused: images are stored, but not added to the model.");
+  EXPECT_EQ(told_of(state).tone, Tone::kWarn);
   state.work = WorkInHand{"SAVING the model", 0.2, "Q: end now, without the model"};
   EXPECT_EQ(told_of(state).sentence, "SAVING the model");
   EXPECT_EQ(told_of(state).next, "Q: end now, without the model");
