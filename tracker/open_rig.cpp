@@ -7,6 +7,7 @@
 #include "common/base/errors.h"
 #include "tracker/lights/frame_lights.h"
 #include "tracker/sources/source_uri.h"
+#include "tracker/sources/stream_address.h"
 
 namespace sheen {
 namespace {
@@ -27,14 +28,17 @@ std::optional<Rig> rig_of(const CameraConfig& config, const std::optional<StageL
 TrackedCamera open_camera(const CameraConfig& config, const std::optional<StageLayout>& stage, std::uint64_t frames) {
   try {
     TrackedCamera camera{.name = config.name, .source = {}, .rig = rig_of(config, stage), .options = {}};
-    camera.source = open_source(parse_source_uri(*config.source_uri), config.source);
+    const SourceUri uri = parse_source_uri(*config.source_uri);
+    camera.source = open_source(uri, config.source);
     camera.options = {.gate = config.gate, .max_frames = frames};
+    if (is_stream_address(uri.target)) camera.options.queue = 1;  // its newest frame waits where it is read
     camera.options.camera_name = config.name;
     const bool replays = !camera.source->session().empty();
     if (config.light && replays)
       throw ConfigError("[light] is for a camera or a video: this source's images come with their lights");
     if (!config.name.empty() && replays)
-      throw ConfigError(*config.source_uri + " is no camera but a data set, which runs alone: --source");
+      throw ConfigError(without_password(*config.source_uri) +
+                        " is no camera but a data set, which runs alone: --source");
     return camera;
   } catch (const ConfigError& error) {
     if (config.name.empty()) throw;

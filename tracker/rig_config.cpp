@@ -13,6 +13,7 @@
 #include "common/base/errors.h"
 #include "common/camera/camera_file.h"
 #include "common/link/endpoint.h"
+#include "tracker/sources/stream_address.h"
 
 namespace sheen {
 namespace {
@@ -293,7 +294,7 @@ std::vector<CameraConfig> read_entries(const std::filesystem::path& file, const 
         throw ConfigError(place(file, entry.source()) + "two cameras have the name " + config.name);
       if (other.source_uri == config.source_uri)
         throw ConfigError(place(file, entry.source()) + "cameras " + other.name + " and " + config.name +
-                          " have the same source.uri, " + *config.source_uri);
+                          " have the same source.uri, " + without_password(*config.source_uri));
     }
     cameras.push_back(std::move(config));
   }

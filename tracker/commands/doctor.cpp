@@ -8,12 +8,14 @@
 #include <set>
 
 #include "common/base/command_line.h"
+#include "common/base/end_on_stop.h"
 #include "common/base/setup_check.h"
 #include "common/link/transport.h"
 #include "tracker/commands/commands.h"
 #include "tracker/rig_config.h"
 #include "tracker/sources/aravis_camera.h"
 #include "tracker/sources/aravis_devices.h"
+#include "tracker/sources/stream_address.h"
 #include "tracker/sources/video_device.h"
 #include "tracker/sources/video_source.h"
 
@@ -118,7 +120,8 @@ void check_source(const CameraConfig& config, std::vector<SetupCheck>& checks) {
   if (*config.source_uri == kPlaceholder)
     checks.push_back({name, Finding::kFail,
                       "\"aravis:CAMERA\" is the example's placeholder; `sheen-tracker cameras` lists the IDs"});
-  checks.push_back(check_loading(name, [&] { return parse_source_uri(*config.source_uri), *config.source_uri; }));
+  checks.push_back(
+      check_loading(name, [&] { return parse_source_uri(*config.source_uri), without_password(*config.source_uri); }));
 }
 
 /// Opens the camera as `run` does: what it does not take is named.
@@ -128,6 +131,7 @@ void check_locks(const CameraConfig& config, std::vector<SetupCheck>& checks) {
   if (!aravis && !config.source_uri->starts_with("video:")) return;
   checks.push_back(check_loading(check_name("camera settings", config), [&]() -> std::string {
     const std::string target = parse_source_uri(*config.source_uri).target;
+    if (!aravis && is_stream_address(target)) return open_video(target, config.source)->remarks();
     if (!aravis && !is_video_device(target))
       return open_video(target, config.source), "the file has the size and the rate that are asked for";
     const std::vector<LockedFeature> locks =
@@ -168,6 +172,7 @@ struct DoctorArguments {
 };
 
 void examine(const DoctorArguments& arguments) {
+  const EndOnStop give_up("sheen-tracker: stopped");
   std::vector<SetupCheck> checks{check_cameras(), check_receive_buffer()};
   const auto interfaces = check_interfaces();
   checks.insert(checks.end(), interfaces.begin(), interfaces.end());

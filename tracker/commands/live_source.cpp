@@ -40,7 +40,7 @@ std::optional<Frame> LiveSource::next() {
 }
 
 void SourceArguments::add_to(Command& command) {
-  command.option("--source", source, "aravis:ID, video:PATH or dataset:DIR");
+  command.option("--source", source, "aravis:ID, video:PATH, video:ADDRESS of a stream, or dataset:DIR");
   command.option("--config", config, "rig.toml; only its [source] counts");
   command.option("--camera", camera, "which camera of a --config with several, by its name");
   command

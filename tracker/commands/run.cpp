@@ -27,6 +27,7 @@
 #include "tracker/open_rig.h"
 #include "tracker/rig_config.h"
 #include "tracker/rig_tracking.h"
+#include "tracker/sources/stream_address.h"
 
 namespace sheen {
 namespace {
@@ -125,7 +126,8 @@ std::map<std::string, std::uint64_t> link_counters(const SenderStats& s) {
 std::string sources_of(const RigConfig& config) {
   std::string text;
   for (const CameraConfig& camera : config.cameras)
-    text += (text.empty() ? "" : ", ") + (camera.name.empty() ? "" : camera.name + " ") + *camera.source_uri;
+    text += (text.empty() ? "" : ", ") + (camera.name.empty() ? "" : camera.name + " ") +
+            without_password(*camera.source_uri);
   return text;
 }
 
@@ -207,7 +209,9 @@ void add_run_command(Command& program) {
   Command command = program.subcommand("run", "Tracks cameras, a video or a data set and streams posed images.");
   const auto a = std::make_shared<RunArguments>();
   command.option("--config", a->config, "rig description (TOML): camera, stage, light, source, link, gate");
-  command.option("--source", a->source, "aravis:ID, video:PATH or dataset:DIR; overrides the one camera of --config");
+  command.option(
+      "--source", a->source,
+      "aravis:ID, video:PATH, video:ADDRESS of a stream, or dataset:DIR; overrides the one camera of --config");
   command.option("--endpoint", a->endpoint, "address to listen on, default tcp://127.0.0.1:7410")
       .check({endpoint_error});
   command.option("--keys", a->keys, "own .key file; without keys only loopback addresses are allowed");

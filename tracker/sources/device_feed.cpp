@@ -8,7 +8,9 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/format.h"
 #include "common/base/guarded_thread.h"
+#include "common/base/log.h"
 
 namespace sheen {
 namespace {
@@ -16,32 +18,37 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr std::size_t kWaiting = 8;  ///< frames that nobody has taken yet
 constexpr milliseconds kStale{150};  ///< without a frame; more where the frame period is long
 constexpr double kStalePeriods = 1.8;
-constexpr milliseconds kRetry{100};       ///< between attempts to open the device
-constexpr milliseconds kCloseBound{500};  ///< for the worker to end
+constexpr milliseconds kFirstPause{100};    ///< between attempts to open the device
+constexpr std::chrono::seconds kSteady{2};  ///< a device that delivered for so long is opened again at once
+constexpr milliseconds kCloseBound{500};    ///< for the worker to end
 
 }  // namespace
 
 /// What the worker and the feed have in common. The worker may outlive the feed: it hangs in a call of a driver.
 struct DeviceFeed::Shared {
   const OpenDevice open;
+  const FeedOptions options;
   mutable std::mutex mutex;  // guards everything below
   mutable std::condition_variable changed;
   std::deque<Frame> waiting;
   bool started = false, stopping = false, closed = false;
   Clock::time_point last_sign;  ///< start or latest frame
   double frame_rate_hz = 0;
-  std::uint64_t read = 0;  ///< frames, also those that were dropped
+  std::uint64_t read = 0;       ///< frames, also those that were dropped
+  std::uint64_t overtaken = 0;  ///< of these, in the open device
   SourceStats stats;
   std::string trouble;
 
-  explicit Shared(OpenDevice how) : open(std::move(how)) {}
+  Shared(OpenDevice how, FeedOptions o) : open(std::move(how)), options(std::move(o)) {}
   bool stopped_while(milliseconds pause) const;
-  void put(Frame frame);
-  std::unique_ptr<DeviceConnection> reopened();
+  void put(Frame frame, std::uint64_t overtaken_so_far);
+  void read_all(DeviceConnection& device);
+  std::unique_ptr<DeviceConnection> reopened(milliseconds& pause);
   void run(std::unique_ptr<DeviceConnection> device);
+  void tell_gone() const;
+  void tell_back(Clock::duration after) const;
   void end(const std::string& why);
 };
 
@@ -50,11 +57,15 @@ bool DeviceFeed::Shared::stopped_while(milliseconds pause) const {
   return changed.wait_for(lock, pause, [this] { return stopping; });
 }
 
-void DeviceFeed::Shared::put(Frame frame) {
+void DeviceFeed::Shared::put(Frame frame, std::uint64_t overtaken_so_far) {
   const std::lock_guard lock(mutex);
+  const std::uint64_t left_out = overtaken_so_far - overtaken;
+  overtaken = overtaken_so_far;
+  read += left_out;
+  stats.missed += left_out;
   frame.camera_frame_id = read++;
   last_sign = Clock::now();
-  if (waiting.size() == kWaiting) {
+  if (waiting.size() == options.waiting) {
     waiting.pop_front();
     ++stats.missed;
     ++stats.underruns;
@@ -63,14 +74,33 @@ void DeviceFeed::Shared::put(Frame frame) {
   changed.notify_all();
 }
 
-/// Tries until the device is back; null when it is told to stop.
-std::unique_ptr<DeviceConnection> DeviceFeed::Shared::reopened() {
-  while (!stopped_while(kRetry)) {
+/// Until the device is gone, and says why; or until it is told to stop.
+void DeviceFeed::Shared::read_all(DeviceConnection& device) {
+  bool there = true;
+  const auto read_one = [&] {
+    std::optional<Frame> frame = device.read();
+    there = frame.has_value();
+    if (there) put(*std::move(frame), device.overtaken());
+  };
+  const auto gone = [&](const std::exception_ptr& error) {
+    there = false;
+    const std::lock_guard lock(mutex);
+    trouble = words_of(error);
+  };
+  while (there && !stopped_while(milliseconds(0))) guarded(read_one, gone);
+}
+
+/// Tries until the device is back; null when it is told to stop. `pause`: before the first attempt, and after it
+/// before the next one.
+std::unique_ptr<DeviceConnection> DeviceFeed::Shared::reopened(milliseconds& pause) {
+  while (!stopped_while(pause)) {
+    pause = std::min(2 * pause, std::max(kFirstPause, options.longest_pause));
     try {
       auto device = open();
       const std::lock_guard lock(mutex);
       ++stats.reopened;
       trouble.clear();
+      overtaken = 0;
       frame_rate_hz = device->frame_rate_hz();
       return device;
     } catch (...) {
@@ -86,20 +116,30 @@ void DeviceFeed::Shared::run(std::unique_ptr<DeviceConnection> device) {
     std::unique_lock lock(mutex);
     changed.wait(lock, [this] { return started || stopping; });
   }
-  while (device && !stopped_while(milliseconds(0))) {
-    bool there = false;
-    const auto read_one = [&] {
-      std::optional<Frame> frame = device->read();
-      there = frame.has_value();
-      if (there) put(*std::move(frame));
-    };
-    guarded(read_one, [](const std::exception_ptr&) {});  // it is gone, or beyond us: `reopened` tells
-    if (there) continue;
+  milliseconds pause = kFirstPause;
+  while (device) {
+    const Clock::time_point opened = Clock::now();
+    read_all(*device);
     device.reset();
-    device = reopened();
+    if (stopped_while(milliseconds(0))) break;
+    const Clock::time_point gone = Clock::now();
+    if (gone - opened > kSteady) pause = kFirstPause;
+    tell_gone();
+    device = reopened(pause);
+    if (device) tell_back(Clock::now() - gone);
   }
-  device.reset();
   end({});
+}
+
+void DeviceFeed::Shared::tell_gone() const {
+  const std::lock_guard lock(mutex);
+  log_warning("camera", (trouble.empty() ? options.name + " has stopped delivering" : trouble) +
+                            "; it is opened again as soon as it answers");
+}
+
+void DeviceFeed::Shared::tell_back(Clock::duration after) const {
+  log_info("camera",
+           options.name + format(" delivers again, after %.1f s", std::chrono::duration<double>(after).count()));
 }
 
 void DeviceFeed::Shared::end(const std::string& why) {
@@ -109,7 +149,8 @@ void DeviceFeed::Shared::end(const std::string& why) {
   changed.notify_all();
 }
 
-DeviceFeed::DeviceFeed(OpenDevice open) : shared_(std::make_shared<Shared>(std::move(open))) {
+DeviceFeed::DeviceFeed(OpenDevice open, FeedOptions options)
+    : shared_(std::make_shared<Shared>(std::move(open), std::move(options))) {
   std::unique_ptr<DeviceConnection> device = shared_->open();
   shared_->frame_rate_hz = device->frame_rate_hz();
   detached_thread([shared = shared_, device = std::move(device)]() mutable { shared->run(std::move(device)); },

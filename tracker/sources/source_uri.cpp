@@ -4,6 +4,7 @@
 #include "common/base/errors.h"
 #include "tracker/sources/aravis_source.h"
 #include "tracker/sources/dataset_source.h"
+#include "tracker/sources/stream_address.h"
 #include "tracker/sources/video_source.h"
 
 namespace sheen {
@@ -13,13 +14,16 @@ SourceUri parse_source_uri(const std::string& text) {
   const std::string scheme = text.substr(0, colon);
   const std::string target = colon == std::string::npos ? "" : text.substr(colon + 1);
   const auto with = [&](SourceKind kind) {
-    if (target.empty()) throw ConfigError("source \"" + text + "\" names nothing behind the colon");
+    if (target.empty()) throw ConfigError("source \"" + without_password(text) + "\" names nothing behind the colon");
     return SourceUri{kind, target};
   };
   if (colon != std::string::npos && scheme == "aravis") return with(SourceKind::kAravis);
   if (colon != std::string::npos && scheme == "video") return with(SourceKind::kVideo);
   if (colon != std::string::npos && scheme == "dataset") return with(SourceKind::kDataset);
-  throw ConfigError("source \"" + text + "\" is not one of aravis:ID, video:PATH, dataset:DIR");
+  const std::string shown = without_password(text);
+  if (address_error(text).empty())
+    throw ConfigError("source \"" + shown + "\" is the address of a stream: write video:" + shown);
+  throw ConfigError("source \"" + shown + "\" is not one of aravis:ID, video:PATH, video:ADDRESS, dataset:DIR");
 }
 
 std::unique_ptr<FrameSource> open_source(const SourceUri& uri, const SourceSettings& settings) {

@@ -11,7 +11,8 @@ namespace sheen {
 
 enum class SourceKind { kAravis, kVideo, kDataset };
 
-/// `aravis:ID`, `video:PATH` (a file, or a V4L2 device as /dev/video0) or `dataset:DIR`.
+/// `aravis:ID`, `video:PATH` (a file, or a V4L2 device as /dev/video0), `video:ADDRESS` (a live stream of the network,
+/// `video:http://HOST:8080/video`) or `dataset:DIR`.
 struct SourceUri {
   SourceKind kind = SourceKind::kAravis;
   std::string target;

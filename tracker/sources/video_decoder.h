@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "common/image/raw_image.h"
+#include "tracker/sources/picture_decoder.h"
 
 namespace sheen {
 
-/// Reads the pictures of a video file as a player shows them: turned as the file says, in the colours that it names
-/// (`VideoColour`).
+/// Reads the pictures of a video file as a player shows them (`PictureDecoder`).
 class VideoDecoder {
  public:
   /// Throws FileError.
@@ -26,13 +24,9 @@ class VideoDecoder {
   /// What a person should know of its colours or how it is turned, a sentence; empty: nothing.
   std::string warning() const;
 
-  struct Picture {
-    RawImage image;  ///< sRGB, 8 bits
-    std::int64_t time_ns = 0;
-  };
   /// The next; nothing at the end. What cannot be decoded is left out. Throws FileError for pictures of a format or
   /// size that cannot be used.
-  std::optional<Picture> next();
+  std::optional<VideoPicture> next();
 
  private:
   struct Impl;

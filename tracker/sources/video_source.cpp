@@ -8,6 +8,8 @@
 #include "common/base/clock.h"
 #include "common/base/errors.h"
 #include "common/base/format.h"
+#include "tracker/sources/stream_address.h"
+#include "tracker/sources/stream_source.h"
 #include "tracker/sources/video_decoder.h"
 #include "tracker/sources/video_device.h"
 
@@ -19,7 +21,9 @@ constexpr double kLeastShare = 0.9;  ///< of the announced frames: rates that va
 class VideoDeviceSource : public FrameSource {
  public:
   VideoDeviceSource(const std::string& path, const SourceSettings& settings)
-      : path_(path), feed_([path, settings] { return std::make_unique<VideoDevice>(path, settings); }) {}
+      : path_(path),
+        feed_([path, settings] { return std::make_unique<VideoDevice>(path, settings); },
+              {.name = "video device " + path}) {}
 
   /// What the device is set to counts as an epoch: a device that comes back is set again.
   std::optional<Frame> next(std::chrono::milliseconds timeout) override {
@@ -123,7 +127,7 @@ void VideoFileSource::end() {
 
 std::optional<Frame> VideoFileSource::next(std::chrono::milliseconds) {
   if (ended()) return std::nullopt;
-  std::optional<VideoDecoder::Picture> picture = decoder_->next();
+  std::optional<VideoPicture> picture = decoder_->next();
   if (!picture) {
     end();
     return std::nullopt;
@@ -131,7 +135,7 @@ std::optional<Frame> VideoFileSource::next(std::chrono::milliseconds) {
   Frame frame;
   frame.camera_frame_id = frames_++;
   frame.times.grabbed_ns = steady_now_ns();
-  frame.times.device_ns = picture->time_ns;
+  frame.times.device_ns = picture->time_ns.value_or(0);
   frame.exposure = exposure_;
   frame.image = std::move(picture->image);
   state_ = SourceState::kLive;
@@ -141,6 +145,7 @@ std::optional<Frame> VideoFileSource::next(std::chrono::milliseconds) {
 }  // namespace
 
 std::unique_ptr<FrameSource> open_video(const std::string& path, const SourceSettings& settings) {
+  if (is_stream_address(path)) return open_stream(path, settings);
   if (is_video_device(path)) return std::make_unique<VideoDeviceSource>(path, settings);
   return std::make_unique<VideoFileSource>(path, settings);
 }

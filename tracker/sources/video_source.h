@@ -9,7 +9,7 @@
 
 namespace sheen {
 
-/// A V4L2 device (/dev/videoN) or a video file. Frames are sRGB.
+/// A V4L2 device (/dev/videoN), the address of a live stream (`open_stream`), or a video file. Frames are sRGB.
 ///
 /// A device is set up and read back as VideoDevice does. It may be unplugged: missing frames are noticed within 200 ms
 /// (or two frame periods, if those are longer), it is opened again by a worker, and goes on delivering.
