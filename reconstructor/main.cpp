@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   program.version(SHEEN_VERSION "\n" SHEEN_BUILT);
   sheen::add_serve_command(program);
   sheen::add_build_command(program);
+  sheen::add_shape_command(program);
   sheen::add_refine_command(program);
   sheen::add_render_command(program);
   sheen::add_compress_command(program);

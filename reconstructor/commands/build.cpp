@@ -12,13 +12,16 @@
 #include "common/base/progress.h"
 #include "common/base/report_file.h"
 #include "common/base/stop_signal.h"
+#include "common/datasets/stored_images.h"
 #include "reconstructor/capture/capture_report.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/saved_model.h"
+#include "reconstructor/capture/training_images.h"
 #include "reconstructor/commands/build_verdict.h"
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/light_report.h"
 #include "reconstructor/commands/mesh_choice.h"
+#include "reconstructor/commands/shape_finding.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
 #include "reconstructor/scene/model_choice.h"
@@ -60,7 +63,7 @@ std::unique_ptr<Reconstruction> build_once(const BuildRequest& request, const Ch
     throw FileError(request.dataset, "all of its images that show the mesh are held out (" +
                                          std::to_string(counts.held_out) +
                                          "): nothing is left to build from; name fewer in test_filenames");
-  if (counts.accepted == 0 && request.mesh.empty())
+  if (counts.accepted == 0 && settings.makes_mesh())
     throw FileError(request.dataset, "none of its " + std::to_string(captures.size) +
                                          " images can be used: a model of moving light needs a light in each");
   if (counts.accepted == 0)
@@ -94,6 +97,16 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildRequest& request, con
   if (best_db < *limits.psnr_db)
     std::printf("no setting within the limits reaches %.2f dB; the best one is kept\n", *limits.psnr_db);
   return best;
+}
+
+/// What the model is built on where no mesh was given and the model makes none itself: the shape in the images.
+Mesh found_shape(const CaptureSet& captures, int hold_out_every, nlohmann::json& report) {
+  std::fprintf(stderr, "no --mesh: the shape is found in the images\n");
+  try {
+    return find_and_tell(training_images(captures, hold_out_every), {}, report["shape"]).mesh;
+  } catch (const Error& error) {
+    throw Error(std::string("no shape is found in the images: ") + error.what() + ". Or give --mesh");
+  }
 }
 
 /// A bar, and the end of the work where it is to stop.
@@ -142,16 +155,18 @@ void build(BuildRequest request, const std::function<void(const nlohmann::json&)
   CaptureSet captures = opened ? *std::move(opened) : open_capture_set(request.dataset);
   if (!request.refine.empty() && surface_needs_camera(settings, request.mesh))
     throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
-  Mesh mesh = surface_for(settings, request.mesh, captures.cameras);
+  nlohmann::json fit = nlohmann::json::object();
+  const bool from_images = request.mesh.empty() && !settings.makes_mesh() && !is_light_list(request.dataset);
+  Mesh mesh = from_images ? found_shape(captures, settings.hold_out_every, fit)
+                          : surface_for(settings, request.mesh, captures.cameras);
   captures = in_frame_at(mesh.origin, std::move(captures));
   // Where the light moves images differ for that reason alone.
   if (refining == Refining::kWhereItGains && settings.makes_mesh()) refining = Refining::kNever;
-  nlohmann::json fit = nlohmann::json::object();
   const ChosenMesh chosen =
-      request.mesh.empty()
+      surface_needs_camera(settings, request.mesh)
           ? ChosenMesh{.mesh = std::move(mesh), .given = {}, .captures = std::move(captures), .doubt = {}}
-          : choose_mesh(std::move(mesh), request.mesh, request.dataset, std::move(captures), settings.hold_out_every,
-                        refining, fit);
+          : choose_mesh(std::move(mesh), from_images ? "the shape" : request.mesh, request.dataset, std::move(captures),
+                        settings.hold_out_every, refining, fit);
   const std::unique_ptr<Reconstruction> built =
       limits.psnr_db ? build_to_target(request, chosen, settings, limits)
                      : build_once(request, chosen, settings, limits, scene.measured, 0, true);
@@ -190,8 +205,9 @@ void add_build_command(Command& program) {
       .option("dataset", arguments->dataset,
               "folder with transforms.json, a COLMAP model or a Sheen session, or a list of lights (.lp)")
       .required();
-  command.option("--mesh", arguments->mesh,
-                 "PLY, OBJ or OFF in the dataset's frame; a model that makes its own surface needs none");
+  command.option(
+      "--mesh", arguments->mesh,
+      "PLY, OBJ or OFF in the dataset's frame; without one the shape is found in the images, as `shape` does");
   const Option no_refine = command.flag("--no-refine", arguments->no_refine, "build on the mesh as it is given");
   command
       .option("--refine[=mesh]", arguments->refine,

@@ -9,6 +9,7 @@ class Command;
 // which throws sheen::Error; CommandLine::run maps ConfigError to exit status 2 and everything else to 1.
 void add_serve_command(Command& program);
 void add_build_command(Command& program);
+void add_shape_command(Command& program);
 void add_refine_command(Command& program);
 void add_render_command(Command& program);
 void add_compress_command(Command& program);

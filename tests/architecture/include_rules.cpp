@@ -51,7 +51,7 @@ const std::vector<Room> kReconstructor = {
     {"surface", "numerics"},
     {"radiance", "surface|numerics"},
     {"refinement", ""},
-    {"shape", ""},
+    {"shape", "refinement|radiance|surface|numerics"},
     {"light_field_file", "radiance|surface|numerics|coding"},
     {"irradiance_field_file", "radiance|numerics|coding"},
     {"lumigraph_file", "radiance|numerics|coding"},

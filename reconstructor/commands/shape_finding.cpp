@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/commands/shape_finding.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "common/base/errors.h"
+#include "common/base/progress.h"
+#include "common/base/stop_signal.h"
+#include "common/geometry/mesh_io.h"
+#include "reconstructor/scene/mesh_scale.h"
+
+namespace sheen {
+namespace {
+
+constexpr double kMostlySeen = 0.5;
+
+double share_of(std::span<const ShapeEvidence> evidence, ShapeEvidence kind) {
+  const auto count = std::count(evidence.begin(), evidence.end(), kind);
+  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, evidence.size()));
+}
+
+}  // namespace
+
+FoundShape find_and_tell(const RefinementImages& images, const ShapeOptions& options, nlohmann::json& report) {
+  std::optional<Progress> bar;
+  FoundShape found = find_shape(images, options, [&](std::size_t done, std::size_t steps) {
+    if (!bar) bar.emplace("finding the shape", steps);
+    if (stop_requested()) throw Error("stopped while the shape was looked for; nothing was written");
+    bar->update(done);
+  });
+  bar.reset();
+  const double seen = share_of(found.evidence, ShapeEvidence::kSeen);
+  const double outline = share_of(found.evidence, ShapeEvidence::kOutline);
+  std::fprintf(stderr,
+               "shape: %zu triangles, %s; of its vertices %.0f %% are seen by images, %.0f %% known by outlines, "
+               "%.0f %% guessed\n",
+               found.mesh.triangles.size(), size_text(found.mesh).c_str(), 100 * seen, 100 * outline,
+               100 * (1 - seen - outline));
+  if (seen < kMostlySeen)
+    std::fprintf(
+        stderr,
+        "most of the shape is not seen by images that agree: take more of them, in steps of 10 to 15 degrees round "
+        "the object; smooth or mirror-like parts need texture or an outline (masks, a plain background)\n");
+  report = {{"triangles", found.mesh.triangles.size()},
+            {"vertices", found.mesh.vertices.size()},
+            {"images", images.cameras.size()},
+            {"views", found.views},
+            {"outlines", found.outlines},
+            {"dissenters", found.dissenters},
+            {"depth_share", found.depth_share},
+            {"cell_mm", 1e3 * found.cell},
+            {"evidence", {{"seen", seen}, {"outline", outline}, {"guessed", 1 - seen - outline}}}};
+  return found;
+}
+
+void save_shape(const Mesh& mesh, std::span<const ShapeEvidence> evidence, const std::filesystem::path& path) {
+  std::vector<float> values;
+  for (const ShapeEvidence kind : evidence) values.push_back(static_cast<float>(kind));
+  const VertexValues columns[] = {{.name = "evidence", .values = values, .bytes = true}};
+  save_ply(mesh, path, columns);
+}
+
+}  // namespace sheen

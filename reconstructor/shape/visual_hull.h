@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <span>
+#include <vector>
+
+#include "common/parallel/for_each.h"
+#include "reconstructor/shape/block_field.h"
+#include "reconstructor/shape/shape_view.h"
+
+namespace sheen {
+
+/// What the outlines of all views leave of a box. An object that no outline bounds is bounded by what half of the views
+/// see.
+class VisualHull {
+ public:
+  /// `dissenters`: as many views may have a point in the background.
+  VisualHull(std::span<const ShapeView> views, const Eigen::AlignedBox3d& box, int dissenters);
+
+  /// How far a point lies outside, metres; negative inside. Of a view i that is D_i z / f, with D_i the pixels from the
+  /// outline at distance z and focal length f; of all views it is the (dissenters + 1)-th largest.
+  float distance(const Eigen::Vector3d& point) const;
+
+  bool has_outlines() const { return outlines_ > 0; }
+  int outlines() const { return outlines_; }  ///< views that have one
+  const Eigen::AlignedBox3d& box() const { return box_; }
+
+ private:
+  struct View {
+    Eigen::Matrix<float, 3, 4> pixel_from_object;  ///< of the centred point: (z u, z v, z)
+    float metres_per_pixel = 0;                    ///< at distance 1
+    ImageF outside;  ///< pixels from the outline, negative on the object; empty where the view has none
+    int width = 0, height = 0;
+  };
+  Eigen::AlignedBox3d box_;
+  std::vector<View> views_;
+  int dissenters_;
+  int outlines_ = 0;
+};
+
+/// Its distances on a lattice; far from its surface blocks are not stored.
+BlockField hull_field(const VisualHull& hull, const Lattice& lattice, const ForEach& for_each);
+
+/// A lattice of cubic cells that covers a box with a margin of two.
+Lattice lattice_over(const Eigen::AlignedBox3d& box, double cell);
+
+}  // namespace sheen
