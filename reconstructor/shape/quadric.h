@@ -10,6 +10,7 @@ struct Quadric {
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   double c = 0;
+  double weight = 0;  ///< of all planes
 
   /// From the plane through `point` with a unit normal.
   void add_plane(const Eigen::Vector3d& normal, const Eigen::Vector3d& point, double weight) {
@@ -17,6 +18,7 @@ struct Quadric {
     A += weight * normal * normal.transpose();
     b += weight * offset * normal;
     c += weight * offset * offset;
+    this->weight += weight;
   }
   void add_point(const Eigen::Vector3d& point, double weight) {
     A.diagonal().array() += weight;
@@ -27,6 +29,7 @@ struct Quadric {
     A += other.A;
     b += other.b;
     c += other.c;
+    weight += other.weight;
     return *this;
   }
   double at(const Eigen::Vector3d& x) const { return x.dot(A * x - 2 * b) + c; }

@@ -17,6 +17,9 @@ using Eigen::Vector3d;
 /// What a squared distance from where the vertices were counts, beside one from their planes. It spreads the triangles
 /// where the surface is flat.
 constexpr double kRegularity = 1e-5;
+/// Of the bounding radius: the root mean square distance from the planes of the triangles that a vertex stands for.
+/// What would go farther stays: a part that cannot get simpler, such as a sponge, must not cost the others their shape.
+constexpr double kFarthest = 0.01;
 /// A triangle turns by at most 80 degrees in a collapse.
 constexpr double kLeastCosine = 0.17;
 /// Slimmer triangles come up only where there were such. 1: all sides are equal; 0: no area.
@@ -124,6 +127,7 @@ class Simplification {
     if (!edges_.in_fan(edges_.from(h)) || !edges_.in_fan(edges_.to(h))) return;
     const Quadric sum = joint_quadric(h);
     const double cost = sum.at(sum.least());
+    if (cost > kFarthest * kFarthest * sum.weight) return;
     queue_.push(cost > 0 ? static_cast<float>(cost) : 0, {h, version(h)});
   }
 
