@@ -14,6 +14,7 @@
 #include "common/base/errors.h"
 #include "common/base/format.h"
 #include "common/base/guarded_thread.h"
+#include "common/base/log.h"
 #include "common/base/sparing_log.h"
 #include "common/capture/frame_advice.h"
 
@@ -129,6 +130,7 @@ struct TrackingLoop::Impl {
   std::optional<std::int64_t> stale_since_ns;
   SourceState published_state = SourceState::kStarting;
   std::string last_verdict;
+  bool lens_told = false;     ///< that the lens is not as it was calibrated
   std::deque<Fate> latest;    ///< the newest last
   double uncertainty_px = 0;  ///< of the last pose that was too uncertain
   std::optional<PoseEstimate> still_pose;
@@ -163,6 +165,7 @@ struct TrackingLoop::Impl {
   void judge(Frame& frame, Capture& capture);
   void send(Measured measured, const Hooks& hooks);
   void note(const std::string& verdict, Fate fate);
+  void watch_lens(const Capture& capture);
   std::string trouble() const;
   bool keep(const Capture& capture, const Hooks& hooks);
   void publish(const Hooks& hooks);
@@ -309,11 +312,22 @@ void TrackingLoop::Impl::send(Measured measured, const Hooks& hooks) {
     unharmed([&] { sink.live(std::move(capture)); });
     return;
   }
+  watch_lens(capture);
   ++report.unsent;  // until the link has it
   if (!keep(capture, hooks)) return;
   --report.unsent;
   ++report.kept;
   if (rig) gate.remember(capture.pose, capture.light);
+}
+
+void TrackingLoop::Impl::watch_lens(const Capture& capture) {
+  if (capture.pose.status != PoseStatus::kTracked || rig->still) return;
+  if (const auto deviation = focal_deviation(rig->camera, rig->stage, capture.tags, capture.pose.camera_from_object))
+    report.focal.add(*deviation);
+  const std::string finding = lens_told ? "" : report.focal.finding();
+  if (finding.empty()) return;
+  lens_told = true;
+  log_warning("tracker", (options.camera_name.empty() ? "" : options.camera_name + ": ") + finding);
 }
 
 bool TrackingLoop::Impl::keep(const Capture& capture, const Hooks& hooks) {

@@ -59,25 +59,35 @@ nlohmann::json frames_json(const TrackingReport& report, std::uint64_t unacknowl
           {"refused", refusals(report)}};
 }
 
+nlohmann::json focal_json(const FocalWatch& focal) {
+  return {{"images", focal.images()},
+          {"deviation", focal.mean()},
+          {"uncertainty", focal.sigma()},
+          {"spread", focal.spread()},
+          {"finding", focal.finding()}};
+}
+
 nlohmann::json report_json(const TrackingReport& report, std::uint64_t unacknowledged) {
   nlohmann::json stages = nlohmann::json::object(), poses = nlohmann::json::object();
   for (const auto& [stage, times] : report.stage_ms) stages[stage] = report.median_ms(stage);
   for (const auto& [status, count] : report.poses) poses[to_string(status)] = count;
   const std::string failure = report.failure_text();
-  return {{"frames", frames_json(report, unacknowledged)},
-          {"poses", poses},
-          {"source",
-           {{"frames", report.source.frames},
-            {"incomplete", report.source.incomplete},
-            {"missed", report.source.missed},
-            {"underruns", report.source.underruns},
-            {"missing_packets", report.source.missing_packets},
-            {"foreign", report.source.foreign},
-            {"reopened", report.source.reopened},
-            {"first_frame_id", report.source.first_frame_id},
-            {"last_frame_id", report.source.last_frame_id}}},
-          {"stage_ms", stages},
-          {"failure", failure.empty() ? nlohmann::json() : nlohmann::json(failure)}};
+  nlohmann::json document{{"frames", frames_json(report, unacknowledged)},
+                          {"poses", poses},
+                          {"source",
+                           {{"frames", report.source.frames},
+                            {"incomplete", report.source.incomplete},
+                            {"missed", report.source.missed},
+                            {"underruns", report.source.underruns},
+                            {"missing_packets", report.source.missing_packets},
+                            {"foreign", report.source.foreign},
+                            {"reopened", report.source.reopened},
+                            {"first_frame_id", report.source.first_frame_id},
+                            {"last_frame_id", report.source.last_frame_id}}},
+                          {"stage_ms", stages},
+                          {"failure", failure.empty() ? nlohmann::json() : nlohmann::json(failure)}};
+  if (report.focal.images() > 0) document["focal_length"] = focal_json(report.focal);
+  return document;
 }
 
 std::string summary_of(const TrackingReport& report) {
@@ -87,6 +97,7 @@ std::string summary_of(const TrackingReport& report) {
   if (report.source.foreign) text += ", " + std::to_string(report.source.foreign) + " images of another camera";
   if (report.overrun) text += ", " + std::to_string(report.overrun) + " overrun";
   if (report.unsent) text += ", " + std::to_string(report.unsent) + " unsent";
+  if (const std::string lens = report.focal.finding(); !lens.empty()) text += "; " + lens;
   return text;
 }
 

@@ -9,6 +9,7 @@
 
 #include "common/capture/capture.h"
 #include "common/link/wire_messages.h"
+#include "tracker/pose/focal_length.h"
 #include "tracker/sources/frame_source.h"
 
 namespace sheen {
@@ -28,6 +29,7 @@ struct TrackingReport {
   /// For a person: why most of the latest frames were refused, or none comes; empty while some are kept.
   std::string trouble;
   SourceStats source;
+  FocalWatch focal;            ///< of the keyframes that tags gave their pose
   std::exception_ptr failure;  ///< what ended the run before its time; empty when the source ended or was told to
   std::map<std::string, std::vector<float>> stage_ms;  ///< the latest times of each stage of the pipeline
 
@@ -48,8 +50,10 @@ using RigReport = std::vector<CameraReport>;
 TrackingReport total(const RigReport& rig);
 
 /// The report as JSON: frames {camera, received, lost, grabbed, missed, overrun, sent, live, unsent, refused {reason:
-/// n}}, poses, source, stage_ms, failure (null when there is none). camera = received + lost, and received = refused +
-/// what a receiver has acknowledged. Of several cameras this is the total, and `cameras` has the same of each by name.
+/// n}}, poses, source, stage_ms, failure (null when there is none), focal_length {images, deviation, uncertainty,
+/// spread (fractions of the calibrated one), finding} where images told it. camera = received + lost, and received =
+/// refused + what a receiver has acknowledged. Of several cameras this is the total, and `cameras` has the same of each
+/// by name.
 std::string to_json(const RigReport& rig, const std::map<std::string, std::uint64_t>& link);
 
 /// What the link tells of it.

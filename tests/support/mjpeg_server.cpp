@@ -1,54 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/mjpeg_server.h"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <stdexcept>
 #include <utility>
+
+#include "tests/support/loopback_socket.h"
 
 namespace sheen::testing {
 namespace {
 
 using std::chrono::milliseconds;
-
-constexpr milliseconds kLook{5};
-
-bool readable(int socket) {
-  pollfd one{socket, POLLIN, 0};
-  return ::poll(&one, 1, kLook.count()) > 0;
-}
-
-std::string request_of(int caller, const std::stop_token& stop) {
-  std::string request;
-  while (!stop.stop_requested() && request.find("\r\n\r\n") == std::string::npos) {
-    if (!readable(caller)) continue;
-    char bytes[4096];
-    const ssize_t count = ::recv(caller, bytes, sizeof bytes, 0);
-    if (count <= 0) return {};
-    request.append(bytes, std::size_t(count));
-  }
-  return request;
-}
-
-/// False when the caller has gone. One who does not read is waited for.
-bool sent_all(int caller, std::string_view bytes, const std::stop_token& stop) {
-  while (!bytes.empty()) {
-    if (stop.stop_requested()) return false;
-    const ssize_t count = ::send(caller, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (count > 0) {
-      bytes.remove_prefix(std::size_t(count));
-      continue;
-    }
-    if (errno != EAGAIN && errno != EWOULDBLOCK) return false;
-    pollfd one{caller, POLLOUT, 0};
-    ::poll(&one, 1, kLook.count());
-  }
-  return true;
-}
 
 std::string base64(std::string_view text) {
   static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -66,23 +26,14 @@ std::string base64(std::string_view text) {
 MjpegServer::MjpegServer(Picture picture) : MjpegServer(std::move(picture), Options{}) {}
 
 MjpegServer::MjpegServer(Picture picture, Options options)
-    : picture_(std::move(picture)), options_(std::move(options)) {
-  listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in here{};
-  here.sin_family = AF_INET;
-  here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof here;
-  if (::bind(listener_, reinterpret_cast<sockaddr*>(&here), sizeof here) != 0 || ::listen(listener_, 8) != 0 ||
-      ::getsockname(listener_, reinterpret_cast<sockaddr*>(&here), &length) != 0)
-    throw std::runtime_error("no port for a picture server");
-  port_ = ntohs(here.sin_port);
+    : picture_(std::move(picture)), options_(std::move(options)), listener_(listen_on_loopback(port_)) {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
 MjpegServer::~MjpegServer() {
   thread_.request_stop();
   thread_.join();
-  ::close(listener_);
+  close_socket(listener_);
 }
 
 std::string MjpegServer::address(const std::string& user) const {
@@ -90,16 +41,11 @@ std::string MjpegServer::address(const std::string& user) const {
 }
 
 void MjpegServer::run(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
-    if (!readable(listener_)) continue;
-    const int caller = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
-    if (caller < 0) continue;
-    if (!refuses) {
-      ++callers_;
-      serve(caller, stop);
-    }
-    ::close(caller);
-  }
+  serve_callers(listener_, stop, [&](int caller) {
+    if (refuses) return;
+    ++callers_;
+    serve(caller, stop);
+  });
 }
 
 bool MjpegServer::lets_in(const std::string& request) const {

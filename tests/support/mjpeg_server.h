@@ -46,7 +46,7 @@ class MjpegServer {
 
   const Picture picture_;
   const Options options_;
-  int listener_ = -1, port_ = 0;
+  int port_ = 0, listener_ = -1;
   std::atomic<std::uint64_t> sent_ = 0, callers_ = 0;
   std::jthread thread_;  // last: it uses the others
 };

@@ -84,6 +84,17 @@ TEST_F(LivePageTest, ShowsThePictureItsMiddleAndTheWords) {
   EXPECT_EQ(picture("/middle.jpg").height(), 48);
 }
 
+TEST_F(LivePageTest, OtherWordsLeaveThePicture) {
+  page_.say({.first = "nothing was shown yet"});
+  EXPECT_EQ(get("/look.json")->body, "{}");
+  show_one(ramp(400, 300), {.first = "turn the lens"});
+  const std::string shown = get("/picture.jpg")->body;
+  page_.say({.first = "the camera is gone"});
+  EXPECT_EQ(look()["first"], "the camera is gone");
+  EXPECT_EQ(look()["width"], 400);
+  EXPECT_EQ(get("/picture.jpg")->body, shown);
+}
+
 TEST_F(LivePageTest, IsOnePageForThisMachineAlone) {
   EXPECT_EQ(get("/")->get_header_value("Content-Type"), "text/html; charset=utf-8");
   EXPECT_NE(get("/")->body.find("look.json"), std::string::npos);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 #include "common/base/errors.h"
@@ -12,6 +13,7 @@
 #include "tests/support/mjpeg_server.h"
 #include "tests/support/patience.h"
 #include "tests/support/process.h"
+#include "tests/support/rtsp_server.h"
 #include "tracker/sources/stream_address.h"
 #include "tracker/sources/video_source.h"
 
@@ -142,6 +144,7 @@ TEST(LiveStream, ABrokenPictureIsAFrameThatIsNotComplete) {
     if (frame->complete) EXPECT_NE(number_of(*frame) % 4, 3);
   }
   EXPECT_GE(broken, 2);
+  EXPECT_EQ(source->stats().incomplete, static_cast<std::uint64_t>(broken));
   EXPECT_GE(whole, 6);
   EXPECT_EQ(source->stats().reopened, 0u);
 }
@@ -210,6 +213,29 @@ TEST(LiveStream, WithANameAndAPasswordIsOpened) {
   ASSERT_TRUE(next_of(*source));
   for (const std::string& said : {source->message(), source->remarks()})
     EXPECT_THAT(said, AllOf(HasSubstr("me:***@"), Not(HasSubstr("hunter2"))));
+}
+
+/// Of a picture of the RTSP server, modulo 16.
+int number_over_rtsp(const Frame& frame) {
+  const int code = frame.image.bytes[frame.image.stride * (frame.image.height / 2) + 3 * (frame.image.width / 2)];
+  const double luma = 16 + code * 219 / 255.0;  // video of limited range
+  return int(std::lround((luma - 40) / 10));
+}
+
+TEST(LiveStream, OverRtspIsDeliveredAndConnectedToAgain) {
+  testing::RtspServer camera(320, 240, milliseconds(40));
+  const auto source = open_video(camera.address(), {.width = 320, .height = 240});
+  for (int i = 0; i < 20; ++i) {
+    const auto frame = next_of(*source);
+    ASSERT_TRUE(frame) << i;
+    EXPECT_TRUE(frame->complete);
+    EXPECT_EQ(frame->image.width, 320);
+    EXPECT_GE(number_over_rtsp(*frame), 0);
+    EXPECT_LT(number_over_rtsp(*frame), 16);
+  }
+  camera.hangs_up = true;
+  ASSERT_TRUE(eventually([&] { return source->next(milliseconds(20)), source->stats().reopened == 1; }));
+  ASSERT_TRUE(next_of(*source));
 }
 
 TEST(StreamAddress, ItsPasswordIsNotShown) {

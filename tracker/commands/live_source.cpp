@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPoll{50};
 constexpr std::chrono::seconds kNothingComes{5};
+constexpr std::chrono::seconds kSilent{1};
 
 }  // namespace
 
@@ -33,6 +34,8 @@ std::optional<Frame> LiveSource::next() {
       return frame;
     }
     if (frame) ++incomplete_;
+    const bool silent = !frame && std::chrono::steady_clock::now() - begin > kSilent;
+    if (silent && any_ && page_) page_->say({.first = source_->message()});
     if (!frame && !any_ && std::chrono::steady_clock::now() - begin > kNothingComes)
       throw DeviceError("no frame came within 5 s: " + source_->message());
   }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/base/command_line.h"
+#include "tracker/commands/logging.h"
 #include "tracker/live_page/live_page.h"
 #include "tracker/sources/frame_source.h"
 
@@ -18,7 +19,8 @@ class LiveSource {
  public:
   LiveSource(std::unique_ptr<FrameSource> source, const char* command, std::optional<LivePage> page);
   /// The next frame whose image is whole; nothing when the person or the source has had enough. Throws DeviceError
-  /// where none comes, and ConfigError for one of more than 8 bits.
+  /// where none comes at all, and ConfigError for one of more than 8 bits. While a source that delivered is silent, the
+  /// page says so.
   std::optional<Frame> next();
   /// Shows a frame on the page, where there is one.
   void show(const RawImage& image, const LiveWords& words) {
@@ -28,6 +30,7 @@ class LiveSource {
   std::string message() const { return source_->message(); }
 
  private:
+  const Logging logging_;  ///< of a source that is gone, and back
   std::unique_ptr<FrameSource> source_;
   const char* command_;
   std::optional<LivePage> page_;

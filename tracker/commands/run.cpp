@@ -14,7 +14,6 @@
 #include "common/base/end_on_stop.h"
 #include "common/base/errors.h"
 #include "common/base/format.h"
-#include "common/base/log.h"
 #include "common/base/report_file.h"
 #include "common/base/service_manager.h"
 #include "common/base/stop_signal.h"
@@ -23,6 +22,7 @@
 #include "common/link/transport.h"
 #include "tracker/commands/commands.h"
 #include "tracker/commands/live_line.h"
+#include "tracker/commands/logging.h"
 #include "tracker/link_sink.h"
 #include "tracker/open_rig.h"
 #include "tracker/rig_config.h"
@@ -42,12 +42,6 @@ struct RunArguments {
   std::string source, endpoint, publish;
   std::uint64_t frames = 0;
   double linger_s = 30;
-};
-
-/// The link's warnings go to standard error while this lives.
-struct Logging {
-  Logging() { start_logging({}); }
-  ~Logging() { stop_logging(); }
 };
 
 /// Command line over configuration file.

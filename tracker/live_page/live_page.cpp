@@ -56,7 +56,8 @@ nlohmann::json number(double value) {
 
 /// What the page shows, as it is sent.
 struct Shown {
-  std::uint64_t number = 0;  ///< of the picture; 0: there is none yet
+  std::uint64_t number = 0;   ///< counts what was shown; 0: there is nothing yet
+  int width = 0, height = 0;  ///< of the camera's image
   std::string look, picture, middle;
 };
 
@@ -94,6 +95,7 @@ struct LivePage::Impl {
                     [this](const std::string& request, const std::string&) { return answer(request); }) {}
 
   std::string answer(const std::string& request);
+  void replace(Shown next, const LiveWords& words);
 
   mutable std::mutex mutex;
   std::shared_ptr<const Shown> shown = std::make_shared<const Shown>();
@@ -122,6 +124,17 @@ std::string LivePage::Impl::answer(const std::string& request) {
   return answer_of("404 Not Found", kText, "There are / /look.json /picture.jpg /middle.jpg\n");
 }
 
+void LivePage::Impl::replace(Shown next, const LiveWords& words) {
+  const std::lock_guard lock(mutex);
+  next.number = shown->number + 1;
+  next.look =
+      nlohmann::json{{"number", next.number},  {"first", words.first},         {"well", words.well},
+                     {"detail", words.detail}, {"focus", number(words.focus)}, {"best_focus", number(words.best_focus)},
+                     {"width", next.width},    {"height", next.height}}
+          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  shown = std::make_shared<const Shown>(std::move(next));
+}
+
 LivePage::LivePage(int port) : impl_(std::make_unique<Impl>(port)) {}
 LivePage::LivePage(LivePage&&) noexcept = default;
 LivePage::~LivePage() = default;
@@ -132,20 +145,21 @@ void LivePage::show(const RawImage& image, const LiveWords& words) {
   if (looked_at + kLooking < now || impl_->made_at + kBetween > now) return;
   impl_->made_at = now;
   const ImageU8 picture = viewable(image);
-  auto next = std::make_shared<Shown>();
+  Shown next;
+  next.width = image.width;
+  next.height = image.height;
+  next.picture = jpeg(thinned(picture, std::max(1, (picture.width() + kMostWidth - 1) / kMostWidth)));
+  next.middle = jpeg(middle_of(picture));
+  impl_->replace(std::move(next), words);
+}
+
+void LivePage::say(const LiveWords& words) {
+  std::shared_ptr<const Shown> there;
   {
     const std::lock_guard lock(impl_->mutex);
-    next->number = impl_->shown->number + 1;
+    there = impl_->shown;
   }
-  next->look =
-      nlohmann::json{{"number", next->number}, {"first", words.first},         {"well", words.well},
-                     {"detail", words.detail}, {"focus", number(words.focus)}, {"best_focus", number(words.best_focus)},
-                     {"width", image.width},   {"height", image.height}}
-          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  next->picture = jpeg(thinned(picture, std::max(1, (picture.width() + kMostWidth - 1) / kMostWidth)));
-  next->middle = jpeg(middle_of(picture));
-  const std::lock_guard lock(impl_->mutex);
-  impl_->shown = std::move(next);
+  if (there->number > 0) impl_->replace(*there, words);
 }
 
 std::string LivePage::url() const {

@@ -29,6 +29,8 @@ class LivePage {
 
   /// The newest wins. Never waits; a picture is made only while somebody looks, and at most ten times per second.
   void show(const RawImage& image, const LiveWords& words);
+  /// Other words beside the picture that is there.
+  void say(const LiveWords& words);
   std::string url() const;
 
  private:

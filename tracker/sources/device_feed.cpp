@@ -177,6 +177,7 @@ std::optional<Frame> DeviceFeed::next(milliseconds timeout) {
   SourceStats& stats = shared_->stats;
   if (stats.frames++ == 0) stats.first_frame_id = frame.camera_frame_id;
   stats.last_frame_id = frame.camera_frame_id;
+  stats.incomplete += !frame.complete;
   return frame;
 }
 
