@@ -5,6 +5,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <pthread.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -115,6 +116,7 @@ struct HttpConnections::Impl {
     const auto tell = [this](const std::exception_ptr& error) { begin_anew(words_of(error)); };
     thread = guarded_thread(
         [this, tell](const std::stop_token& stop) {
+          ::pthread_setname_np(::pthread_self(), "http");  // so that what it costs can be told from the rest
           while (!stop.stop_requested()) guarded([this] { serve_those_that_are_ready(); }, tell);
         },
         tell);

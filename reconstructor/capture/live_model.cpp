@@ -3,6 +3,8 @@
 
 #include <time.h>
 
+#include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "reconstructor/page/live_page.h"
@@ -19,6 +21,21 @@ std::chrono::nanoseconds processor_time() {
 
 }  // namespace
 
+std::chrono::nanoseconds ProcessorAllowance::left() {
+  constexpr double kShare = 0.02;  // of all processors; what HTTP takes comes on top
+  static const double per_second = kShare * std::max(1u, std::thread::hardware_concurrency());
+  const auto now = Clock::now();
+  const auto earned = std::chrono::duration_cast<std::chrono::nanoseconds>(per_second * (now - known_at_));
+  known_at_ = now;
+  return left_ = std::min<std::chrono::nanoseconds>(kMostSaved, left_ + earned);
+}
+
+void ProcessorAllowance::spend(const std::function<void()>& work) {
+  const std::chrono::nanoseconds begun = processor_time();
+  work();
+  left_ -= processor_time() - begun;
+}
+
 void LiveModel::watch(const ModelKind& kind, LoopObserver& observer) {
   stream_ = kind.make_stream();  // nobody asks it before there is a snapshot
   if (!stream_) return;
@@ -27,18 +44,15 @@ void LiveModel::watch(const ModelKind& kind, LoopObserver& observer) {
     {
       const std::lock_guard lock(mutex_);
       snapshot_ = snapshot;
+      if (std::exchange(followed_, false)) since_ = std::chrono::steady_clock::now();
     }
     if (show) show(std::move(snapshot), std::move(painter));
   };
 }
 
-std::shared_ptr<const ModelSnapshot> LiveModel::latest() const {
-  const std::lock_guard lock(mutex_);
-  return snapshot_;
-}
-
 bool LiveModel::there() const {
-  return latest() != nullptr;
+  const std::lock_guard lock(mutex_);
+  return snapshot_ != nullptr;
 }
 
 std::string_view LiveModel::page() const {
@@ -53,19 +67,24 @@ ServedModel::Answer LiveModel::changes_for(const DeskQuestion& question) {
   const DeskState desk{.scene = question.scene,
                        .changes = question.changes,
                        .eye = {question.eye[0], question.eye[1], question.eye[2]},
-                       .moved = question.moved};
+                       .moved = question.moved && allowance_.left() > std::chrono::nanoseconds(0)};
   return answer([&desk](ModelStream& stream) { return stream.changes_for(desk); });
 }
 
 ServedModel::Answer LiveModel::answer(const std::function<std::string(ModelStream&)>& bytes) {
-  constexpr int kRestPerWork = 20;  // so that all desks together cost a twentieth of a core at most
-  std::shared_ptr<const ModelSnapshot> snapshot = latest();
-  if (!snapshot) return {404, "There is no model yet.\n"};
-  if (Clock::now() < rests_until_) return {503, "Ask again in a moment.\n"};
-  const std::chrono::nanoseconds begun = processor_time();
-  stream_->follow(std::move(snapshot));
-  Answer answer{200, bytes(*stream_)};
-  rests_until_ = Clock::now() + kRestPerWork * (processor_time() - begun);
+  constexpr std::chrono::milliseconds kMostOwed{200};  // two snapshots for four desks, about
+  std::unique_lock lock(mutex_);
+  if (!snapshot_) return {404, "There is no model yet.\n"};
+  if (allowance_.left() < -kMostOwed) return {503, "Ask again in a moment.\n"};
+  const std::shared_ptr<const ModelSnapshot> snapshot = snapshot_;
+  const auto since = since_;
+  followed_ = true;
+  lock.unlock();
+  Answer answer{200, {}};
+  allowance_.spend([&] {
+    stream_->follow(snapshot, since);
+    answer.bytes = bytes(*stream_);
+  });
   return answer;
 }
 

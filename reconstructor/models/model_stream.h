@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -23,11 +24,12 @@ struct DeskState {
 class ModelStream {
  public:
   virtual ~ModelStream() = default;
-  /// From now on of this snapshot, whose kind is the stream's.
-  virtual void follow(std::shared_ptr<const ModelSnapshot> snapshot) = 0;
+  /// From now on of this snapshot, whose kind is the stream's. What is new in it is so since then.
+  virtual void follow(std::shared_ptr<const ModelSnapshot> snapshot, std::chrono::steady_clock::time_point since) = 0;
   /// What stays while the mesh and its maps do.
   virtual std::string scene() = 0;
   /// What the desk lacks, the oldest change first; of much only the beginning, of which it is told that there is more.
+  /// What else its eye sees comes with the last of it.
   virtual std::string changes_for(const DeskState& desk) = 0;
 };
 

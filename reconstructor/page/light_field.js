@@ -189,13 +189,14 @@ const onMessage = {
     changed();
   },
   /** Of a model that is being captured: `put` brings it to the graphics. */
-  grown({ put, seen, whole }) {
+  grown({ put, seen, whole, waitedMs }) {
     if (seen) page.pending = false;
     if (page.viewer.gl.isContextLost()) return;
     const cameras = put(page.viewer);
     if (cameras) page.cameras = cameras;
     if (cameras) page.pyramids = new CameraPyramids(page.viewer.gl, cameras, page.orbit.radius);
     if (whole) page.figures.changes = (page.figures.changes ?? 0) + 1;
+    page.figures.waitedMs = waitedMs;
     if (whole) setState("whole");
     changed();
   },

@@ -2,7 +2,7 @@
 // Asks the reconstructor again and again what has changed in its model (LightFieldStream), and what another eye sees.
 import { LiveMaps, readScene } from "./live_maps.js";
 
-const POLL_MS = 250, BUSY_MS = 50, AWAY_MS = 1000, PATIENCE_MS = 10000;
+const POLL_MS = 250, BUSY_MS = 100, AWAY_MS = 1000, PATIENCE_MS = 10000;
 
 const soon = (ms, woken) => new Promise((go) => {
   const timer = setTimeout(go, ms);
@@ -13,7 +13,7 @@ const soon = (ms, woken) => new Promise((go) => {
 export function watchModel(on) {
   const token = new URLSearchParams(location.search).get("token");
   const headers = token ? { Authorization: `Bearer ${token}` } : {};
-  const desk = { maps: null, changes: 0, eye: [0, 0, 0], moved: false, wake() {} };
+  const desk = { maps: null, changes: 0, more: false, eye: [0, 0, 0], from: null, seen: null, wake() {} };
 
   const get = (path) => fetch(path, { headers, cache: "no-store", signal: AbortSignal.timeout(PATIENCE_MS) });
 
@@ -31,26 +31,30 @@ export function watchModel(on) {
     const scene = readScene(await answer.arrayBuffer());
     desk.maps = new LiveMaps(scene);
     desk.changes = 0;
+    desk.more = false;
     on.mesh({ ...scene, cameras: new Float32Array(0), grows: true });
     return 0;
   }
 
+  /** What has changed comes first, in pieces as one eye sees them; then what else another eye sees, when its turn has come. */
   async function askForChanges() {
-    const { maps, eye, moved } = desk;
-    desk.moved = false;
-    const answer = await get(`changes?scene=${maps.scene}&changes=${desk.changes}&eye=${eye.join()}${moved ? "&moved=1" : ""}`);
-    if (!answer.ok) {
-      desk.moved ||= moved;
-      return whenRefused(answer);
-    }
+    const { maps, changes } = desk;
+    if (!desk.more) desk.from = desk.eye;
+    const { from } = desk, moved = !desk.more && from !== desk.seen;
+    const answer = await get(`changes?scene=${maps.scene}&changes=${changes}&eye=${from.join()}${moved ? "&moved=1" : ""}`);
+    if (!answer.ok) return whenRefused(answer);
     const bytes = await answer.arrayBuffer(), told = maps.told(bytes);
     if (told.scene !== maps.scene) {
       desk.maps = null;
       return 0;
     }
     desk.changes = told.changes;
-    if (!told.empty) on.grown({ put: (viewer) => maps.put(bytes, viewer), seen: moved, whole: !told.more });
-    return told.more || desk.moved ? 0 : POLL_MS;
+    desk.more = told.more;
+    if (told.seen) desk.seen = from;
+    if (!told.empty)
+      on.grown({ put: (viewer) => maps.put(bytes, viewer), seen: told.seen, whole: !told.more, waitedMs: told.waitedMs });
+    const waits = moved && !told.seen;
+    return told.more || (!waits && desk.eye !== desk.seen) ? 0 : POLL_MS;
   }
 
   (async () => {
@@ -69,7 +73,6 @@ export function watchModel(on) {
   return {
     ask({ eye }) {
       desk.eye = eye;
-      desk.moved = true;
       desk.wake();
     },
   };

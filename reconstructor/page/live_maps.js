@@ -58,7 +58,7 @@ class Room {
 export function readScene(bytes) {
   const tables = new Tables(bytes);
   const [format, number, vertices, triangles, patches, columns, samples, edges] = tables.next(Uint32Array, 8);
-  if (format !== 1) throw new Error("This page is older than the reconstructor: load it again.");
+  if (format !== 2) throw new Error("This page is older than the reconstructor: load it again.");
   return { number, columns, samples, scene: tables.next(Float64Array, 14), vertices: tables.next(Float32Array, 3 * vertices),
            triangles: tables.next(Uint32Array, 3 * triangles), edges: tables.next(Uint32Array, edges),
            placed: tables.next(Uint32Array, 6 * triangles), patches: tables.next(Uint32Array, 2 * patches) };
@@ -97,14 +97,15 @@ export class LiveMaps {
 
   /** What an answer begins with. */
   told(bytes) {
-    const [, scene, changes, more, patches, seen] = new Uint32Array(bytes, 0, 8);
-    return { scene, changes, more: more === 1, empty: patches === 0 && seen === 0 };
+    const [, scene, changes, more, patches, seen, , , waitedMs] = new Uint32Array(bytes, 0, 9);
+    return { scene, changes, more: more === 1, seen: seen === 1, empty: patches === 0 && seen === 0, waitedMs };
   }
 
   /** LightFieldStream::changes_for, into the graphics. Returns the cameras where they are told. */
   put(bytes, viewer) {
     const tables = new Tables(bytes), [, , , , patches, seen, cameras] = tables.next(Uint32Array, 7);
     const [exposure] = tables.next(Float32Array, 1);
+    tables.next(Uint32Array, 1);
     if (!this.begun) viewer.setRooms(this.samples, FIRST_ROOM);
     if (!this.begun) this.room.extend(FIRST_ROOM);
     this.begun = true;

@@ -122,13 +122,18 @@ SnapshotFigures SurfaceLightFieldSnapshot::figures() const {
 }
 
 Eigen::MatrixXf SurfaceLightFieldSnapshot::coefficients_for(const Eigen::Vector3d& eye) const {
+  return coefficients_for(eye, std::vector<bool>(patches_.size(), true));
+}
+
+Eigen::MatrixXf SurfaceLightFieldSnapshot::coefficients_for(const Eigen::Vector3d& eye,
+                                                            const std::vector<bool>& wanted) const {
   Eigen::MatrixXf coefficients = Eigen::MatrixXf::Zero(max_rank(), static_cast<Eigen::Index>(shapes_->columns()));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh().vertices.size(), 16), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       CoefficientsAtVertex from_here((eye.cast<float>() - mesh().vertices[v]).normalized());
       for (const auto& [p, i] : shapes_->round(v)) {
         const PatchSnapshot* patch = patches_[p].get();
-        if (!patch || patch->rank() == 0) continue;
+        if (!wanted[p] || !patch || patch->rank() == 0) continue;
         from_here.of(patch->vertices[i],
                      coefficients.col(static_cast<Eigen::Index>(shapes_->first_column[p] + i)).head(patch->rank()));
       }

@@ -47,6 +47,8 @@ class SurfaceLightFieldSnapshot : public LightFieldSnapshot {
   bool seen(std::size_t triangle) const override;
   TrianglePlace place(std::size_t triangle) const override;
   Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye) const override;
+  /// Of the patches that are wanted; zero of all others.
+  Eigen::MatrixXf coefficients_for(const Eigen::Vector3d& eye, const std::vector<bool>& wanted) const;
   Eigen::MatrixXf average_coefficients() const override;
   std::shared_ptr<const LightFieldSnapshot> with_patches(
       const std::vector<std::shared_ptr<const SurfacePatch>>& patches) const override;

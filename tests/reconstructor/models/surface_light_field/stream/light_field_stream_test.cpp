@@ -48,17 +48,18 @@ class Desk {
     for (int asked = 1;; ++asked) {
       const std::string answer = stream_.changes_for(state_);
       Tables tables(answer);
-      const auto head = tables.next<std::uint32_t>(8);
-      EXPECT_EQ(head[0], 1u);
+      const auto head = tables.next<std::uint32_t>(9);
+      EXPECT_EQ(head[0], 2u);
       if (head[1] != state_.scene) {
         enter();
         continue;
       }
       EXPECT_TRUE(asked == 1 || head[4] > 0) << "an answer with nothing in it";
       state_.changes = head[2];
+      waited_ms_ = head[8];
       if (head[5]) read_seen(tables);
-      EXPECT_EQ(head[5], state_.moved ? 1u : 0u);
-      state_.moved = false;
+      EXPECT_EQ(head[5], state_.moved && !head[3] ? 1u : 0u) << "changes first";
+      if (head[5]) state_.moved = false;
       for (std::uint32_t i = 0; i < head[4]; ++i) read_patch(tables);
       cameras_ = tables.next<float>(14 * std::size_t{head[6]}).size() / 14;
       EXPECT_TRUE(tables.at_end());
@@ -89,7 +90,15 @@ class Desk {
   int state(std::size_t triangle, std::size_t sample) const {
     return patches_.at(places_[triangle][0]).means[4 * (places_[triangle][1] + sample) + 3] / 127;
   }
+  /// It shows its means: nobody has found what else it looks like.
+  bool shows_means(std::size_t triangle) const {
+    const Patch& patch = patches_.at(places_[triangle][0]);
+    for (std::size_t i = 0; i < patch.coefficients.size(); ++i)
+      if (patch.coefficients[i] != patch.mean[i % patch.terms]) return false;
+    return true;
+  }
   std::size_t cameras() const { return cameras_; }
+  std::uint32_t waited_ms() const { return waited_ms_; }  ///< that it was told last
   int scenes() const { return scenes_; }
 
  private:
@@ -149,6 +158,7 @@ class Desk {
   std::vector<std::vector<std::uint32_t>> places_;
   std::vector<Patch> patches_;
   std::size_t cameras_ = 0;
+  std::uint32_t waited_ms_ = 0;
   int scenes_ = 0;
 };
 
@@ -188,7 +198,7 @@ class LightFieldStreamTest : public ::testing::Test {
 };
 
 TEST_F(LightFieldStreamTest, ADeskShowsWhatTheModelShows) {
-  stream_.follow(grown(analytic::eyes(3, 0.5, 0.8)));
+  stream_.follow(grown(analytic::eyes(3, 0.5, 0.8)), std::chrono::steady_clock::now());
   Desk desk(stream_);
   const Eigen::Vector3d eye(0.2, 0.1, 0.4), other(-0.3, 0.2, 0.2);
   desk.look_from(eye);
@@ -200,7 +210,7 @@ TEST_F(LightFieldStreamTest, ADeskShowsWhatTheModelShows) {
   expect_shown(desk, *model_.light_field_snapshot(), other);
 
   const auto more = grown(analytic::eyes(20, 0.5, -0.8));
-  stream_.follow(more);
+  stream_.follow(more, std::chrono::steady_clock::now());
   desk.catch_up();
   expect_shown(desk, *more, other);
   EXPECT_EQ(desk.cameras(), 23u);
@@ -208,14 +218,14 @@ TEST_F(LightFieldStreamTest, ADeskShowsWhatTheModelShows) {
 }
 
 TEST_F(LightFieldStreamTest, ADeskThatMovesWhileTheModelGrowsMixesNothing) {
-  stream_.follow(grown(analytic::eyes(12, 0.5, -0.8)));
+  stream_.follow(grown(analytic::eyes(12, 0.5, -0.8)), std::chrono::steady_clock::now());
   Desk desk(stream_), late(stream_);
   desk.look_from({0.2, 0.1, 0.4});
   desk.catch_up();
   const auto more = grown(analytic::eyes(9, 0.4, 0.2));
-  stream_.follow(more);
+  stream_.follow(more, std::chrono::steady_clock::now());
   const Eigen::Vector3d eye(0.35, -0.1, 0.3);
-  desk.look_from(eye);  // told together with the first of many changes
+  desk.look_from(eye);  // told together with the last of many changes
   desk.catch_up();
   expect_shown(desk, *more, eye);
   late.look_from(eye);
@@ -223,35 +233,77 @@ TEST_F(LightFieldStreamTest, ADeskThatMovesWhileTheModelGrowsMixesNothing) {
   expect_shown(late, *more, eye);
 }
 
+TEST_F(LightFieldStreamTest, WhatFacesAwayIsShownByItsMeansUntilItIsTurnedTo) {
+  const auto snapshot = grown(analytic::eyes(12, 0.5, 0.8));
+  stream_.follow(snapshot, std::chrono::steady_clock::now());
+  Desk desk(stream_);
+  const Eigen::Vector3d above(0.1, 0.1, 0.45), beside(0.4, 0.1, 0.1);
+  desk.look_from(above);
+  desk.catch_up();
+  const Eigen::MatrixXf from_above = snapshot->coefficients_for(above),
+                        from_beside = snapshot->coefficients_for(beside);
+  std::vector<std::size_t> away, turned_to;
+  for (std::size_t t = 0; t < snapshot->mesh().triangles.size(); ++t) {
+    const auto cosine = [&](const Eigen::Vector3d& eye) {
+      const Eigen::Vector3f to_eye = (eye.cast<float>() - snapshot->mesh().corner(t, 0)).normalized();
+      return snapshot->mesh().area_normal(t).normalized().dot(to_eye);
+    };
+    const std::uint32_t column = snapshot->place(t).columns[0];
+    const bool varies = from_above.col(column) != from_beside.col(column);
+    if (!desk.known(t) || !varies || !desk.shows_means(t)) continue;
+    away.push_back(t);
+    EXPECT_LT(cosine(above), 0) << "triangle " << t;
+    if (cosine(beside) > 0.1f) turned_to.push_back(t);
+  }
+  EXPECT_GT(away.size(), 20u);
+  ASSERT_GT(turned_to.size(), 5u);
+  desk.look_from(beside);
+  EXPECT_EQ(desk.catch_up(), 1);
+  for (const std::size_t t : turned_to) EXPECT_FALSE(desk.shows_means(t)) << "triangle " << t;
+  expect_shown(desk, *snapshot, beside);
+}
+
+TEST_F(LightFieldStreamTest, ADeskIsToldHowLongItsOldestChangeHasWaited) {
+  const auto now = std::chrono::steady_clock::now();
+  stream_.follow(grown(analytic::eyes(3, 0.5, 0.8)), now - std::chrono::hours(3));
+  Desk desk(stream_);
+  desk.catch_up();
+  EXPECT_GE(desk.waited_ms(), 3 * 3'600'000u);
+  stream_.follow(grown(analytic::eyes(3, 0.5, -0.8)), now - std::chrono::hours(1));
+  desk.catch_up();
+  EXPECT_GE(desk.waited_ms(), 3'600'000u);
+  EXPECT_LT(desk.waited_ms(), 2 * 3'600'000u);
+}
+
 TEST_F(LightFieldStreamTest, WhatIsTakenBackIsGoneFromTheDesk) {
   const Eigen::Vector3d eye(0.1, 0.1, 0.45);
   const std::vector<Capture> first = captures(scene_, analytic::eyes(6, 0.5, 0.8)),
                              below = captures(scene_, {{0, 0, -0.5}});
   ingest_all(model_, first);
-  stream_.follow(model_.light_field_snapshot());
+  stream_.follow(model_.light_field_snapshot(), std::chrono::steady_clock::now());
   Desk desk(stream_);
   desk.look_from(eye);
   desk.catch_up();
   SurfaceLightField again(object_.mesh, plain_options());  // the same maps are not the same object: another scene
   ingest_all(again, below);
-  stream_.follow(again.light_field_snapshot());
+  stream_.follow(again.light_field_snapshot(), std::chrono::steady_clock::now());
   const Eigen::Vector3d from_below(0.1, 0.1, -0.45);
   desk.look_from(from_below);
   desk.catch_up();
   expect_shown(desk, *again.light_field_snapshot(), from_below);
   desk.look_from(eye);
-  stream_.follow(model_.light_field_snapshot());
+  stream_.follow(model_.light_field_snapshot(), std::chrono::steady_clock::now());
   desk.catch_up();
   expect_shown(desk, *model_.light_field_snapshot(), eye);
   EXPECT_EQ(desk.scenes(), 3);
 }
 
 TEST_F(LightFieldStreamTest, ADeskOfAnotherProgramIsToldOfThisOnesScene) {
-  stream_.follow(grown(analytic::eyes(3, 0.5, 0.8)));
+  stream_.follow(grown(analytic::eyes(3, 0.5, 0.8)), std::chrono::steady_clock::now());
   const std::string answer = stream_.changes_for({.scene = 77, .changes = 5'000'000});
-  EXPECT_EQ(answer.size(), 32u);
+  EXPECT_EQ(answer.size(), 36u);
   LightFieldStream another;
-  another.follow(model_.light_field_snapshot());
+  another.follow(model_.light_field_snapshot(), std::chrono::steady_clock::now());
   EXPECT_NE(another.scene().substr(4, 4), stream_.scene().substr(4, 4));
 }
 
