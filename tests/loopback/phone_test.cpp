@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -114,6 +115,38 @@ TEST_F(Phone, ThatIsAwayForAWhileGoesOn) {
   EXPECT_THAT(outcome.output, Not(HasSubstr("hunter2")));
 }
 
+// Automatic exposure: the brightness swings by a fifth of the middle twice on the way round the object.
+TEST_F(Phone, AnExposureThatDriftsIsEstimatedFromItsImages) {
+  const auto swings = [](std::size_t i) {
+    const double gain = 0.8 + 0.2 * std::sin(4 * M_PI * static_cast<double>(i) / kFrames);
+    return Gains{gain, gain, gain};
+  };
+  MjpegServer phone(again_and_again(jpegs_of(*recording_, swings)), {.between = kBetween});
+  Process desk(serve(recording_->mesh_file(), session_, {"--endpoint", address_, "--once"}));
+  expect_outcome(run_to_end(patient_run({"--config", config(), "--source", "video:" + phone.address(), "--endpoint",
+                                         address_, "--frames", std::to_string(kFrames)})),
+                 0, {"24 frames"});
+  expect_outcome(wait_to_end(desk), 0, {"images added to the model"});
+  const auto scores = [&](const std::string& exposure) {
+    const std::filesystem::path scene = temp_.write(exposure + ".toml", "[images]\nexposure = \"" + exposure + "\"\n");
+    const std::filesystem::path model = temp_.path() / exposure, report = temp_.path() / (exposure + ".json");
+    expect_outcome(run_to_end(reconstructor({"build", session_, "--mesh", recording_->mesh_file(), "--config", scene,
+                                             "--no-refine", "--out", model})),
+                   0, {});
+    expect_outcome(run_to_end(reconstructor({"evaluate", model, session_, "--json", report})), 0, {});
+    return nlohmann::json::parse(read_file(report));
+  };
+  const auto taken_as_it_is = scores("known"), estimated = scores("estimate");
+  const auto psnr = [](const nlohmann::json& judged, const char* of, const char* which) {
+    return judged[of][which].get<double>();
+  };
+  EXPECT_GT(psnr(estimated, "constant", "psnr_db"), psnr(taken_as_it_is, "constant", "psnr_db") + 1);
+  EXPECT_GT(psnr(estimated, "object", "psnr_gain_aligned_db"),
+            psnr(taken_as_it_is, "object", "psnr_gain_aligned_db") + 0.1);
+  RecordProperty("known", taken_as_it_is["object"].dump() + taken_as_it_is["constant"].dump());
+  RecordProperty("estimate", estimated["object"].dump() + estimated["constant"].dump());
+}
+
 TEST_F(Phone, CalibrateTakesItsViewsFromIt) {
   MjpegServer held_still(again_and_again(jpegs_, 4), {.between = kBetween});
   const std::filesystem::path views = temp_.path() / "views";
@@ -123,6 +156,14 @@ TEST_F(Phone, CalibrateTakesItsViewsFromIt) {
   EXPECT_THAT(outcome.output, AllOf(HasSubstr("the picture is at http://127.0.0.1:"), HasSubstr("saved"),
                                     HasSubstr(" views"), HasSubstr("exposure is not known")));
   EXPECT_GE(std::distance(std::filesystem::directory_iterator(views), {}), 2);
+}
+
+TEST_F(Phone, TheDoctorOpensItAndWarnsOfWhatItDoesNotTell) {
+  const std::filesystem::path rig = recording_->folder / "doctor.toml";  // beside the stage that it names
+  std::ofstream(rig) << read_file(config()) << "[source]\nuri = \"" << source("me:hunter2") << "\"\n";
+  const Outcome outcome = run_to_end(tracker({"doctor", "--config", rig}));
+  expect_outcome(outcome, 0, {"me:***@127.0.0.1", "its exposure is not known"});
+  EXPECT_THAT(outcome.output, AllOf(::testing::ContainsRegex("WARN[ \t]+camera settings"), Not(HasSubstr("hunter2"))));
 }
 
 TEST_F(Phone, CtrlCEndsWhatWaitsForIt) {

@@ -129,9 +129,10 @@ void check_locks(const CameraConfig& config, std::vector<SetupCheck>& checks) {
   if (!config.source_uri || *config.source_uri == kPlaceholder) return;
   const bool aravis = config.source_uri->starts_with("aravis:");
   if (!aravis && !config.source_uri->starts_with("video:")) return;
+  const bool is_stream = !aravis && is_stream_address(*config.source_uri);
   checks.push_back(check_loading(check_name("camera settings", config), [&]() -> std::string {
     const std::string target = parse_source_uri(*config.source_uri).target;
-    if (!aravis && is_stream_address(target)) return open_video(target, config.source)->remarks();
+    if (is_stream) return open_video(target, config.source)->remarks();
     if (!aravis && !is_video_device(target))
       return open_video(target, config.source), "the file has the size and the rate that are asked for";
     const std::vector<LockedFeature> locks =
@@ -141,6 +142,7 @@ void check_locks(const CameraConfig& config, std::vector<SetupCheck>& checks) {
       text += (text.empty() ? "" : ", ") + feature.feature + " = " + feature.got;
     return text.empty() ? "nothing is to be set, and nothing changes by itself" : text;
   }));
+  if (is_stream && checks.back().finding == Finding::kOk) checks.back().finding = Finding::kWarn;  // nothing is locked
 }
 
 void check_config(const std::filesystem::path& file, std::vector<SetupCheck>& checks) {
