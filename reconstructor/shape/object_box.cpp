@@ -67,7 +67,7 @@ bool sees(const PosedCamera& camera, const Eigen::Vector3d& point) {
 
 }  // namespace
 
-Eigen::AlignedBox3d box_seen_by_half(std::span<const PosedCamera> cameras) {
+Eigen::AlignedBox3d box_seen_by(double share, std::span<const PosedCamera> cameras) {
   if (cameras.size() < kFewestCameras)
     throw Error("only " + std::to_string(cameras.size()) + " of the images have a pose; a shape needs " +
                 std::to_string(kFewestCameras) + " or more, from several sides");
@@ -84,10 +84,10 @@ Eigen::AlignedBox3d box_seen_by_half(std::span<const PosedCamera> cameras) {
         const Eigen::Vector3d point = middle + reach * place;
         const auto seeing = std::count_if(cameras.begin(), cameras.end(),
                                           [&](const PosedCamera& camera) { return sees(camera, point); });
-        if (2 * seeing >= static_cast<std::ptrdiff_t>(cameras.size())) box.extend(point);
+        if (static_cast<double>(seeing) >= share * static_cast<double>(cameras.size())) box.extend(point);
       }
   if (box.isEmpty() || !(box.sizes().minCoeff() > 0))
-    throw Error("no place is seen by half of the images; a shape needs views of one object from several sides");
+    throw Error("no place is seen by enough of the images; a shape needs views of one object from several sides");
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2 * reach / kCells);
   return {box.min() - margin, box.max() + margin};
 }

@@ -9,9 +9,9 @@
 
 namespace sheen {
 
-/// What half of the cameras see round the point that their axes pass nearest to. Throws Error where they show no
-/// common place: fewer than three, all in one place, or parallel axes.
-Eigen::AlignedBox3d box_seen_by_half(std::span<const PosedCamera> cameras);
+/// What this share of the cameras, or more, see round the point that their axes pass nearest to. Throws Error where
+/// they show no common place: fewer than three, all in one place, or parallel axes.
+Eigen::AlignedBox3d box_seen_by(double share, std::span<const PosedCamera> cameras);
 
 /// Where the box lies in a camera's image without its lens, within the image; empty where it is not in it.
 PixelBox part_with(const Eigen::AlignedBox3d& box, const PosedCamera& camera);

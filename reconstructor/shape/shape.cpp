@@ -30,8 +30,9 @@ constexpr double kCoarseWidth_px = 320;                 // of an image in which 
 constexpr double kObjectPixels = 200'000;               // of the object's box in a view, about
 constexpr double kCoarseCells = 64, kRangeCells = 128;  // along the longest side of a box
 constexpr double kMostCells = 400;
-constexpr double kCoherent = 0.98;    // overlap of outlines and hull from where masks are believed
-constexpr double kDissent = 0.2;      // of the outlines, where they are not
+constexpr double kCoherent = 0.98;  // overlap of outlines and hull from where masks are believed
+constexpr double kDissent = 0.2;    // of the outlines, where they are not
+constexpr double kSheet_px = 1.5;
 constexpr double kFinest_px = 1.0;    // cell of the fused field, pixels
 constexpr double kTriangle_px = 3.5;  // side of a triangle, pixels
 
@@ -41,6 +42,7 @@ struct Images {
   std::vector<std::size_t> used;
   std::vector<PosedCamera> cameras;          ///< of the used ones
   std::vector<PlainBackground> backgrounds;  ///< likewise
+  Eigen::AlignedBox2d stage;                 ///< in the plane z = 0; empty where no tags were seen
 
   Capture read(std::size_t i) const { return all.read(used[i]); }
 };
@@ -49,6 +51,20 @@ ShapeView marked_view(const Capture& capture, const PixelBox& part, double scale
   ShapeView view = shape_view(capture, part, scale);
   if (view.outline.empty() && background.found) mark_background(background, view);
   return view;
+}
+
+/// By where the corners of the stage's tags lie, which a session's captures know.
+void extend_by_tags(const Capture& capture, Eigen::AlignedBox2d& stage) {
+  const Rigid3 object_from_camera = capture.pose.camera_from_object.inverse();
+  for (const TagObservation& tag : capture.tags) {
+    if (!tag.used) continue;
+    for (const Eigen::Vector2d& corner : tag.corners) {
+      const auto ray = capture.camera.ray(corner);
+      if (!ray) continue;
+      const Eigen::Vector3d eye = object_from_camera.translation, down = object_from_camera.rotation * *ray;
+      if (down.z() < 0) stage.extend((eye - eye.z() / down.z() * down).head<2>().eval());
+    }
+  }
 }
 
 /// Whole images, small, and what their backgrounds look like.
@@ -63,6 +79,7 @@ std::vector<ShapeView> coarse_views(Images& images) {
     images.backgrounds.push_back(view.outline.empty() ? plain_background(view) : PlainBackground{});
     if (view.outline.empty() && images.backgrounds.back().found) mark_background(images.backgrounds.back(), view);
     views.push_back(std::move(view));
+    extend_by_tags(capture, images.stage);
   }
   return views;
 }
@@ -141,6 +158,27 @@ Hull find_hull(std::span<const ShapeView> views, const Eigen::AlignedBox3d& seen
   if (box.isEmpty())
     throw Error("the outlines of the images have no place in common: check the poses, and that all show one object");
   return {.hull = {views, box, dissenters}, .dissenters = dissenters};
+}
+
+/// On the stage, where that is known: above its sheet, between its tags.
+Eigen::AlignedBox3d on_stage(const Images& images, const Eigen::AlignedBox3d& box) {
+  if (images.stage.isEmpty()) return box;
+  std::vector<double> pixels;
+  for (const PosedCamera& camera : images.cameras)
+    pixels.push_back((camera.camera_from_object * box.center()).norm() / camera.camera.fx);
+  const double sheet = kSheet_px * median(pixels);  // so thick depths of it may be
+  const Eigen::AlignedBox2d& stage = images.stage;
+  return box.intersection({Eigen::Vector3d(stage.min().x(), stage.min().y(), sheet),
+                           Eigen::Vector3d(stage.max().x(), stage.max().y(), box.max().z())});
+}
+
+/// Where the object is, from small images.
+Eigen::AlignedBox3d find_box(Images& images) {
+  const std::vector<ShapeView> views = coarse_views(images);
+  const bool outlines = std::any_of(views.begin(), views.end(), [](const ShapeView& v) { return !v.outline.empty(); });
+  const Eigen::AlignedBox3d seen = on_stage(images, box_seen_by(VisualHull::share_that_sees(outlines), images.cameras));
+  if (seen.isEmpty()) throw Error("the images show nothing above the stage: the cameras look elsewhere");
+  return find_hull(views, seen).hull.box();
 }
 
 /// Parts of the images round the object, at a scale at which it has about `kObjectPixels`.
@@ -301,10 +339,10 @@ double area_of(const Mesh& mesh) {
 }  // namespace
 
 FoundShape find_shape(const RefinementImages& images, const ShapeOptions& options, const StepsDone& progress) {
-  const Eigen::AlignedBox3d seen = box_seen_by_half(images.cameras);
-  Images used{.all = images, .used = spread_views(images.cameras, seen.center(), kMostViews)};
+  const Eigen::Vector3d middle = box_seen_by(VisualHull::share_that_sees(false), images.cameras).center();
+  Images used{.all = images, .used = spread_views(images.cameras, middle, kMostViews)};
   for (const std::size_t i : used.used) used.cameras.push_back(images.cameras[i]);
-  const Eigen::AlignedBox3d box = find_hull(coarse_views(used), seen).hull.box();
+  const Eigen::AlignedBox3d box = find_box(used);
   const std::vector<ShapeView> views = fine_views(used, box);
   const Hull hull = find_hull(views, box);
   const Depths depths = find_depths(views, hull, progress);

@@ -93,9 +93,10 @@ float VisualHull::distance(const Eigen::Vector3d& point) const {
     if (beyond > 0 || view.outside.empty()) continue;  // it shows nothing of the point
     outlines.push_back(metres * bilinear(view.outside, x, y));
   }
-  const float seen_by_half = largest_but(static_cast<int>(frames.size() / 2), frames);
+  const double unseeing = 1 - share_that_sees(has_outlines());
+  const float seen_by_enough = largest_but(static_cast<int>(unseeing * static_cast<double>(frames.size())), frames);
   const Eigen::Vector3d beyond_box = (point - box_.center()).cwiseAbs() - 0.5 * box_.sizes();
-  return std::max({largest_but(dissenters_, outlines), seen_by_half, static_cast<float>(beyond_box.maxCoeff())});
+  return std::max({largest_but(dissenters_, outlines), seen_by_enough, static_cast<float>(beyond_box.maxCoeff())});
 }
 
 BlockField hull_field(const VisualHull& hull, const Lattice& lattice, const ForEach& for_each) {

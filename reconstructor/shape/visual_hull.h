@@ -11,8 +11,8 @@
 
 namespace sheen {
 
-/// What the outlines of all views leave of a box. An object that no outline bounds is bounded by what half of the views
-/// see.
+/// What the outlines of all views leave of a box, where a share of the views see it: a fifth, and half of them where no
+/// outline bounds the object.
 class VisualHull {
  public:
   /// `dissenters`: as many views may have a point in the background.
@@ -21,6 +21,9 @@ class VisualHull {
   /// How far a point lies outside, metres; negative inside. Of a view i that is D_i z / f, with D_i the pixels from the
   /// outline at distance z and focal length f; of all views it is the (dissenters + 1)-th largest.
   float distance(const Eigen::Vector3d& point) const;
+
+  /// Of the views, that must have a point in their frame.
+  static double share_that_sees(bool outlines) { return outlines ? 0.2 : 0.5; }
 
   bool has_outlines() const { return outlines_ > 0; }
   int outlines() const { return outlines_; }  ///< views that have one

@@ -20,9 +20,9 @@ std::vector<PosedCamera> round(const Eigen::Vector3d& place, int count) {
   return cameras;
 }
 
-TEST(BoxSeenByHalf, LiesRoundWhatTheCamerasLookAt) {
+TEST(BoxSeenBy, LiesRoundWhatTheCamerasLookAt) {
   const Eigen::Vector3d place(3, -2, 7);
-  const Eigen::AlignedBox3d box = box_seen_by_half(round(place, 30));
+  const Eigen::AlignedBox3d box = box_seen_by(0.5, round(place, 30));
   // Within the frame at the middle: half a picture's width over the focal length, times the distance.
   const double half = 100.0 / 400 * 0.5;
   EXPECT_LT((box.center() - place).norm(), 0.02);
@@ -30,19 +30,19 @@ TEST(BoxSeenByHalf, LiesRoundWhatTheCamerasLookAt) {
   EXPECT_TRUE((box.sizes().array() < 3.2 * half).all()) << box.sizes();
 }
 
-TEST(BoxSeenByHalf, IsNotMovedByAFewThatLookElsewhere) {
+TEST(BoxSeenBy, IsNotMovedByAFewThatLookElsewhere) {
   const Eigen::Vector3d place(0, 0, 0);
   std::vector<PosedCamera> cameras = round(place, 30);
   for (int i = 0; i < 6; ++i)
     cameras[5 * i].camera_from_object =
         look_at(camera_centre(cameras[5 * i].camera_from_object), {5, 5, 0}, Eigen::Vector3d::UnitZ());
-  EXPECT_LT((box_seen_by_half(cameras).center() - place).norm(), 0.03);
+  EXPECT_LT((box_seen_by(0.5, cameras).center() - place).norm(), 0.03);
 }
 
-TEST(BoxSeenByHalf, RefusesParallelAxes) {
+TEST(BoxSeenBy, RefusesParallelAxes) {
   std::vector<PosedCamera> cameras(5, {kCamera, {}});
   for (int i = 0; i < 5; ++i) cameras[i].camera_from_object.translation = {0.1 * i, 0.02 * i * i, 0};
-  expect_error<Error>([&] { box_seen_by_half(cameras); }, {"look in parallel", "several sides"});
+  expect_error<Error>([&] { box_seen_by(0.5, cameras); }, {"look in parallel", "several sides"});
 }
 
 TEST(PartWith, HoldsTheBoxWithinTheImage) {
