@@ -56,7 +56,7 @@ std::optional<CaptureEnd::Result> CaptureEnd::run() {
   if (result.model && !small) note_judgement(judged.model, *result.model);
   nlohmann::json report = live_report(reconstruction_, judged, loop_.status());
   if (small) report["file"] = file_report(*result.model, *small);
-  if (refinement_) report["refinement"] = refinement_->report();
+  if (live_mesh_) report[live_mesh_->name()] = live_mesh_->report();
   result.report = std::make_shared<nlohmann::json>(std::move(report));
   return result;
 }

@@ -13,7 +13,7 @@
 
 #include "common/base/progress.h"
 #include "reconstructor/capture/capture_loop.h"
-#include "reconstructor/capture/live_refinement.h"
+#include "reconstructor/capture/live_mesh.h"
 
 namespace sheen {
 
@@ -36,15 +36,15 @@ struct EndProgress {
 /// `session_folder`/model, its held-out views are judged. As bounded as the journal is; `stop` ends it earlier.
 class CaptureEnd {
  public:
-  /// `size`: that of the saved model, as `save_reconstruction` takes it. `refinement`: of the mesh, which the loop
-  /// awaits; or null.
+  /// `size`: that of the saved model, as `save_reconstruction` takes it. `live_mesh`: whose last mesh
+  /// the loop awaits; or null.
   CaptureEnd(CaptureLoop& loop, Reconstruction& reconstruction, std::filesystem::path session_folder,
-             std::optional<CompressionTarget> size, const LiveRefinement* refinement)
+             std::optional<CompressionTarget> size, const LiveMesh* live_mesh)
       : loop_(loop),
         reconstruction_(reconstruction),
         folder_(std::move(session_folder)),
         size_(std::move(size)),
-        refinement_(refinement) {}
+        live_mesh_(live_mesh) {}
   ~CaptureEnd() { stop_.request_stop(); }  // the future waits
 
   void begin();
@@ -71,7 +71,7 @@ class CaptureEnd {
   Reconstruction& reconstruction_;
   std::filesystem::path folder_;
   std::optional<CompressionTarget> size_;
-  const LiveRefinement* refinement_;
+  const LiveMesh* live_mesh_;
   std::stop_source stop_;
   mutable std::mutex mutex_;
   EndProgress progress_;

@@ -36,7 +36,7 @@ struct Latencies {
   RunningStatistics to_picture;  ///< of these: in a snapshot that whoever watches has
 };
 
-/// How far the refinement of a mesh against the captures so far has come.
+/// How far a look at the captures so far, for a better mesh, has come.
 struct MeshLook {
   std::uint64_t captures = 0;
   std::size_t done = 0, steps = 0;
@@ -95,7 +95,7 @@ struct CaptureLoopOptions {
 /// as refused. While another program keeps the session locked, captures wait unacknowledged. When a capture that the
 /// model knows is withdrawn from the journal, by whichever program, it is taken out of the model at once, and in the
 /// next pause of the capture the model is rebuilt without it, to the bit, while the last snapshot stays. So it is at
-/// once where a refined mesh comes.
+/// once where a better mesh comes.
 class CaptureLoop {
  public:
   /// The session's captures so far are ingested first. `links`: that know what the session holds.
@@ -111,7 +111,7 @@ class CaptureLoop {
   void stop();
   /// True when nothing more comes and everything has been ingested, or an error stopped the loop.
   bool finished() const { return finished_; }
-  /// The model is rebuilt on another mesh with the same triangles, while the last snapshot stays. From any thread.
+  /// The model is rebuilt on another mesh, while the last snapshot stays. From any thread.
   void go_over_to(std::shared_ptr<const Mesh> mesh);
   void no_other_mesh_follows();
   /// What `LoopStatus::mesh_look` says; nothing when it is over.

@@ -102,14 +102,14 @@ std::string commands_for_missing(const std::vector<LiveDisplay::Names::Tracker>&
 std::string message_of(const LoopStatus& status, const ReceiverStats& link, const std::string& missing) {
   if (!status.error.empty()) return status.error;
   if (status.rebuild_until > 0)
-    return std::string(status.on_another_mesh ? "on the refined mesh" : "without what was taken back") + ": image " +
+    return std::string(status.on_another_mesh ? "on the better mesh" : "without what was taken back") + ": image " +
            std::to_string(status.ingested) + " of " + std::to_string(status.rebuild_until);
   if (!link.ended && link.last_error.empty() && !missing.empty()) return "start a tracker: " + missing;
   return link.last_error;
 }
 
 std::string text_of(const MeshLook& look) {
-  return "refining the mesh with " + std::to_string(look.captures) + " images: step " + std::to_string(look.done) +
+  return "improving the mesh with " + std::to_string(look.captures) + " images: step " + std::to_string(look.done) +
          " of " + std::to_string(look.steps);
 }
 
@@ -186,7 +186,7 @@ std::optional<WorkInHand> work_of(const EndProgress& end) {
     case EndStage::kFinishing:
       return WorkInHand{done("The last images are being added", "image"), fraction, kNoModel};
     case EndStage::kRefining:
-      return WorkInHand{done("The mesh is being refined a last time", "step"), fraction, kNoModel};
+      return WorkInHand{done("The mesh is being improved a last time", "step"), fraction, kNoModel};
     case EndStage::kSaving:
       return WorkInHand{done("The model is being saved", "part"), fraction, kNoModel};
     case EndStage::kJudging:
@@ -286,13 +286,15 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
                  .trouble = trouble_of(stats, end)});
 }
 
-MonitorState state_before_first(const LiveDisplay::Names& names, const std::vector<LinkState>& links) {
+MonitorState state_before_first(const LiveDisplay::Names& names, const std::vector<LinkState>& links,
+                                const std::string& message) {
   MonitorState state;
   state.version = SHEEN_VERSION;
   state.model = names.model;
   state.session_folder = names.session_folder;
   state.links = links_of(names, links);
   state.hint = commands_for_missing(names.trackers, links);
+  if (state.hint.empty()) state.hint = message;
   return state;
 }
 

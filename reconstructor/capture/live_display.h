@@ -77,6 +77,8 @@ class LiveDisplay {
 };
 
 /// What the monitor page shows before the first image, while it is not known what will be modelled.
-MonitorState state_before_first(const LiveDisplay::Names& names, const std::vector<LinkState>& links);
+/// `message`: what is done meanwhile, once every tracker has come.
+MonitorState state_before_first(const LiveDisplay::Names& names, const std::vector<LinkState>& links,
+                                const std::string& message = {});
 
 }  // namespace sheen

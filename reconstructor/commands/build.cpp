@@ -15,6 +15,7 @@
 #include "common/datasets/stored_images.h"
 #include "reconstructor/capture/capture_report.h"
 #include "reconstructor/capture/capture_set.h"
+#include "reconstructor/capture/live_shape.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/capture/training_images.h"
 #include "reconstructor/commands/build_verdict.h"
@@ -100,7 +101,11 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildRequest& request, con
 }
 
 /// What the model is built on where no mesh was given and the model makes none itself: the shape in the images.
-Mesh found_shape(const CaptureSet& captures, int hold_out_every, nlohmann::json& report) {
+Mesh found_shape(const std::string& dataset, const CaptureSet& captures, int hold_out_every, nlohmann::json& report) {
+  if (const auto known = Session::exists(dataset) ? shape_of_session(dataset) : nullptr) {
+    std::fprintf(stderr, "no --mesh: the shape is %s of the session\n", kShapeFile);
+    return *known;
+  }
   std::fprintf(stderr, "no --mesh: the shape is found in the images\n");
   try {
     return find_and_tell(training_images(captures, hold_out_every), {}, report["shape"]).mesh;
@@ -157,7 +162,7 @@ void build(BuildRequest request, const std::function<void(const nlohmann::json&)
     throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
   nlohmann::json fit = nlohmann::json::object();
   const bool from_images = request.mesh.empty() && !settings.makes_mesh() && !is_light_list(request.dataset);
-  Mesh mesh = from_images ? found_shape(captures, settings.hold_out_every, fit)
+  Mesh mesh = from_images ? found_shape(request.dataset, captures, settings.hold_out_every, fit)
                           : surface_for(settings, request.mesh, captures.cameras);
   captures = in_frame_at(mesh.origin, std::move(captures));
   // Where the light moves images differ for that reason alone.

@@ -27,6 +27,7 @@
 #include "reconstructor/capture/live_display.h"
 #include "reconstructor/capture/live_model.h"
 #include "reconstructor/capture/live_refinement.h"
+#include "reconstructor/capture/live_shape.h"
 #include "reconstructor/capture/saved_model.h"
 #include "reconstructor/capture/steered_capture.h"
 #include "reconstructor/commands/commands.h"
@@ -200,6 +201,45 @@ std::optional<FirstCapture::Found> wait_for_first(const ServeArguments& argument
   return over ? std::move(found) : std::nullopt;
 }
 
+/// Null when a signal, or the window's closing, ended the wait.
+std::shared_ptr<const Mesh> wait_for_shape(const ServeArguments& arguments, const ModelSettings& settings,
+                                           Session& session, TrackerLinks& links, LinkLog& log, MonitorServer* monitor,
+                                           ViewerWindow*& window, const LiveDisplay::Names& names) {
+  if (const auto known = shape_of_session(arguments.session)) {
+    log_info("shape", "as the session has it", {{"triangles", known->triangles.size()}});
+    return known;
+  }
+  FirstShape first(session, links, arguments.session, settings.hold_out_every, arguments.once,
+                   [&log](const std::vector<LinkState>& states) { log.look(states); });
+  ViewerFeed feed;
+  auto publish_at = std::chrono::steady_clock::now();
+  wait_until(
+      [&] {
+        if (const auto now = std::chrono::steady_clock::now(); now >= publish_at) {
+          publish_at = now + kMonitorInterval;
+          feed.publish({.message = first.message()});
+          if (monitor) monitor->publish(state_before_first(names, links.states(), first.message()));
+        }
+        return first.over() || stop_requested();
+      },
+      window, feed);
+  const bool over = first.over();
+  std::shared_ptr<const Mesh> found = first.take();
+  if (found) require_no_origin("the shape", *found);
+  return over ? found : nullptr;
+}
+
+/// Looks at the shape: soon, and often, for each costs less than the images that came since.
+LiveMeshOptions shape_options(int hold_out_every, std::uint64_t captures) {
+  constexpr double kGrowth = 1.6;
+  return {.name = "shape",
+          .hold_out_every = hold_out_every,
+          .fewest_images = 5,
+          .first = static_cast<std::uint64_t>(kGrowth * static_cast<double>(captures)),
+          .growth = kGrowth,
+          .growth_at_end = 1.1};
+}
+
 void open_monitor(std::optional<MonitorServer>& monitor, SteeredCapture& steered, LiveModel& model,
                   const ServeArguments& arguments) {
   if (arguments.no_monitor) return;
@@ -262,9 +302,9 @@ void report_end(const ServeArguments& arguments, const CaptureEnd::Result& resul
   json.write(to_text(report));
 }
 
-FileError none_was_usable(const ServeArguments& arguments, std::uint64_t ingested, bool makes_own_surface) {
+FileError none_was_usable(const ServeArguments& arguments, std::uint64_t ingested) {
   const std::string captures = std::to_string(ingested);
-  return makes_own_surface
+  return arguments.mesh.empty()
              ? FileError(arguments.session,
                          "none of its " + captures +
                              " captures can be used; they are kept; a model of moving light needs a light "
@@ -285,7 +325,10 @@ void serve(ServeArguments arguments) {
   if (!request.automatic()) plan = plan_for(arguments, request.named());
   if (arguments.refine && plan && surface_needs_camera(*plan->scene.settings, arguments.mesh))
     throw ConfigError(std::string("--refine: ") + plan->scene.kind->name() + " has no mesh to refine; leave it out");
-  const bool waits = !plan || (arguments.mesh.empty() && surface_needs_camera(*plan->scene.settings, arguments.mesh));
+  if (arguments.refine && plan && arguments.mesh.empty())
+    throw ConfigError(
+        "--refine corrects a mesh that is given; a shape that is found in the images becomes better by itself");
+  const bool waits = !plan || arguments.mesh.empty();
   std::unique_ptr<Reconstruction> reconstructed = waits ? nullptr : reconstruction_for(arguments, *plan, {});
 
   LiveDisplay::Names names = names_of(arguments, trackers);
@@ -304,6 +347,7 @@ void serve(ServeArguments arguments) {
   for (ReceiverOptions& tracker : trackers) tracker.held = session.held();
   auto links = std::make_unique<TrackerLinks>(trackers);
   LinkLog link_log;
+  std::shared_ptr<const Mesh> shape;  // that was found, where no mesh was given and the model makes none
   if (waits) {
     tell_it_waits(names);
     const std::optional<FirstCapture::Found> first =
@@ -314,35 +358,49 @@ void serve(ServeArguments arguments) {
       if (!arguments.headless) open_window(screen, *plan->scene.kind, {.screenshot_folder = arguments.session});
       window = screen ? &*screen : nullptr;
     }
-    const Capture& capture = first->capture;
-    reconstructed = reconstruction_for(arguments, *plan, {{{capture.camera, capture.pose.camera_from_object}}});
+    const ModelSettings& settings = *plan->scene.settings;
+    if (arguments.mesh.empty() && !settings.makes_mesh()) {
+      shape =
+          wait_for_shape(arguments, settings, session, *links, link_log, monitor ? &*monitor : nullptr, window, names);
+      if (!shape) return log_info("session", "ended before there was a shape", {{"folder", arguments.session}});
+      reconstructed = std::make_unique<Reconstruction>(*shape, settings);
+    } else {
+      const Capture& capture = first->capture;
+      reconstructed = reconstruction_for(arguments, *plan, {{{capture.camera, capture.pose.camera_from_object}}});
+    }
   }
   Reconstruction& reconstruction = *reconstructed;
   reconstruction.keep_within(plan->limits, session.metadata(kEffortKey).value_or(""), session.size(),
                              plan->scene.measured);
-  const bool makes_own_surface = surface_needs_camera(*plan->scene.settings, arguments.mesh);
   const std::shared_ptr<const Mesh> given = reconstruction.shared_mesh();
   LiveDisplay display(names);
   LoopObserver observer = display.observer();
   live_model.watch(*plan->scene.kind, observer);
-  if (!makes_own_surface) watch_mesh(*given, display, observer);
+  if (!arguments.mesh.empty()) watch_mesh(*given, display, observer);
   observer.on_link = [&link_log](const std::vector<LinkState>& states) { link_log.look(states); };
-  const bool refines = arguments.refine && !makes_own_surface;
+  const bool refines = arguments.refine && !arguments.mesh.empty();
   const std::shared_ptr<const Mesh> present = refines ? refined_mesh_of(arguments.session, *given) : nullptr;
   if (present) reconstruction.restart_on(present);
   observer.on_snapshot(reconstruction.snapshot(), reconstruction.shared_painter());  // the mesh, before any image
   watch_motion(*plan->scene.kind, display, observer);
   CaptureLoop loop(arguments.session, std::move(session), std::move(links), reconstruction,
-                   {.stop_when_source_ends = arguments.once, .awaits_last_mesh = refines}, std::move(observer));
-  std::optional<LiveRefinement> refinement;
+                   {.stop_when_source_ends = arguments.once, .awaits_last_mesh = refines || shape},
+                   std::move(observer));
+  std::optional<LiveMesh> live_mesh;
+  const int hold_out = plan->scene.settings->hold_out_every;
+  const auto no_more = [&loop] { return loop.status().no_more_captures; };
   if (refines)
-    refinement.emplace(loop, arguments.session, given, present ? present : given,
-                       refinement_options(*plan->scene.settings, display));
-  CaptureEnd end(loop, reconstruction, arguments.session, plan->size, refinement ? &*refinement : nullptr);
+    live_mesh.emplace(
+        loop, arguments.session, LiveMeshOptions{.hold_out_every = hold_out},
+        refining_look(arguments.session, given, present ? present : given, no_more, tells_findings(display)));
+  if (shape)
+    live_mesh.emplace(loop, arguments.session, shape_options(hold_out, loop.status().journaled),
+                      shape_look(arguments.session, no_more));
+  CaptureEnd end(loop, reconstruction, arguments.session, plan->size, live_mesh ? &*live_mesh : nullptr);
   if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
   install_stop_signals(2);  // the first begins the end, the second cuts it short
   loop.start();
-  if (refinement) refinement->start();
+  if (live_mesh) live_mesh->start();
   if (!waits) tell_it_waits(names);
   const RepeatedWork publisher(
       "display", kDisplayInterval,
@@ -363,7 +421,7 @@ void serve(ServeArguments arguments) {
   report_end(arguments, result, status, std::move(model_choice), steered.lines(), json);
   const auto& counts = reconstruction.account().counts();
   if (status.ingested > status.counts.withdrawn && counts.accepted + counts.held_out == 0)
-    throw none_was_usable(arguments, status.ingested, makes_own_surface);
+    throw none_was_usable(arguments, status.ingested);
 }
 
 }  // namespace
@@ -373,7 +431,7 @@ void add_serve_command(Command& program) {
   Command command =
       program.subcommand("serve", "Receives images from a tracker, stores them, and adds them to the model.");
   command.option("--mesh", a->mesh,
-                 "PLY, OBJ or OFF of the object, in the stage's frame; a model that makes its own surface needs none");
+                 "PLY, OBJ or OFF of the object, in the stage's frame; without one the shape is found in the images");
   command.option("--session", a->session, "folder of the session; continued if it exists").required();
   const Option config = command.option("--config", a->config, "scene file (TOML)");
   command

@@ -98,11 +98,11 @@ void watch_motion(const ModelKind& kind, LiveDisplay& display, LoopObserver& obs
   };
 }
 
-LiveRefinementOptions refinement_options(const ModelSettings& settings, LiveDisplay& display) {
-  return {.hold_out_every = settings.hold_out_every, .on_finding = [&display](const std::string& finding) {
-            log_warning("mesh", finding);
-            display.warn(finding);
-          }};
+std::function<void(const std::string&)> tells_findings(LiveDisplay& display) {
+  return [&display](const std::string& finding) {
+    log_warning("mesh", finding);
+    display.warn(finding);
+  };
 }
 
 }  // namespace sheen

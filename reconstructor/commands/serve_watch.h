@@ -8,7 +8,6 @@
 
 #include "reconstructor/capture/capture_loop.h"
 #include "reconstructor/capture/live_display.h"
-#include "reconstructor/capture/live_refinement.h"
 #include "reconstructor/models/model_kind.h"
 #include "reconstructor/render/gl/viewer_window.h"
 
@@ -41,7 +40,7 @@ void watch_mesh(const Mesh& mesh, LiveDisplay& display, LoopObserver& observer);
 /// Adds to an observer: it tells once, in the same places, when something moves that the model takes to stand still.
 void watch_motion(const ModelKind& kind, LiveDisplay& display, LoopObserver& observer);
 
-/// How `serve --refine` refines; what it finds wrong with the mesh as a whole goes to the same places.
-LiveRefinementOptions refinement_options(const ModelSettings& settings, LiveDisplay& display);
+/// Tells a finding in the same places.
+std::function<void(const std::string&)> tells_findings(LiveDisplay& display);
 
 }  // namespace sheen

@@ -15,6 +15,7 @@
 #include "reconstructor/commands/commands.h"
 #include "reconstructor/commands/shape_finding.h"
 #include "reconstructor/scene/scene_config.h"
+#include "reconstructor/shape/shape_file.h"
 
 namespace sheen {
 namespace {
@@ -35,7 +36,7 @@ void shape(const ShapeArguments& arguments) {
   nlohmann::json report;
   const FoundShape found =
       find_and_tell(images, {.triangles = static_cast<std::size_t>(arguments.triangles.value_or(0))}, report);
-  save_shape(found.mesh, found.evidence, arguments.out);
+  save_shape(found, arguments.out);
   json.write(report.dump(2) + "\n");
 }
 

@@ -5,12 +5,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <vector>
+#include <span>
 
 #include "common/base/errors.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
-#include "common/geometry/mesh_io.h"
 #include "reconstructor/scene/mesh_scale.h"
 
 namespace sheen {
@@ -50,18 +49,11 @@ FoundShape find_and_tell(const RefinementImages& images, const ShapeOptions& opt
             {"images", images.cameras.size()},
             {"views", found.views},
             {"outlines", found.outlines},
-            {"dissenters", found.dissenters},
+            {"outlines_agree", found.coherent},
             {"depth_share", found.depth_share},
             {"cell_mm", 1e3 * found.cell},
             {"evidence", {{"seen", seen}, {"outline", outline}, {"guessed", 1 - seen - outline}}}};
   return found;
-}
-
-void save_shape(const Mesh& mesh, std::span<const ShapeEvidence> evidence, const std::filesystem::path& path) {
-  std::vector<float> values;
-  for (const ShapeEvidence kind : evidence) values.push_back(static_cast<float>(kind));
-  const VertexValues columns[] = {{.name = "evidence", .values = values, .bytes = true}};
-  save_ply(mesh, path, columns);
 }
 
 }  // namespace sheen

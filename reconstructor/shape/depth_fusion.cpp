@@ -12,7 +12,11 @@ namespace {
 
 constexpr double kReach = 3.5;              // cells to either side of a surface in which its view counts
 constexpr float kHullWeight = 0.1f;         // a view that sees a surface straight and surely has 1
-constexpr float kBackgroundWeight = 0.01f;  // of a view that shows background at a point, and no surface
+constexpr float kBackgroundWeight = 0.03f;  // of a view that shows background at a point, and no surface
+// A little way behind what a view sees is likely to be inside, in a hull that is sure: else one wrong depth, as of a
+// highlight, which lies deeper, would bore a hole.
+constexpr float kBehind = 3;  // reaches
+constexpr float kBehindWeight = 0.6f;
 constexpr float kOverrulesHull = 0.7f;
 constexpr double kThickness = 0.15;  // of the box's diagonal: so deep behind what is seen the object is taken to reach
 constexpr int kFewestBefore = 2;
@@ -98,9 +102,10 @@ class Fusion {
       if (!said) continue;
       ++asked;
       if (said->weight > 0 && said->off < 0 && said->off > -thickness_) ++behind;
-      if (said->off < -reach_) continue;
-      sum += said->weight * std::min(said->off, reach_);
-      weight += said->weight;
+      if (said->off < -(hull_is_sure_ ? kBehind : 1) * reach_) continue;
+      const float counted = said->off < -reach_ ? kBehindWeight * said->weight : said->weight;
+      sum += counted * std::clamp(said->off, -reach_, reach_);
+      weight += counted;
     }
     const float hull_off = std::clamp(hull, -reach_, reach_);
     const bool bodily = hull_.has_outlines() || behind >= std::max(kFewestBefore, asked / 2);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <string>
 
 #include "common/base/errors.h"
@@ -24,14 +25,13 @@
 namespace sheen {
 namespace {
 
-constexpr std::size_t kMostViews = 60;                  // in which depth is searched
 constexpr std::size_t kNeighbours = 6;                  // that a view is compared with
 constexpr double kCoarseWidth_px = 320;                 // of an image in which the object is looked for
-constexpr double kObjectPixels = 200'000;               // of the object's box in a view, about
 constexpr double kCoarseCells = 64, kRangeCells = 128;  // along the longest side of a box
 constexpr double kMostCells = 400;
 constexpr double kCoherent = 0.98;  // overlap of outlines and hull from where masks are believed
-constexpr double kDissent = 0.2;    // of the outlines, where they are not
+// Masks that agree show also what few images have in their frame.
+constexpr HullRule kStrict{.most_dissent = 1, .must_see = 0.2}, kTolerant{.may_dissent = 0.2};
 constexpr double kSheet_px = 1.5;
 constexpr double kFinest_px = 1.0;    // cell of the fused field, pixels
 constexpr double kTriangle_px = 3.5;  // side of a triangle, pixels
@@ -91,15 +91,14 @@ BlockField hull_with_cells(const VisualHull& hull, double cells) {
 /// The hull in a box that fits it.
 struct Hull {
   VisualHull hull;
-  int dissenters = 0;
   bool coherent = false;
 };
 
-Eigen::AlignedBox3d tight_box(std::span<const ShapeView> views, const Eigen::AlignedBox3d& box, int dissenters) {
+Eigen::AlignedBox3d tight_box(std::span<const ShapeView> views, const Eigen::AlignedBox3d& box, const HullRule& rule) {
   constexpr int kRounds = 3;
   Eigen::AlignedBox3d tight = box;
   for (int round = 0; round < kRounds; ++round) {
-    const BlockField field = hull_with_cells({views, tight, dissenters}, kCoarseCells);
+    const BlockField field = hull_with_cells({views, tight, rule}, kCoarseCells);
     const Mesh piece = closed_surface(field).mesh;  // what else is left of the box lies out of most views' sight
     if (piece.triangles.empty()) return {};
     Eigen::AlignedBox3d within;
@@ -144,20 +143,18 @@ double overlap_with(std::span<const ShapeView> views, const Mesh& hull) {
 
 /// Whether outlines and hull are of one object, so that one dissenter is enough for a mask that is off.
 Hull find_hull(std::span<const ShapeView> views, const Eigen::AlignedBox3d& seen) {
-  const int outlines = VisualHull(views, seen, 0).outlines();
-  if (outlines == 0) return {.hull = {views, seen, 0}};
-  const Eigen::AlignedBox3d strict = tight_box(views, seen, 1);
+  if (!VisualHull(views, seen, {}).has_outlines()) return {.hull = {views, seen, {}}};
+  const Eigen::AlignedBox3d strict = tight_box(views, seen, kStrict);
   if (!strict.isEmpty()) {
-    VisualHull hull(views, strict, 1);
+    VisualHull hull(views, strict, kStrict);
     const Mesh mesh = closed_surface(hull_with_cells(hull, kRangeCells)).mesh;
     if (!mesh.triangles.empty() && overlap_with(views, mesh) >= kCoherent)
-      return {.hull = std::move(hull), .dissenters = 1, .coherent = true};
+      return {.hull = std::move(hull), .coherent = true};
   }
-  const int dissenters = static_cast<int>(kDissent * outlines);
-  const Eigen::AlignedBox3d box = tight_box(views, seen, dissenters);
+  const Eigen::AlignedBox3d box = tight_box(views, seen, kTolerant);
   if (box.isEmpty())
     throw Error("the outlines of the images have no place in common: check the poses, and that all show one object");
-  return {.hull = {views, box, dissenters}, .dissenters = dissenters};
+  return {.hull = {views, box, kTolerant}};
 }
 
 /// On the stage, where that is known: above its sheet, between its tags.
@@ -176,20 +173,21 @@ Eigen::AlignedBox3d on_stage(const Images& images, const Eigen::AlignedBox3d& bo
 Eigen::AlignedBox3d find_box(Images& images) {
   const std::vector<ShapeView> views = coarse_views(images);
   const bool outlines = std::any_of(views.begin(), views.end(), [](const ShapeView& v) { return !v.outline.empty(); });
-  const Eigen::AlignedBox3d seen = on_stage(images, box_seen_by(VisualHull::share_that_sees(outlines), images.cameras));
+  const Eigen::AlignedBox3d seen =
+      on_stage(images, box_seen_by((outlines ? kStrict : HullRule()).must_see, images.cameras));
   if (seen.isEmpty()) throw Error("the images show nothing above the stage: the cameras look elsewhere");
   return find_hull(views, seen).hull.box();
 }
 
-/// Parts of the images round the object, at a scale at which it has about `kObjectPixels`.
-std::vector<ShapeView> fine_views(const Images& images, const Eigen::AlignedBox3d& box) {
+/// Parts of the images round the object, at a scale at which its box has about so many pixels.
+std::vector<ShapeView> fine_views(const Images& images, const Eigen::AlignedBox3d& box, double pixels) {
   std::vector<PixelBox> parts;
   std::vector<double> areas;
   for (const PosedCamera& camera : images.cameras) {
     parts.push_back(part_with(box, camera));
     areas.push_back(double(parts.back().width()) * parts.back().height());
   }
-  const double scale = std::min(1.0, std::sqrt(kObjectPixels / std::max(1.0, median(areas))));
+  const double scale = std::min(1.0, std::sqrt(pixels / std::max(1.0, median(areas))));
   std::vector<ShapeView> views;
   for (std::size_t i = 0; i < images.used.size(); ++i) {
     if (parts[i].empty()) parts[i] = {0, 0, 1, 1};
@@ -239,6 +237,21 @@ std::vector<ImageF> depths_in(std::span<const DepthMap> maps) {
   return depths;
 }
 
+/// Tells of each view that is done, one call at a time.
+class ViewsDone {
+ public:
+  ViewsDone(std::size_t steps, const StepsDone& progress) : steps_(steps), progress_(progress) {}
+  void one() {
+    const std::lock_guard lock(mutex_);
+    if (progress_) progress_(++done_, steps_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::size_t done_ = 0, steps_;
+  const StepsDone& progress_;
+};
+
 Depths find_depths(std::span<const ShapeView> views, const Hull& hull, const StepsDone& progress) {
   const Eigen::AlignedBox3d& box = hull.hull.box();
   const BlockField field = hull_with_cells(hull.hull, kRangeCells);
@@ -256,12 +269,13 @@ Depths find_depths(std::span<const ShapeView> views, const Hull& hull, const Ste
 
   std::vector<DepthRange> ranges(views.size());
   std::vector<DepthMap> maps(views.size());
+  ViewsDone done(2 * views.size(), progress);
   in_parallel(views.size(), [&](std::size_t i) {
     const double farthest = (views[i].camera.camera_from_object * box.center()).z() + 2 * box.diagonal().norm();
     ranges[i] = range_in(views[i], scene, mesh.origin, margin, farthest);
     maps[i] = search_depth(views[i], others[i], ranges[i], i);
+    done.one();
   });
-  if (progress) progress(1, 4);
   const auto depths_of = [&](const std::vector<ImageF>& all, std::size_t i) {
     std::vector<const ImageF*> of_others;
     for (const std::size_t j : neighbours[i]) of_others.push_back(&all[j]);
@@ -272,7 +286,6 @@ Depths find_depths(std::span<const ShapeView> views, const Hull& hull, const Ste
     maps[i] =
         search_depth_again(views[i], others[i], depths_of(first, i), ranges[i], std::move(maps[i]), views.size() + i);
   });
-  if (progress) progress(2, 4);
   const std::vector<ImageF> second = depths_in(maps);
   std::vector<ImageU8> agreeing(views.size());
   in_parallel(views.size(), [&](std::size_t i) {
@@ -289,7 +302,6 @@ Depths find_depths(std::span<const ShapeView> views, const Hull& hull, const Ste
         else
           maps[i].depth.at(x, y) = 0;
       }
-  if (progress) progress(3, 4);
   return {std::move(maps), looked_at == 0 ? 0 : static_cast<double>(kept) / static_cast<double>(looked_at)};
 }
 
@@ -339,11 +351,11 @@ double area_of(const Mesh& mesh) {
 }  // namespace
 
 FoundShape find_shape(const RefinementImages& images, const ShapeOptions& options, const StepsDone& progress) {
-  const Eigen::Vector3d middle = box_seen_by(VisualHull::share_that_sees(false), images.cameras).center();
-  Images used{.all = images, .used = spread_views(images.cameras, middle, kMostViews)};
+  const Eigen::Vector3d middle = box_seen_by(HullRule().must_see, images.cameras).center();
+  Images used{.all = images, .used = spread_views(images.cameras, middle, options.most_views)};
   for (const std::size_t i : used.used) used.cameras.push_back(images.cameras[i]);
   const Eigen::AlignedBox3d box = find_box(used);
-  const std::vector<ShapeView> views = fine_views(used, box);
+  const std::vector<ShapeView> views = fine_views(used, box, options.object_pixels);
   const Hull hull = find_hull(views, box);
   const Depths depths = find_depths(views, hull, progress);
 
@@ -364,7 +376,7 @@ FoundShape find_shape(const RefinementImages& images, const ShapeOptions& option
 
   FoundShape found{.mesh = simplified(fine, triangles, detail),
                    .outlines = hull.hull.outlines(),
-                   .dissenters = hull.dissenters,
+                   .coherent = hull.coherent,
                    .views = views.size(),
                    .depth_share = depths.share,
                    .cell = cell};

@@ -19,14 +19,16 @@ enum class ShapeEvidence : std::uint8_t {
 };
 
 struct ShapeOptions {
-  std::size_t triangles = 0;  ///< about so many; 0: as many as the images resolve
+  std::size_t triangles = 0;       ///< about so many; 0: as many as the images resolve
+  std::size_t most_views = 60;     ///< in which depth is searched, spread round the object
+  double object_pixels = 200'000;  ///< of the object's box in a view, about: finer images are made smaller
 };
 
 struct FoundShape {
   Mesh mesh;                            ///< closed, 2-manifold, one piece
   std::vector<ShapeEvidence> evidence;  ///< per vertex
   int outlines = 0;                     ///< images that bound the object by an outline
-  int dissenters = 0;                   ///< of these, as many may leave a place out
+  bool coherent = false;                ///< these agree, so that they are believed
   std::size_t views = 0;                ///< images that depth was searched in
   double depth_share = 0;               ///< of the object's pixels in these: where depth was found and agreed
   double cell = 0;                      ///< of the lattice that it was put together in, metres

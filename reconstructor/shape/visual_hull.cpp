@@ -57,8 +57,8 @@ float largest_but(int number, std::span<float> values) {
 
 }  // namespace
 
-VisualHull::VisualHull(std::span<const ShapeView> views, const Eigen::AlignedBox3d& box, int dissenters)
-    : box_(box), dissenters_(dissenters) {
+VisualHull::VisualHull(std::span<const ShapeView> views, const Eigen::AlignedBox3d& box, const HullRule& rule)
+    : box_(box), rule_(rule) {
   for (const ShapeView& view : views) {
     const Camera& camera = view.camera.camera;
     Eigen::Matrix3d k;
@@ -93,10 +93,11 @@ float VisualHull::distance(const Eigen::Vector3d& point) const {
     if (beyond > 0 || view.outside.empty()) continue;  // it shows nothing of the point
     outlines.push_back(metres * bilinear(view.outside, x, y));
   }
-  const double unseeing = 1 - share_that_sees(has_outlines());
+  const double unseeing = 1 - rule_.must_see;
   const float seen_by_enough = largest_but(static_cast<int>(unseeing * static_cast<double>(frames.size())), frames);
   const Eigen::Vector3d beyond_box = (point - box_.center()).cwiseAbs() - 0.5 * box_.sizes();
-  return std::max({largest_but(dissenters_, outlines), seen_by_enough, static_cast<float>(beyond_box.maxCoeff())});
+  return std::max({largest_but(rule_.dissenters(outlines.size()), outlines), seen_by_enough,
+                   static_cast<float>(beyond_box.maxCoeff())});
 }
 
 BlockField hull_field(const VisualHull& hull, const Lattice& lattice, const ForEach& for_each) {
@@ -107,16 +108,28 @@ BlockField hull_field(const VisualHull& hull, const Lattice& lattice, const ForE
     return Eigen::Array3i(n % blocks.x(), n / blocks.x() % blocks.y(), n / (blocks.x() * blocks.y()));
   };
   const std::size_t all = blocks.prod();
-  std::vector<float> at_middle(all);
+  // Distances change by no more than the way, along a ray by a little more, and by more where a view's frame ends: so
+  // there are probes all over a block, each of which stands for what is round it.
+  constexpr int kProbes = 3;  // along a side
+  constexpr double kApart = double(BlockField::kSide - 1) / (kProbes - 1);
+  const double reach = 1.4 * std::sqrt(3.0) * 0.5 * (kApart + 1) * lattice.cell;
+  std::vector<std::int8_t> side(all);  // -1: all inside, 1: all outside
   for_each(all, [&](std::size_t i) {
-    const Eigen::Array3d middle = (BlockField::kSide * block_number(i)).cast<double>() + 0.5 * (BlockField::kSide - 1);
-    at_middle[i] = hull.distance(lattice.origin + lattice.cell * middle.matrix());
+    const Eigen::Array3d first = (BlockField::kSide * block_number(i)).cast<double>();
+    int inside = 0, outside = 0;
+    for (int n = 0; n < kProbes * kProbes * kProbes && (inside == n || outside == n); ++n) {
+      const Eigen::Array3d probe =
+          first + kApart * Eigen::Array3d(n % kProbes, n / kProbes % kProbes, n / (kProbes * kProbes));
+      const double distance = hull.distance(lattice.origin + lattice.cell * probe.matrix());
+      inside += distance < -reach ? 1 : 0;
+      outside += distance > reach ? 1 : 0;
+    }
+    constexpr int kAll = kProbes * kProbes * kProbes;
+    side[i] = static_cast<std::int8_t>(inside == kAll ? -1 : outside == kAll ? 1 : 0);
   });
-  // Distances change by no more than the way, and along a ray by a little more.
-  const double reach = 1.4 * std::sqrt(3.0) * 0.5 * (BlockField::kSide + 1) * lattice.cell;
   for (std::size_t i = 0; i < all; ++i) {
-    if (std::abs(at_middle[i]) > reach)
-      field.fill(block_number(i), at_middle[i] < 0);
+    if (side[i] != 0)
+      field.fill(block_number(i), side[i] < 0);
     else
       field.store(block_number(i));
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -11,19 +12,26 @@
 
 namespace sheen {
 
-/// What the outlines of all views leave of a box, where a share of the views see it: a fifth, and half of them where no
-/// outline bounds the object.
+/// Which points belong to a hull.
+struct HullRule {
+  int most_dissent = 0;    ///< as many of the views that see a point may have it in their background, ...
+  double may_dissent = 0;  ///< ... or this share of them
+  double must_see = 0.5;   ///< share of all views that must have it in their frame
+
+  int dissenters(std::size_t seeing) const {
+    return std::max(most_dissent, static_cast<int>(may_dissent * static_cast<double>(seeing)));
+  }
+};
+
+/// What the outlines of all views leave of a box.
 class VisualHull {
  public:
-  /// `dissenters`: as many views may have a point in the background.
-  VisualHull(std::span<const ShapeView> views, const Eigen::AlignedBox3d& box, int dissenters);
+  VisualHull(std::span<const ShapeView> views, const Eigen::AlignedBox3d& box, const HullRule& rule);
 
   /// How far a point lies outside, metres; negative inside. Of a view i that is D_i z / f, with D_i the pixels from the
-  /// outline at distance z and focal length f; of all views it is the (dissenters + 1)-th largest.
+  /// outline at distance z and focal length f; of all views that see it the one after as many
+  /// as may dissent, from the largest.
   float distance(const Eigen::Vector3d& point) const;
-
-  /// Of the views, that must have a point in their frame.
-  static double share_that_sees(bool outlines) { return outlines ? 0.2 : 0.5; }
 
   bool has_outlines() const { return outlines_ > 0; }
   int outlines() const { return outlines_; }  ///< views that have one
@@ -38,7 +46,7 @@ class VisualHull {
   };
   Eigen::AlignedBox3d box_;
   std::vector<View> views_;
-  int dissenters_;
+  HullRule rule_;
   int outlines_ = 0;
 };
 

@@ -65,7 +65,7 @@ const std::vector<Room> kReconstructor = {
     {"evaluation", "render|models|radiance|surface|numerics"},
     {"effort", "evaluation|render|models|radiance"},
     {"scene", "effort|models"},
-    {"capture", "scene|effort|evaluation|monitor|page|render|models|radiance|refinement"},
+    {"capture", "scene|effort|evaluation|monitor|page|render|models|radiance|shape|refinement"},
     {"studies", "lumigraph_file|effort|evaluation|render|models|radiance|surface|numerics"},
 };
 

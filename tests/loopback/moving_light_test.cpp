@@ -222,8 +222,6 @@ TEST_F(MovingLightAndCamera, AutoIsForWhatMoves) {
     expect_same_lit_model(model, session / "model");
     expect_same_lit_model(temp_.path() / (c.model + "_again"), session / "model");
   }
-  expect_outcome(run_to_end(reconstructor({"build", fixed.folder, "--model", "auto"})), 0,
-                 {"no --mesh: the shape is found in the images", "5 images added"});
   expect_outcome(run_to_end(reconstructor({"refine", fixed.folder, "--mesh", fixed.mesh(), "--out",
                                            temp_.path() / "r.ply", "--config", scene})),
                  2, {"auto.toml:1", "only `build` and `serve` choose it"});
@@ -266,8 +264,8 @@ TEST_F(MovingLight, TheStatusSaysWhatIsAwaitedAndChosen) {
 }
 
 TEST_F(MovingLight, WrongUseIsTold) {
-  expect_outcome(run_to_end(reconstructor({"serve", "--session", session_, "--headless"})), 2,
-                 {"--mesh is required", "surface_light_field"});
+  expect_outcome(run_to_end(reconstructor({"serve", "--session", session_, "--headless", "--refine"})), 2,
+                 {"--refine corrects a mesh that is given"});
   expect_outcome(run_to_end(serve_field({"--headless", "--mesh", "object.ply"})), 2,
                  {"--mesh", "makes its own surface; leave it out"});
   EXPECT_FALSE(fs::exists(session_));

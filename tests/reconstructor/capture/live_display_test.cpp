@@ -57,7 +57,7 @@ TEST(LiveDisplay, BeforeTheFirstTrackerTheMeshIsShownAndHowToStartOne) {
   EXPECT_EQ(display.feed().latest()->message, "");
   status.mesh_look = MeshLook{24, 3, 12};
   display.publish_to_window(status);
-  EXPECT_EQ(display.feed().latest()->message, "refining the mesh with 24 images: step 3 of 12");
+  EXPECT_EQ(display.feed().latest()->message, "improving the mesh with 24 images: step 3 of 12");
   display.warn("the mesh stands elsewhere; run `sheen-tracker register`");
   display.publish_to_window(status);
   EXPECT_EQ(display.feed().latest()->message, "the mesh stands elsewhere; run `sheen-tracker register`");

@@ -24,7 +24,7 @@ std::vector<ShapeView> whole_views(const Photographs& photographs) {
 
 TEST(VisualHull, OfABallIsTheDistanceFromIt) {
   const Photographs photographs(ball(), 60, -0.98, true);
-  const VisualHull hull(whole_views(photographs), kBox, 0);
+  const VisualHull hull(whole_views(photographs), kBox, {});
   EXPECT_EQ(hull.outlines(), 60);
   for (const Eigen::Vector3d& direction : analytic::eyes(50, 1, -0.98))
     for (const double off : {-0.03, -0.005, 0.0, 0.005, 0.03}) {
@@ -41,16 +41,16 @@ TEST(VisualHull, ADissenterIsOutvoted) {
     for (int y = 0; y < kCamera.height; ++y) views[3].outline.at(x, y) = 0;  // half of one mask is missing
   double lost = 0;
   const Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  lost = VisualHull(views, kBox, 0).distance(0.5 * kRadius * Eigen::Vector3d::UnitX()) +
-         VisualHull(views, kBox, 0).distance(-0.5 * kRadius * Eigen::Vector3d::UnitX());
+  lost = VisualHull(views, kBox, {}).distance(0.5 * kRadius * Eigen::Vector3d::UnitX()) +
+         VisualHull(views, kBox, {}).distance(-0.5 * kRadius * Eigen::Vector3d::UnitX());
   EXPECT_GT(lost, -2 * 0.5 * kRadius) << "without dissenters half of the ball is gone";
-  EXPECT_LT(VisualHull(views, kBox, 1).distance(middle), -0.9 * kRadius);
+  EXPECT_LT(VisualHull(views, kBox, {.most_dissent = 1}).distance(middle), -0.9 * kRadius);
 }
 
 TEST(VisualHull, WithoutOutlinesIsWhatHalfOfTheViewsSee) {
   const Photographs photographs(ball(), 30, -0.98, false);
   const VisualHull hull(whole_views(photographs),
-                        Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Constant(1)), 0);
+                        Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Constant(1)), {});
   EXPECT_FALSE(hull.has_outlines());
   EXPECT_LT(hull.distance({0, 0, 0}), 0);
   EXPECT_GT(hull.distance({0.4, 0, 0}), 0);
@@ -58,8 +58,8 @@ TEST(VisualHull, WithoutOutlinesIsWhatHalfOfTheViewsSee) {
 
 TEST(HullField, AgreesWithTheHullAtEveryPoint) {
   const Photographs photographs(ball(), 20, -0.98, true);
-  const VisualHull hull(whole_views(photographs), kBox, 0);
-  const BlockField field = hull_field(hull, lattice_over(kBox, 0.006), one_after_the_other);
+  const VisualHull hull(whole_views(photographs), kBox, {});
+  const BlockField field = hull_field(hull, lattice_over(kBox, 0.004), one_after_the_other);
   const Eigen::Array3i points = field.lattice().points;
   for (int z = 0; z < points.z(); z += 3)
     for (int y = 0; y < points.y(); y += 3)

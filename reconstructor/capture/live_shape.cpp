@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstructor/capture/live_shape.h"
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/errors.h"
+#include "common/base/guarded_thread.h"
+#include "common/base/log.h"
+#include "reconstructor/capture/background_threads.h"
+#include "reconstructor/capture/capture_set.h"
+#include "reconstructor/capture/capture_storing.h"
+#include "reconstructor/capture/training_images.h"
+#include "reconstructor/shape/shape_file.h"
+
+namespace sheen {
+namespace {
+
+constexpr std::chrono::milliseconds kPoll{50};
+constexpr std::uint64_t kFewestCaptures = 6;
+constexpr double kGrowth = 1.4;       // of the captures until it is tried again
+constexpr double kSeenAtFirst = 0.3;  // of the vertices: less is no shape to begin with
+
+constexpr ShapeOptions kWhileImagesCome{.triangles = 12'000, .most_views = 40, .object_pixels = 50'000};
+constexpr ShapeOptions kAtTheEnd{.most_views = 40, .object_pixels = 120'000};
+
+double share_seen(const FoundShape& found) {
+  const auto seen = std::count(found.evidence.begin(), found.evidence.end(), ShapeEvidence::kSeen);
+  return static_cast<double>(seen) / static_cast<double>(found.evidence.size());
+}
+
+std::shared_ptr<const Mesh> kept(const FoundShape& found, const std::filesystem::path& folder) {
+  save_mesh_of_session(folder, kShapeFile, [&](const std::filesystem::path& file) { save_shape(found, file); });
+  log_info("shape", "found in the images so far",
+           {{"triangles", found.mesh.triangles.size()}, {"seen", share_seen(found)}});
+  return std::make_shared<const Mesh>(found.mesh);
+}
+
+}  // namespace
+
+std::shared_ptr<const Mesh> shape_of_session(const std::filesystem::path& session_folder) {
+  const std::filesystem::path file = session_folder / kShapeFile;
+  return std::filesystem::exists(file) ? std::make_shared<const Mesh>(load_mesh_unchanged(file)) : nullptr;
+}
+
+FirstShape::FirstShape(Session& session, TrackerLinks& links, std::filesystem::path session_folder, int hold_out_every,
+                       bool once, std::function<void(const std::vector<LinkState>&)> on_link)
+    : session_(session),
+      links_(links),
+      folder_(std::move(session_folder)),
+      hold_out_every_(hold_out_every),
+      once_(once),
+      on_link_(std::move(on_link)),
+      stored_(session.size()) {
+  const auto fail = [this](const std::exception_ptr& error) {
+    const std::lock_guard lock(mutex_);
+    if (!failure_) failure_ = error;
+    over_ = true;
+  };
+  receiving_ = guarded_thread([this](const std::stop_token& stop) { receive(stop); }, fail);
+  finding_ = guarded_thread(
+      [this](const std::stop_token& stop) {
+        BackgroundThreads().run([&] { find(stop); });
+        over_ = true;
+      },
+      fail);
+}
+
+std::string FirstShape::message() const {
+  const std::lock_guard lock(mutex_);
+  return message_;
+}
+
+void FirstShape::say(std::string message) {
+  const std::lock_guard lock(mutex_);
+  message_ = std::move(message);
+}
+
+std::shared_ptr<const Mesh> FirstShape::take() {
+  for (std::jthread* thread : {&receiving_, &finding_}) thread->request_stop();
+  for (std::jthread* thread : {&receiving_, &finding_})
+    if (thread->joinable()) thread->join();
+  if (failure_) std::rethrow_exception(failure_);
+  return found_;
+}
+
+void FirstShape::receive(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    std::optional<TrackerLinks::Arrival> arrival = links_.next(kPoll);
+    const std::vector<LinkState> states = links_.states();
+    if (on_link_) on_link_(states);
+    if (!arrival && joined(states).ended && once_) ended_ = true;
+    if (!arrival || arrival->received.live) continue;
+    if (store_capture(session_, links_, *arrival, stop)) stored_ = session_.size();
+  }
+}
+
+void FirstShape::find(const std::stop_token& stop) {
+  std::uint64_t next = kFewestCaptures;
+  say("the first images show the shape; move the camera round the object");
+  while (!stop.stop_requested()) {
+    const bool ended = ended_;  // before what it had stored is counted
+    const std::uint64_t stored = stored_;
+    if (stored < next && !ended) {
+      std::this_thread::sleep_for(kPoll);
+      continue;
+    }
+    say("finding the shape in " + std::to_string(stored) + " images");
+    try {
+      found_ = try_with(patiently(stop, [&] { return open_capture_set(folder_); }), stop);
+      if (found_) return;
+      say("the shape is not clear yet in " + std::to_string(stored) + " images; move on round the object");
+    } catch (const Error& error) {
+      if (stop.stop_requested()) return;
+      if (ended) throw;
+      say(std::string("no shape yet: ") + error.what());
+      log_info("shape", std::string("none yet: ") + error.what(), {{"captures", stored}});
+    }
+    if (ended)
+      throw Error("the images show no shape: less than a third of it was seen by images that agree; or give --mesh");
+    next = std::max(stored + 2, static_cast<std::uint64_t>(kGrowth * static_cast<double>(stored)));
+  }
+}
+
+std::shared_ptr<const Mesh> FirstShape::try_with(const CaptureSet& captures, const std::stop_token& stop) {
+  const RefinementImages images = training_images(captures, hold_out_every_);
+  const FoundShape found = find_shape(images, kWhileImagesCome, [&](std::size_t, std::size_t) {
+    if (stop.stop_requested()) throw Error("stopped");
+  });
+  return share_seen(found) >= kSeenAtFirst ? kept(found, folder_) : nullptr;
+}
+
+LookAtMesh shape_look(std::filesystem::path folder, std::function<bool()> over) {
+  return [folder = std::move(folder), over = std::move(over)](const RefinementImages& images, const StepsDone& progress,
+                                                              nlohmann::json& told) -> std::shared_ptr<const Mesh> {
+    const FoundShape found = find_shape(images, over() ? kAtTheEnd : kWhileImagesCome, progress);
+    told = {{"triangles", found.mesh.triangles.size()}, {"seen", share_seen(found)}};
+    return kept(found, folder);
+  };
+}
+
+}  // namespace sheen

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/session/session.h"
+#include "reconstructor/capture/capture_set.h"
+#include "reconstructor/capture/live_mesh.h"
+#include "reconstructor/capture/tracker_links.h"
+
+namespace sheen {
+
+/// In a session's folder: the shape that was found in its images.
+inline constexpr const char* kShapeFile = "shape.ply";
+
+/// The shape that stands in a session's folder; null where there is none. Throws FileError.
+std::shared_ptr<const Mesh> shape_of_session(const std::filesystem::path& session_folder);
+
+/// The first shape that the images of a session show, five or more of them; meanwhile what comes is received, journaled
+/// and acknowledged. On threads of its own.
+class FirstShape {
+ public:
+  /// Session and links must outlive it; nothing else uses them until it is over. `once`: no other source follows one
+  /// that ends. `on_link`: called many times per second.
+  FirstShape(Session& session, TrackerLinks& links, std::filesystem::path session_folder, int hold_out_every, bool once,
+             std::function<void(const std::vector<LinkState>&)> on_link);
+
+  /// It is there, or none will come.
+  bool over() const { return over_; }
+  /// How far it is, for people.
+  std::string message() const;
+  /// Ends the wait. Null where there was none. Throws what went wrong.
+  std::shared_ptr<const Mesh> take();
+
+ private:
+  void receive(const std::stop_token& stop);
+  void find(const std::stop_token& stop);
+  std::shared_ptr<const Mesh> try_with(const CaptureSet& captures, const std::stop_token& stop);
+  void say(std::string message);
+
+  Session& session_;
+  TrackerLinks& links_;
+  const std::filesystem::path folder_;
+  const int hold_out_every_;
+  const bool once_;
+  std::function<void(const std::vector<LinkState>&)> on_link_;
+  std::atomic<std::uint64_t> stored_{0};
+  std::atomic<bool> ended_{false}, over_{false};
+  mutable std::mutex mutex_;
+  std::string message_;
+  std::shared_ptr<const Mesh> found_;
+  std::exception_ptr failure_;
+  std::jthread receiving_, finding_;
+};
+
+/// Finds the shape anew in the images so far, and always goes over to it: it is made of more. `over`: no more captures
+/// come, so it takes its time. It stands in the session's folder. A look tells {"triangles", "seen"}.
+LookAtMesh shape_look(std::filesystem::path session_folder, std::function<bool()> over);
+
+}  // namespace sheen
