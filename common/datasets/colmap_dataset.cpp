@@ -173,15 +173,20 @@ fs::path find_colmap_mask(const FileFinder& finder, const std::string& image) {
   return {};
 }
 
-std::optional<ColmapViews> load_colmap(const fs::path& root, ImageAccount& account) {
+bool holds_colmap(const fs::path& root) {
+  return !model_folders(root).empty();
+}
+
+std::optional<ColmapViews> load_colmap(const fs::path& root, const fs::path& images, ImageAccount& account) {
   std::vector<Model> models;
   for (const fs::path& folder : model_folders(root)) models.push_back(read_model(folder));
   if (models.empty()) return std::nullopt;
   const Model& model = *std::max_element(
       models.begin(), models.end(), [](const Model& a, const Model& b) { return a.images.size() < b.images.size(); });
   if (model.images.empty()) throw FileError(model.images_file, "holds no image");
-  ColmapViews colmap{.views = {}, .description = model.description, .remarks = choice_of(models, model)};
-  const FileFinder finder(root);
+  ColmapViews colmap{
+      .views = {}, .models = models.size(), .description = model.description, .remarks = choice_of(models, model)};
+  const FileFinder finder(images);
   std::set<std::string> names;
   for (const ColmapImage& image : model.images) {
     DatasetView view = view_of(model, image);
@@ -189,7 +194,8 @@ std::optional<ColmapViews> load_colmap(const fs::path& root, ImageAccount& accou
     view.image_path = finder.find("images/" + view.name);
     if (view.image_path.empty()) view.image_path = finder.find(view.name);
     if (view.image_path.empty()) {
-      account.left_out.push_back({image.name, "there is no such image in " + root.string() + " or its folder images"});
+      account.left_out.push_back(
+          {image.name, "there is no such image in " + images.string() + " or its folder images"});
       continue;
     }
     if (const fs::path mask = find_colmap_mask(finder, view.name); !mask.empty()) view.mask_path = mask;

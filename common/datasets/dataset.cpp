@@ -74,10 +74,11 @@ Description read_description(const fs::path& folder, const fs::path& root, Image
   const fs::path transforms = fs::is_directory(folder, ignored) ? folder / "transforms.json" : folder;
   if (is_file(transforms)) return read_transforms(transforms, account);
   if (const auto split = read_split_transforms(root, account)) return *split;
-  if (auto colmap = load_colmap(root, account)) return {std::move(colmap->views), colmap->description, colmap->remarks};
+  if (auto colmap = load_colmap(root, root, account))
+    return {std::move(colmap->views), colmap->description, colmap->remarks};
   throw FileError(folder.string(),
                   "holds neither a transforms.json (or transforms_train.json) nor a COLMAP model (cameras and images, "
-                  ".bin or .txt)");
+                  ".bin or .txt); of photographs alone (JPEG, PNG or WebP) `build` and `shape` find the poses");
 }
 
 /// Two views of one file would be two photographs of the same pixels, or a test view that was trained with.
@@ -172,6 +173,10 @@ void require_size(const DatasetView& view, const fs::path& path, const ImageSize
 }
 
 }  // namespace
+
+bool holds_poses(const fs::path& folder) {
+  return is_file(folder / "transforms.json") || is_file(folder / "transforms_train.json") || holds_colmap(folder);
+}
 
 Dataset load_dataset(const fs::path& folder) {
   std::error_code ignored;

@@ -51,6 +51,9 @@ struct Dataset {
 /// Throws FileError naming file, frame and field, also where fewer than half of the images are left.
 Dataset load_dataset(const std::filesystem::path& folder);
 
+/// Whether a folder says where its images were taken from, so that `load_dataset` has something to read.
+bool holds_poses(const std::filesystem::path& folder);
+
 /// Throws FileError that names the first image or mask whose size is not its camera's, with both sizes.
 void check_sizes(const Dataset& dataset);
 

@@ -133,11 +133,16 @@ std::string cause(const ChosenMesh& chosen) {
 void build(BuildRequest request, const std::function<void(const nlohmann::json&)>& done) {
   Refining refining = refining_of(request.refine, request.no_refine);
   const SceneRequest asked(request.config, request.model);
+  nlohmann::json fit = nlohmann::json::object();
   std::optional<CaptureSet> opened;
+  const auto open = [&] {
+    request.dataset = with_poses(request.dataset, request.object_size, request.mesh, fit);
+    return open_capture_set(request.dataset);
+  };
   std::string why;
   SceneConfig scene;
   if (asked.automatic()) {
-    const RigMotion motion = opened.emplace(open_capture_set(request.dataset)).motion();
+    const RigMotion motion = opened.emplace(open()).motion();
     why = in_words(motion);
     scene = asked.chosen_by(motion);
     if (surface_needs_camera(*scene.settings, request.mesh)) request.mesh.clear();  // it makes its own
@@ -157,13 +162,14 @@ void build(BuildRequest request, const std::function<void(const nlohmann::json&)
     std::fprintf(stderr, "no --out: the model is built and judged, but not kept\n");
   else
     check_model_path(request.out, size.has_value());
-  CaptureSet captures = opened ? *std::move(opened) : open_capture_set(request.dataset);
+  CaptureSet captures = opened ? *std::move(opened) : open();
   if (!request.refine.empty() && surface_needs_camera(settings, request.mesh))
     throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
-  nlohmann::json fit = nlohmann::json::object();
   const bool from_images = request.mesh.empty() && !settings.makes_mesh() && !is_light_list(request.dataset);
   Mesh mesh = from_images ? found_shape(request.dataset, captures, settings.hold_out_every, fit)
                           : surface_for(settings, request.mesh, captures.cameras);
+  if (const auto metres = request.object_size.metres(); metres && from_images)
+    bring_to_size(*metres, request.dataset, mesh, captures, fit["shape"]);
   captures = in_frame_at(mesh.origin, std::move(captures));
   // Where the light moves images differ for that reason alone.
   if (refining == Refining::kWhereItGains && settings.makes_mesh()) refining = Refining::kNever;
@@ -205,10 +211,11 @@ void build(BuildRequest request, const std::function<void(const nlohmann::json&)
 void add_build_command(Command& program) {
   auto arguments = std::make_shared<BuildRequest>();
   auto report = std::make_shared<std::string>();
-  Command command = program.subcommand("build", "Builds a model from posed photographs or a session.");
+  Command command = program.subcommand("build", "Builds a model from photographs or a session.");
   command
       .option("dataset", arguments->dataset,
-              "folder with transforms.json, a COLMAP model or a Sheen session, or a list of lights (.lp)")
+              "folder with transforms.json, a COLMAP model or a Sheen session, a list of lights (.lp), or a folder of "
+              "photographs, whose poses COLMAP then finds")
       .required();
   command.option(
       "--mesh", arguments->mesh,
@@ -219,6 +226,7 @@ void add_build_command(Command& program) {
               "first correct the mesh, or with `poses` the poses too, against the images, as `refine` does; without it "
               "the mesh of a data set is corrected where images and mesh disagree and it gains")
       .excludes({no_refine});
+  arguments->object_size.add_to(command);
   command.option("--out", arguments->out, "model to write: one small file, or a folder with --loss 0dB");
   command
       .option("--hold-out", arguments->hold_out,
