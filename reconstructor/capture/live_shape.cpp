@@ -9,7 +9,6 @@
 #include "common/base/errors.h"
 #include "common/base/guarded_thread.h"
 #include "common/base/log.h"
-#include "reconstructor/capture/background_threads.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/capture_storing.h"
 #include "reconstructor/capture/training_images.h"
@@ -19,6 +18,7 @@ namespace sheen {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{50};
+constexpr std::chrono::seconds kPause{2};  // without a capture, after which those that are there are tried
 constexpr std::uint64_t kFewestCaptures = 6;
 constexpr double kGrowth = 1.4;       // of the captures until it is tried again
 constexpr double kSeenAtFirst = 0.3;  // of the vertices: less is no shape to begin with
@@ -62,7 +62,7 @@ FirstShape::FirstShape(Session& session, TrackerLinks& links, std::filesystem::p
   receiving_ = guarded_thread([this](const std::stop_token& stop) { receive(stop); }, fail);
   finding_ = guarded_thread(
       [this](const std::stop_token& stop) {
-        BackgroundThreads().run([&] { find(stop); });
+        find(stop);
         over_ = true;
       },
       fail);
@@ -98,16 +98,20 @@ void FirstShape::receive(const std::stop_token& stop) {
 }
 
 void FirstShape::find(const std::stop_token& stop) {
-  std::uint64_t next = kFewestCaptures;
+  std::uint64_t next = kFewestCaptures, tried = 0, counted = 0;
+  auto came = std::chrono::steady_clock::now();
   say("the first images show the shape; move the camera round the object");
   while (!stop.stop_requested()) {
     const bool ended = ended_;  // before what it had stored is counted
     const std::uint64_t stored = stored_;
-    if (stored < next && !ended) {
+    if (stored != std::exchange(counted, stored)) came = std::chrono::steady_clock::now();
+    const bool paused = stored > tried && stored >= kFewestCaptures && std::chrono::steady_clock::now() - came > kPause;
+    if (stored < next && !ended && !paused) {
       std::this_thread::sleep_for(kPoll);
       continue;
     }
     say("finding the shape in " + std::to_string(stored) + " images");
+    tried = stored;
     try {
       found_ = try_with(patiently(stop, [&] { return open_capture_set(folder_); }), stop);
       if (found_) return;

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <vector>
+
+#include "reconstructor/refinement/refinement_images.h"
+#include "reconstructor/shape/outline_evidence.h"
+#include "reconstructor/shape/shape_view.h"
+
+namespace sheen {
+
+/// The images that a shape is found from, as they are read again and again.
+struct ShapeImages {
+  const RefinementImages& all;
+  std::vector<std::size_t> used;             ///< numbers of those
+  std::vector<PosedCamera> cameras;          ///< of the used ones
+  std::vector<PlainBackground> backgrounds;  ///< likewise; `coarse_views` fills it
+  Eigen::AlignedBox2d stage;                 ///< likewise: in the plane z = 0; empty where no tags were seen
+
+  /// `most` of them, spread round a place.
+  ShapeImages(const RefinementImages& images, const Eigen::Vector3d& place, std::size_t most);
+  Capture read(std::size_t i) const { return all.read(used[i]); }
+};
+
+/// Whole images, small, and what their backgrounds look like.
+std::vector<ShapeView> coarse_views(ShapeImages& images);
+
+/// Parts of the images round the object, at a scale at which its box has about so many pixels.
+std::vector<ShapeView> fine_views(const ShapeImages& images, const Eigen::AlignedBox3d& box, double pixels);
+
+}  // namespace sheen
