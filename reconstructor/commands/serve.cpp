@@ -302,14 +302,14 @@ void report_end(const ServeArguments& arguments, const CaptureEnd::Result& resul
   json.write(to_text(report));
 }
 
-FileError none_was_usable(const ServeArguments& arguments, std::uint64_t ingested) {
+FileError none_was_usable(const ServeArguments& arguments, std::uint64_t ingested, bool makes_own_surface) {
   const std::string captures = std::to_string(ingested);
-  return arguments.mesh.empty()
+  return makes_own_surface
              ? FileError(arguments.session,
                          "none of its " + captures +
                              " captures can be used; they are kept; a model of moving light needs a light "
                              "in each")
-             : FileError(arguments.mesh,
+             : FileError(arguments.mesh.empty() ? arguments.session + "/" + kShapeFile : arguments.mesh,
                          "none of the session's " + captures +
                              " captures shows this mesh; they are kept; check that mesh and stage are in the "
                              "same frame and units");
@@ -363,6 +363,8 @@ void serve(ServeArguments arguments) {
       shape =
           wait_for_shape(arguments, settings, session, *links, link_log, monitor ? &*monitor : nullptr, window, names);
       if (!shape) return log_info("session", "ended before there was a shape", {{"folder", arguments.session}});
+      if (arguments.refine)  // the model was chosen only now
+        log_warning("mesh", "--refine is not used: the shape that is found in the images becomes better by itself");
       reconstructed = std::make_unique<Reconstruction>(*shape, settings);
     } else {
       const Capture& capture = first->capture;
@@ -421,7 +423,7 @@ void serve(ServeArguments arguments) {
   report_end(arguments, result, status, std::move(model_choice), steered.lines(), json);
   const auto& counts = reconstruction.account().counts();
   if (status.ingested > status.counts.withdrawn && counts.accepted + counts.held_out == 0)
-    throw none_was_usable(arguments, status.ingested);
+    throw none_was_usable(arguments, status.ingested, surface_needs_camera(*plan->scene.settings, arguments.mesh));
 }
 
 }  // namespace
