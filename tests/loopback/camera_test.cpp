@@ -18,6 +18,7 @@
 #include "common/session/session.h"
 #include "common/simulation/simulated_rig.h"
 #include "tests/loopback/daemons.h"
+#include "tests/loopback/sphere_rig.h"
 #include "tests/support/temp_folder.h"
 
 namespace sheen::testing {
@@ -35,23 +36,12 @@ int wanted_kills() {
   return wanted ? std::max(std::atoi(wanted) / 10 * 2, 2) : 0;
 }
 
-SimulationOptions small_rig() {
-  SimulationOptions options;
-  options.object = "sphere";
-  options.frames = kFrames;
-  options.width = 480;
-  options.height = 360;
-  options.frame_rate_hz = 12;
-  options.bake = {
-      .sky_directions = 64, .bounce_directions = 32, .bounces = 1, .area_light_samples = 2, .stage_cell_m = 0.02f};
-  return options;
-}
-
 class CameraOnTheWire : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TempFolder>();
-    recording_ = std::make_unique<RigRecording>(cached_recording(small_rig(), folder_->path() / "rig").recording);
+    recording_ =
+        std::make_unique<RigRecording>(cached_recording(sphere_rig(kFrames), folder_->path() / "rig").recording);
     // So few views round the object are far apart: what would be a fast motion for a hand.
     std::ofstream(config(), std::ios::app) << "\n[gate]\nmax_blur_px = 1000.0\nmax_uncertainty_px = 0.5\n";
   }
@@ -270,7 +260,7 @@ TEST_F(CameraOnTheWire, KilledAgainAndAgainNothingAcknowledgedIsLostAndTheModelI
 /// log of the camera on the wire.
 TEST(ALampOnTheWire, EachFrameHasTheLightThatItWasTakenIn) {
   const TempFolder temp;
-  SimulationOptions options = small_rig();
+  SimulationOptions options = sphere_rig(kFrames);
   options.frames = 16;
   options.light_path = "dome";
   options.still_camera = true;

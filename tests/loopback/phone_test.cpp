@@ -15,6 +15,7 @@
 #include "common/simulation/simulated_rig.h"
 #include "tests/loopback/daemons.h"
 #include "tests/loopback/phone.h"
+#include "tests/loopback/sphere_rig.h"
 #include "tests/support/temp_folder.h"
 
 namespace sheen::testing {
@@ -27,22 +28,12 @@ using ::testing::Not;
 constexpr int kFrames = 24;
 constexpr milliseconds kBetween{100 * kPatienceFactor};
 
-SimulationOptions small_rig() {
-  SimulationOptions options;
-  options.object = "sphere";
-  options.frames = kFrames;
-  options.width = 480;
-  options.height = 360;
-  options.bake = {
-      .sky_directions = 64, .bounce_directions = 32, .bounces = 1, .area_light_samples = 2, .stage_cell_m = 0.02f};
-  return options;
-}
-
 class Phone : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TempFolder>();
-    recording_ = std::make_unique<RigRecording>(cached_recording(small_rig(), folder_->path() / "rig").recording);
+    recording_ =
+        std::make_unique<RigRecording>(cached_recording(sphere_rig(kFrames), folder_->path() / "rig").recording);
     jpegs_ = jpegs_of(*recording_);
     // So few views round the object are far apart: what would be a fast motion for a hand.
     const std::string rig = read_file(recording_->folder / "rig.toml");
