@@ -66,6 +66,7 @@ class RtpStream {
   ~RtpStream() {
     av_freep(&format_->pb->buffer);
     avio_context_free(&format_->pb);
+    av_write_trailer(format_.get());  // frees what the header made; without a `pb` it sends nothing
   }
   RtpStream(const RtpStream&) = delete;
   RtpStream& operator=(const RtpStream&) = delete;
