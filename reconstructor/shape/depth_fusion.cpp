@@ -11,13 +11,17 @@ namespace sheen {
 namespace {
 
 constexpr double kReach = 3.5;              // cells to either side of a surface in which its view counts
-constexpr float kHullWeight = 0.1f;         // a view that sees a surface straight and surely has 1
+constexpr float kHullWeight = 0.02f;        // a view that sees a surface straight and surely has 1
 constexpr float kBackgroundWeight = 0.03f;  // of a view that shows background at a point, and no surface
 // A little way behind what a view sees is likely to be inside, in a hull that is sure: else one wrong depth, as of a
 // highlight, which lies deeper, would bore a hole.
 constexpr float kBehind = 3;  // reaches
 constexpr float kBehindWeight = 0.6f;
 constexpr float kOverrulesHull = 0.7f;
+// A hull that is sure cuts what depths say before it. As depths err to both sides, the mean of what is left would lie
+// behind the surface. So they count by how much more than such an error they say; far behind the hull, in full.
+constexpr double kDepthError = 1;      // cells
+constexpr double kBehindSureHull = 4;  // cells, from where they count in full
 constexpr double kThickness = 0.15;  // of the box's diagonal: so deep behind what is seen the object is taken to reach
 constexpr int kFewestBefore = 2;
 constexpr int kSmoothings = 20;
@@ -54,6 +58,15 @@ struct Said {
   float weight = 0;
 };
 
+/// Whether a surface that the view sees in a pixel or beside it reaches to a point at `z` or before it: then the pixel
+/// may see past the edge of that surface, and not through the point.
+bool is_beside_surface(const ImageF& depth, int x, int y, float z, float reach) {
+  for (int j = std::max(0, y - 1); j <= std::min(depth.height() - 1, y + 1); ++j)
+    for (int i = std::max(0, x - 1); i <= std::min(depth.width() - 1, x + 1); ++i)
+      if (const float known = depth.at(i, j); known > 0 && known < z + reach) return true;
+  return false;
+}
+
 /// Empty where the point is not in its frame. `far`: how far the background lies behind.
 std::optional<Said> said_by(const DepthView& view, const Eigen::Vector3f& centred, float far) {
   const Eigen::Vector3f p = view.view_from_centred * centred.homogeneous();
@@ -66,7 +79,8 @@ std::optional<Said> said_by(const DepthView& view, const Eigen::Vector3f& centre
   const int x = static_cast<int>(u), y = static_cast<int>(v);
   const float known = depth.at(x, y);
   if (!(known > 0)) {
-    if (view.outline->empty() || view.outline->at(x, y) != static_cast<std::uint8_t>(Outline::kBackground))
+    if (view.outline->empty() || view.outline->at(x, y) != static_cast<std::uint8_t>(Outline::kBackground) ||
+        is_beside_surface(depth, x, y, p.z(), far))
       return Said{};
     return Said{.off = far, .weight = kBackgroundWeight};
   }
@@ -76,7 +90,9 @@ std::optional<Said> said_by(const DepthView& view, const Eigen::Vector3f& centre
   const float along = normal.dot(ray), cosine = -along / ray.norm();
   if (!(cosine > 0.05f)) return Said{};
   const float here = known * normal.dot(pixel_ray) / along;  // of the pixel's plane, on the point's ray
-  return Said{.off = (here - p.z()) * -along, .weight = cosine * std::max(0.0f, 1 - view.map->cost.at(x, y))};
+  const float off = (here - p.z()) * -along;
+  if (off > far && is_beside_surface(depth, x, y, p.z(), far)) return Said{};
+  return Said{.off = off, .weight = cosine * std::max(0.0f, 1 - view.map->cost.at(x, y))};
 }
 
 class Fusion {
@@ -86,7 +102,8 @@ class Fusion {
         hull_(hull),
         hull_is_sure_(hull_is_sure),
         thickness_(static_cast<float>(kThickness * hull.box().diagonal().norm())),
-        reach_(static_cast<float>(kReach * cell)) {}
+        reach_(static_cast<float>(kReach * cell)),
+        depth_error_(static_cast<float>(kDepthError * cell)) {}
 
   struct Value {
     float distance = 0, weight = 0;
@@ -109,17 +126,23 @@ class Fusion {
     }
     const float hull_off = std::clamp(hull, -reach_, reach_);
     const bool bodily = hull_.has_outlines() || behind >= std::max(kFewestBefore, asked / 2);
-    const float mean = (sum + kHullWeight * (bodily ? hull_off : reach_)) / (weight + kHullWeight);
+    const float mean = -error_near(hull) + (sum + kHullWeight * (bodily ? hull_off : reach_)) / (weight + kHullWeight);
     const bool bounded = hull_is_sure_ || weight <= kOverrulesHull;
     return {bounded ? std::max(mean, hull_off) : mean, std::min(kMostWeight, weight + kHullWeight)};
   }
   float reach() const { return reach_; }
 
  private:
+  /// By how much depths must say more than the hull to count, at a distance from it.
+  float error_near(float hull) const {
+    constexpr auto kFull = static_cast<float>(kBehindSureHull / kDepthError);
+    return hull_is_sure_ ? std::max(0.0f, depth_error_ - std::abs(hull) / kFull) : 0;
+  }
+
   std::vector<DepthView> views_;
   const VisualHull& hull_;
   bool hull_is_sure_;
-  float thickness_, reach_;
+  float thickness_, reach_, depth_error_;
 };
 
 using Blocks = std::vector<std::uint8_t>;

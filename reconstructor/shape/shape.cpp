@@ -31,15 +31,6 @@ double pixel_on_object(std::span<const ShapeView> views, const Eigen::Vector3d& 
   return median(sizes);
 }
 
-std::vector<int> views_of_vertices(const Mesh& mesh, std::span<const ShapeView> views, const AgreedDepths& depths,
-                                   double reach) {
-  std::vector<int> seeing(mesh.vertices.size());
-  in_parallel(seeing.size(), [&](std::size_t v) {
-    seeing[v] = views_of(mesh.vertices[v].cast<double>() + mesh.origin, views, depths.maps, reach);
-  });
-  return seeing;
-}
-
 /// As many triangles as the images resolve.
 std::size_t resolved_triangles(const Mesh& mesh, double pixel) {
   double twice_area = 0;
@@ -49,17 +40,46 @@ std::size_t resolved_triangles(const Mesh& mesh, double pixel) {
 }
 
 std::vector<ShapeEvidence> evidence_of(const Mesh& mesh, std::span<const ShapeView> views, const AgreedDepths& depths,
-                                       const ObjectHull& hull, double cell) {
-  std::vector<ShapeEvidence> evidence;
-  const std::vector<int> seeing = views_of_vertices(mesh, views, depths, 2 * cell);
-  for (std::size_t v = 0; v < seeing.size(); ++v) {
-    const double outside = hull.hull.distance(mesh.vertices[v].cast<double>() + mesh.origin);
-    const bool on_outlines = hull.hull.has_outlines() && std::abs(outside) <= 1.5 * cell;
-    evidence.push_back(seeing[v] >= 2 ? ShapeEvidence::kSeen
-                       : on_outlines  ? ShapeEvidence::kOutline
-                                      : ShapeEvidence::kGuessed);
-  }
+                                       const VisualHull& hull, double cell) {
+  std::vector<ShapeEvidence> evidence(mesh.vertices.size());
+  in_parallel(evidence.size(), [&](std::size_t v) {
+    const Eigen::Vector3d place = mesh.vertices[v].cast<double>() + mesh.origin;
+    const bool on_outlines = hull.has_outlines() && std::abs(hull.distance(place)) <= 1.5 * cell;
+    evidence[v] = views_of(place, views, depths.maps, 2 * cell) >= 2 ? ShapeEvidence::kSeen
+                  : on_outlines                                      ? ShapeEvidence::kOutline
+                                                                     : ShapeEvidence::kGuessed;
+  });
   return evidence;
+}
+
+/// As finely as the images show it.
+struct FineSurface {
+  Mesh mesh;
+  std::vector<ShapeEvidence> evidence;  ///< of each vertex
+  double cell = 0, depth_share = 0;
+};
+
+/// Takes the grey of the views away: it is not needed any more, and memory is.
+FineSurface find_surface(std::vector<ShapeView>& views, const ObjectHull& found, double pixel,
+                         const StepsDone& progress) {
+  const VisualHull& hull = found.hull;
+  const AgreedDepths depths = find_depths(views, found, progress);
+  for (ShapeView& view : views) view.grey = {};
+  const Eigen::AlignedBox3d box = hull.has_outlines() ? hull.box() : box_of_seen(views, depths, hull.box());
+  FineSurface fine{.cell = std::max(kFinest_px * pixel, box.sizes().maxCoeff() / kMostCells),
+                   .depth_share = depths.share};
+  const Lattice lattice = lattice_over(box, fine.cell);
+  fine.mesh = closed_surface(fused_surface(views, depths.maps, hull, found.coherent, lattice, in_parallel)).mesh;
+  if (fine.mesh.triangles.empty()) throw Error("the images agree about no surface: check the poses");
+  fine.evidence = evidence_of(fine.mesh, views, depths, hull, fine.cell);
+  return fine;
+}
+
+/// Triangles go where the images saw detail.
+std::vector<float> detail_of(std::span<const ShapeEvidence> evidence) {
+  std::vector<float> detail;
+  for (const ShapeEvidence of : evidence) detail.push_back(of == ShapeEvidence::kSeen ? 1.0f : 0.2f);
+  return detail;
 }
 
 }  // namespace
@@ -68,29 +88,20 @@ FoundShape find_shape(const RefinementImages& images, const ShapeOptions& option
   const Eigen::Vector3d middle = box_seen_by(HullRule().must_see, images.cameras).center();
   ShapeImages used(images, middle, options.most_views);
   const Eigen::AlignedBox3d box = find_box(used);
-  const std::vector<ShapeView> views = fine_views(used, box, options.object_pixels);
+  std::vector<ShapeView> views = fine_views(used, box, options.object_pixels);
   const ObjectHull hull = find_hull(views, box);
-  const AgreedDepths depths = find_depths(views, hull, progress);
-
   const double pixel = pixel_on_object(views, box.center());
-  const Eigen::AlignedBox3d tight =
-      hull.hull.has_outlines() ? hull.hull.box() : box_of_seen(views, depths, hull.hull.box());
-  const double cell = std::max(kFinest_px * pixel, tight.sizes().maxCoeff() / kMostCells);
-  const BlockField field =
-      fused_surface(views, depths.maps, hull.hull, hull.coherent, lattice_over(tight, cell), in_parallel);
-  const Mesh fine = closed_surface(field).mesh;
-  if (fine.triangles.empty()) throw Error("the images agree about no surface: check the poses");
-  std::vector<float> detail;
-  for (const int n : views_of_vertices(fine, views, depths, 2 * cell)) detail.push_back(n >= 2 ? 1.0f : 0.2f);
+  FineSurface fine = find_surface(views, hull, pixel, progress);
 
-  FoundShape found{
-      .mesh = simplified(fine, options.triangles > 0 ? options.triangles : resolved_triangles(fine, pixel), detail),
-      .outlines = hull.hull.outlines(),
-      .coherent = hull.coherent,
-      .views = views.size(),
-      .depth_share = depths.share,
-      .cell = cell};
-  found.evidence = evidence_of(found.mesh, views, depths, hull, cell);
+  const std::size_t triangles = options.triangles > 0 ? options.triangles : resolved_triangles(fine.mesh, pixel);
+  SimplifiedMesh simple = simplified(std::move(fine.mesh), triangles, detail_of(fine.evidence));
+  FoundShape found{.mesh = std::move(simple.mesh),
+                   .outlines = hull.hull.outlines(),
+                   .coherent = hull.coherent,
+                   .views = views.size(),
+                   .depth_share = fine.depth_share,
+                   .cell = fine.cell};
+  for (const std::uint32_t v : simple.vertices) found.evidence.push_back(fine.evidence[v]);
   return found;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <deque>
 
 #include "reconstructor/shape/half_edges.h"
 #include "reconstructor/shape/quadric.h"
@@ -60,7 +61,7 @@ class CollapseQueue {
   }
 
  private:
-  std::vector<std::vector<Collapse>> buckets_ = std::vector<std::vector<Collapse>>(2048);
+  std::vector<std::deque<Collapse>> buckets_ = std::vector<std::deque<Collapse>>(2048);
   std::size_t first_ = 2048, size_ = 0;
 };
 
@@ -69,6 +70,7 @@ class Simplification {
   Simplification(const Mesh& mesh, std::span<const float> detail)
       : edges_(mesh.triangles, mesh.vertices.size()), sphere_(bounding_sphere(mesh)) {
     const double unit = sphere_.radius > 0 ? 1 / sphere_.radius : 1;
+    place_.reserve(mesh.vertices.size());
     for (const Eigen::Vector3f& vertex : mesh.vertices)
       place_.push_back(unit * (vertex.cast<double>() - sphere_.centre));
     version_.assign(place_.size(), 0);
@@ -86,20 +88,21 @@ class Simplification {
     }
   }
 
-  Mesh mesh(const Vector3d& origin) const {
-    Mesh result{.origin = origin};
+  SimplifiedMesh mesh(const Vector3d& origin) const {
+    SimplifiedMesh result{.mesh = {.origin = origin}, .vertices = {}};
     std::vector<std::uint32_t> now(place_.size(), HalfEdges::kNone);
     for (HalfEdges::Id h = 0; h < edges_.size(); ++h)
       if (!edges_.gone(h)) now[edges_.from(h)] = 0;
     for (std::size_t v = 0; v < now.size(); ++v) {
       if (now[v] == HalfEdges::kNone) continue;
       now[v] = static_cast<std::uint32_t>(result.vertices.size());
+      result.vertices.push_back(static_cast<std::uint32_t>(v));
       const double scale = sphere_.radius > 0 ? sphere_.radius : 1;
-      result.vertices.push_back((scale * place_[v] + sphere_.centre).cast<float>());
+      result.mesh.vertices.push_back((scale * place_[v] + sphere_.centre).cast<float>());
     }
     for (HalfEdges::Id h = 0; h < edges_.size(); h += 3)
       if (!edges_.gone(h))
-        result.triangles.push_back({now[edges_.from(h)], now[edges_.from(h + 1)], now[edges_.from(h + 2)]});
+        result.mesh.triangles.push_back({now[edges_.from(h)], now[edges_.from(h + 1)], now[edges_.from(h + 2)]});
     return result;
   }
 
@@ -169,10 +172,12 @@ class Simplification {
 
 }  // namespace
 
-Mesh simplified(const Mesh& mesh, std::size_t triangles, std::span<const float> detail) {
+SimplifiedMesh simplified(Mesh mesh, std::size_t triangles, std::span<const float> detail) {
   Simplification simplification(mesh, detail);
+  const Vector3d origin = mesh.origin;
+  mesh = {};  // memory: a field of many cells has a surface of millions of triangles
   simplification.run(triangles);
-  return simplification.mesh(mesh.origin);
+  return simplification.mesh(origin);
 }
 
 }  // namespace sheen
