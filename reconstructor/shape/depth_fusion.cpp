@@ -58,15 +58,6 @@ struct Said {
   float weight = 0;
 };
 
-/// Whether a surface that the view sees in a pixel or beside it reaches to a point at `z` or before it: then the pixel
-/// may see past the edge of that surface, and not through the point.
-bool is_beside_surface(const ImageF& depth, int x, int y, float z, float reach) {
-  for (int j = std::max(0, y - 1); j <= std::min(depth.height() - 1, y + 1); ++j)
-    for (int i = std::max(0, x - 1); i <= std::min(depth.width() - 1, x + 1); ++i)
-      if (const float known = depth.at(i, j); known > 0 && known < z + reach) return true;
-  return false;
-}
-
 /// Empty where the point is not in its frame. `far`: how far the background lies behind.
 std::optional<Said> said_by(const DepthView& view, const Eigen::Vector3f& centred, float far) {
   const Eigen::Vector3f p = view.view_from_centred * centred.homogeneous();
@@ -79,8 +70,7 @@ std::optional<Said> said_by(const DepthView& view, const Eigen::Vector3f& centre
   const int x = static_cast<int>(u), y = static_cast<int>(v);
   const float known = depth.at(x, y);
   if (!(known > 0)) {
-    if (view.outline->empty() || view.outline->at(x, y) != static_cast<std::uint8_t>(Outline::kBackground) ||
-        is_beside_surface(depth, x, y, p.z(), far))
+    if (view.outline->empty() || view.outline->at(x, y) != static_cast<std::uint8_t>(Outline::kBackground))
       return Said{};
     return Said{.off = far, .weight = kBackgroundWeight};
   }
@@ -90,9 +80,7 @@ std::optional<Said> said_by(const DepthView& view, const Eigen::Vector3f& centre
   const float along = normal.dot(ray), cosine = -along / ray.norm();
   if (!(cosine > 0.05f)) return Said{};
   const float here = known * normal.dot(pixel_ray) / along;  // of the pixel's plane, on the point's ray
-  const float off = (here - p.z()) * -along;
-  if (off > far && is_beside_surface(depth, x, y, p.z(), far)) return Said{};
-  return Said{.off = off, .weight = cosine * std::max(0.0f, 1 - view.map->cost.at(x, y))};
+  return Said{.off = (here - p.z()) * -along, .weight = cosine * std::max(0.0f, 1 - view.map->cost.at(x, y))};
 }
 
 class Fusion {
