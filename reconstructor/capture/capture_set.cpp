@@ -41,6 +41,18 @@ RigMotion motion_between(const Session& session, const std::vector<std::uint64_t
   return watch.motion();
 }
 
+/// What a data set's stage.json says, where there is one.
+std::optional<StageLayout> stage_in(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "stage.json";
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  try {
+    return load_stage(file);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s: it is not used\n", error.what());
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 CaptureSet in_frame_at(const Eigen::Vector3d& origin, CaptureSet captures) {
@@ -73,6 +85,7 @@ CaptureSet open_capture_set(const std::filesystem::path& folder) {
             .read = read,
             .cameras = some_cameras(*session, kept),
             .motion = [session, kept] { return motion_between(*session, kept); },
+            .stage = {},
             .files = {},
             .image_files = {}};
   }
@@ -84,6 +97,7 @@ CaptureSet open_capture_set(const std::filesystem::path& folder) {
           .read = std::move(images.read),
           .cameras = std::move(images.cameras),
           .motion = [motion = images.motion] { return motion; },
+          .stage = stage_in(folder),
           .files = std::move(images.account),
           .image_files = std::move(images.files)};
 }

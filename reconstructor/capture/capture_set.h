@@ -11,6 +11,7 @@
 #include "common/capture/capture.h"
 #include "common/capture/rig_motion.h"
 #include "common/datasets/image_account.h"
+#include "common/stage/stage_layout.h"
 #include "reconstructor/scene/mesh_scale.h"
 
 namespace sheen {
@@ -25,6 +26,7 @@ struct CaptureSet {
   std::function<Capture(std::size_t)> read;
   std::vector<PosedCamera> cameras;   ///< of a data set all; of a session some
   std::function<RigMotion()> motion;  ///< what moves between them; of a session it reads all
+  std::optional<StageLayout> stage;   ///< of a data set: what its `stage.json` says
   std::optional<ImageAccount> files;  ///< of a data set or a list: what became of its image files
   /// Of a data set or a list: the image of each. Of a session empty.
   std::vector<std::filesystem::path> image_files;

@@ -10,8 +10,10 @@
 namespace sheen {
 
 PosedImages posed_images(const CaptureSet& captures, int hold_out_every) {
-  PosedImages posed{
-      .images = {.read = {}, .cameras = {}, .masked = true}, .training = {}, .held_out = {}, .captures = {}};
+  PosedImages posed{.images = {.read = {}, .cameras = {}, .masked = true, .stage = captures.stage},
+                    .training = {},
+                    .held_out = {},
+                    .captures = {}};
   std::vector<std::size_t>& used = posed.captures;
   for (std::size_t i = 0; i < captures.size; ++i) {
     const Capture capture = captures.read(i);

@@ -39,6 +39,11 @@ FoundShape find_and_tell(const RefinementImages& images, const ShapeOptions& opt
                "%.0f %% guessed\n",
                found.mesh.triangles.size(), size_text(found.mesh).c_str(), 100 * seen, 100 * outline,
                100 * (1 - seen - outline));
+  if (found.stage_unconfirmed)
+    std::fprintf(
+        stderr,
+        "outlines are not found by the sheet of stage.json: the images do not show its tags where the file has "
+        "them, or the object is as white as the paper\n");
   if (seen < kMostlySeen)
     std::fprintf(
         stderr,

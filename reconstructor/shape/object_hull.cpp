@@ -18,6 +18,9 @@ constexpr double kCoarseCells = 64;  // along the longest side of a box
 constexpr double kCoherent = 0.98;   // overlap of outlines and hull from where masks are believed
 // Masks that agree show also what few images have in their frame.
 constexpr HullRule kStrict{.most_dissent = 1, .must_see = 0.2}, kTolerant{.may_dissent = 0.2};
+// Beside a sheet outlines are known in part, and glows and shadows touch them.
+constexpr HullRule kOnSheet{.most_dissent = 1, .may_dissent = 0.05, .must_see = 0.2};
+constexpr double kCoherentOnSheet = 0.9;
 constexpr double kSheet_px = 1.5;  // so thick depths of the stage's sheet may be
 
 Eigen::AlignedBox3d tight_box(std::span<const ShapeView> views, const Eigen::AlignedBox3d& box, const HullRule& rule) {
@@ -38,7 +41,8 @@ Eigen::AlignedBox3d tight_box(std::span<const ShapeView> views, const Eigen::Ali
   return tight;
 }
 
-/// Mean overlap (intersection over union) of what may be the object in the views with the hull's mesh.
+/// Mean overlap (intersection over union) of what may be the object in the views with the hull's mesh. What is unknown
+/// beside a sheet is nothing to judge by.
 double overlap_with(std::span<const ShapeView> views, const Mesh& hull) {
   const RayScene scene(hull);
   std::vector<double> overlaps(views.size(), -1);
@@ -51,10 +55,12 @@ double overlap_with(std::span<const ShapeView> views, const Mesh& hull) {
     double both = 0, either = 0;
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x) {
+        const auto mark = static_cast<Outline>(view.outline.at(x, y));
+        if (view.before_sheet && mark == Outline::kUnknown) continue;
         const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
         const bool hit = scene.occluded({.origin = (object_from_view.translation - origin).cast<float>(),
                                          .direction = (object_from_view.rotation * ray).cast<float>()});
-        const bool object = view.outline.at(x, y) != static_cast<std::uint8_t>(Outline::kBackground);
+        const bool object = mark != Outline::kBackground;
         both += hit && object ? 1 : 0;
         either += hit || object ? 1 : 0;
       }
@@ -69,12 +75,12 @@ double overlap_with(std::span<const ShapeView> views, const Mesh& hull) {
 
 /// On the stage, where that is known: above its sheet, between its tags.
 Eigen::AlignedBox3d on_stage(const ShapeImages& images, const Eigen::AlignedBox3d& box) {
-  if (images.stage.isEmpty()) return box;
+  const Eigen::AlignedBox2d& stage = images.sheet.known();
+  if (stage.isEmpty()) return box;
   std::vector<double> pixels;
   for (const PosedCamera& camera : images.cameras)
     pixels.push_back((camera.camera_from_object * box.center()).norm() / camera.camera.fx);
   const double sheet = kSheet_px * median(pixels);
-  const Eigen::AlignedBox2d& stage = images.stage;
   return box.intersection({Eigen::Vector3d(stage.min().x(), stage.min().y(), sheet),
                            Eigen::Vector3d(stage.max().x(), stage.max().y(), box.max().z())});
 }
@@ -87,13 +93,16 @@ BlockField hull_with_cells(const VisualHull& hull, double cells) {
 
 ObjectHull find_hull(std::span<const ShapeView> views, const Eigen::AlignedBox3d& seen) {
   if (!VisualHull(views, seen, {}).has_outlines()) return {.hull = {views, seen, {}}};
-  const Eigen::AlignedBox3d strict = tight_box(views, seen, kStrict);
+  const bool on_sheet = std::any_of(views.begin(), views.end(), [](const ShapeView& v) { return v.before_sheet; });
+  const HullRule& rule = on_sheet ? kOnSheet : kStrict;
+  const Eigen::AlignedBox3d strict = tight_box(views, seen, rule);
   if (!strict.isEmpty()) {
-    VisualHull hull(views, strict, kStrict);
+    VisualHull hull(views, strict, rule);
     const Mesh mesh = closed_surface(hull_with_cells(hull, kRangeCells)).mesh;
-    if (!mesh.triangles.empty() && overlap_with(views, mesh) >= kCoherent)
-      return {.hull = std::move(hull), .coherent = true};
+    const double overlap = mesh.triangles.empty() ? 0 : overlap_with(views, mesh);
+    if (overlap >= (on_sheet ? kCoherentOnSheet : kCoherent)) return {.hull = std::move(hull), .coherent = true};
   }
+  if (on_sheet) return {.hull = {views, seen, {.outlines = false}}};
   const Eigen::AlignedBox3d box = tight_box(views, seen, kTolerant);
   if (box.isEmpty())
     throw Error("the outlines of the images have no place in common: check the poses, and that all show one object");

@@ -98,6 +98,7 @@ FoundShape find_shape(const RefinementImages& images, const ShapeOptions& option
   FoundShape found{.mesh = std::move(simple.mesh),
                    .outlines = hull.hull.outlines(),
                    .coherent = hull.coherent,
+                   .stage_unconfirmed = images.stage && !used.before_sheet && hull.hull.outlines() == 0,
                    .views = views.size(),
                    .depth_share = fine.depth_share,
                    .cell = fine.cell};

@@ -29,6 +29,7 @@ struct FoundShape {
   std::vector<ShapeEvidence> evidence;  ///< per vertex
   int outlines = 0;                     ///< images that bound the object by an outline
   bool coherent = false;                ///< these agree, so that they are believed
+  bool stage_unconfirmed = false;       ///< a file told of a stage whose sheet the images do not show
   std::size_t views = 0;                ///< images that depth was searched in
   double depth_share = 0;               ///< of the object's pixels in these: where depth was found and agreed
   double cell = 0;                      ///< of the lattice that it was put together in, metres

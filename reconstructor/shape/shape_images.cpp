@@ -3,34 +3,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/base/order_statistics.h"
 #include "reconstructor/shape/neighbour_views.h"
 #include "reconstructor/shape/object_box.h"
+#include "reconstructor/shape/stage_sightings.h"
 
 namespace sheen {
 namespace {
 
-constexpr double kCoarseWidth_px = 320;  // of an image in which the object is looked for
+constexpr double kCoarseWidth_px = 320;             // of an image in which the object is looked for
+constexpr double kMostWhite = 0.3, kFewWhite = 20;  // of the pixels that hide ink, and pixels: as white as paper
 
-ShapeView marked_view(const Capture& capture, const PixelBox& part, double scale, const PlainBackground& background) {
-  ShapeView view = shape_view(capture, part, scale);
-  if (view.outline.empty() && background.found) mark_background(background, view);
-  return view;
-}
-
-/// By where the corners of the stage's tags lie, which a session's captures know.
-void extend_by_tags(const Capture& capture, Eigen::AlignedBox2d& stage) {
-  const Rigid3 object_from_camera = capture.pose.camera_from_object.inverse();
-  for (const TagObservation& tag : capture.tags) {
-    if (!tag.used) continue;
-    for (const Eigen::Vector2d& corner : tag.corners) {
-      const auto ray = capture.camera.ray(corner);
-      if (!ray) continue;
-      const Eigen::Vector3d eye = object_from_camera.translation, down = object_from_camera.rotation * *ray;
-      if (down.z() < 0) stage.extend((eye - eye.z() / down.z() * down).head<2>().eval());
-    }
+/// Whether most views show the sheet, and object and paper can be told apart: what hides ink is not as white as paper.
+bool sheet_tells(const std::vector<SheetSeen>& sheets) {
+  double showing = 0, before_ink = 0, white = 0;
+  for (const SheetSeen& sheet : sheets) {
+    showing += sheet.outline.empty() ? 0 : 1;
+    before_ink += static_cast<double>(sheet.before_ink);
+    white += static_cast<double>(sheet.white);
   }
+  return 2 * showing > static_cast<double>(sheets.size()) && white <= kFewWhite + kMostWhite * before_ink;
 }
 
 }  // namespace
@@ -41,17 +35,30 @@ ShapeImages::ShapeImages(const RefinementImages& images, const Eigen::Vector3d& 
 }
 
 std::vector<ShapeView> coarse_views(ShapeImages& images) {
-  std::vector<ShapeView> views;
+  std::vector<ColourView> seen;
+  StageSightings sightings;
   for (std::size_t i = 0; i < images.used.size(); ++i) {
     const Capture capture = images.read(i);
     const Camera& camera = capture.camera;
     const PixelBox whole{0, 0, camera.width, camera.height};
     const double scale = std::min(1.0, kCoarseWidth_px / std::max(camera.width, camera.height));
-    ShapeView view = shape_view(capture, whole, scale);
-    images.backgrounds.push_back(view.outline.empty() ? plain_background(view) : PlainBackground{});
-    if (view.outline.empty() && images.backgrounds.back().found) mark_background(images.backgrounds.back(), view);
-    views.push_back(std::move(view));
-    extend_by_tags(capture, images.stage);
+    seen.push_back(colour_view(capture, whole, scale));
+    sightings.add(capture);
+  }
+  images.sheet = StagePicture(images.all.stage ? *images.all.stage : sightings.layout());
+  std::vector<ShapeView> views;
+  for (ColourView& one : seen) {
+    const bool masked = !one.view.outline.empty();
+    images.backgrounds.push_back(masked ? PlainBackground{} : plain_background(one.view));
+    images.sheets.push_back(masked || images.sheet.tags() == 0 ? SheetSeen{}
+                                                               : mark_sheet(images.sheet, one.colour, one.view));
+    views.push_back(std::move(one.view));
+  }
+  images.before_sheet = sheet_tells(images.sheets);
+  if (images.all.stage && !images.before_sheet) images.sheet = {};  // a file's word, which the images do not confirm
+  for (std::size_t i = 0; i < views.size() && !images.before_sheet; ++i) {
+    if (std::exchange(views[i].before_sheet, false)) views[i].outline = {};
+    if (images.backgrounds[i].found) mark_background(images.backgrounds[i], views[i]);
   }
   return views;
 }
@@ -67,7 +74,12 @@ std::vector<ShapeView> fine_views(const ShapeImages& images, const Eigen::Aligne
   std::vector<ShapeView> views;
   for (std::size_t i = 0; i < images.used.size(); ++i) {
     if (parts[i].empty()) parts[i] = {0, 0, 1, 1};
-    views.push_back(marked_view(images.read(i), parts[i], scale, images.backgrounds[i]));
+    ColourView seen = colour_view(images.read(i), parts[i], scale);
+    if (seen.view.outline.empty() && images.before_sheet)
+      mark_sheet(images.sheet, seen.colour, images.sheets[i], seen.view);
+    else if (seen.view.outline.empty() && images.backgrounds[i].found)
+      mark_background(images.backgrounds[i], seen.view);
+    views.push_back(std::move(seen.view));
   }
   return views;
 }

@@ -8,6 +8,8 @@
 #include "reconstructor/refinement/refinement_images.h"
 #include "reconstructor/shape/outline_evidence.h"
 #include "reconstructor/shape/shape_view.h"
+#include "reconstructor/shape/stage_outline.h"
+#include "reconstructor/shape/stage_picture.h"
 
 namespace sheen {
 
@@ -17,7 +19,9 @@ struct ShapeImages {
   std::vector<std::size_t> used;             ///< numbers of those
   std::vector<PosedCamera> cameras;          ///< of the used ones
   std::vector<PlainBackground> backgrounds;  ///< likewise; `coarse_views` fills it
-  Eigen::AlignedBox2d stage;                 ///< likewise: in the plane z = 0; empty where no tags were seen
+  StagePicture sheet;                        ///< likewise: that the object stands on; empty where none is known
+  std::vector<SheetSeen> sheets;             ///< likewise
+  bool before_sheet = false;                 ///< likewise: outlines are found by it
 
   /// `most` of them, spread round a place.
   ShapeImages(const RefinementImages& images, const Eigen::Vector3d& place, std::size_t most);

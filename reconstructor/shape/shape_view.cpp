@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/capture/linear_capture.h"
 #include "common/image/color.h"
@@ -25,12 +26,13 @@ Camera camera_of_part(const Camera& camera, const PixelBox& part, double scale) 
   return of_part;
 }
 
-ShapeView shape_view(const Capture& capture, const PixelBox& part, double scale) {
+ColourView colour_view(const Capture& capture, const PixelBox& part, double scale) {
   const Camera camera = camera_of_part(capture.camera, part, scale);
   ShapeView view{.name = capture.name,
                  .camera = {camera, capture.pose.camera_from_object},
                  .grey = ImageF(camera.width, camera.height, 1, std::numeric_limits<float>::quiet_NaN()),
                  .outline = {}};
+  ImageF colour(camera.width, camera.height, 3, std::numeric_limits<float>::quiet_NaN());
   if (!capture.mask.empty())
     view.outline = ImageU8(camera.width, camera.height, 1, static_cast<std::uint8_t>(Outline::kUnknown));
   const RadianceImage image(linear_radiance(capture));
@@ -41,6 +43,7 @@ ShapeView shape_view(const Capture& capture, const PixelBox& part, double scale)
       const auto from = capture.camera.project({(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1});
       if (!from || !capture.camera.contains(*from)) continue;
       const Eigen::Vector3f rgb = image.sample(from->cast<float>(), step);
+      Eigen::Map<Eigen::Vector3f>(colour.pixel(x, y)) = rgb;
       const float grey = 255 * srgb_encode_fast(std::clamp(luminance(rgb.data()), 0.0f, 1.0f));
       if (std::isfinite(grey)) view.grey.at(x, y) = grey;
       if (view.outline.empty()) continue;
@@ -49,7 +52,11 @@ ShapeView shape_view(const Capture& capture, const PixelBox& part, double scale)
       view.outline.at(x, y) = static_cast<std::uint8_t>(object ? Outline::kObject : Outline::kBackground);
     }
   });
-  return view;
+  return {std::move(view), std::move(colour)};
+}
+
+ShapeView shape_view(const Capture& capture, const PixelBox& part, double scale) {
+  return colour_view(capture, part, scale).view;
 }
 
 }  // namespace sheen

@@ -13,7 +13,9 @@ namespace {
 constexpr float kNothing = -std::numeric_limits<float>::infinity();  // said against a point
 
 /// Pixels from the outline, negative on what may be the object; empty where nothing is background or nothing object.
-ImageF distances_from(const ImageU8& outline) {
+/// NaN: of what is unknown beside a sheet, nothing is said.
+ImageF distances_from(const ShapeView& view) {
+  const ImageU8& outline = view.outline;
   if (outline.empty()) return {};
   cv::Mat background(outline.height(), outline.width(), CV_8U);
   bool any_object = false;
@@ -33,6 +35,8 @@ ImageF distances_from(const ImageU8& outline) {
     for (int x = 0; x < outline.width(); ++x) {
       const float out = outside.at<float>(y, x), in = inside.at<float>(y, x);
       distance.at(x, y) = out > 0 ? out - 0.5f : 0.5f - in;
+      if (view.before_sheet && outline.at(x, y) == static_cast<std::uint8_t>(Outline::kUnknown))
+        distance.at(x, y) = std::numeric_limits<float>::quiet_NaN();
     }
   return distance;
 }
@@ -68,7 +72,7 @@ VisualHull::VisualHull(std::span<const ShapeView> views, const Eigen::AlignedBox
     from_centred.col(3) = k * (view.camera.camera_from_object * box.center());
     views_.push_back({.pixel_from_object = from_centred.cast<float>(),
                       .metres_per_pixel = static_cast<float>(2 / (camera.fx + camera.fy)),
-                      .outside = distances_from(view.outline),
+                      .outside = rule.outlines ? distances_from(view) : ImageF{},
                       .width = camera.width,
                       .height = camera.height});
     outlines_ += views_.back().outside.empty() ? 0 : 1;
@@ -91,7 +95,8 @@ float VisualHull::distance(const Eigen::Vector3d& point) const {
     const float beyond = std::max({-x, x - right, -y, y - bottom});
     frames.push_back(metres * beyond);
     if (beyond > 0 || view.outside.empty()) continue;  // it shows nothing of the point
-    outlines.push_back(metres * bilinear(view.outside, x, y));
+    const float outside = bilinear(view.outside, x, y);
+    if (!std::isnan(outside)) outlines.push_back(metres * outside);
   }
   const double unseeing = 1 - rule_.must_see;
   const float seen_by_enough = largest_but(static_cast<int>(unseeing * static_cast<double>(frames.size())), frames);

@@ -17,8 +17,10 @@ struct HullRule {
   int most_dissent = 0;    ///< as many of the views that see a point may have it in their background, ...
   double may_dissent = 0;  ///< ... or this share of them
   double must_see = 0.5;   ///< share of all views that must have it in their frame
+  bool outlines = true;    ///< else these count for nothing
 
   int dissenters(std::size_t seeing) const {
+    if (seeing < 2) return 0;
     return std::max(most_dissent, static_cast<int>(may_dissent * static_cast<double>(seeing)));
   }
 };
@@ -41,7 +43,8 @@ class VisualHull {
   struct View {
     Eigen::Matrix<float, 3, 4> pixel_from_object;  ///< of the centred point: (z u, z v, z)
     float metres_per_pixel = 0;                    ///< at distance 1
-    ImageF outside;  ///< pixels from the outline, negative on the object; empty where the view has none
+    ImageF
+        outside;  ///< pixels from the outline, negative on the object, NaN off a sheet; empty where the view has none
     int width = 0, height = 0;
   };
   Eigen::AlignedBox3d box_;

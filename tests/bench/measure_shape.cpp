@@ -262,7 +262,7 @@ void measure_rig(GoalReport& report) {
   std::vector<PosedCamera> cameras;
   for (const RigFrame& frame : rig.frames) cameras.push_back({rig.camera, frame.camera_from_object});
   for (const bool masks : {true, false}) {
-    const std::string name = masks ? "teapot, exact masks" : "teapot, no masks";
+    const std::string name = masks ? "teapot, exact masks" : "teapot, stage sheet only";
     const Reconstructor reconstructor(masks ? rig.folder : without_masks(rig.folder, measured() / "rig_without_masks"),
                                       measured() / (masks ? "teapot" : "teapot_without_masks"));
     reconstructor.find_shape();
