@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
 
 #include "common/base/errors.h"
@@ -39,6 +40,13 @@ std::shared_ptr<const Mesh> kept(const FoundShape& found, const std::filesystem:
 }
 
 }  // namespace
+
+nlohmann::json findings_report(const std::vector<ShapeFinding>& findings) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const ShapeFinding& finding : findings)
+    list.push_back({{"kind", finding.kind}, {"sentence", finding.sentence}, {"images", finding.images}});
+  return list;
+}
 
 std::shared_ptr<const Mesh> shape_of_session(const std::filesystem::path& session_folder) {
   const std::filesystem::path file = session_folder / kShapeFile;
@@ -136,11 +144,18 @@ std::shared_ptr<const Mesh> FirstShape::try_with(const CaptureSet& captures, con
   return share_seen(found) >= kSeenAtFirst ? kept(found, folder_) : nullptr;
 }
 
-LookAtMesh shape_look(std::filesystem::path folder, std::function<bool()> over) {
-  return [folder = std::move(folder), over = std::move(over)](const RefinementImages& images, const StepsDone& progress,
-                                                              nlohmann::json& told) -> std::shared_ptr<const Mesh> {
-    const FoundShape found = find_shape(images, over() ? kAtTheEnd : kWhileImagesCome, progress);
+LookAtMesh shape_look(std::filesystem::path folder, std::function<bool()> over,
+                      std::function<void(const std::string&)> on_finding) {
+  return [folder = std::move(folder), over = std::move(over), on_finding = std::move(on_finding),
+          said = std::set<std::string>()](const RefinementImages& images, const StepsDone& progress,
+                                          nlohmann::json& told) mutable -> std::shared_ptr<const Mesh> {
+    const bool last = over();
+    const FoundShape found = find_shape(images, last ? kAtTheEnd : kWhileImagesCome, progress);
     told = {{"triangles", found.mesh.triangles.size()}, {"seen", share_seen(found)}};
+    const std::vector<ShapeFinding> findings = findings_of(found.measures);
+    told["findings"] = findings_report(findings);
+    for (const ShapeFinding& finding : findings)
+      if ((last || !finding.passes_with_more_images) && said.insert(finding.kind).second) on_finding(finding.sentence);
     return kept(found, folder);
   };
 }

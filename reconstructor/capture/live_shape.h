@@ -15,6 +15,7 @@
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/live_mesh.h"
 #include "reconstructor/capture/tracker_links.h"
+#include "reconstructor/shape/shape_findings.h"
 
 namespace sheen {
 
@@ -61,8 +62,13 @@ class FirstShape {
   std::jthread receiving_, finding_;
 };
 
+/// Each finding: {"kind", "sentence", "images"}.
+nlohmann::json findings_report(const std::vector<ShapeFinding>& findings);
+
 /// Finds the shape anew in the images so far, and always goes over to it: it is made of more. `over`: no more captures
-/// come, so it takes its time. It stands in the session's folder. A look tells {"triangles", "seen"}.
-LookAtMesh shape_look(std::filesystem::path session_folder, std::function<bool()> over);
+/// come, so it takes its time. It stands in the session's folder. A look tells {"triangles", "seen", "findings"}.
+/// `on_finding`: told of what keeps it from being better; of each kind once while images come, of all at the end.
+LookAtMesh shape_look(std::filesystem::path session_folder, std::function<bool()> over,
+                      std::function<void(const std::string&)> on_finding);
 
 }  // namespace sheen

@@ -397,7 +397,7 @@ void serve(ServeArguments arguments) {
         refining_look(arguments.session, given, present ? present : given, no_more, tells_findings(display)));
   if (shape)
     live_mesh.emplace(loop, arguments.session, shape_options(hold_out, loop.status().journaled),
-                      shape_look(arguments.session, no_more));
+                      shape_look(arguments.session, no_more, tells_findings(display)));
   CaptureEnd end(loop, reconstruction, arguments.session, plan->size, live_mesh ? &*live_mesh : nullptr);
   if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
   install_stop_signals(2);  // the first begins the end, the second cuts it short

@@ -10,6 +10,7 @@
 #include "common/base/errors.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
+#include "reconstructor/capture/live_shape.h"
 #include "reconstructor/scene/mesh_scale.h"
 
 namespace sheen {
@@ -44,7 +45,9 @@ FoundShape find_and_tell(const RefinementImages& images, const ShapeOptions& opt
         stderr,
         "outlines are not found by the sheet of stage.json: the images do not show its tags where the file has "
         "them, or the object is as white as the paper\n");
-  if (seen < kMostlySeen)
+  const std::vector<ShapeFinding> findings = findings_of(found.measures);
+  for (const ShapeFinding& finding : findings) std::fprintf(stderr, "shape: %s\n", finding.sentence.c_str());
+  if (seen < kMostlySeen && findings.empty())
     std::fprintf(
         stderr,
         "most of the shape is not seen by images that agree: take more of them, in steps of 10 to 15 degrees round "
@@ -57,7 +60,8 @@ FoundShape find_and_tell(const RefinementImages& images, const ShapeOptions& opt
             {"outlines_agree", found.coherent},
             {"depth_share", found.depth_share},
             {"cell_mm", 1e3 * found.cell},
-            {"evidence", {{"seen", seen}, {"outline", outline}, {"guessed", 1 - seen - outline}}}};
+            {"evidence", {{"seen", seen}, {"outline", outline}, {"guessed", 1 - seen - outline}}},
+            {"findings", findings_report(findings)}};
   return found;
 }
 

@@ -10,6 +10,7 @@
 #include "common/parallel/for_each.h"
 #include "reconstructor/shape/closed_surface.h"
 #include "reconstructor/shape/object_box.h"
+#include "reconstructor/shape/outline_fit.h"
 
 namespace sheen {
 namespace {
@@ -109,13 +110,21 @@ ObjectHull find_hull(std::span<const ShapeView> views, const Eigen::AlignedBox3d
   return {.hull = {views, box, kTolerant}};
 }
 
-Eigen::AlignedBox3d find_box(ShapeImages& images) {
+ObjectPlace find_place(ShapeImages& images) {
   const std::vector<ShapeView> views = coarse_views(images);
   const bool outlines = std::any_of(views.begin(), views.end(), [](const ShapeView& v) { return !v.outline.empty(); });
   const Eigen::AlignedBox3d seen =
       on_stage(images, box_seen_by((outlines ? kStrict : HullRule()).must_see, images.cameras));
   if (seen.isEmpty()) throw Error("the images show nothing above the stage: the cameras look elsewhere");
-  return find_hull(views, seen).hull.box();
+  const std::optional<Split> moved = split_of_outlines(views, seen);
+  try {
+    return {.box = find_hull(views, seen).hull.box(), .space = seen, .moved = moved};
+  } catch (const Error&) {
+    if (!moved) throw;
+    throw Error(
+        "the object moved after " + views[moved->after].name +
+        ": the outlines before and after have no place in common; take the images anew, or leave those after out");
+  }
 }
 
 }  // namespace sheen

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <span>
 
 #include "reconstructor/shape/shape_images.h"
+#include "reconstructor/shape/view_agreement.h"
 #include "reconstructor/shape/visual_hull.h"
 
 namespace sheen {
@@ -15,8 +17,14 @@ struct ObjectHull {
   bool coherent = false;  ///< outlines and hull are of one object: they are believed
 };
 
-/// Where the object is, from small images: on the stage, where that is known. Throws Error where there is nothing.
-Eigen::AlignedBox3d find_box(ShapeImages& images);
+/// Where the object is.
+struct ObjectPlace {
+  Eigen::AlignedBox3d box;     ///< that holds it
+  Eigen::AlignedBox3d space;   ///< that was looked in
+  std::optional<Split> moved;  ///< outlines show it at two places
+};
+/// From small images: on the stage, where that is known. Throws Error where there is nothing.
+ObjectPlace find_place(ShapeImages& images);
 
 /// One dissenter for a mask that is off, where outlines and hull are of one object; else a fifth. Throws Error where
 /// the outlines have no place in common.

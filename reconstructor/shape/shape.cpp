@@ -15,6 +15,7 @@
 #include "reconstructor/shape/object_hull.h"
 #include "reconstructor/shape/shape_images.h"
 #include "reconstructor/shape/simplification.h"
+#include "reconstructor/shape/view_agreement.h"
 
 namespace sheen {
 namespace {
@@ -56,6 +57,7 @@ std::vector<ShapeEvidence> evidence_of(const Mesh& mesh, std::span<const ShapeVi
 struct FineSurface {
   Mesh mesh;
   std::vector<ShapeEvidence> evidence;  ///< of each vertex
+  std::vector<PairAgreement> pairs;     ///< of the views
   double cell = 0, depth_share = 0;
 };
 
@@ -64,9 +66,11 @@ FineSurface find_surface(std::vector<ShapeView>& views, const ObjectHull& found,
                          const StepsDone& progress) {
   const VisualHull& hull = found.hull;
   const AgreedDepths depths = find_depths(views, found, progress);
+  std::vector<PairAgreement> pairs = agreement_of_pairs(views, depths.maps, hull.box().center());
   for (ShapeView& view : views) view.grey = {};
   const Eigen::AlignedBox3d box = hull.has_outlines() ? hull.box() : box_of_seen(views, depths, hull.box());
-  FineSurface fine{.cell = std::max(kFinest_px * pixel, box.sizes().maxCoeff() / kMostCells),
+  FineSurface fine{.pairs = std::move(pairs),
+                   .cell = std::max(kFinest_px * pixel, box.sizes().maxCoeff() / kMostCells),
                    .depth_share = depths.share};
   const Lattice lattice = lattice_over(box, fine.cell);
   fine.mesh = closed_surface(fused_surface(views, depths.maps, hull, found.coherent, lattice, in_parallel)).mesh;
@@ -87,7 +91,8 @@ std::vector<float> detail_of(std::span<const ShapeEvidence> evidence) {
 FoundShape find_shape(const RefinementImages& images, const ShapeOptions& options, const StepsDone& progress) {
   const Eigen::Vector3d middle = box_seen_by(HullRule().must_see, images.cameras).center();
   ShapeImages used(images, middle, options.most_views);
-  const Eigen::AlignedBox3d box = find_box(used);
+  const ObjectPlace place = find_place(used);
+  const Eigen::AlignedBox3d& box = place.box;
   std::vector<ShapeView> views = fine_views(used, box, options.object_pixels);
   const ObjectHull hull = find_hull(views, box);
   const double pixel = pixel_on_object(views, box.center());
@@ -103,6 +108,7 @@ FoundShape find_shape(const RefinementImages& images, const ShapeOptions& option
                    .depth_share = fine.depth_share,
                    .cell = fine.cell};
   for (const std::uint32_t v : simple.vertices) found.evidence.push_back(fine.evidence[v]);
+  found.measures = measure_shape(used, place, views, fine.pairs, found.mesh, found.evidence, fine.cell);
   return found;
 }
 

@@ -2,21 +2,15 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "common/base/progress.h"
 #include "common/geometry/mesh.h"
 #include "reconstructor/refinement/refinement_images.h"
+#include "reconstructor/shape/shape_evidence.h"
+#include "reconstructor/shape/shape_measures.h"
 
 namespace sheen {
-
-/// From what a vertex of a found shape is known.
-enum class ShapeEvidence : std::uint8_t {
-  kGuessed = 0,  ///< nothing shows it: the underside, or a place that no image sees
-  kOutline = 1,  ///< outlines alone bound it
-  kSeen = 2,     ///< two images or more agree about it
-};
 
 struct ShapeOptions {
   std::size_t triangles = 0;       ///< about so many; 0: as many as the images resolve
@@ -33,6 +27,7 @@ struct FoundShape {
   std::size_t views = 0;                ///< images that depth was searched in
   double depth_share = 0;               ///< of the object's pixels in these: where depth was found and agreed
   double cell = 0;                      ///< of the lattice that it was put together in, metres
+  ShapeMeasures measures;
 };
 
 /// Finds the shape of what posed images show (docs/decisions/shape.md). Throws Error where they cannot tell one,

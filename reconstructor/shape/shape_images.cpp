@@ -16,6 +16,18 @@ namespace {
 constexpr double kCoarseWidth_px = 320;             // of an image in which the object is looked for
 constexpr double kMostWhite = 0.3, kFewWhite = 20;  // of the pixels that hide ink, and pixels: as white as paper
 
+/// Whether the outline runs along the rim for a good part of a side.
+bool cut_by_rim(const ShapeView& view) {
+  constexpr double kPart = 0.03;
+  if (view.outline.empty()) return false;
+  const int width = view.outline.width(), height = view.outline.height();
+  int at_rim = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; x += y == 0 || y + 1 == height ? 1 : std::max(1, width - 1))
+      at_rim += view.outline.at(x, y) == static_cast<std::uint8_t>(Outline::kObject) ? 1 : 0;
+  return at_rim > kPart * std::min(width, height);
+}
+
 /// Whether most views show the sheet, and object and paper can be told apart: what hides ink is not as white as paper.
 bool sheet_tells(const std::vector<SheetSeen>& sheets) {
   double showing = 0, before_ink = 0, white = 0;
@@ -60,6 +72,7 @@ std::vector<ShapeView> coarse_views(ShapeImages& images) {
     if (std::exchange(views[i].before_sheet, false)) views[i].outline = {};
     if (images.backgrounds[i].found) mark_background(images.backgrounds[i], views[i]);
   }
+  for (const ShapeView& view : views) images.cut.push_back(cut_by_rim(view));
   return views;
 }
 

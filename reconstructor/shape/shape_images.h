@@ -19,6 +19,7 @@ struct ShapeImages {
   std::vector<std::size_t> used;             ///< numbers of those
   std::vector<PosedCamera> cameras;          ///< of the used ones
   std::vector<PlainBackground> backgrounds;  ///< likewise; `coarse_views` fills it
+  std::vector<bool> cut;                     ///< likewise: the object's outline runs along the rim of the image
   StagePicture sheet;                        ///< likewise: that the object stands on; empty where none is known
   std::vector<SheetSeen> sheets;             ///< likewise
   bool before_sheet = false;                 ///< likewise: outlines are found by it

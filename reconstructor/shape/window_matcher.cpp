@@ -122,6 +122,19 @@ float WindowMatcher::correlation_cost(const Other& other, const SurfacePiece& pi
   return cost <= kWorst ? cost : kWorst;  // NaN, too
 }
 
+float WindowMatcher::cost_aside(std::size_t number, const SurfacePiece& piece, const Eigen::Vector2f& pixels) const {
+  Other aside = others_[number];
+  aside.pixel_from_ray.topRows<2>() += pixels * aside.pixel_from_ray.row(2).eval();
+  aside.pixel_of_eye.head<2>() += pixels * aside.pixel_of_eye.z();
+  return correlation_cost(aside, piece, piece.normal / (piece.normal.dot(ray_) * piece.depth));
+}
+
+Eigen::Vector2f WindowMatcher::place_in(std::size_t number, float depth) const {
+  const Other& other = others_[number];
+  const Eigen::Vector3f there = other.pixel_from_ray * (ray_ * depth) + other.pixel_of_eye;
+  return there.z() > 0 ? Eigen::Vector2f(there.hnormalized()) : Eigen::Vector2f::Constant(std::nanf(""));
+}
+
 std::optional<WayBack> WindowMatcher::way_back(std::size_t number, int x, int y, float depth) const {
   const Other& other = others_[number];
   const Eigen::Vector3f there =

@@ -40,6 +40,11 @@ class WindowMatcher {
   bool take(int x, int y);
   /// Mean cost of those others, three at most, to which it looks most alike.
   float cost(const SurfacePiece& piece) const;
+  /// Cost of one of the others, were its image moved by so many pixels.
+  float cost_aside(std::size_t other, const SurfacePiece& piece, const Eigen::Vector2f& pixels) const;
+
+  /// Where a place of the window's middle ray falls in another view; not finite where it lies behind it.
+  Eigen::Vector2f place_in(std::size_t other, float depth) const;
 
   /// Empty where the other view knows no surface.
   std::optional<WayBack> way_back(std::size_t other, int x, int y, float depth) const;

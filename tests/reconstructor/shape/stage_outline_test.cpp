@@ -134,7 +134,7 @@ FoundHull hull_of(const StagePhotograph& photograph, const std::optional<StageLa
   RefinementImages images = images_of(photograph, 24);
   images.stage = stage;
   ShapeImages used(images, Eigen::Vector3d::Zero(), 60);
-  const Eigen::AlignedBox3d box = find_box(used);
+  const Eigen::AlignedBox3d box = find_place(used).box;
   const std::vector<ShapeView> views = fine_views(used, box, 30'000);
   const ObjectHull found = find_hull(views, box);
   return {used.before_sheet, found.hull.outlines(), found.hull.distance(photograph.centre),
