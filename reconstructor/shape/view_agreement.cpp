@@ -89,9 +89,10 @@ PairAgreement agreement(const ShapeView& view, const std::vector<Window>& window
     const Eigen::Vector2f with_depth = matcher.place_in(0, 1.02f * window.piece.depth) - pixel;
     if (!(with_depth.norm() > 0)) continue;
     const Eigen::Vector2f along = with_depth.normalized();
-    across.push_back(std::abs(along.x() * aside->y() - along.y() * aside->x()));
+    across.push_back(along.x() * aside->y() - along.y() * aside->x());
   }
-  if (across.size() >= kFewestTelling) pair.across_px = median(across);
+  // Signed: an error of a pose moves all windows alike, highlights go one way here and another there.
+  if (across.size() >= kFewestTelling) pair.across_px = std::abs(median(across));
   return pair;
 }
 
