@@ -183,7 +183,8 @@ std::vector<ShapeFinding> findings_of(const ShapeMeasures& measures) {
   if (unbounded) found.push_back(background(without, all));
   if (!unbounded && measures.at_border >= kAtBorder) found.push_back(cut_off(measures.at_border));
   const bool far_apart = measures.angle_between > kFarApart && measures.sight.smooth >= kSmooth;
-  const bool one_sided = !unbounded && measures.sight.aside >= kAside;
+  // What is smooth comes out rough, and so hides some of itself.
+  const bool one_sided = !unbounded && measures.sight.aside >= std::max(kAside, measures.sight.smooth);
   if (one_sided || far_apart) found.push_back(directions(measures, one_sided));
   if (measures.sight.smooth >= kSmooth && !far_apart && !poses_off) found.push_back(smooth(measures.sight.smooth));
   const auto thin_in = names_where(measures, [](const ShapeViewMeasures& view) { return view.thin_missing >= kThin; });
