@@ -97,9 +97,11 @@ ShapeFinding background(std::size_t without, std::size_t all) {
 }
 
 ShapeFinding cut_off(double share) {
-  return {"cut off",
-          "the object reaches beyond the space that was looked in, and is cut off there (" + percent(share) +
-              " of its surface): it must lie between the stage's tags, and within the picture in more of the images"};
+  return {.kind = "cut off",
+          .sentence =
+              "the object reaches beyond the space that was looked in, and is cut off there (" + percent(share) +
+              " of its surface): it must lie between the stage's tags, and within the picture in more of the images",
+          .passes_with_more_images = true};  // the space is where enough images look
 }
 
 ShapeFinding cut_by_frames(std::vector<std::string> names, std::size_t all) {
