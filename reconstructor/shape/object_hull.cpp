@@ -11,6 +11,7 @@
 #include "reconstructor/shape/closed_surface.h"
 #include "reconstructor/shape/object_box.h"
 #include "reconstructor/shape/outline_fit.h"
+#include "reconstructor/shape/silhouette.h"
 
 namespace sheen {
 namespace {
@@ -47,21 +48,16 @@ Eigen::AlignedBox3d tight_box(std::span<const ShapeView> views, const Eigen::Ali
 double overlap_with(std::span<const ShapeView> views, const Mesh& hull) {
   const RayScene scene(hull);
   std::vector<double> overlaps(views.size(), -1);
-  const Eigen::Vector3d& origin = hull.origin;
   in_parallel(views.size(), [&](std::size_t i) {
     const ShapeView& view = views[i];
     if (view.outline.empty()) return;
-    const Camera& camera = view.camera.camera;
-    const Rigid3 object_from_view = view.camera.camera_from_object.inverse();
+    const Silhouette silhouette(view, scene, hull.origin);
     double both = 0, either = 0;
-    for (int y = 0; y < camera.height; ++y)
-      for (int x = 0; x < camera.width; ++x) {
+    for (int y = 0; y < view.outline.height(); ++y)
+      for (int x = 0; x < view.outline.width(); ++x) {
         const auto mark = static_cast<Outline>(view.outline.at(x, y));
         if (view.before_sheet && mark == Outline::kUnknown) continue;
-        const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
-        const bool hit = scene.occluded({.origin = (object_from_view.translation - origin).cast<float>(),
-                                         .direction = (object_from_view.rotation * ray).cast<float>()});
-        const bool object = mark != Outline::kBackground;
+        const bool hit = silhouette.has(x, y), object = mark != Outline::kBackground;
         both += hit && object ? 1 : 0;
         either += hit || object ? 1 : 0;
       }

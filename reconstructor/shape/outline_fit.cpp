@@ -10,30 +10,12 @@
 #include "common/parallel/for_each.h"
 #include "reconstructor/shape/closed_surface.h"
 #include "reconstructor/shape/object_hull.h"
+#include "reconstructor/shape/silhouette.h"
 
 namespace sheen {
 namespace {
 
 constexpr double kRays = 12'000;  // per view, about, for an overlap
-
-/// Asks of pixels whether a mesh is there.
-class Silhouette {
- public:
-  Silhouette(const ShapeView& view, const RayScene& scene, const Eigen::Vector3d& origin)
-      : scene_(scene), camera_(view.camera.camera), object_from_view_(view.camera.camera_from_object.inverse()) {
-    eye_ = (object_from_view_.translation - origin).cast<float>();
-  }
-  bool has(int x, int y) const {
-    const Eigen::Vector3d ray((x - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy, 1);
-    return scene_.occluded({.origin = eye_, .direction = (object_from_view_.rotation * ray).cast<float>()});
-  }
-
- private:
-  const RayScene& scene_;
-  const Camera& camera_;
-  Rigid3 object_from_view_;
-  Eigen::Vector3f eye_;
-};
 
 bool is(const ShapeView& view, int x, int y, Outline mark) {
   return view.outline.at(x, y) == static_cast<std::uint8_t>(mark);

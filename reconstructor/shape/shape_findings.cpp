@@ -11,7 +11,7 @@
 namespace sheen {
 namespace {
 
-constexpr double kOff_px = 0.6;         // in the mean: refining poses gains from about there
+constexpr double kOff_px = 0.6;         // median of the pairs of views
 constexpr double kMuchOff_px = 1.5;     // what is further off is not found at all, so it cannot be told how far
 constexpr double kStrange = 0.3;        // of what others show alike: below, an image shows something else
 constexpr double kMisfit = 0.1;         // of overlap, below that of the usual outline
@@ -61,7 +61,7 @@ ShapeFinding moved(const ShapeMeasures& measures) {
 
 ShapeFinding poses(double off_px) {
   const std::string off =
-      off_px < kMuchOff_px ? format("by %.1f pixels", off_px) : format("by %.0f pixels or more", kMuchOff_px);
+      off_px < kMuchOff_px ? format("by %.1f pixels", off_px) : format("by %.1f pixels or more", kMuchOff_px);
   return {"poses",
           "the poses are off " + off +
               ": so far aside images show what others have found; `refine --poses` corrects those of a data set, a new "

@@ -55,8 +55,4 @@ ColourView colour_view(const Capture& capture, const PixelBox& part, double scal
   return {std::move(view), std::move(colour)};
 }
 
-ShapeView shape_view(const Capture& capture, const PixelBox& part, double scale) {
-  return colour_view(capture, part, scale).view;
-}
-
 }  // namespace sheen

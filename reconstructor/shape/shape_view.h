@@ -36,6 +36,5 @@ struct ColourView {
 /// Reads the part at the scale, each pixel the mean of what it covers. The outline is that of the capture's mask;
 /// without one it is empty.
 ColourView colour_view(const Capture& capture, const PixelBox& part, double scale);
-ShapeView shape_view(const Capture& capture, const PixelBox& part, double scale);
 
 }  // namespace sheen

@@ -19,7 +19,7 @@ namespace {
 struct BallViews {
   BallViews() : photographs(ball(), 60, -0.98, false) {
     for (std::size_t i = 0; i < 60; ++i) {
-      views.push_back(shape_view(photographs.images().read(i), {0, 0, kCamera.width, kCamera.height}, 1));
+      views.push_back(colour_view(photographs.images().read(i), {0, 0, kCamera.width, kCamera.height}, 1).view);
       truth.push_back(exact(views.back()));
     }
     const auto chosen = neighbour_views(photographs.images().cameras, Eigen::Vector3d::Zero(), 5);

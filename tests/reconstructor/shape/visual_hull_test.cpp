@@ -18,7 +18,7 @@ const Eigen::AlignedBox3d kBox(Eigen::Vector3d::Constant(-0.2), Eigen::Vector3d:
 std::vector<ShapeView> whole_views(const Photographs& photographs) {
   std::vector<ShapeView> views;
   for (std::size_t i = 0; i < photographs.images().cameras.size(); ++i)
-    views.push_back(shape_view(photographs.images().read(i), {0, 0, kCamera.width, kCamera.height}, 1));
+    views.push_back(colour_view(photographs.images().read(i), {0, 0, kCamera.width, kCamera.height}, 1).view);
   return views;
 }
 
