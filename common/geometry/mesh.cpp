@@ -89,12 +89,14 @@ std::size_t remove_isolated(Mesh& mesh) {
   for (std::size_t v = 0; v < now.size(); ++v) {
     if (now[v] == kNone) continue;
     mesh.vertices[kept] = mesh.vertices[v];
+    if (!mesh.evidence.empty()) mesh.evidence[kept] = mesh.evidence[v];
     now[v] = kept++;
   }
   for (Triangle& triangle : mesh.triangles)
     for (std::uint32_t& v : triangle) v = now[v];
   const std::size_t removed = mesh.vertices.size() - kept;
   mesh.vertices.resize(kept);
+  if (!mesh.evidence.empty()) mesh.evidence.resize(kept);
   return removed;
 }
 
@@ -133,6 +135,11 @@ Mesh in_frame_at(const Eigen::Vector3d& origin, Mesh mesh) {
   for (Eigen::Vector3f& vertex : mesh.vertices) vertex = (vertex.cast<double>() + (mesh.origin - origin)).cast<float>();
   mesh.origin = origin;
   return mesh;
+}
+
+double share_known_as(ShapeEvidence evidence, const Mesh& mesh) {
+  const auto known = std::count(mesh.evidence.begin(), mesh.evidence.end(), evidence);
+  return mesh.evidence.empty() ? 0 : static_cast<double>(known) / static_cast<double>(mesh.evidence.size());
 }
 
 LoadedMesh load_mesh(const std::filesystem::path& path) {

@@ -13,6 +13,13 @@ namespace sheen {
 
 using Triangle = std::array<std::uint32_t, 3>;  ///< vertex indices, counter-clockwise seen from outside
 
+/// From what a vertex of a shape that was found in images is known.
+enum class ShapeEvidence : std::uint8_t {
+  kGuessed = 0,  ///< nothing shows it: the underside, or a place that no image sees
+  kOutline = 1,  ///< outlines alone bound it
+  kSeen = 2,     ///< two images or more agree about it
+};
+
 /// Triangle mesh in the object frame, metres.
 struct Mesh {
   std::vector<Eigen::Vector3f> vertices;  ///< from `origin`
@@ -20,8 +27,10 @@ struct Mesh {
   /// In the frame of its file. Zero but for a mesh so far out (map coordinates) that single precision would not hold
   /// its shape: then the object frame is the file's with its origin here, and `in_frame_at` takes poses into it.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  std::vector<ShapeEvidence> evidence = {};  ///< per vertex, of a shape that was found in images; else empty
 
   Eigen::Vector3f corner(std::size_t triangle, int c) const { return vertices[triangles[triangle][c]]; }
+  bool guessed_at(std::size_t vertex) const { return !evidence.empty() && evidence[vertex] == ShapeEvidence::kGuessed; }
   /// Twice the area times the unit normal.
   Eigen::Vector3f area_normal(std::size_t triangle) const {
     return (corner(triangle, 1) - corner(triangle, 0)).cross(corner(triangle, 2) - corner(triangle, 0));
@@ -43,6 +52,9 @@ struct BoundingSphere {
   double radius = 0;
 };
 BoundingSphere bounding_sphere(const Mesh& mesh);  ///< of the bounding box
+
+/// Of the vertices, those of which this is known; 0 of a mesh without evidence.
+double share_known_as(ShapeEvidence evidence, const Mesh& mesh);
 
 /// Area-weighted unit normal per vertex; +z where a vertex has no triangle.
 std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh);
@@ -78,8 +90,9 @@ LoadedMesh load_mesh(const std::filesystem::path& path);
 /// The same files, validated but not cleaned: indices stay as they stand in the file.
 Mesh load_mesh_unchanged(const std::filesystem::path& path);
 
-/// Binary little-endian PLY of vertices and triangles, in the frame of the mesh's file: in double precision where the
-/// mesh has an origin, which a comment keeps for when it is read again. Throws FileError.
+/// Binary little-endian PLY of vertices, with their evidence where they have one, and triangles, in the frame of the
+/// mesh's file: in double precision where the mesh has an origin, which a comment keeps for when it is read again.
+/// Throws FileError.
 void save_ply(const Mesh& mesh, const std::filesystem::path& path);
 
 }  // namespace sheen

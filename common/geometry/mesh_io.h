@@ -15,10 +15,15 @@ namespace sheen {
 struct RawMesh {
   std::vector<Eigen::Vector3d> vertices;  ///< in the frame of the file
   std::vector<Triangle> triangles;
-  std::optional<Eigen::Vector3d> origin;  ///< that the file names, in place of one that `mesh_of` finds
-  std::size_t empty_faces = 0;            ///< faces of fewer than three corners
+  std::optional<Eigen::Vector3d> origin;     ///< that the file names, in place of one that `mesh_of` finds
+  std::size_t empty_faces = 0;               ///< faces of fewer than three corners
+  std::vector<ShapeEvidence> evidence = {};  ///< per vertex, or empty
 
-  Mesh mesh() const { return origin ? mesh_of(vertices, triangles, *origin) : mesh_of(vertices, triangles); }
+  Mesh mesh() const {
+    Mesh mesh = origin ? mesh_of(vertices, triangles, *origin) : mesh_of(vertices, triangles);
+    mesh.evidence = evidence;
+    return mesh;
+  }
 };
 
 /// The three formats, from a file's bytes; `path` only names the file in errors. Throw FileError.

@@ -204,6 +204,12 @@ int coordinate_axis(const Property& property) {
   return property.name == "x" ? 0 : property.name == "y" ? 1 : property.name == "z" ? 2 : -1;
 }
 
+constexpr std::string_view kEvidence = "evidence";  // `ShapeEvidence` of a vertex
+
+bool is_evidence(const Property& property) {
+  return !property.list_count && property.name == kEvidence && property.value == Scalar::kUint8;
+}
+
 bool holds_corners(const Property& property) {
   return property.list_count && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
@@ -216,6 +222,7 @@ RawMesh read_ply(const std::string& path, std::string_view bytes) {
   MeshBuilder builder(path);
   if (header.origin) builder.set_origin(*header.origin);
   std::vector<double> list;
+  std::vector<ShapeEvidence> evidence;
   for (const Element& element : header.elements) {
     const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
     const bool is_strips = element.name == "tristrips";
@@ -250,13 +257,17 @@ RawMesh read_ply(const std::string& path, std::string_view bytes) {
         } else {
           const double value = next(property, property.value);
           if (const int axis = coordinate_axis(property); axis >= 0) position[axis] = value;
+          if (is_vertex && is_evidence(property) && value <= double(ShapeEvidence::kSeen))
+            evidence.push_back(static_cast<ShapeEvidence>(value));
         }
       }
       if (is_vertex) builder.add_vertex(position[0], position[1], position[2], place);
       body.end_row();
     }
   }
-  return builder.finish();
+  RawMesh mesh = builder.finish();
+  if (evidence.size() == mesh.vertices.size()) mesh.evidence = std::move(evidence);  // else it is another program's
+  return mesh;
 }
 
 void save_ply(const Mesh& mesh, const std::filesystem::path& path) {
@@ -267,6 +278,7 @@ void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<con
               const std::string& comment) {
   const bool far = mesh.origin != Eigen::Vector3d::Zero();
   const std::string number = far ? "double" : "float";
+  const bool known = !mesh.evidence.empty();
   std::string out = "ply\nformat binary_little_endian 1.0\n";
   if (far)
     out += format("comment %s %.17g %.17g %.17g\n", kOrigin.data(), mesh.origin.x(), mesh.origin.y(), mesh.origin.z());
@@ -275,9 +287,11 @@ void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<con
   for (const char* axis : {"x", "y", "z"}) out += "\nproperty " + number + ' ' + axis;
   out += '\n';
   for (const VertexValues& v : values) out += (v.bytes ? "property uchar " : "property float ") + v.name + '\n';
+  if (known) out += "property uchar " + std::string(kEvidence) + '\n';
   out += "element face " + std::to_string(mesh.triangles.size()) +
          "\nproperty list uchar int vertex_indices\nend_header\n";
-  out.reserve(out.size() + ((far ? 24 : 12) + 4 * values.size()) * mesh.vertices.size() + 13 * mesh.triangles.size());
+  out.reserve(out.size() + ((far ? 24 : 12) + 4 * values.size() + 1) * mesh.vertices.size() +
+              13 * mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3d in_file = mesh.vertices[i].cast<double>() + mesh.origin;
     if (far)
@@ -290,6 +304,7 @@ void save_ply(const Mesh& mesh, const std::filesystem::path& path, std::span<con
       else
         out.append(reinterpret_cast<const char*>(&v.values[i]), 4);
     }
+    if (known) out.push_back(static_cast<char>(mesh.evidence[i]));
   }
   for (const Triangle& triangle : mesh.triangles) {
     out.push_back(3);

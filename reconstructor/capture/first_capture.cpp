@@ -27,12 +27,11 @@ RigMotion completed(RigMotion motion, const LightState& light) {
 
 }  // namespace
 
-FirstCapture::FirstCapture(Session& session, TrackerLinks& links, bool once,
-                           std::function<void(const std::vector<LinkState>&)> on_link)
+FirstCapture::FirstCapture(Session& session, TrackerLinks& links, bool once, ArrivalObserver observer)
     : session_(session),
       links_(links),
       once_(once),
-      on_link_(std::move(on_link)),
+      observer_(std::move(observer)),
       thread_(guarded_thread(
           [this](const std::stop_token& stop) {
             look(stop);
@@ -98,7 +97,7 @@ void FirstCapture::look(const std::stop_token& stop) {
     std::optional<TrackerLinks::Arrival> arrival = links_.next(kPoll);
     const std::vector<LinkState> states = links_.states();
     const ReceiverStats link = joined(states);
-    if (on_link_) on_link_(states);
+    observer_.look(states, arrival);
     if (!arrival && link.ended && once_) return;
     if (!arrival || arrival->received.live) continue;
     Capture& capture = arrival->received.capture;

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <exception>
-#include <functional>
 #include <optional>
 #include <thread>
 
@@ -25,9 +24,7 @@ class FirstCapture {
   };
 
   /// Both must outlive it; nothing else uses them until it is over. `once`: no other source follows one that ends.
-  /// `on_link`: called by that thread, many times per second.
-  FirstCapture(Session& session, TrackerLinks& links, bool once,
-               std::function<void(const std::vector<LinkState>&)> on_link);
+  FirstCapture(Session& session, TrackerLinks& links, bool once, ArrivalObserver observer);
 
   /// It is there, or none will come.
   bool over() const { return over_; }
@@ -44,7 +41,7 @@ class FirstCapture {
   Session& session_;
   TrackerLinks& links_;
   const bool once_;
-  std::function<void(const std::vector<LinkState>&)> on_link_;
+  ArrivalObserver observer_;
   std::optional<Found> found_;
   std::exception_ptr failure_;
   std::atomic<bool> over_{false};

@@ -8,79 +8,17 @@
 
 #include "common/base/format.h"
 #include "common/capture/linear_capture.h"
-#include "common/image/color.h"
-#include "common/image/image_io.h"
-#include "common/image/linear_reader.h"
-#include "reconstructor/render/gl/view_controls.h"
+#include "reconstructor/capture/preview_pictures.h"
 #include "reconstructor/render/guidance.h"
 #include "reconstructor/render/nearest_photograph.h"
 
 namespace sheen {
 namespace {
 
-constexpr int kPreviewWidth = 640, kPreviewHeight = 480, kThumbnailWidth = 480;
-constexpr int kJpegQuality = 80;
 constexpr std::chrono::seconds kTurn{3};    ///< for which one of several cameras is shown
 constexpr double kFewWait = 3, kLag_s = 1;  ///< images that may wait, or as many as are added in this time
 constexpr double kSameView = 0.94;          ///< cosine of 20 degrees
 constexpr int kInsists = 8;                 ///< snapshots in a row
-
-std::shared_ptr<const std::string> jpeg_text(const ImageU8& image) {
-  const std::vector<std::uint8_t> bytes = encode_jpeg(image, kJpegQuality);
-  return std::make_shared<const std::string>(bytes.begin(), bytes.end());
-}
-
-/// The part of the camera's view that shows the object, with a rim round it.
-Camera preview_camera(const Camera& camera, const Rigid3& camera_from_object, const Mesh& mesh) {
-  constexpr double kRim = 1.1;
-  const auto [centre, radius] = bounding_sphere(mesh);
-  const Eigen::Vector3d at = camera_from_object.rotation * centre + camera_from_object.translation;
-  const auto pixel = camera.project(at);
-  const double half_height = pixel ? kRim * radius * camera.fy / at.z() : camera.height;
-  if (!pixel || 2 * half_height > camera.height)
-    return camera.scaled(kPreviewWidth, std::max(1, camera.height * kPreviewWidth / camera.width));
-  Camera part = camera;
-  part.height = static_cast<int>(std::ceil(2 * half_height));
-  part.width = part.height * kPreviewWidth / kPreviewHeight;
-  part.cx += 0.5 * (part.width - 1) - pixel->x();
-  part.cy += 0.5 * (part.height - 1) - pixel->y();
-  return part.scaled(kPreviewWidth, kPreviewHeight);
-}
-
-constexpr std::array<std::uint8_t, 3> kGround{28, 31, 34};  ///< that of the window
-
-ImageU8 on_ground(ImageU8 picture, const ImageU8& coverage) {
-  for (int y = 0; y < picture.height(); ++y)
-    for (int x = 0; x < picture.width(); ++x)
-      if (coverage.at(x, y) == 0)
-        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = kGround[std::size_t(c)];
-  return picture;
-}
-
-/// Every nth pixel: quick, and good enough for a thumbnail.
-ImageU8 thumbnail(const ImageU8& image, int width) {
-  const int height = std::max(1, image.height() * width / image.width());
-  ImageU8 small(width, height, image.channels());
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      for (int c = 0; c < image.channels(); ++c)
-        small.at(x, y, c) = image.at(x * image.width() / width, y * image.height() / height, c);
-  return small;
-}
-
-/// Where the mesh should be in the camera's image: a person sees at once whether it sits.
-void draw_outline(ImageU8& picture, const RayPainter& painter, const Capture& capture) {
-  constexpr std::array<std::uint8_t, 3> kColour{70, 220, 130};
-  const ImageU8 object =
-      painter.silhouette(capture.camera.scaled(picture.width(), picture.height()), capture.pose.camera_from_object);
-  const auto differs = [&](int x, int y) {
-    return object.at(x, y) != object.at(x - 1, y) || object.at(x, y) != object.at(x, y - 1);
-  };
-  for (int y = 1; y < picture.height(); ++y)
-    for (int x = 1; x < picture.width(); ++x)
-      if (differs(x, y))
-        for (int c = 0; c < picture.channels(); ++c) picture.at(x, y, c) = kColour[std::size_t(c)];
-}
 
 TrackerLink link_of(const ReceiverStats& link, const EndProgress& end,
                     const std::optional<MonitorState::Clock::time_point>& last) {
@@ -139,31 +77,12 @@ bool same_source(const Capture& a, const Capture& b) {
   return a.source_session == b.source_session && a.calibration_hash == b.calibration_hash;
 }
 
-/// The mesh lit from the eye, where there is no model yet; as the window has it.
-ImageU8 plain_picture(const RayPainter& painter, const Mesh& mesh, const Camera& camera,
-                      const Rigid3& camera_from_object) {
-  const std::vector<Hit> hits = painter.cast(camera, camera_from_object);
-  const Eigen::Vector3f eye = camera_centre(camera_from_object).cast<float>();
-  ImageU8 picture(camera.width, camera.height, 3);
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (!hits[i]) {
-      std::ranges::copy(kGround, picture.data() + 3 * i);
-      continue;
-    }
-    const auto& triangle = mesh.triangles[hits[i].triangle];
-    const Eigen::Vector3f &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]],
-                          &c = mesh.vertices[triangle[2]];
-    const float facing = std::abs((b - a).cross(c - a).normalized().dot((eye - a).normalized()));
-    std::fill_n(picture.data() + 3 * i, 3, static_cast<std::uint8_t>(255 * 0.72f * (0.25f + 0.75f * facing)));
-  }
-  return picture;
-}
-
-/// From where a person would look at the mesh before there is a camera.
-Viewpoint first_look(const std::shared_ptr<const Mesh>& mesh) {
-  ViewControls controls;
-  controls.frame(mesh);
-  return controls.orbit.viewpoint(kPreviewWidth, kPreviewHeight);
+/// Nothing of a mesh that was given.
+std::optional<MonitorState::Shape> shape_of(const Mesh& mesh) {
+  if (mesh.evidence.empty()) return std::nullopt;
+  return MonitorState::Shape{.seen = share_known_as(ShapeEvidence::kSeen, mesh),
+                             .outlined = share_known_as(ShapeEvidence::kOutline, mesh),
+                             .guessed = share_known_as(ShapeEvidence::kGuessed, mesh)};
 }
 
 /// What the model has to say of the next view is old while images wait.
@@ -287,14 +206,15 @@ void LiveDisplay::publish_to_window(const LoopStatus& status, const EndProgress&
 }
 
 MonitorState state_before_first(const LiveDisplay::Names& names, const std::vector<LinkState>& links,
-                                const std::string& message) {
+                                const Capture* latest, std::string doing) {
   MonitorState state;
   state.version = SHEEN_VERSION;
   state.model = names.model;
   state.session_folder = names.session_folder;
   state.links = links_of(names, links);
   state.hint = commands_for_missing(names.trackers, links);
-  if (state.hint.empty()) state.hint = message;
+  state.doing = std::move(doing);
+  if (latest) state.camera_jpeg = camera_preview(*latest, nullptr);
   return state;
 }
 
@@ -348,6 +268,8 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
   }
   state.preview_jpeg = preview_jpeg_;
   state.preview_note = preview_note_;
+  if (now.snapshot) state.shape = shape_of(now.snapshot->mesh());
+  state.shape_jpeg = shape_jpeg_;
   state.camera_jpeg = camera_jpeg_;
   return state;
 }
@@ -355,25 +277,16 @@ MonitorState LiveDisplay::monitor_state(const LoopStatus& status, const EndProgr
 void LiveDisplay::update_previews(const Latest& now) {
   if (now.capture && now.capture != drawn_capture_) {
     drawn_capture_ = now.capture;
-    ImageU8 picture = thumbnail(to_srgb8(to_linear_rgb(now.capture->image)), kThumbnailWidth);
-    if (now.painter && now.capture->pose.usable()) draw_outline(picture, *now.painter, *now.capture);
-    camera_jpeg_ = jpeg_text(picture);
+    camera_jpeg_ = camera_preview(*now.capture, now.painter.get());
   }
   if (!now.snapshot || now.number == drawn_) return;
-  const bool posed = now.capture && now.capture->pose.usable(), untouched = now.snapshot->empty();
-  if (!posed && !untouched) return;
+  const bool posed = now.capture && now.capture->pose.usable();
+  if (!posed && !now.snapshot->empty()) return;
   drawn_ = now.number;
-  const Viewpoint from =
-      posed ? Viewpoint{preview_camera(now.capture->camera, now.capture->pose.camera_from_object, now.snapshot->mesh()),
-                        now.capture->pose.camera_from_object}
-            : first_look(now.snapshot->shared_mesh());
+  const Viewpoint from = preview_viewpoint(posed ? now.capture.get() : nullptr, now.snapshot->shared_mesh());
   preview_note_ = no_photograph_note(*now.snapshot, from.eye());
-  if (untouched) {
-    preview_jpeg_ = jpeg_text(plain_picture(*now.painter, now.snapshot->mesh(), from.camera, from.camera_from_object));
-    return;
-  }
-  const PaintedView painted = now.painter->paint(*now.snapshot, from.camera, from.camera_from_object);
-  preview_jpeg_ = jpeg_text(on_ground(to_srgb8(painted.beauty), painted.coverage));
+  preview_jpeg_ = model_preview(*now.snapshot, *now.painter, from);
+  shape_jpeg_ = shape_preview(now.snapshot->mesh(), *now.painter, from);
 }
 
 void LiveDisplay::count_surface(const Latest& now) {

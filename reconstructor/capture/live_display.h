@@ -68,7 +68,7 @@ class LiveDisplay {
   MonitorState::Clock::time_point turn_began_;  ///< of the camera whose captures are shown
   std::uint64_t drawn_ = 0;                     ///< number of the snapshot
   std::shared_ptr<const Capture> drawn_capture_;
-  std::shared_ptr<const std::string> preview_jpeg_, camera_jpeg_;
+  std::shared_ptr<const std::string> preview_jpeg_, shape_jpeg_, camera_jpeg_;
   std::string preview_note_;
   std::uint64_t advised_ = 0, counted_ = 0;  ///< likewise
   MonitorState::Surface surface_;
@@ -77,8 +77,8 @@ class LiveDisplay {
 };
 
 /// What the monitor page shows before the first image, while it is not known what will be modelled.
-/// `message`: what is done meanwhile, once every tracker has come.
+/// `latest`: capture; null: none has come. `doing`: what is done meanwhile.
 MonitorState state_before_first(const LiveDisplay::Names& names, const std::vector<LinkState>& links,
-                                const std::string& message = {});
+                                const Capture* latest, std::string doing);
 
 }  // namespace sheen

@@ -10,10 +10,11 @@
 #include "common/base/errors.h"
 #include "common/base/guarded_thread.h"
 #include "common/base/log.h"
+#include "common/geometry/mesh_io.h"
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/capture_storing.h"
 #include "reconstructor/capture/training_images.h"
-#include "reconstructor/shape/shape_file.h"
+#include "reconstructor/shape/shape.h"
 
 namespace sheen {
 namespace {
@@ -24,18 +25,17 @@ constexpr std::uint64_t kFewestCaptures = 6;
 constexpr double kGrowth = 1.4;       // of the captures until it is tried again
 constexpr double kSeenAtFirst = 0.3;  // of the vertices: less is no shape to begin with
 
-constexpr ShapeOptions kWhileImagesCome{.triangles = 12'000, .most_views = 40, .object_pixels = 50'000};
-constexpr ShapeOptions kAtTheEnd{.most_views = 40, .object_pixels = 120'000};
-
-double share_seen(const FoundShape& found) {
-  const auto seen = std::count(found.evidence.begin(), found.evidence.end(), ShapeEvidence::kSeen);
-  return static_cast<double>(seen) / static_cast<double>(found.evidence.size());
+ShapeOptions while_images_come(const std::shared_ptr<const Mesh>& rough) {
+  return {.triangles = 12'000, .most_views = 40, .object_pixels = 50'000, .from = rough.get()};
+}
+ShapeOptions at_the_end(const std::shared_ptr<const Mesh>& rough) {
+  return {.most_views = 40, .object_pixels = 120'000, .from = rough.get()};
 }
 
 std::shared_ptr<const Mesh> kept(const FoundShape& found, const std::filesystem::path& folder) {
-  save_mesh_of_session(folder, kShapeFile, [&](const std::filesystem::path& file) { save_shape(found, file); });
+  save_mesh_of_session(folder, kShapeFile, [&](const std::filesystem::path& file) { save_ply(found.mesh, file); });
   log_info("shape", "found in the images so far",
-           {{"triangles", found.mesh.triangles.size()}, {"seen", share_seen(found)}});
+           {{"triangles", found.mesh.triangles.size()}, {"seen", share_known_as(ShapeEvidence::kSeen, found.mesh)}});
   return std::make_shared<const Mesh>(found.mesh);
 }
 
@@ -54,13 +54,14 @@ std::shared_ptr<const Mesh> shape_of_session(const std::filesystem::path& sessio
 }
 
 FirstShape::FirstShape(Session& session, TrackerLinks& links, std::filesystem::path session_folder, int hold_out_every,
-                       bool once, std::function<void(const std::vector<LinkState>&)> on_link)
+                       bool once, std::shared_ptr<const Mesh> rough, ArrivalObserver observer)
     : session_(session),
       links_(links),
       folder_(std::move(session_folder)),
       hold_out_every_(hold_out_every),
       once_(once),
-      on_link_(std::move(on_link)),
+      rough_(std::move(rough)),
+      observer_(std::move(observer)),
       stored_(session.size()) {
   const auto fail = [this](const std::exception_ptr& error) {
     const std::lock_guard lock(mutex_);
@@ -76,14 +77,14 @@ FirstShape::FirstShape(Session& session, TrackerLinks& links, std::filesystem::p
       fail);
 }
 
-std::string FirstShape::message() const {
+WorkInHand FirstShape::work() const {
   const std::lock_guard lock(mutex_);
-  return message_;
+  return work_;
 }
 
-void FirstShape::say(std::string message) {
+void FirstShape::say(std::string what, double fraction, std::string why) {
   const std::lock_guard lock(mutex_);
-  message_ = std::move(message);
+  work_ = {std::move(what), fraction, std::move(why)};
 }
 
 std::shared_ptr<const Mesh> FirstShape::take() {
@@ -98,7 +99,7 @@ void FirstShape::receive(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     std::optional<TrackerLinks::Arrival> arrival = links_.next(kPoll);
     const std::vector<LinkState> states = links_.states();
-    if (on_link_) on_link_(states);
+    observer_.look(states, arrival);
     if (!arrival && joined(states).ended && once_) ended_ = true;
     if (!arrival || arrival->received.live) continue;
     if (store_capture(session_, links_, *arrival, stop)) stored_ = session_.size();
@@ -107,27 +108,28 @@ void FirstShape::receive(const std::stop_token& stop) {
 
 void FirstShape::find(const std::stop_token& stop) {
   std::uint64_t next = kFewestCaptures, tried = 0, counted = 0;
+  std::string why = "Move the camera round the object.";
   auto came = std::chrono::steady_clock::now();
-  say("the first images show the shape; move the camera round the object");
   while (!stop.stop_requested()) {
     const bool ended = ended_;  // before what it had stored is counted
     const std::uint64_t stored = stored_;
     if (stored != std::exchange(counted, stored)) came = std::chrono::steady_clock::now();
     const bool paused = stored > tried && stored >= kFewestCaptures && std::chrono::steady_clock::now() - came > kPause;
     if (stored < next && !ended && !paused) {
+      say("The first images show the shape: " + std::to_string(stored) + " of " + std::to_string(next) + " are there.",
+          static_cast<double>(stored) / static_cast<double>(next), why);
       std::this_thread::sleep_for(kPoll);
       continue;
     }
-    say("finding the shape in " + std::to_string(stored) + " images");
     tried = stored;
     try {
       found_ = try_with(patiently(stop, [&] { return open_capture_set(folder_); }), stop);
       if (found_) return;
-      say("the shape is not clear yet in " + std::to_string(stored) + " images; move on round the object");
+      why = "The shape is not clear yet in " + std::to_string(stored) + " images: move on round the object.";
     } catch (const Error& error) {
       if (stop.stop_requested()) return;
       if (ended) throw;
-      say(std::string("no shape yet: ") + error.what());
+      why = std::string("No shape yet: ") + error.what();
       log_info("shape", std::string("none yet: ") + error.what(), {{"captures", stored}});
     }
     if (ended)
@@ -138,26 +140,30 @@ void FirstShape::find(const std::stop_token& stop) {
 
 std::shared_ptr<const Mesh> FirstShape::try_with(const CaptureSet& captures, const std::stop_token& stop) {
   const RefinementImages images = training_images(captures, hold_out_every_);
-  const FoundShape found = find_shape(images, kWhileImagesCome, [&](std::size_t, std::size_t) {
+  const FoundShape found = find_shape(images, while_images_come(rough_), [&](std::size_t done, std::size_t steps) {
     if (stop.stop_requested()) throw Error("stopped");
+    say("The shape is being found in " + std::to_string(images.cameras.size()) + " images.",
+        static_cast<double>(done) / static_cast<double>(steps), "Move the camera on round the object.");
   });
-  return share_seen(found) >= kSeenAtFirst ? kept(found, folder_) : nullptr;
+  return share_known_as(ShapeEvidence::kSeen, found.mesh) >= kSeenAtFirst ? kept(found, folder_) : nullptr;
 }
 
-LookAtMesh shape_look(std::filesystem::path folder, std::function<bool()> over,
+LookAtMesh shape_look(std::filesystem::path folder, std::shared_ptr<const Mesh> rough, std::function<bool()> over,
                       std::function<void(const std::string&)> on_finding) {
-  return [folder = std::move(folder), over = std::move(over), on_finding = std::move(on_finding),
-          said = std::set<std::string>()](const RefinementImages& images, const StepsDone& progress,
-                                          nlohmann::json& told) mutable -> std::shared_ptr<const Mesh> {
-    const bool last = over();
-    const FoundShape found = find_shape(images, last ? kAtTheEnd : kWhileImagesCome, progress);
-    told = {{"triangles", found.mesh.triangles.size()}, {"seen", share_seen(found)}};
-    const std::vector<ShapeFinding> findings = findings_of(found.measures);
-    told["findings"] = findings_report(findings);
-    for (const ShapeFinding& finding : findings)
-      if ((last || !finding.passes_with_more_images) && said.insert(finding.kind).second) on_finding(finding.sentence);
-    return kept(found, folder);
-  };
+  return
+      [folder = std::move(folder), rough = std::move(rough), over = std::move(over), on_finding = std::move(on_finding),
+       said = std::set<std::string>()](const RefinementImages& images, const StepsDone& progress,
+                                       nlohmann::json& told) mutable -> std::shared_ptr<const Mesh> {
+        const bool last = over();
+        const FoundShape found = find_shape(images, last ? at_the_end(rough) : while_images_come(rough), progress);
+        told = {{"triangles", found.mesh.triangles.size()}, {"seen", share_known_as(ShapeEvidence::kSeen, found.mesh)}};
+        const std::vector<ShapeFinding> findings = findings_of(found.measures);
+        told["findings"] = findings_report(findings);
+        for (const ShapeFinding& finding : findings)
+          if ((last || !finding.passes_with_more_images) && said.insert(finding.kind).second)
+            on_finding(finding.sentence);
+        return kept(found, folder);
+      };
 }
 
 }  // namespace sheen

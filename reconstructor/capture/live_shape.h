@@ -15,6 +15,7 @@
 #include "reconstructor/capture/capture_set.h"
 #include "reconstructor/capture/live_mesh.h"
 #include "reconstructor/capture/tracker_links.h"
+#include "reconstructor/render/gl/viewer_state.h"
 #include "reconstructor/shape/shape_findings.h"
 
 namespace sheen {
@@ -30,14 +31,14 @@ std::shared_ptr<const Mesh> shape_of_session(const std::filesystem::path& sessio
 class FirstShape {
  public:
   /// Session and links must outlive it; nothing else uses them until it is over. `once`: no other source follows one
-  /// that ends. `on_link`: called many times per second.
+  /// that ends. `rough`: `ShapeOptions::from`, or null.
   FirstShape(Session& session, TrackerLinks& links, std::filesystem::path session_folder, int hold_out_every, bool once,
-             std::function<void(const std::vector<LinkState>&)> on_link);
+             std::shared_ptr<const Mesh> rough, ArrivalObserver observer);
 
   /// It is there, or none will come.
   bool over() const { return over_; }
   /// How far it is, for people.
-  std::string message() const;
+  WorkInHand work() const;
   /// Ends the wait. Null where there was none. Throws what went wrong.
   std::shared_ptr<const Mesh> take();
 
@@ -45,18 +46,19 @@ class FirstShape {
   void receive(const std::stop_token& stop);
   void find(const std::stop_token& stop);
   std::shared_ptr<const Mesh> try_with(const CaptureSet& captures, const std::stop_token& stop);
-  void say(std::string message);
+  void say(std::string what, double fraction, std::string why = {});
 
   Session& session_;
   TrackerLinks& links_;
   const std::filesystem::path folder_;
   const int hold_out_every_;
   const bool once_;
-  std::function<void(const std::vector<LinkState>&)> on_link_;
+  const std::shared_ptr<const Mesh> rough_;
+  ArrivalObserver observer_;
   std::atomic<std::uint64_t> stored_{0};
   std::atomic<bool> ended_{false}, over_{false};
   mutable std::mutex mutex_;
-  std::string message_;
+  WorkInHand work_;
   std::shared_ptr<const Mesh> found_;
   std::exception_ptr failure_;
   std::jthread receiving_, finding_;
@@ -68,7 +70,8 @@ nlohmann::json findings_report(const std::vector<ShapeFinding>& findings);
 /// Finds the shape anew in the images so far, and always goes over to it: it is made of more. `over`: no more captures
 /// come, so it takes its time. It stands in the session's folder. A look tells {"triangles", "seen", "findings"}.
 /// `on_finding`: told of what keeps it from being better; of each kind once while images come, of all at the end.
-LookAtMesh shape_look(std::filesystem::path session_folder, std::function<bool()> over,
-                      std::function<void(const std::string&)> on_finding);
+/// `rough`: `ShapeOptions::from`, or null.
+LookAtMesh shape_look(std::filesystem::path session_folder, std::shared_ptr<const Mesh> rough,
+                      std::function<bool()> over, std::function<void(const std::string&)> on_finding);
 
 }  // namespace sheen

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -52,6 +53,17 @@ class TrackerLinks {
   std::condition_variable arrived_;
   std::uint64_t arrivals_ = 0;
   std::vector<std::unique_ptr<CaptureReceiver>> receivers_;  // last: they call back until they are gone
+};
+
+/// Who watches what arrives. Calls come from the thread that receives and must be quick.
+struct ArrivalObserver {
+  std::function<void(const std::vector<LinkState>&)> on_link;  ///< many times per second
+  std::function<void(const Capture&)> on_capture;              ///< every one, live or to be kept
+
+  void look(const std::vector<LinkState>& links, const std::optional<TrackerLinks::Arrival>& arrival) const {
+    if (on_link) on_link(links);
+    if (on_capture && arrival) on_capture(arrival->received.capture);
+  }
 };
 
 }  // namespace sheen

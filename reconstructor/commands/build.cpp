@@ -101,14 +101,17 @@ std::unique_ptr<Reconstruction> build_to_target(const BuildRequest& request, con
 }
 
 /// What the model is built on where no mesh was given and the model makes none itself: the shape in the images.
-Mesh found_shape(const std::string& dataset, const CaptureSet& captures, int hold_out_every, nlohmann::json& report) {
-  if (const auto known = Session::exists(dataset) ? shape_of_session(dataset) : nullptr) {
+Mesh found_shape(const BuildRequest& request, const CaptureSet& captures, int hold_out_every, nlohmann::json& report) {
+  const std::optional<Mesh> rough = rough_mesh(request.from_mesh);
+  if (const auto known = !rough && Session::exists(request.dataset) ? shape_of_session(request.dataset) : nullptr) {
     std::fprintf(stderr, "no --mesh: the shape is %s of the session\n", kShapeFile);
     return *known;
   }
   std::fprintf(stderr, "no --mesh: the shape is found in the images\n");
   try {
-    return find_and_tell(training_images(captures, hold_out_every), {}, report["shape"]).mesh;
+    return find_and_tell(training_images(captures, hold_out_every), {.from = rough ? &*rough : nullptr},
+                         report["shape"])
+        .mesh;
   } catch (const Error& error) {
     throw Error(std::string("no shape is found in the images: ") + error.what() + ". Or give --mesh");
   }
@@ -165,8 +168,10 @@ void build(BuildRequest request, const std::function<void(const nlohmann::json&)
   CaptureSet captures = opened ? *std::move(opened) : open();
   if (!request.refine.empty() && surface_needs_camera(settings, request.mesh))
     throw ConfigError(std::string("--refine: ") + settings.kind() + " has no mesh to refine; leave it out");
+  if (!request.from_mesh.empty() && settings.makes_mesh())
+    throw ConfigError(std::string("--from-mesh: ") + settings.kind() + " looks for no shape; leave it out");
   const bool from_images = request.mesh.empty() && !settings.makes_mesh() && !is_light_list(request.dataset);
-  Mesh mesh = from_images ? found_shape(request.dataset, captures, settings.hold_out_every, fit)
+  Mesh mesh = from_images ? found_shape(request, captures, settings.hold_out_every, fit)
                           : surface_for(settings, request.mesh, captures.cameras);
   if (const auto metres = request.object_size.metres(); metres && from_images)
     bring_to_size(*metres, request.dataset, mesh, captures, fit["shape"]);
@@ -217,9 +222,10 @@ void add_build_command(Command& program) {
               "folder with transforms.json, a COLMAP model or a Sheen session, a list of lights (.lp), or a folder of "
               "photographs, whose poses COLMAP then finds")
       .required();
-  command.option(
+  const Option mesh = command.option(
       "--mesh", arguments->mesh,
       "PLY, OBJ or OFF in the dataset's frame; without one the shape is found in the images, as `shape` does");
+  add_rough_mesh_option(command, arguments->from_mesh).excludes({mesh});
   const Option no_refine = command.flag("--no-refine", arguments->no_refine, "build on the mesh as it is given");
   command
       .option("--refine[=mesh]", arguments->refine,

@@ -16,7 +16,7 @@ namespace sheen {
 /// What a model is to be built from, and how; an empty text asks for nothing. Each is an option of `build`.
 struct BuildRequest {
   std::string dataset;  ///< folder of a data set, a session or photographs alone, or a list of lights (.lp)
-  std::string mesh, out, config, model, refine;
+  std::string mesh, from_mesh, out, config, model, refine;
   std::optional<int> hold_out;
   bool no_refine = false;
   FavourArgument favour;

@@ -23,7 +23,6 @@
 #include "reconstructor/capture/capture_end.h"
 #include "reconstructor/capture/capture_loop.h"
 #include "reconstructor/capture/capture_report.h"
-#include "reconstructor/capture/first_capture.h"
 #include "reconstructor/capture/live_display.h"
 #include "reconstructor/capture/live_model.h"
 #include "reconstructor/capture/live_refinement.h"
@@ -34,7 +33,9 @@
 #include "reconstructor/commands/favour_option.h"
 #include "reconstructor/commands/limit_options.h"
 #include "reconstructor/commands/serve_end.h"
+#include "reconstructor/commands/serve_wait.h"
 #include "reconstructor/commands/serve_watch.h"
+#include "reconstructor/commands/shape_finding.h"
 #include "reconstructor/commands/size_options.h"
 #include "reconstructor/effort/effort_control.h"
 #include "reconstructor/evaluation/evaluation_report.h"
@@ -53,7 +54,7 @@ constexpr const char* kMeshHashKey = "mesh_hash";
 constexpr const char* kNoMesh = "none";
 
 struct ServeArguments {
-  std::string mesh, session, config, model, keys, json;
+  std::string mesh, from_mesh, session, config, model, keys, json;
   std::vector<std::string> endpoints{ReceiverOptions{}.endpoint}, tracker_keys;
   std::string monitor_host = MonitorOptions{}.host, monitor_token_file, steer_token_file;
   int monitor_port = MonitorOptions{}.port;
@@ -175,60 +176,6 @@ std::unique_ptr<Reconstruction> reconstruction_for(const ServeArguments& argumen
   return std::make_unique<Reconstruction>(std::move(mesh), settings);
 }
 
-/// Nothing when a signal, or the window's closing, ended the wait. Throws Error where the only source ended without an
-/// image.
-std::optional<FirstCapture::Found> wait_for_first(const ServeArguments& arguments, Session& session,
-                                                  TrackerLinks& links, LinkLog& log, MonitorServer* monitor,
-                                                  ViewerWindow*& window, const LiveDisplay::Names& names) {
-  FirstCapture first(session, links, arguments.once,
-                     [&log](const std::vector<LinkState>& states) { log.look(states); });
-  ViewerFeed feed;
-  feed.publish({.message = "the first image begins the model; start a tracker: " + names.trackers.front().command});
-  auto publish_at = std::chrono::steady_clock::now();
-  wait_until(
-      [&] {
-        if (const auto now = std::chrono::steady_clock::now(); monitor && now >= publish_at) {
-          publish_at = now + kMonitorInterval;
-          monitor->publish(state_before_first(names, links.states()));
-        }
-        return first.over() || stop_requested();
-      },
-      window, feed);
-  const bool over = first.over();
-  std::optional<FirstCapture::Found> found = first.take();
-  if (!found && over)
-    throw Error(arguments.session + ": the source has ended without an image that could begin a model");
-  return over ? std::move(found) : std::nullopt;
-}
-
-/// Null when a signal, or the window's closing, ended the wait.
-std::shared_ptr<const Mesh> wait_for_shape(const ServeArguments& arguments, const ModelSettings& settings,
-                                           Session& session, TrackerLinks& links, LinkLog& log, MonitorServer* monitor,
-                                           ViewerWindow*& window, const LiveDisplay::Names& names) {
-  if (const auto known = shape_of_session(arguments.session)) {
-    log_info("shape", "as the session has it", {{"triangles", known->triangles.size()}});
-    return known;
-  }
-  FirstShape first(session, links, arguments.session, settings.hold_out_every, arguments.once,
-                   [&log](const std::vector<LinkState>& states) { log.look(states); });
-  ViewerFeed feed;
-  auto publish_at = std::chrono::steady_clock::now();
-  wait_until(
-      [&] {
-        if (const auto now = std::chrono::steady_clock::now(); now >= publish_at) {
-          publish_at = now + kMonitorInterval;
-          feed.publish({.message = first.message()});
-          if (monitor) monitor->publish(state_before_first(names, links.states(), first.message()));
-        }
-        return first.over() || stop_requested();
-      },
-      window, feed);
-  const bool over = first.over();
-  std::shared_ptr<const Mesh> found = first.take();
-  if (found) require_no_origin("the shape", *found);
-  return over ? found : nullptr;
-}
-
 /// Looks at the shape: soon, and often, for each costs less than the images that came since.
 LiveMeshOptions shape_options(int hold_out_every, std::uint64_t captures) {
   constexpr double kGrowth = 1.6;
@@ -328,6 +275,11 @@ void serve(ServeArguments arguments) {
   if (arguments.refine && plan && arguments.mesh.empty())
     throw ConfigError(
         "--refine corrects a mesh that is given; a shape that is found in the images becomes better by itself");
+  if (!arguments.from_mesh.empty() && plan && plan->scene.settings->makes_mesh())
+    throw ConfigError(std::string("--from-mesh: ") + plan->scene.kind->name() + " looks for no shape; leave it out");
+  std::shared_ptr<const Mesh> rough;
+  if (std::optional<Mesh> mesh = rough_mesh(arguments.from_mesh))
+    rough = std::make_shared<const Mesh>(*std::move(mesh));
   const bool waits = !plan || arguments.mesh.empty();
   std::unique_ptr<Reconstruction> reconstructed = waits ? nullptr : reconstruction_for(arguments, *plan, {});
 
@@ -350,8 +302,9 @@ void serve(ServeArguments arguments) {
   std::shared_ptr<const Mesh> shape;  // that was found, where no mesh was given and the model makes none
   if (waits) {
     tell_it_waits(names);
-    const std::optional<FirstCapture::Found> first =
-        wait_for_first(arguments, session, *links, link_log, monitor ? &*monitor : nullptr, window, names);
+    const CaptureToBegin beginning{
+        arguments.session, session, *links, arguments.once, names, link_log, monitor ? &*monitor : nullptr, window};
+    const std::optional<FirstCapture::Found> first = wait_for_first(beginning);
     if (!first) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
     if (!plan) {
       plan = chosen_plan(arguments, request, first->motion, names);
@@ -360,8 +313,7 @@ void serve(ServeArguments arguments) {
     }
     const ModelSettings& settings = *plan->scene.settings;
     if (arguments.mesh.empty() && !settings.makes_mesh()) {
-      shape =
-          wait_for_shape(arguments, settings, session, *links, link_log, monitor ? &*monitor : nullptr, window, names);
+      shape = wait_for_shape(beginning, settings.hold_out_every, rough);
       if (!shape) return log_info("session", "ended before there was a shape", {{"folder", arguments.session}});
       if (arguments.refine)  // the model was chosen only now
         log_warning("mesh", "--refine is not used: the shape that is found in the images becomes better by itself");
@@ -397,7 +349,7 @@ void serve(ServeArguments arguments) {
         refining_look(arguments.session, given, present ? present : given, no_more, tells_findings(display)));
   if (shape)
     live_mesh.emplace(loop, arguments.session, shape_options(hold_out, loop.status().journaled),
-                      shape_look(arguments.session, no_more, tells_findings(display)));
+                      shape_look(arguments.session, rough, no_more, tells_findings(display)));
   CaptureEnd end(loop, reconstruction, arguments.session, plan->size, live_mesh ? &*live_mesh : nullptr);
   if (stop_requested()) return log_info("session", "ended before the capture began", {{"folder", arguments.session}});
   install_stop_signals(2);  // the first begins the end, the second cuts it short
@@ -432,8 +384,10 @@ void add_serve_command(Command& program) {
   auto a = std::make_shared<ServeArguments>();
   Command command =
       program.subcommand("serve", "Receives images from a tracker, stores them, and adds them to the model.");
-  command.option("--mesh", a->mesh,
-                 "PLY, OBJ or OFF of the object, in the stage's frame; without one the shape is found in the images");
+  const Option mesh = command.option(
+      "--mesh", a->mesh,
+      "PLY, OBJ or OFF of the object, in the stage's frame; without one the shape is found in the images");
+  add_rough_mesh_option(command, a->from_mesh).excludes({mesh});
   command.option("--session", a->session, "folder of the session; continued if it exists").required();
   const Option config = command.option("--config", a->config, "scene file (TOML)");
   command

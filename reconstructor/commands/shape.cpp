@@ -16,13 +16,12 @@
 #include "reconstructor/commands/photograph_poses.h"
 #include "reconstructor/commands/shape_finding.h"
 #include "reconstructor/scene/scene_config.h"
-#include "reconstructor/shape/shape_file.h"
 
 namespace sheen {
 namespace {
 
 struct ShapeArguments {
-  std::string dataset, out, json;
+  std::string dataset, from_mesh, out, json;
   std::optional<int> triangles, hold_out;
   ObjectSizeArgument object_size;
 };
@@ -32,16 +31,19 @@ void shape(const ShapeArguments& arguments) {
   const EndOnStop give_up("sheen-reconstructor: stopped before it was done");
   ReportFile json(arguments.json);
   check_writable(arguments.out);
+  const std::optional<Mesh> rough = rough_mesh(arguments.from_mesh);
   nlohmann::json report, photographs = nlohmann::json::object();
   const std::string dataset = with_poses(arguments.dataset, arguments.object_size, {}, photographs);
   CaptureSet captures = open_capture_set(dataset);
   const int hold_out = arguments.hold_out.value_or(default_scene().settings->hold_out_every);
   const RefinementImages images = training_images(captures, hold_out);
-  FoundShape found =
-      find_and_tell(images, {.triangles = static_cast<std::size_t>(arguments.triangles.value_or(0))}, report);
+  FoundShape found = find_and_tell(
+      images,
+      {.triangles = static_cast<std::size_t>(arguments.triangles.value_or(0)), .from = rough ? &*rough : nullptr},
+      report);
   report.update(photographs);
   if (const auto metres = arguments.object_size.metres()) bring_to_size(*metres, dataset, found.mesh, captures, report);
-  save_shape(found, arguments.out);
+  save_ply(found.mesh, arguments.out);
   json.write(report.dump(2) + "\n");
 }
 
@@ -56,6 +58,7 @@ void add_shape_command(Command& program) {
               "then finds")
       .required();
   command.option("--out", arguments->out, "PLY file of the mesh").required();
+  add_rough_mesh_option(command, arguments->from_mesh);
   command.option("--triangles", arguments->triangles, "about so many; without it as many as the images resolve")
       .check(whole_number_in(100, 10'000'000));
   command

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstructor/commands/shape_finding.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 
 #include "common/base/errors.h"
 #include "common/base/progress.h"
@@ -18,12 +16,18 @@ namespace {
 
 constexpr double kMostlySeen = 0.5;
 
-double share_of(std::span<const ShapeEvidence> evidence, ShapeEvidence kind) {
-  const auto count = std::count(evidence.begin(), evidence.end(), kind);
-  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, evidence.size()));
+}  // namespace
+
+Option add_rough_mesh_option(Command& command, std::string& path) {
+  return command.option("--from-mesh", path,
+                        "a rough mesh of the object, in the dataset's frame: the shape is looked for within 3 % of its "
+                        "size of it");
 }
 
-}  // namespace
+std::optional<Mesh> rough_mesh(const std::string& path) {
+  if (path.empty()) return std::nullopt;
+  return load_mesh(path).mesh;
+}
 
 FoundShape find_and_tell(const RefinementImages& images, const ShapeOptions& options, nlohmann::json& report) {
   std::optional<Progress> bar;
@@ -33,8 +37,8 @@ FoundShape find_and_tell(const RefinementImages& images, const ShapeOptions& opt
     bar->update(done);
   });
   bar.reset();
-  const double seen = share_of(found.evidence, ShapeEvidence::kSeen);
-  const double outline = share_of(found.evidence, ShapeEvidence::kOutline);
+  const double seen = share_known_as(ShapeEvidence::kSeen, found.mesh);
+  const double outline = share_known_as(ShapeEvidence::kOutline, found.mesh);
   std::fprintf(stderr,
                "shape: %zu triangles, %s; of its vertices %.0f %% are seen by images, %.0f %% known by outlines, "
                "%.0f %% guessed\n",

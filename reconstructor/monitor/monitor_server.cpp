@@ -241,6 +241,7 @@ void MonitorServer::Impl::add_routes() {
     };
   };
   http.Get("/preview.jpg", picture(&MonitorState::preview_jpeg));
+  http.Get("/shape.jpg", picture(&MonitorState::shape_jpeg));
   http.Get("/camera.jpg", picture(&MonitorState::camera_jpeg));
   http.Get("/healthz", [this](const Request&, Response& response) {
     const std::shared_ptr<const Published> now = latest();
@@ -252,7 +253,7 @@ void MonitorServer::Impl::add_routes() {
   http.Post("/steer", [this](const Request& request, Response& response) { steer(request, response); });
   http.set_error_handler([](const Request&, Response& response) {
     if (response.status == 404 && response.body.empty())
-      response.set_content("There are / /status.json /metrics /preview.jpg /camera.jpg /model/ /healthz\n",
+      response.set_content("There are / /status.json /metrics /preview.jpg /shape.jpg /camera.jpg /model/ /healthz\n",
                            "text/plain");
   });
 }
@@ -279,6 +280,8 @@ void MonitorServer::publish(MonitorState state) {
   auto next = std::make_shared<Published>();
   next->pictures = before->pictures;
   if (state.preview_jpeg != before->state.preview_jpeg) ++next->pictures.preview;
+  if (state.shape_jpeg != before->state.shape_jpeg)
+    next->pictures.shape = state.shape_jpeg ? before->pictures.shape + 1 : 0;
   if (state.camera_jpeg != before->state.camera_jpeg) ++next->pictures.camera;
   next->state = std::move(state);
   next->when = Clock::now();

@@ -97,6 +97,11 @@ struct MonitorState {
     double seen = 0, measured = 0;
   };
   std::optional<Surface> surface;
+  /// Of the vertices of a shape that was found in the images, 0..1, by from what they are known (`ShapeEvidence`).
+  struct Shape {
+    double seen = 0, outlined = 0, guessed = 0;
+  };
+  std::optional<Shape> shape;  ///< empty: there is none yet, or the mesh was given
   Trade trade;
 
   std::vector<HeldOutPoint> held_out_curve;
@@ -104,8 +109,10 @@ struct MonitorState {
   bool well_known = false;  ///< nothing needs an image any more; `next_view` says why
   std::string steering;     ///< what was last asked from another desk, and done; empty: nothing
   std::string hint;         ///< what to do while nothing comes: a command
+  std::string doing;        ///< what is done before there is a model, for a person; empty: nothing
 
   std::shared_ptr<const std::string> preview_jpeg;  ///< the model; null: none yet
+  std::shared_ptr<const std::string> shape_jpeg;    ///< the mesh, coloured by its evidence; null: it has none
   std::string preview_note;                         ///< that no photograph is from there; empty: some are
   std::shared_ptr<const std::string> camera_jpeg;   ///< the newest camera image
 };

@@ -79,7 +79,8 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
                {"paused", state.paused},
                {"steering", state.steering},
                {"may_steer", may_steer},
-               {"hint", state.hint}};
+               {"hint", state.hint},
+               {"doing", state.doing}};
   json["links"] = Json::array();
   for (const MonitorState::Link& link : state.links)
     json["links"].push_back({{"name", link.name},
@@ -109,11 +110,16 @@ std::string status_json(const MonitorState& state, CaptureState capture, double 
   json["rank_histogram"] = state.rank_histogram;
   json["surface"] = nullptr;
   if (state.surface) json["surface"] = {{"seen", state.surface->seen}, {"measured", state.surface->measured}};
+  json["shape"] = nullptr;
+  if (state.shape)
+    json["shape"] = {
+        {"seen", state.shape->seen}, {"outlined", state.shape->outlined}, {"guessed", state.shape->guessed}};
   json["model_bytes"] = state.model_bytes;
   json["trade"] = to_json(state.trade);
   json["held_out_curve"] = curve_to_json(state.held_out_curve);
   json["pictures"] = {{"preview", pictures.preview},
                       {"preview_note", state.preview_note},
+                      {"shape", pictures.shape},
                       {"camera", pictures.camera},
                       {"model_page", pictures.model_page}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

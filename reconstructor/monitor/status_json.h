@@ -10,8 +10,8 @@ namespace sheen {
 
 /// Numbers of the pictures that are there: another number, another picture; 0 = none.
 struct PictureVersions {
-  std::uint64_t preview = 0, camera = 0;
-  bool model_page = false;  ///< there is a page that draws the model itself
+  std::uint64_t preview = 0, shape = 0, camera = 0;  ///< 0: there is none
+  bool model_page = false;                           ///< there is a page that draws the model itself
 };
 
 /// What the page and `sheen-reconstructor monitor` read. SI units; a figure that is not known is null. A long held-out

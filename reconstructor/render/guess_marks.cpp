@@ -36,6 +36,18 @@ Eigen::Vector3f state_color(SampleState state) {
   return {1, 1, 1};
 }
 
+Eigen::Vector3f evidence_color(ShapeEvidence evidence) {
+  switch (evidence) {
+    case ShapeEvidence::kSeen:
+      return {0.18f, 0.66f, 0.38f};
+    case ShapeEvidence::kOutline:
+      return {0.34f, 0.71f, 0.91f};
+    case ShapeEvidence::kGuessed:
+      break;
+  }
+  return {0.84f, 0.37f, 0.00f};
+}
+
 void mark_guesses(const PaintedView& view, ImageU8& picture) {
   for (int y = 0; y < picture.height(); ++y)
     for (int x = 0; x < picture.width(); ++x) {

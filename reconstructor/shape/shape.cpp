@@ -13,6 +13,7 @@
 #include "reconstructor/shape/depth_fusion.h"
 #include "reconstructor/shape/object_box.h"
 #include "reconstructor/shape/object_hull.h"
+#include "reconstructor/shape/rim_alignment.h"
 #include "reconstructor/shape/shape_images.h"
 #include "reconstructor/shape/simplification.h"
 #include "reconstructor/shape/view_agreement.h"
@@ -56,8 +57,7 @@ std::vector<ShapeEvidence> evidence_of(const Mesh& mesh, std::span<const ShapeVi
 /// As finely as the images show it.
 struct FineSurface {
   Mesh mesh;
-  std::vector<ShapeEvidence> evidence;  ///< of each vertex
-  std::vector<PairAgreement> pairs;     ///< of the views
+  std::vector<PairAgreement> pairs;  ///< of the views
   double cell = 0, depth_share = 0;
 };
 
@@ -75,7 +75,7 @@ FineSurface find_surface(std::vector<ShapeView>& views, const ObjectHull& found,
   const Lattice lattice = lattice_over(box, fine.cell);
   fine.mesh = closed_surface(fused_surface(views, depths.maps, hull, found.coherent, lattice, in_parallel)).mesh;
   if (fine.mesh.triangles.empty()) throw Error("the images agree about no surface: check the poses");
-  fine.evidence = evidence_of(fine.mesh, views, depths, hull, fine.cell);
+  fine.mesh.evidence = evidence_of(fine.mesh, views, depths, hull, fine.cell);
   return fine;
 }
 
@@ -90,7 +90,7 @@ std::vector<float> detail_of(std::span<const ShapeEvidence> evidence) {
 
 FoundShape find_shape(const RefinementImages& images, const ShapeOptions& options, const StepsDone& progress) {
   const Eigen::Vector3d middle = box_seen_by(HullRule().must_see, images.cameras).center();
-  ShapeImages used(images, middle, options.most_views);
+  ShapeImages used(images, middle, options.most_views, options.from);
   const ObjectPlace place = find_place(used);
   const Eigen::AlignedBox3d& box = place.box;
   std::vector<ShapeView> views = fine_views(used, box, options.object_pixels);
@@ -99,16 +99,16 @@ FoundShape find_shape(const RefinementImages& images, const ShapeOptions& option
   FineSurface fine = find_surface(views, hull, pixel, progress);
 
   const std::size_t triangles = options.triangles > 0 ? options.triangles : resolved_triangles(fine.mesh, pixel);
-  SimplifiedMesh simple = simplified(std::move(fine.mesh), triangles, detail_of(fine.evidence));
-  FoundShape found{.mesh = std::move(simple.mesh),
+  const std::vector<float> detail = detail_of(fine.mesh.evidence);
+  FoundShape found{.mesh = simplified(std::move(fine.mesh), triangles, detail),
                    .outlines = hull.hull.outlines(),
                    .coherent = hull.coherent,
                    .stage_unconfirmed = images.stage && !used.before_sheet && hull.hull.outlines() == 0,
                    .views = views.size(),
                    .depth_share = fine.depth_share,
                    .cell = fine.cell};
-  for (const std::uint32_t v : simple.vertices) found.evidence.push_back(fine.evidence[v]);
-  found.measures = measure_shape(used, place, views, fine.pairs, found.mesh, found.evidence, fine.cell);
+  if (hull.hull.has_outlines()) move_rims_to_outlines(views, pixel, found.mesh);
+  found.measures = measure_shape(used, place, views, fine.pairs, found.mesh, fine.cell);
   return found;
 }
 

@@ -41,9 +41,11 @@ bool sheet_tells(const std::vector<SheetSeen>& sheets) {
 
 }  // namespace
 
-ShapeImages::ShapeImages(const RefinementImages& images, const Eigen::Vector3d& place, std::size_t most)
+ShapeImages::ShapeImages(const RefinementImages& images, const Eigen::Vector3d& place, std::size_t most,
+                         const Mesh* rough_mesh)
     : all(images), used(spread_views(images.cameras, place, most)) {
   for (const std::size_t i : used) cameras.push_back(images.cameras[i]);
+  if (rough_mesh) rough.emplace(*rough_mesh);
 }
 
 std::vector<ShapeView> coarse_views(ShapeImages& images) {
@@ -55,15 +57,16 @@ std::vector<ShapeView> coarse_views(ShapeImages& images) {
     const PixelBox whole{0, 0, camera.width, camera.height};
     const double scale = std::min(1.0, kCoarseWidth_px / std::max(camera.width, camera.height));
     seen.push_back(colour_view(capture, whole, scale));
+    if (images.rough) images.rough->mark_outline(seen.back().view);
     sightings.add(capture);
   }
   images.sheet = StagePicture(images.all.stage ? *images.all.stage : sightings.layout());
   std::vector<ShapeView> views;
   for (ColourView& one : seen) {
-    const bool masked = !one.view.outline.empty();
-    images.backgrounds.push_back(masked ? PlainBackground{} : plain_background(one.view));
-    images.sheets.push_back(masked || images.sheet.tags() == 0 ? SheetSeen{}
-                                                               : mark_sheet(images.sheet, one.colour, one.view));
+    const bool outlined = !one.view.outline.empty();
+    images.backgrounds.push_back(outlined ? PlainBackground{} : plain_background(one.view));
+    images.sheets.push_back(outlined || images.sheet.tags() == 0 ? SheetSeen{}
+                                                                 : mark_sheet(images.sheet, one.colour, one.view));
     views.push_back(std::move(one.view));
   }
   images.before_sheet = sheet_tells(images.sheets);
@@ -88,6 +91,7 @@ std::vector<ShapeView> fine_views(const ShapeImages& images, const Eigen::Aligne
   for (std::size_t i = 0; i < images.used.size(); ++i) {
     if (parts[i].empty()) parts[i] = {0, 0, 1, 1};
     ColourView seen = colour_view(images.read(i), parts[i], scale);
+    if (images.rough) images.rough->mark_outline(seen.view);
     if (seen.view.outline.empty() && images.before_sheet)
       mark_sheet(images.sheet, seen.colour, images.sheets[i], seen.view);
     else if (seen.view.outline.empty() && images.backgrounds[i].found)

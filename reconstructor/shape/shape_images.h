@@ -3,10 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "reconstructor/refinement/refinement_images.h"
 #include "reconstructor/shape/outline_evidence.h"
+#include "reconstructor/shape/rough_shape.h"
 #include "reconstructor/shape/shape_view.h"
 #include "reconstructor/shape/stage_outline.h"
 #include "reconstructor/shape/stage_picture.h"
@@ -24,8 +26,10 @@ struct ShapeImages {
   std::vector<SheetSeen> sheets;             ///< likewise
   bool before_sheet = false;                 ///< likewise: outlines are found by it
 
-  /// `most` of them, spread round a place.
-  ShapeImages(const RefinementImages& images, const Eigen::Vector3d& place, std::size_t most);
+  std::optional<RoughShape> rough;  ///< that somebody gave
+
+  /// `most` of them, spread round a place. `rough`: null where none was given.
+  ShapeImages(const RefinementImages& images, const Eigen::Vector3d& place, std::size_t most, const Mesh* rough);
   Capture read(std::size_t i) const { return all.read(used[i]); }
 };
 

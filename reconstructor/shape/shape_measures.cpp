@@ -83,8 +83,7 @@ double share_at_border(const Mesh& mesh, const ObjectPlace& place, bool on_stage
 }  // namespace
 
 ShapeMeasures measure_shape(const ShapeImages& images, const ObjectPlace& place, std::span<const ShapeView> views,
-                            std::span<const PairAgreement> pairs, const Mesh& mesh,
-                            std::span<const ShapeEvidence> evidence, double cell) {
+                            std::span<const PairAgreement> pairs, const Mesh& mesh, double cell) {
   const Eigen::Vector3d middle = place.box.center();
   const std::vector<Eigen::Vector3d> directions = directions_of(images.cameras, middle);
   std::vector<double> scales, pixels;  // of the views in their images; a pixel of these on the object
@@ -95,7 +94,7 @@ ShapeMeasures measure_shape(const ShapeImages& images, const ObjectPlace& place,
   ShapeMeasures measures{.moved = place.moved,
                          .off_px = median_off_px(pairs),
                          .angle_between = angle_to_third_nearest(directions),
-                         .sight = sight_of(mesh, evidence, images.cameras, up_of(images)),
+                         .sight = sight_of(mesh, images.cameras, up_of(images)),
                          .at_border = share_at_border(mesh, place, !images.sheet.known().isEmpty(), 1.5 * cell),
                          .cell_px = cell / median(pixels)};
   if (measures.off_px) *measures.off_px /= median(scales);

@@ -41,7 +41,6 @@ struct ShapeMeasures {
 /// `views`: of the images that are used, in their order; their outlines are looked at, no longer their grey. `pairs`:
 /// of these. `cell`: of the lattice, metres.
 ShapeMeasures measure_shape(const ShapeImages& images, const ObjectPlace& place, std::span<const ShapeView> views,
-                            std::span<const PairAgreement> pairs, const Mesh& mesh,
-                            std::span<const ShapeEvidence> evidence, double cell);
+                            std::span<const PairAgreement> pairs, const Mesh& mesh, double cell);
 
 }  // namespace sheen

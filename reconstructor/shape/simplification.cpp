@@ -88,21 +88,21 @@ class Simplification {
     }
   }
 
-  SimplifiedMesh mesh(const Vector3d& origin) const {
-    SimplifiedMesh result{.mesh = {.origin = origin}, .vertices = {}};
+  Mesh mesh(const Vector3d& origin, std::span<const ShapeEvidence> evidence) const {
+    Mesh result{.vertices = {}, .triangles = {}, .origin = origin};
     std::vector<std::uint32_t> now(place_.size(), HalfEdges::kNone);
     for (HalfEdges::Id h = 0; h < edges_.size(); ++h)
       if (!edges_.gone(h)) now[edges_.from(h)] = 0;
     for (std::size_t v = 0; v < now.size(); ++v) {
       if (now[v] == HalfEdges::kNone) continue;
       now[v] = static_cast<std::uint32_t>(result.vertices.size());
-      result.vertices.push_back(static_cast<std::uint32_t>(v));
+      if (!evidence.empty()) result.evidence.push_back(evidence[v]);
       const double scale = sphere_.radius > 0 ? sphere_.radius : 1;
-      result.mesh.vertices.push_back((scale * place_[v] + sphere_.centre).cast<float>());
+      result.vertices.push_back((scale * place_[v] + sphere_.centre).cast<float>());
     }
     for (HalfEdges::Id h = 0; h < edges_.size(); h += 3)
       if (!edges_.gone(h))
-        result.mesh.triangles.push_back({now[edges_.from(h)], now[edges_.from(h + 1)], now[edges_.from(h + 2)]});
+        result.triangles.push_back({now[edges_.from(h)], now[edges_.from(h + 1)], now[edges_.from(h + 2)]});
     return result;
   }
 
@@ -172,12 +172,13 @@ class Simplification {
 
 }  // namespace
 
-SimplifiedMesh simplified(Mesh mesh, std::size_t triangles, std::span<const float> detail) {
+Mesh simplified(Mesh mesh, std::size_t triangles, std::span<const float> detail) {
   Simplification simplification(mesh, detail);
   const Vector3d origin = mesh.origin;
+  const std::vector<ShapeEvidence> evidence = std::move(mesh.evidence);
   mesh = {};  // memory: a field of many cells has a surface of millions of triangles
   simplification.run(triangles);
-  return simplification.mesh(origin);
+  return simplification.mesh(origin, evidence);
 }
 
 }  // namespace sheen

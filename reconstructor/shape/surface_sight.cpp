@@ -36,8 +36,7 @@ std::vector<int> cameras_at(const Mesh& mesh, const std::vector<Eigen::Vector3f>
 
 }  // namespace
 
-SurfaceSight sight_of(const Mesh& mesh, std::span<const ShapeEvidence> evidence, std::span<const PosedCamera> cameras,
-                      const Eigen::Vector3d& up) {
+SurfaceSight sight_of(const Mesh& mesh, std::span<const PosedCamera> cameras, const Eigen::Vector3d& up) {
   const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
   const std::vector<int> looking = cameras_at(mesh, normals, cameras);
   SurfaceSight sight;
@@ -46,7 +45,7 @@ SurfaceSight sight_of(const Mesh& mesh, std::span<const ShapeEvidence> evidence,
     const Eigen::Vector3d area = mesh.area_normal(t).cast<double>() / 3;
     for (const std::uint32_t v : mesh.triangles[t]) {
       all += area.norm();
-      if (evidence[v] == ShapeEvidence::kSeen) continue;
+      if (mesh.evidence[v] == ShapeEvidence::kSeen) continue;
       if (looking[v] >= kEnough) {
         sight.smooth += area.norm();
       } else if (-area.dot(up) > kFacesDown * area.norm()) {

@@ -7,7 +7,6 @@
 
 #include "common/camera/posed_camera.h"
 #include "common/geometry/mesh.h"
-#include "reconstructor/shape/shape_evidence.h"
 
 namespace sheen {
 
@@ -19,8 +18,7 @@ struct SurfaceSight {
   Eigen::Vector3d faces_aside = Eigen::Vector3d::Zero();  ///< where the last mostly faces, unit; 0: there is none
 };
 
-/// `evidence`: per vertex of the mesh; `up`: unit.
-SurfaceSight sight_of(const Mesh& mesh, std::span<const ShapeEvidence> evidence, std::span<const PosedCamera> cameras,
-                      const Eigen::Vector3d& up);
+/// Of a mesh with evidence. `up`: unit.
+SurfaceSight sight_of(const Mesh& mesh, std::span<const PosedCamera> cameras, const Eigen::Vector3d& up);
 
 }  // namespace sheen

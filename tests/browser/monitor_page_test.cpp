@@ -165,6 +165,35 @@ TEST_F(MonitorPage, BeforeTheFirstTrackerSaysHowToStartOne) {
   EXPECT_THAT(page, HasSubstr("<span>not there yet</span>"));
 }
 
+TEST_F(MonitorPage, WhileAShapeIsLookedForItSaysSoAndShowsTheCamera) {
+  MonitorServer server({.port = 0});
+  MonitorState state;
+  state.links = {{.name = "tracker", .endpoint = "tcp://127.0.0.1:7410", .connected = true, .came = true}};
+  state.doing = "The shape is being found in 9 images.";
+  state.camera_jpeg = std::make_shared<const std::string>(jpeg_of(200, 120, 60));
+  const Publisher publisher(server, state);
+  EXPECT_THAT(
+      browse("--dump-dom " + server.url()),
+      AllOf(HasSubstr("role=\"status\">The shape is being found in 9 images.<"), HasSubstr("data-tone=\"busy\""),
+            HasSubstr("src=\"camera.jpg?v=1\""), HasSubstr("<figure id=\"shape-figure\" hidden")));
+}
+
+TEST_F(MonitorPage, ShowsAFoundShapeAndFromWhatItIsKnown) {
+  MonitorServer server({.port = 0});
+  MonitorState state = sample_monitor_state();
+  state.shape_jpeg = std::make_shared<const std::string>(jpeg_of(46, 168, 97));
+  {
+    const Publisher publisher(server, state);
+    EXPECT_THAT(browse("--dump-dom " + server.url()),
+                AllOf(HasSubstr("<figure id=\"shape-figure\">"), HasSubstr("src=\"shape.jpg?v=1\""),
+                      HasSubstr("images agree <b>81 %</b>"), HasSubstr("outlines <b>5 %</b>"),
+                      HasSubstr("a guess <b>14 %</b>")));
+  }
+  state.shape.reset();  // a mesh was given
+  const Publisher publisher(server, state);
+  EXPECT_THAT(browse("--dump-dom " + server.url()), HasSubstr("<figure id=\"shape-figure\" hidden"));
+}
+
 TEST_F(MonitorPage, ShowsHowFarTheEndIs) {
   MonitorServer server({.port = 0});
   MonitorState state = sample_monitor_state();

@@ -24,6 +24,7 @@ class ByExpectedError : public CaptureGuidance {
     const Eigen::Vector3f direction = (eye.cast<float>() - snapshot_.mesh().vertices[vertex]).normalized();
     SurfaceQuality quality = assess_vertex(*from, direction, snapshot_.common_sill());
     quality.error = std::sqrt(quality.error * quality.error + snapshot_.missing_square());
+    quality.shape_guessed = snapshot_.mesh().guessed_at(vertex);
     return quality;
   }
 

@@ -16,6 +16,7 @@ constexpr double kLevel = 0.5;      // variance of a vertex's level, in units of
 constexpr float kReach = 0.8f;      // rad: over which two images of a vertex tell of each other
 constexpr double kNoise = 0.05;
 constexpr double kUnseen = 0.02;  // mean square of encoded values, by which a guess of what no image shows is wrong
+constexpr double kGuessedShape = 2.5e-3;  // the same, by which views differ of what is not where it is taken to be
 constexpr double kPriorVariation = 1e-3;  // mean square of encoded values, before any image
 constexpr double kPriorViews = 4;         // views that the vertices' common variation with the view counts for
 
@@ -97,7 +98,8 @@ std::vector<double> image_worth(const LightFieldSnapshot& snapshot, std::span<co
   tbb::parallel_for(std::size_t{0}, looked_at.size(), [&](std::size_t i) {
     const std::size_t v = looked_at[i];
     const double variation =
-        (variations[i].sum + kPriorViews * common.sum / common.views) / (variations[i].views + kPriorViews);
+        (variations[i].sum + kPriorViews * common.sum / common.views) / (variations[i].views + kPriorViews) +
+        (mesh.guessed_at(v) ? kGuessedShape : 0);
     const SeenVertex* const from = seen_at(i);
     const Sight sight = sight_of(mesh.vertices[v], normals[v], from, eyes);
     by_ring[i].assign(eyes.size(), 0);

@@ -35,6 +35,8 @@ const char* describe(QualityReason reason) {
       return "few images from there";
     case QualityReason::kHighResidual:
       return "images there still bring news";
+    case QualityReason::kShapeGuessed:
+      return "its shape is a guess there";
     case QualityReason::kGood:
       break;
   }
@@ -50,7 +52,7 @@ struct Prospect {
 Prospect prospect_from(const Mesh& mesh, const std::vector<Eigen::Vector3f>& normals, std::size_t stride,
                        const CaptureGuidance& guidance, const Eigen::Vector3d& eye) {
   double sum = 0, squared_error = 0, weight = 0;
-  std::array<double, 5> by_reason{};
+  std::array<double, kQualityReasons> by_reason{};
   for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) {
     const double facing = normals[v].dot((eye.cast<float>() - mesh.vertices[v]).normalized());
     if (facing < kInSight) continue;

@@ -27,8 +27,9 @@ SurfaceQuality assess_vertex(const SeenVertex& vertex, const Eigen::Vector3f& di
 
 SurfaceQuality combine(const SurfaceQuality& a, const SurfaceQuality& b, const SurfaceQuality& c) {
   if (!a.seen || !b.seen || !c.seen) return {};
+  const bool shape_guessed = int(a.shape_guessed) + int(b.shape_guessed) + int(c.shape_guessed) > 1;
   return {true, (a.error + b.error + c.error) / 3, std::max({a.nearest_cosine, b.nearest_cosine, c.nearest_cosine}),
-          std::max({a.best_cosine, b.best_cosine, c.best_cosine})};
+          std::max({a.best_cosine, b.best_cosine, c.best_cosine}), shape_guessed};
 }
 
 }  // namespace sheen

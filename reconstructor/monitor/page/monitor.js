@@ -177,7 +177,7 @@ function tradeRows(t) {
   ];
 }
 
-const shownPictures = {preview: -1, camera: -1};
+const shownPictures = {preview: -1, shape: -1, camera: -1};
 function picture(name, version) {
   if (shownPictures[name] === version) return;
   shownPictures[name] = version;
@@ -222,7 +222,8 @@ function show(s) {
     $("ending").firstElementChild.style.width = percent + "%";
   }
   const paused = s.paused && !s.ending && s.state !== "failed";
-  tell(...(paused ? ["warn", "Paused: images are stored, but not added to the model."] : toldFirst[s.state](s)));
+  const begins = s.doing && ["waiting", "ended"].includes(s.state);
+  tell(...(begins ? ["busy", s.doing] : paused ? ["warn", "Paused: images are stored, but not added to the model."] : toldFirst[s.state](s)));
   $("pause").dataset.what = paused ? "go-on" : "pause";
   text("pause", paused ? "Go on" : "Pause");
   text("counts", countsOf(s));
@@ -302,6 +303,12 @@ function show(s) {
   picture("preview", s.pictures.preview);
   text("preview-note", s.pictures.preview_note);
   $("turn").hidden = !s.pictures.model_page;
+  $("shape-figure").hidden = !s.shape || !s.pictures.shape;
+  if (s.shape) {
+    picture("shape", s.pictures.shape);
+    const shares = $("shape-shares").querySelectorAll("b");
+    [s.shape.seen, s.shape.outlined, s.shape.guessed].forEach((share, i) => shares[i].textContent = Math.round(100 * share) + " %");
+  }
   picture("camera", s.pictures.camera);
   text("photometric", s.photometric ? "light: " + s.photometric : "");
   text("version", "Sheen " + s.version);

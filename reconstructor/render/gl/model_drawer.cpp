@@ -53,6 +53,8 @@ Eigen::Vector3f reason_color(QualityReason reason) {
       return {0.34f, 0.71f, 0.91f};
     case QualityReason::kHighResidual:
       return {0.94f, 0.89f, 0.26f};
+    case QualityReason::kShapeGuessed:
+      return evidence_color(ShapeEvidence::kGuessed);
   }
   return {1, 1, 1};
 }

@@ -25,6 +25,7 @@ enum class SurfaceShading {
   kRank,        ///< what the scene required, as `DemandMap` has it: terms,
   kResolution,  ///< samples along a side of a map,
   kBytes,       ///< memory
+  kShape,       ///< what of a found shape is known, and from what: see `evidence_color`
 };
 
 /// Of a shading that shows what the scene required.

@@ -204,8 +204,22 @@ std::string legend_title(const ViewControls& controls) {
       return "What the scene required: samples along a triangle";
     case ViewMode::kBytes:
       return "What the scene required: bytes of a triangle";
+    case ViewMode::kShape:
+      return "From what the shape is known";
   }
   return "";
+}
+
+std::vector<Swatch> evidence_legend(const Mesh& mesh) {
+  if (mesh.evidence.empty()) return {};
+  constexpr std::pair<ShapeEvidence, const char*> kWords[] = {{ShapeEvidence::kSeen, "images agree about it"},
+                                                              {ShapeEvidence::kOutline, "outlines alone bound it"},
+                                                              {ShapeEvidence::kGuessed, "a guess"}};
+  std::vector<Swatch> swatches;
+  for (const auto& [evidence, words] : kWords)
+    swatches.push_back(
+        {rgba(evidence_color(evidence)), format("%s: %.0f %%", words, 100 * share_known_as(evidence, mesh))});
+  return swatches;
 }
 
 std::vector<Swatch> legend(const ViewerState& state, const ViewControls& controls, const WordSources& sources) {
@@ -220,6 +234,8 @@ std::vector<Swatch> legend(const ViewerState& state, const ViewControls& control
                     {rgba(reason_color(QualityReason::kOblique)), "seen at grazing angles only"},
                     {rgba(reason_color(QualityReason::kSparseDirections)), "no image from near here"},
                     {rgba(reason_color(QualityReason::kHighResidual)), "images still bring news"}};
+        if (state.snapshot && !state.snapshot->mesh().evidence.empty())
+          swatches.push_back({rgba(reason_color(QualityReason::kShapeGuessed)), "its shape is a guess"});
       } else {
         swatches = {{rgba(need_color(1)), "needs images: 20 dB expected"},
                     {rgba(need_color(0.5f)), "needs some: 26 dB"}};
@@ -235,10 +251,8 @@ std::vector<Swatch> legend(const ViewerState& state, const ViewControls& control
         swatches = {{{52, 55, 62, 255}, "striped: no image shows it"}};
       break;
     case ViewMode::kCamera:
-      if (state.capture)
-        swatches = {{kUsedTagColor, "tag used for the pose"},
-                    {kUnusedTagColor, "tag left out"},
-                    {kOutlineColor, "outline of the mesh at this pose"}};
+      if (state.capture) swatches = {{kUsedTagColor, "tag used for the pose"}, {kUnusedTagColor, "tag left out"}};
+      if (state.capture && state.snapshot) swatches.push_back({kOutlineColor, "outline of the mesh at this pose"});
       break;
     case ViewMode::kRank:
     case ViewMode::kResolution:
@@ -248,6 +262,9 @@ std::vector<Swatch> legend(const ViewerState& state, const ViewControls& control
         swatches.push_back({rgba(demand_stop(stop)),
                             format("%.3g%s", sources.demand->most() * static_cast<float>(stop) / (kDemandColours - 1),
                                    stop + 1 == kDemandColours ? " or more" : "")});
+      break;
+    case ViewMode::kShape:
+      if (state.snapshot) swatches = evidence_legend(state.snapshot->mesh());
       break;
   }
   return swatches;

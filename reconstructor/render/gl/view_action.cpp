@@ -12,6 +12,7 @@ const std::vector<ActionWords>& view_actions() {
       {ViewAction::kSplit, '3', "Both", "side by side, from the same eye"},
       {ViewAction::kCamera, '4', "Camera", "the camera's image with tags, pose and the mesh's outline"},
       {ViewAction::kDemand, '5', "Effort", "what the scene required: terms; again: samples, bytes"},
+      {ViewAction::kShape, '6', "Shape", "from what its shape is known: images, outlines, or nothing"},
       {ViewAction::kReasons, 'W', "Why", "why images are needed, by reason"},
       {ViewAction::kStates, 'M', "Measured", "what is measured, imputed, guessed"},
       {ViewAction::kFollow, 'F', "Follow", "look through the tracked camera"},
@@ -57,6 +58,9 @@ bool apply(ViewAction action, ViewControls& controls) {
       controls.mode = controls.mode == ViewMode::kRank         ? ViewMode::kResolution
                       : controls.mode == ViewMode::kResolution ? ViewMode::kBytes
                                                                : ViewMode::kRank;
+      return true;
+    case ViewAction::kShape:
+      controls.mode = ViewMode::kShape;
       return true;
     case ViewAction::kReasons:
       turn(controls.reasons);
@@ -116,6 +120,8 @@ bool is_on(ViewAction action, const ViewControls& controls) {
       return controls.mode == ViewMode::kCamera;
     case ViewAction::kDemand:
       return demand_of(controls.mode).has_value();
+    case ViewAction::kShape:
+      return controls.mode == ViewMode::kShape;
     case ViewAction::kReasons:
       return controls.reasons;
     case ViewAction::kStates:

@@ -15,6 +15,7 @@ enum class ViewAction {
   kSplit,
   kCamera,
   kDemand,
+  kShape,
   kReasons,
   kStates,
   kFollow,

@@ -47,6 +47,8 @@ const char* to_string(ViewMode mode) {
     case ViewMode::kResolution:
     case ViewMode::kBytes:
       return to_string(*demand_of(mode));
+    case ViewMode::kShape:
+      return "shape";
   }
   return "unknown";
 }

@@ -22,6 +22,7 @@ enum class ViewMode {
   kRank,        ///< what the scene required: terms,
   kResolution,  ///< samples along a side of a map,
   kBytes,       ///< memory
+  kShape,       ///< from what a found shape is known
 };
 /// Towards the lights of a model's images, object frame, unit; none where its light stands still.
 std::vector<Eigen::Vector3d> light_directions(const ModelSnapshot& model);

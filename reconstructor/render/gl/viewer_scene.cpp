@@ -27,6 +27,11 @@ Viewpoint tracked_viewpoint(const Capture& capture, const Panel& panel) {
   return {camera, capture.pose.camera_from_object};
 }
 
+/// Before there is anything of a model to see, the camera's image is shown.
+ViewMode shown_mode(const ViewerState& state, const ViewControls& controls) {
+  return !state.snapshot && state.capture ? ViewMode::kCamera : controls.mode;
+}
+
 const Mesh* mesh_of(const ViewerState& state) {
   return state.snapshot ? &state.snapshot->mesh() : nullptr;
 }
@@ -89,6 +94,9 @@ std::vector<ViewerScene::SurfacePanel> ViewerScene::surface_panels(const ViewerS
     case ViewMode::kBytes:
       add({0, 0, width, height}, SurfaceShading::kBytes);
       break;
+    case ViewMode::kShape:
+      add({0, 0, width, height}, SurfaceShading::kShape);
+      break;
   }
   return panels;
 }
@@ -101,7 +109,7 @@ void ViewerScene::draw_rows(const ViewerState& state, const ViewControls& contro
     const ScissorScope scissor(in_rows(surface.panel, top, rows), target.height());
     surface_->draw(surface.viewpoint, {surface.panel, target.height()}, surface.shading);
   }
-  if (controls.mode == ViewMode::kCamera && state.capture) {
+  if (shown_mode(state, controls) == ViewMode::kCamera && state.capture) {
     const Panel panel =
         fit({0, 0, target.width(), target.height()}, state.capture->camera.width, state.capture->camera.height);
     const ScissorScope scissor(in_rows(panel, top, rows), target.height());
@@ -132,7 +140,7 @@ void ViewerScene::draw_coarse(const ViewerState& state, const ViewControls& cont
 std::vector<Sketch> ViewerScene::sketches(const ViewerState& state, const ViewControls& controls, int width,
                                           int height) {
   std::vector<Sketch> all;
-  if (controls.mode == ViewMode::kCamera) {
+  if (shown_mode(state, controls) == ViewMode::kCamera) {
     if (state.capture)
       all.push_back(CameraPicture::annotations(
           *state.capture, mesh_of(state),
@@ -193,10 +201,10 @@ Told ViewerScene::told(const ViewerState& state, const ViewControls& controls, s
     counted_ = state.snapshot;
   }
   const auto panels = surface_panels(state, controls, width, height);
-  if (controls.mode == ViewMode::kCamera && !state.capture) notes.push_back("no camera image");
-  if (controls.mode != ViewMode::kCamera && !state.snapshot) notes.push_back("no model");
-  if (controls.mode != ViewMode::kCamera && controls.follow && !posed(state))
-    notes.push_back("no tracked camera to follow");
+  const ViewMode mode = shown_mode(state, controls);
+  if (mode == ViewMode::kCamera && !state.capture) notes.push_back("no camera image");
+  if (mode != ViewMode::kCamera && !state.snapshot && !state.work) notes.push_back("no model");
+  if (mode != ViewMode::kCamera && controls.follow && !posed(state)) notes.push_back("no tracked camera to follow");
   for (std::string& note : surface_->notes()) notes.push_back(std::move(note));
   if (!panels.empty() && surface_->follows_eye()) {
     const std::string note = no_photograph_note(*state.snapshot, panels.front().viewpoint.eye());
@@ -219,7 +227,9 @@ Told ViewerScene::told(const ViewerState& state, const ViewControls& controls, s
     for (Eigen::Vector3d& direction : light->images) direction = axes * direction;
     if (const std::string note = no_light_note(*light); !note.empty()) notes.push_back(note);
   }
-  Told all = sheen::told(state, controls,
+  ViewControls shown = controls;
+  shown.mode = mode;
+  Told all = sheen::told(state, shown,
                          {.model = model_,
                           .figures = state.snapshot ? &figures_ : nullptr,
                           .demand = demand,

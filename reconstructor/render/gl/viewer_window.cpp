@@ -135,6 +135,7 @@ struct ViewerWindow::Impl {
     for (const ActionWords& words : view_actions()) {
       const ViewAction action = words.action;
       if ((action == ViewAction::kCamera || action == ViewAction::kFollow) && !live) continue;
+      if (action == ViewAction::kShape && !(state.snapshot && !state.snapshot->mesh().evidence.empty())) continue;
       if (action == ViewAction::kUndo && !requests.take_back) continue;
       if (action == ViewAction::kHoldOut && !requests.hold_out) continue;
       actions.push_back(action);

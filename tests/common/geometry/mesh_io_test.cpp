@@ -382,5 +382,52 @@ TEST(MeshFiles, MeshesOfThePublicCollections) {
   EXPECT_GT(triangles["head_2.9k.off"], 2500u);
 }
 
+Mesh pyramid_with_evidence() {
+  return {.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+          .triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}},
+          .evidence = {ShapeEvidence::kGuessed, ShapeEvidence::kOutline, ShapeEvidence::kSeen, ShapeEvidence::kSeen}};
+}
+
+TEST(MeshIo, KeepsFromWhatAVertexIsKnown) {
+  const TempFolder folder;
+  const Mesh mesh = pyramid_with_evidence();
+  save_ply(mesh, folder.path() / "shape.ply");
+  EXPECT_EQ(load_mesh_unchanged(folder.path() / "shape.ply").evidence, mesh.evidence);
+  EXPECT_EQ(load_mesh(folder.path() / "shape.ply").mesh.evidence, mesh.evidence);
+  EXPECT_EQ(share_known_as(ShapeEvidence::kSeen, mesh), 0.5);
+  EXPECT_EQ(share_known_as(ShapeEvidence::kSeen, Mesh{}), 0);
+  EXPECT_TRUE(mesh.guessed_at(0));
+  EXPECT_FALSE(mesh.guessed_at(1));
+  EXPECT_FALSE(Mesh{}.guessed_at(0));
+}
+
+TEST(MeshIo, EvidenceStaysWithItsVertexWhereOthersAreDropped) {
+  const TempFolder folder;
+  Mesh mesh = pyramid_with_evidence();
+  mesh.vertices.insert(mesh.vertices.begin() + 1, Eigen::Vector3f(7, 7, 7));  // of no triangle
+  mesh.evidence.insert(mesh.evidence.begin() + 1, ShapeEvidence::kSeen);
+  for (Triangle& triangle : mesh.triangles)
+    for (std::uint32_t& v : triangle) v += v > 0 ? 1 : 0;
+  save_ply(mesh, folder.path() / "shape.ply");
+  EXPECT_EQ(load_mesh(folder.path() / "shape.ply").mesh.evidence, pyramid_with_evidence().evidence);
+}
+
+TEST(MeshIo, AnotherProgramsEvidenceIsNotOurs) {
+  const TempFolder folder;
+  const auto with = [&](const std::string& type, const std::string& value) {
+    write_file(folder.path() / "a.ply",
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+               "property float z\nproperty " +
+                   type +
+                   " evidence\nelement face 1\n"
+                   "property list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 " +
+                   value + "\n0 1 0 1\n3 0 1 2\n");
+    return load_mesh(folder.path() / "a.ply").mesh.evidence.size();
+  };
+  EXPECT_EQ(with("uchar", "1"), 3u);
+  EXPECT_EQ(with("uchar", "3"), 0u) << "no such evidence";
+  EXPECT_EQ(with("float", "1"), 0u);
+}
+
 }  // namespace
 }  // namespace sheen

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/image/jpeg.h"
+#include "reconstructor/render/guess_marks.h"
 #include "tests/reconstructor/models/surface_light_field/light_field_checks.h"
 
 namespace sheen {
@@ -163,6 +164,43 @@ TEST(LiveDisplay, ThePagesPicturesShowTheObjectLargeAndItsOutlineInTheCamerasIma
       EXPECT_NEAR(at.head<2>().cwiseAbs().maxCoeff(), 0.1, 0.01) << x << ", " << y;
     }
   EXPECT_GT(drawn, camera.width() / 2);
+}
+
+TEST(LiveDisplay, ThePageShowsFromWhatAFoundShapeIsKnown) {
+  Mesh mesh = sphere_mesh(0.1f, 3);
+  LiveDisplay given({}), found({});
+  const auto show = [&](LiveDisplay& display) {
+    Reconstruction nothing_yet(mesh, SurfaceLightFieldOptions{});
+    display.observer().on_snapshot(nothing_yet.snapshot(), nothing_yet.shared_painter());
+    return display.monitor_state({});
+  };
+  const MonitorState without = show(given);
+  EXPECT_FALSE(without.shape);
+  EXPECT_FALSE(without.shape_jpeg);
+
+  mesh.evidence.assign(mesh.vertices.size(), ShapeEvidence::kGuessed);
+  const MonitorState with = show(found);
+  ASSERT_TRUE(with.shape && with.shape_jpeg);
+  EXPECT_EQ(with.shape->guessed, 1);
+  EXPECT_EQ(with.shape->seen, 0);
+  const ImageU8 picture = decode_jpeg(*with.shape_jpeg);
+  const int x = picture.width() / 2, y = picture.height() / 2;
+  const Eigen::Vector3f guess = 255 * evidence_color(ShapeEvidence::kGuessed);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(picture.at(x, y, c), guess[c], 25) << "faces the eye";
+  EXPECT_NEAR(picture.at(2, 2, 0), 28, 3) << "the ground of the window";
+}
+
+TEST(LiveDisplay, BeforeAModelThePageShowsTheCamera) {
+  const Object object = square_object();
+  const Capture image = captures({object.surface, analytic::two_terms(0.1)}, {{0.02, 0, 0.5}}).front();
+  const LiveDisplay::Names names{.trackers = {{"tcp://a:1", "start a"}}};
+  const MonitorState waiting = state_before_first(names, {}, nullptr, "");
+  EXPECT_EQ(waiting.hint, "start a");
+  EXPECT_FALSE(waiting.camera_jpeg);
+  const MonitorState looking = state_before_first(names, {}, &image, "The shape is being found.");
+  EXPECT_EQ(looking.doing, "The shape is being found.");
+  ASSERT_TRUE(looking.camera_jpeg);
+  EXPECT_EQ(decode_jpeg(*looking.camera_jpeg).width(), 480);
 }
 
 TEST(LiveDisplay, ThePageSaysInWhichDirectionTheNextImageIs) {

@@ -35,6 +35,7 @@ MonitorState sample_monitor_state() {
   state.picture_latency = summarize(picture_latency);
   state.rank_histogram = {14, 820, 1940, 2210, 870, 190, 33};
   state.surface = {.seen = 0.828, .measured = 0.79};
+  state.shape = {.seen = 0.81, .outlined = 0.05, .guessed = 0.14};
   state.model_bytes = 48'200'000;
   state.trade = {.favour = "speed",
                  .effort_level = 2,

@@ -34,6 +34,10 @@ TEST(StatusJson, SaysWhatTheStateSays) {
   EXPECT_EQ(json["frame_age_s"], 0.5);
   EXPECT_EQ(json["pictures"]["preview"], 3);
   EXPECT_EQ(json["pictures"]["camera"], 0);
+  EXPECT_EQ(json["pictures"]["shape"], 0);
+  EXPECT_EQ(json["shape"]["seen"], 0.81);
+  EXPECT_EQ(json["shape"]["outlined"], 0.05);
+  EXPECT_EQ(json["shape"]["guessed"], 0.14);
   EXPECT_EQ(json["pictures"]["preview_note"], "no photograph from here: the nearest is 34 degrees away");
 }
 
@@ -68,7 +72,11 @@ TEST(StatusJson, UnknownIsNullAndBadTextIsRepaired) {
   MonitorState state = sample_monitor_state();
   state.held_out_curve.back().psnr_db = kNaN;
   state.session_folder = "caf\xe9";
+  state.shape.reset();
+  state.doing = "The shape is being found in 9 images.";
   const auto json = nlohmann::json::parse(status_json(state, CaptureState::kWaiting, 0, kNaN, {}));
+  EXPECT_TRUE(json["shape"].is_null()) << "of a mesh that was given";
+  EXPECT_EQ(json["doing"], "The shape is being found in 9 images.");
   EXPECT_TRUE(json["frame_age_s"].is_null());
   EXPECT_TRUE(json["held_out_curve"].back()["psnr_db"].is_null());
   EXPECT_EQ(json["session_folder"], "caf\xef\xbf\xbd");

@@ -243,7 +243,7 @@ TEST_P(HostileImages, AreToldOrGiveASoundMesh) {
   try {
     const FoundShape found = find_shape(images, {});
     expect_closed(found.mesh);
-    EXPECT_EQ(found.evidence.size(), found.mesh.vertices.size());
+    EXPECT_EQ(found.mesh.evidence.size(), found.mesh.vertices.size());
     for (const Eigen::Vector3f& vertex : found.mesh.vertices) ASSERT_TRUE(vertex.allFinite());
   } catch (const Error& error) {
     EXPECT_FALSE(GetParam().mesh) << error.what();

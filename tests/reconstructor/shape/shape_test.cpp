@@ -21,11 +21,6 @@ void expect_closed(const Mesh& mesh) {
   EXPECT_GT(found.signed_volume, 0);
 }
 
-double share_seen(const FoundShape& found) {
-  const auto seen = std::count(found.evidence.begin(), found.evidence.end(), ShapeEvidence::kSeen);
-  return static_cast<double>(seen) / static_cast<double>(found.evidence.size());
-}
-
 analytic::Scene ball_before(const Eigen::Vector3d& background) {
   analytic::Scene scene = ball();
   scene.background = background;
@@ -38,7 +33,7 @@ TEST(FindShape, ABallWithMasks) {
   expect_closed(found.mesh);
   EXPECT_EQ(found.outlines, 24);
   EXPECT_TRUE(found.coherent) << "masks that agree are believed";
-  EXPECT_GT(share_seen(found), 0.9);
+  EXPECT_GT(share_known_as(ShapeEvidence::kSeen, found.mesh), 0.9);
   EXPECT_LT(rms_from_ball(found.mesh), 0.5 * kPixel);
   EXPECT_LE(found.mesh.triangles.size(), 3000u);
 }
@@ -64,7 +59,7 @@ TEST(FindShape, ABallOnATable) {
   double squares = 0;
   std::size_t upper = 0, table = 0, on_table = 0;
   for (std::size_t v = 0; v < found.mesh.vertices.size(); ++v) {
-    if (found.evidence[v] != ShapeEvidence::kSeen) continue;
+    if (found.mesh.evidence[v] != ShapeEvidence::kSeen) continue;
     const Eigen::Vector3d p = found.mesh.vertices[v].cast<double>();
     if (p.z() > 0.2 * kSmall) {
       squares += std::pow(p.norm() - kSmall, 2);
@@ -78,6 +73,23 @@ TEST(FindShape, ABallOnATable) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(upper)), 0.75 * kPixel);
   ASSERT_GT(table, 100u);
   EXPECT_GT(static_cast<double>(on_table), 0.9 * static_cast<double>(table));
+}
+
+/// The same; somebody has a box round the ball.
+TEST(FindShape, ARoughMeshTakesTheTableAway) {
+  analytic::Scene scene = ball();
+  constexpr double kSmall = 0.05;  // radius
+  scene.surface = analytic::nearest_of(analytic::sphere(kSmall), analytic::square(0.6, -kSmall));
+  scene.radiance = analytic::diffuse(0.03);
+  const Photographs photographs(scene, 24, 0.3, false);
+  const Mesh rough = sphere_mesh(1.02f * kSmall, 3);
+  const FoundShape found = find_shape(photographs.images(), {.from = &rough});
+  expect_closed(found.mesh);
+  EXPECT_EQ(found.outlines, 24);
+  EXPECT_TRUE(found.coherent);
+  std::size_t near = 0;
+  for (const Eigen::Vector3f& v : found.mesh.vertices) near += std::abs(v.norm() - kSmall) < 0.06 * 2 * kSmall ? 1 : 0;
+  EXPECT_GT(static_cast<double>(near), 0.97 * static_cast<double>(found.mesh.vertices.size()));
 }
 
 /// As far from zero as map coordinates are.

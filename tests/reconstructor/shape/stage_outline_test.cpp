@@ -133,7 +133,7 @@ struct FoundHull {
 FoundHull hull_of(const StagePhotograph& photograph, const std::optional<StageLayout>& stage) {
   RefinementImages images = images_of(photograph, 24);
   images.stage = stage;
-  ShapeImages used(images, Eigen::Vector3d::Zero(), 60);
+  ShapeImages used(images, Eigen::Vector3d::Zero(), 60, nullptr);
   const Eigen::AlignedBox3d box = find_place(used).box;
   const std::vector<ShapeView> views = fine_views(used, box, 30'000);
   const ObjectHull found = find_hull(views, box);

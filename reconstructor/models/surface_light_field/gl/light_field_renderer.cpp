@@ -28,7 +28,7 @@ GlProgram surface_program(const SurfaceShaderVariant& variant) {
   for (int half = 0; half < 3; ++half)
     glUniform3fv(program.uniform(("need_colors[" + std::to_string(half) + "]").c_str()), 1,
                  need_color(0.5f * static_cast<float>(half)).data());
-  for (int reason = 0; reason < 5; ++reason)
+  for (int reason = 0; reason < kQualityReasons; ++reason)
     glUniform3fv(program.uniform(("reason_colors[" + std::to_string(reason) + "]").c_str()), 1,
                  reason_color(static_cast<QualityReason>(reason)).data());
   for (int state = 0; state < 2; ++state)
@@ -36,6 +36,9 @@ GlProgram surface_program(const SurfaceShaderVariant& variant) {
                  state_color(static_cast<SampleState>(state)).data());
   for (int stop = 0; stop < kDemandColours; ++stop)
     glUniform3fv(program.uniform(("demand_colors[" + std::to_string(stop) + "]").c_str()), 1, demand_stop(stop).data());
+  for (int evidence = 0; evidence < 3; ++evidence)
+    glUniform3fv(program.uniform(("evidence_colors[" + std::to_string(evidence) + "]").c_str()), 1,
+                 evidence_color(static_cast<ShapeEvidence>(evidence)).data());
   check_gl("setting up the light field's shader");
   return program;
 }
@@ -214,6 +217,18 @@ void LightFieldRenderer::upload_demand(Demand demand) {
   quality_eye_.reset();
 }
 
+void LightFieldRenderer::upload_evidence() {
+  std::vector<Eigen::Vector2f> levels;
+  for (const Triangle& triangle : mesh_->triangles) {
+    float sum = 0;
+    for (const std::uint32_t v : triangle) sum += static_cast<float>(mesh_->evidence[v]);
+    levels.emplace_back(sum / 3, 0.0f);
+  }
+  quality_.assign(levels.size(), levels.data());
+  demand_.reset();
+  quality_eye_.reset();
+}
+
 void LightFieldRenderer::upload_order(const Eigen::Vector3d& eye) {
   glBindVertexArray(vertex_array_.id());
   if (order_eye_ == eye) return;
@@ -230,10 +245,13 @@ void LightFieldRenderer::upload_order(const Eigen::Vector3d& eye) {
 void LightFieldRenderer::draw(const Viewpoint& viewpoint, const DrawArea& area, SurfaceShading shading) {
   if (!shown_ || triangle_count_ == 0) return;
   const Eigen::Vector3d eye = viewpoint.eye();
+  if (shading == SurfaceShading::kShape && mesh_->evidence.empty()) shading = SurfaceShading::kPlain;
   if (shading == SurfaceShading::kAppearance || shading == SurfaceShading::kStates)
     upload_coefficients(eye);
   else if (const std::optional<Demand> demand = demand_of(shading))
     upload_demand(*demand);
+  else if (shading == SurfaceShading::kShape)
+    upload_evidence();
   else if (shading != SurfaceShading::kPlain)
     upload_quality(eye);
 

@@ -45,6 +45,7 @@ class LightFieldRenderer : public ModelDrawer {
   void upload_coefficients(const Eigen::Vector3d& eye);
   void upload_quality(const Eigen::Vector3d& eye);
   void upload_demand(Demand demand);  ///< in the place of the quality
+  void upload_evidence();             ///< likewise
   /// The order in which triangles are drawn: what can hide others first, so that little is shaded in vain.
   void upload_order(const Eigen::Vector3d& eye);
 
@@ -59,7 +60,7 @@ class LightFieldRenderer : public ModelDrawer {
   BufferTexture resolutions_;   ///< per triangle
   BufferTexture slots_;         ///< per patch: first texel, rank | buffer << 16
   BufferTexture coefficients_;  ///< per column: `stride_` values
-  BufferTexture quality_;       ///< per triangle: heuristic, reason; or a level of demand
+  BufferTexture quality_;       ///< per triangle: heuristic, reason; or a level of demand, or of evidence
 
   std::shared_ptr<const Mesh> mesh_;
   std::shared_ptr<const MapLayout> maps_;

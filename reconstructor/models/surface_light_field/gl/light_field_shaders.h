@@ -41,9 +41,10 @@ uniform float exposure;            // of this eye: ExposureField
 uniform float pixel_size;          // DrawArea
 uniform float inside_grey;         // of the backs of triangles, sRGB-encoded
 uniform vec3 need_colors[3];       // from known to unknown
-uniform vec3 reason_colors[5];     // by QualityReason
+uniform vec3 reason_colors[6];     // by QualityReason
 uniform vec3 state_colors[2];      // by SampleState: unseen, imputed
 uniform vec3 demand_colors[4];     // from little to much
+uniform vec3 evidence_colors[3];   // by ShapeEvidence
 flat in int triangle;
 centroid in vec3 beta;
 in vec3 position_object;
@@ -158,6 +159,13 @@ void main() {
   }
   if (shading == 0 || shading == 3) {
     color = vec4(appearance(), 1);
+    return;
+  }
+  if (shading == 8) {
+    float level = texelFetch(quality, triangle).x;
+    vec3 hue = level < 1.0 ? mix(evidence_colors[0], evidence_colors[1], level)
+                           : mix(evidence_colors[1], evidence_colors[2], level - 1.0);
+    color = vec4(hue * (0.35 + 0.65 * facing()), 1);
     return;
   }
   if (shading > 4) {

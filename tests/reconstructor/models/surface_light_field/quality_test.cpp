@@ -52,6 +52,17 @@ TEST(Quality, TheReasonIsTheWorstThatHolds) {
   EXPECT_EQ((SurfaceQuality{true, 0.01f, 0.8f, 0.2f}.reason()), QualityReason::kOblique);
 }
 
+TEST(Quality, WhoseShapeIsAGuessNeedsImages) {
+  const SurfaceQuality guessed{.seen = true, .error = 0.01f, .best_cosine = 0.9f, .shape_guessed = true};
+  EXPECT_EQ(guessed.reason(), QualityReason::kShapeGuessed);
+  EXPECT_EQ(guessed.heuristic(), 0.5f);
+  EXPECT_EQ((SurfaceQuality{.seen = false, .shape_guessed = true}.reason()), QualityReason::kUnseen);
+  SurfaceQuality known = guessed;
+  known.shape_guessed = false;
+  EXPECT_TRUE(combine(guessed, guessed, known).shape_guessed);
+  EXPECT_FALSE(combine(guessed, known, known).shape_guessed);
+}
+
 TEST(Quality, ATriangleIsKnownAsTheMeanOfItsVerticesAndUnseenWithAnyOfThem) {
   const SurfaceQuality a{true, 0.03f, 0.6f, 0.5f}, b{true, 0.06f, 0.9f, 0.9f}, c{true, 0, 0.3f, 0.1f};
   const SurfaceQuality mean = combine(a, b, c);
@@ -194,6 +205,21 @@ TEST(NextView, PointsToTheSideThatNoImageShows) {
   EXPECT_GT(unseen / all, 0.3);
   EXPECT_NEAR(advice.angle_deg, std::acos(eye.normalized().dot(advice.eye.normalized())) * 180 / M_PI, 0.01);
   EXPECT_THAT(advice.reason, testing::HasSubstr("not seen"));
+}
+
+/// Two halves that look alike and were photographed alike; the place of one is a guess.
+TEST(NextView, IsWhereTheShapeIsAGuess) {
+  const Object object = sphere_object();
+  Mesh mesh = *object.mesh;
+  for (const Eigen::Vector3f& vertex : mesh.vertices)
+    mesh.evidence.push_back(vertex.y() > 0 ? ShapeEvidence::kGuessed : ShapeEvidence::kSeen);
+  const Scene scene{object.surface, analytic::diffuse(0.2)};
+  SurfaceLightField model(std::make_shared<const Mesh>(mesh), plain_options());
+  ingest_all(model, captures(scene, eyes(16, kDistance, 0.3)));
+  const ViewAdvice advice = advise_next_view(*model.light_field_snapshot(), {0.5, 0, 0.2});
+  EXPECT_GT(advice.eye.y(), 0.2);
+  EXPECT_THAT(advice.reason, testing::HasSubstr("shape is a guess"));
+  EXPECT_GT(share_of(*model.light_field_snapshot(), {0, 0.5, 0.1}, QualityReason::kShapeGuessed), 0.3);
 }
 
 TEST(NextView, SaysWhenAllIsCoveredAndBeforeAnythingIs) {

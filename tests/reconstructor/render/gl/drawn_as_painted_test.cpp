@@ -177,6 +177,32 @@ TEST_F(Window, WhatTheSceneRequiredIsInItsColours) {
   }
 }
 
+TEST_F(Window, AFoundShapeIsInTheColoursOfItsEvidence) {
+  const auto without = SyntheticLightField({}).snapshot();
+  const auto guessed = SyntheticLightField({.evidence = {ShapeEvidence::kGuessed}}).snapshot();
+  ViewControls& controls = window_->controls();
+  controls.mode = ViewMode::kShape;
+  const auto in_colour = [&](const std::shared_ptr<const SurfaceLightFieldSnapshot>& snapshot,
+                             const Eigen::Vector3f& colour) {
+    const ImageU8 picture = draw(snapshot);
+    const Viewpoint view = controls.orbit.viewpoint(kWidth, kHeight);
+    const std::vector<Hit> hits = RayPainter(snapshot->mesh()).cast(view.camera, view.camera_from_object);
+    const ImageU8 mask = interior(hits, 0.02);
+    int count = 0, off = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        if (!mask.at(x, y)) continue;
+        const Eigen::Vector3f shown(picture.at(x, y, 0), picture.at(x, y, 1), picture.at(x, y, 2));
+        ++count;
+        off += shown.norm() > 0 && shown.normalized().dot(colour.normalized()) > 0.999f ? 0 : 1;
+      }
+    EXPECT_GT(count, 10000);
+    EXPECT_EQ(off, 0);
+  };
+  in_colour(guessed, evidence_color(ShapeEvidence::kGuessed));
+  in_colour(without, Eigen::Vector3f::Ones());  // a mesh that was given is grey
+}
+
 TEST_F(Window, TheInsideIsStripedGreyAsInTheRayPainter) {
   const SyntheticLightField light_field({.unseen = 0});
   const auto snapshot = light_field.snapshot();

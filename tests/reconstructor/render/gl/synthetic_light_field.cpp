@@ -60,6 +60,7 @@ float fraction(int r) {
 
 SyntheticLightField::SyntheticLightField(const SyntheticOptions& options) : options_(options) {
   auto mesh = std::make_shared<Mesh>(bumpy_ring(options.around, options.across));
+  if (!options.evidence.empty()) mesh->evidence.assign(mesh->vertices.size(), options.evidence.front());
   std::vector<std::uint8_t> resolution(mesh->triangles.size());
   for (std::size_t t = 0; t < resolution.size(); ++t) resolution[t] = t % 7 == 0 ? 2 : (t % 3 == 0 ? 8 : 16);
   normals_ = vertex_normals(*mesh);

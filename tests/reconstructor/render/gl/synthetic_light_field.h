@@ -17,6 +17,7 @@ struct SyntheticOptions {
   double unseen = 0.1;  ///< fraction of the way round that no image has reached; behind it lies a part that is guessed,
                         ///< opposite one that is imputed
   std::uint64_t version = 1;
+  std::vector<ShapeEvidence> evidence = {};  ///< the one of all vertices; empty: the mesh was given
 };
 
 class SyntheticLightField {
