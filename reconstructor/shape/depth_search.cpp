@@ -107,8 +107,9 @@ class DepthSearch {
     if (!(piece.depth >= range_.nearest.at(x, y) && piece.depth <= range_.farthest.at(x, y))) return;
     const Eigen::Vector3f r = ray(x, y);
     if (!(-piece.normal.dot(r) > kFlattest * r.norm())) return;
-    const float cost = matcher_.cost(piece);
-    if (map_.depth.at(x, y) > 0 && cost >= map_.cost.at(x, y)) return;
+    const bool first = !(map_.depth.at(x, y) > 0);
+    const float cost = first ? matcher_.cost(piece) : matcher_.cost(piece, map_.cost.at(x, y));
+    if (!first && cost >= map_.cost.at(x, y)) return;
     map_.depth.at(x, y) = piece.depth;
     Eigen::Map<Eigen::Vector3f>(map_.normal.pixel(x, y)) = piece.normal;
     map_.cost.at(x, y) = cost;

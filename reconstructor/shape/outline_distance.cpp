@@ -8,30 +8,36 @@
 
 namespace sheen {
 
-ImageF distance_from_outline(const ShapeView& view) {
-  const ImageU8& outline = view.outline;
-  if (outline.empty()) return {};
-  cv::Mat background(outline.height(), outline.width(), CV_8U);
-  bool any_object = false;
+ImageF distance_from_rim(const ImageU8& outline, Outline least) {
+  cv::Mat outside(outline.height(), outline.width(), CV_8U);
   for (int y = 0; y < outline.height(); ++y)
-    for (int x = 0; x < outline.width(); ++x) {
-      const auto mark = static_cast<Outline>(outline.at(x, y));
-      background.at<std::uint8_t>(y, x) = mark == Outline::kBackground ? 255 : 0;
-      any_object = any_object || mark == Outline::kObject;
-    }
-  if (!any_object || cv::countNonZero(background) == 0) return {};
-  cv::Mat outside, inside;
-  cv::distanceTransform(background, outside, cv::DIST_L2, cv::DIST_MASK_5, CV_32F);
-  cv::bitwise_not(background, background);
-  cv::distanceTransform(background, inside, cv::DIST_L2, cv::DIST_MASK_5, CV_32F);
+    for (int x = 0; x < outline.width(); ++x)
+      outside.at<std::uint8_t>(y, x) = outline.at(x, y) < static_cast<std::uint8_t>(least) ? 255 : 0;
+  const int without = cv::countNonZero(outside);
+  if (without == 0 || without == outline.width() * outline.height()) return {};
+  cv::Mat away, within;
+  cv::distanceTransform(outside, away, cv::DIST_L2, cv::DIST_MASK_5, CV_32F);
+  cv::bitwise_not(outside, outside);
+  cv::distanceTransform(outside, within, cv::DIST_L2, cv::DIST_MASK_5, CV_32F);
   ImageF distance(outline.width(), outline.height(), 1);
   for (int y = 0; y < outline.height(); ++y)
     for (int x = 0; x < outline.width(); ++x) {
-      const float out = outside.at<float>(y, x), in = inside.at<float>(y, x);
+      const float out = away.at<float>(y, x), in = within.at<float>(y, x);
       distance.at(x, y) = out > 0 ? out - 0.5f : 0.5f - in;
-      if (view.before_sheet && outline.at(x, y) == static_cast<std::uint8_t>(Outline::kUnknown))
-        distance.at(x, y) = std::numeric_limits<float>::quiet_NaN();
     }
+  return distance;
+}
+
+ImageF distance_from_background(const ShapeView& view) {
+  const ImageU8& outline = view.outline;
+  const auto end = outline.data() + outline.size();
+  if (std::find(outline.data(), end, static_cast<std::uint8_t>(Outline::kObject)) == end) return {};
+  ImageF distance = distance_from_rim(outline, Outline::kUnknown);
+  if (!distance.empty() && view.before_sheet)
+    for (int y = 0; y < outline.height(); ++y)
+      for (int x = 0; x < outline.width(); ++x)
+        if (outline.at(x, y) == static_cast<std::uint8_t>(Outline::kUnknown))
+          distance.at(x, y) = std::numeric_limits<float>::quiet_NaN();
   return distance;
 }
 

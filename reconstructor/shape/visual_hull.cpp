@@ -33,7 +33,7 @@ VisualHull::VisualHull(std::span<const ShapeView> views, const Eigen::AlignedBox
     from_centred.col(3) = k * (view.camera.camera_from_object * box.center());
     views_.push_back({.pixel_from_object = from_centred.cast<float>(),
                       .metres_per_pixel = static_cast<float>(2 / (camera.fx + camera.fy)),
-                      .outside = rule.outlines ? distance_from_outline(view) : ImageF{},
+                      .outside = rule.outlines ? distance_from_background(view) : ImageF{},
                       .width = camera.width,
                       .height = camera.height});
     outlines_ += views_.back().outside.empty() ? 0 : 1;

@@ -4,7 +4,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 
 namespace sheen {
 namespace {
@@ -14,6 +16,23 @@ constexpr float kNoiseVariance = 4;  // square grey levels: a window of noise is
 constexpr std::size_t kBest = 3;     // others that count: the rest may not see the place
 constexpr float kPerPixel = 0.15f;   // cost of a pixel's way back, ...
 constexpr float kMostPixels = 3;     // up to so many
+
+constexpr int kSide = 5, kStride = 2, kPoints = kSide * kSide;
+
+/// Where its points are, in strides from the middle.
+struct WindowPoints {
+  using Lanes = Eigen::Array<float, 32, 1>;
+  Lanes across = Lanes::Zero(), down = Lanes::Zero();
+  Lanes is_point = Lanes::Zero();  ///< 1; 0 of those that only fill the vectors
+  WindowPoints() {
+    is_point.head<kPoints>().setOnes();
+    for (int k = 0; k < kPoints; ++k) {
+      across[k] = static_cast<float>(k % kSide - kSide / 2);
+      down[k] = static_cast<float>(k / kSide - kSide / 2);
+    }
+  }
+};
+const WindowPoints kWindow;
 
 Eigen::Matrix3d matrix_of(const Camera& camera) {
   Eigen::Matrix3d k;
@@ -58,28 +77,36 @@ bool WindowMatcher::take(int x, int y) {
   x_ = x;
   y_ = y;
   ray_ = ray(static_cast<float>(x), static_cast<float>(y));
-  const float middle = grey.at(x, y);
-  float sum = 0, mean = 0, squares = 0;
+  Lanes value = Lanes::Zero();
   for (int j = 0, k = 0; j < kSide; ++j) {
     const float* row = grey.pixel(x - kReach, y + (j - kSide / 2) * kStride);
-    for (int i = 0; i < kSide; ++i, ++k) {
-      const float value = row[i * kStride], off = (value - middle) / kGreyScale;
-      const auto di = static_cast<float>(i - kSide / 2), dj = static_cast<float>(j - kSide / 2);
-      weight_[k] = 1 / (1 + off * off + 0.5f * (di * di + dj * dj));
-      centred_[k] = value;
-      sum += weight_[k];
-      mean += weight_[k] * value;
-      squares += weight_[k] * value * value;
-    }
+    for (int i = 0; i < kSide; ++i, ++k) value[k] = row[i * kStride];
   }
+  const Lanes off = (value - grey.at(x, y)) / kGreyScale;
+  weight_ = kWindow.is_point / (1 + off.square() + 0.5f * (kWindow.across.square() + kWindow.down.square()));
+  weight_ /= weight_.sum();
+  const float mean = (weight_ * value).sum(), squares = (weight_ * value.square()).sum();
   if (!std::isfinite(squares)) return false;
-  mean /= sum;
-  variance_ = std::max(0.0f, squares / sum - mean * mean);
-  for (int k = 0; k < kPoints; ++k) {
-    weight_[k] /= sum;
-    centred_[k] = weight_[k] * (centred_[k] - mean);
-  }
+  variance_ = std::max(0.0f, squares - mean * mean);
+  centred_ = weight_ * (value - mean);
   return true;
+}
+
+WindowMatcher::Lanes WindowMatcher::bilinear_at(const Lanes& u, const Lanes& v, const ImageF& grey) {
+  using Indices = Eigen::Array<std::int32_t, Lanes::SizeAtCompileTime, 1>;
+  const Indices x = u.cast<std::int32_t>(), y = v.cast<std::int32_t>(), at = y * grey.width() + x;
+  const Lanes s = u - x.cast<float>(), t = v - y.cast<float>();
+  const float* const above = grey.data();
+  const float* const below = above + grey.width();
+  Lanes a, b, c, d;
+  for (int k = 0; k < Lanes::SizeAtCompileTime; ++k) {
+    a[k] = above[at[k]];
+    b[k] = above[at[k] + 1];
+    c[k] = below[at[k]];
+    d[k] = below[at[k] + 1];
+  }
+  const Lanes top = a + s * (b - a), bottom = c + s * (d - c);
+  return top + t * (bottom - top);
 }
 
 float WindowMatcher::correlation_cost(const Other& other, const SurfacePiece& piece,
@@ -88,35 +115,17 @@ float WindowMatcher::correlation_cost(const Other& other, const SurfacePiece& pi
   const Eigen::Vector3f middle = other.pixel_from_ray * ray_ + other.pixel_of_eye / piece.depth;
   const Eigen::Vector3f right = (kStride * per_fx_) * (other.pixel_from_ray.col(0) + other.pixel_of_eye * plane.x());
   const Eigen::Vector3f down = (kStride * per_fy_) * (other.pixel_from_ray.col(1) + other.pixel_of_eye * plane.y());
-  constexpr int kHalf = kSide / 2;
-  std::array<float, kPoints> u, v;
-  for (int j = 0, k = 0; j < kSide; ++j)
-    for (int i = 0; i < kSide; ++i, ++k) {
-      const auto di = static_cast<float>(i - kHalf), dj = static_cast<float>(j - kHalf);
-      const float z = middle.z() + di * right.z() + dj * down.z();
-      const float per_z = 1 / z;
-      u[k] = (middle.x() + di * right.x() + dj * down.x()) * per_z;
-      v[k] = (middle.y() + di * right.y() + dj * down.y()) * per_z;
-    }
+  const Lanes z = middle.z() + kWindow.across * right.z() + kWindow.down * down.z(), per_z = z.inverse();
+  const Lanes u = (middle.x() + kWindow.across * right.x() + kWindow.down * down.x()) * per_z;
+  const Lanes v = (middle.y() + kWindow.across * right.y() + kWindow.down * down.y()) * per_z;
   const ImageF& grey = *other.grey;
   const auto last_x = static_cast<float>(grey.width() - 1), last_y = static_cast<float>(grey.height() - 1);
   // Seen straight, its corners are the first to leave the image.
   for (const int k : {0, kSide - 1, kPoints - kSide, kPoints - 1})
-    if (!(u[k] >= 0 && v[k] >= 0 && u[k] < last_x && v[k] < last_y)) return kWorst;
-  const float* pixels = grey.data();
-  const int width = grey.width();
-  float mean = 0, squares = 0, covariance = 0;
-  for (int k = 0; k < kPoints; ++k) {
-    const int x = static_cast<int>(u[k]), y = static_cast<int>(v[k]);
-    const float s = u[k] - static_cast<float>(x), t = v[k] - static_cast<float>(y);
-    const float* above = pixels + std::size_t(y) * width + x;
-    const float* below = above + width;
-    const float top = above[0] + s * (above[1] - above[0]), bottom = below[0] + s * (below[1] - below[0]);
-    const float value = top + t * (bottom - top), weighted = weight_[k] * value;
-    mean += weighted;
-    squares += weighted * value;
-    covariance += centred_[k] * value;
-  }
+    if (!(z[k] > 0 && u[k] >= 0 && v[k] >= 0 && u[k] < last_x && v[k] < last_y)) return kWorst;
+  const Lanes value = bilinear_at(u, v, grey);
+  const float mean = (weight_ * value).sum(), squares = (weight_ * value.square()).sum(),
+              covariance = (centred_ * value).sum();
   const float variance = std::max(0.0f, squares - mean * mean);
   const float cost = 1 - covariance / std::sqrt((variance_ + kNoiseVariance) * (variance + kNoiseVariance));
   return cost <= kWorst ? cost : kWorst;  // NaN, too
@@ -153,10 +162,13 @@ std::optional<WayBack> WindowMatcher::way_back(std::size_t number, int x, int y,
   return WayBack{.pixels = std::sqrt(dx * dx + dy * dy), .depth_off = std::abs(known - there.z()) / there.z()};
 }
 
-float WindowMatcher::cost(const SurfacePiece& piece) const {
+float WindowMatcher::cost(const SurfacePiece& piece, float enough) const {
   const Eigen::Vector3f plane = piece.normal / (piece.normal.dot(ray_) * piece.depth);
-  std::array<float, kBest> best;
+  const std::size_t counted = std::min(kBest, others_.size());
+  const float too_much = enough * static_cast<float>(counted);
+  std::array<float, kBest> best;  // in order
   best.fill(std::numeric_limits<float>::infinity());
+  const auto sum_of = [&best](std::size_t count) { return std::accumulate(best.begin(), best.begin() + count, 0.0f); };
   for (std::size_t i = 0; i < others_.size(); ++i) {
     float cost = correlation_cost(others_[i], piece, plane);
     if (others_[i].depth) {
@@ -165,11 +177,11 @@ float WindowMatcher::cost(const SurfacePiece& piece) const {
     }
     for (float& kept : best)
       if (cost < kept) std::swap(cost, kept);
+    // As if those that are left were like it without a fault.
+    const std::size_t left = others_.size() - 1 - i;
+    if (left < counted && sum_of(counted - left) >= too_much) return kWorst;
   }
-  const std::size_t counted = std::min(kBest, others_.size());
-  float sum = 0;
-  for (std::size_t i = 0; i < counted; ++i) sum += best[i];
-  return counted == 0 ? kWorst : sum / static_cast<float>(counted);
+  return counted == 0 ? kWorst : sum_of(counted) / static_cast<float>(counted);
 }
 
 }  // namespace sheen

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -38,8 +38,9 @@ class WindowMatcher {
 
   /// The window that is compared from now on; false where it cannot be used.
   bool take(int x, int y);
-  /// Mean cost of those others, three at most, to which it looks most alike.
-  float cost(const SurfacePiece& piece) const;
+  /// Mean cost of those others, three at most, to which it looks most alike. What is not below `enough` need not be
+  /// found: then it is `kWorst`.
+  float cost(const SurfacePiece& piece, float enough = std::numeric_limits<float>::infinity()) const;
   /// Cost of one of the others, were its image moved by so many pixels.
   float cost_aside(std::size_t other, const SurfacePiece& piece, const Eigen::Vector2f& pixels) const;
 
@@ -55,7 +56,8 @@ class WindowMatcher {
   std::size_t others() const { return others_.size(); }
 
  private:
-  static constexpr int kSide = 5, kStride = 2, kPoints = kSide * kSide;
+  /// The 25 points of a window, and some without weight, so that they fill vectors of any processor.
+  using Lanes = Eigen::Array<float, 32, 1>;
 
   struct Other {
     const ImageF* grey;
@@ -65,6 +67,7 @@ class WindowMatcher {
     Eigen::Matrix3f view_pixel_from_ray;  ///< back: K R^T K'^-1
     Eigen::Vector3f view_pixel_of_eye;
   };
+  static Lanes bilinear_at(const Lanes& u, const Lanes& v, const ImageF& grey);
   float correlation_cost(const Other& other, const SurfacePiece& piece, const Eigen::Vector3f& plane) const;
 
   const ShapeView& view_;
@@ -72,7 +75,7 @@ class WindowMatcher {
   float per_fx_, per_fy_, cx_, cy_, depth_per_pixel_ = 0;
   int x_ = 0, y_ = 0;
   Eigen::Vector3f ray_;
-  std::array<float, kPoints> weight_{}, centred_{};  ///< sum 1; weight times grey less its mean
+  Lanes weight_, centred_;  ///< sum 1; weight times grey less its mean
   float variance_ = 0;
 };
 

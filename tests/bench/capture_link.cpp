@@ -19,6 +19,7 @@
 #include "common/base/files.h"
 #include "common/link/monitor_socket.h"
 #include "common/simulation/simulated_rig.h"
+#include "tests/bench/process_state.h"
 #include "tests/bench/tcp_relay.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/temp_folder.h"
@@ -172,13 +173,6 @@ class StoppedMonitor {
  private:
   pid_t pid_;
 };
-
-double resident_mb(pid_t process) {
-  std::ifstream status("/proc/" + std::to_string(process) + "/status");
-  for (std::string word; status >> word;)
-    if (double kb = 0; word == "VmRSS:" && status >> kb) return kb / 1e3;
-  throw Error("the memory of process " + std::to_string(process) + " cannot be read");
-}
 
 struct Watched {
   double p99_ms = 0, grown_mb = 0;

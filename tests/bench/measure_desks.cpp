@@ -3,15 +3,12 @@
 // Measures what it takes to show a growing model to others: `deploy/measure desks [--json FILE]`. The simulated rig's
 // images go to `serve` as fast as it adds them to the model: no desk, four that turn the model in their hands, one that
 // takes no answer; in turn, since a machine's other work comes and goes.
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -20,6 +17,7 @@
 #include "common/base/order_statistics.h"
 #include "tests/bench/goal_rows.h"
 #include "tests/bench/model_desk.h"
+#include "tests/bench/process_state.h"
 #include "tests/loopback/daemons.h"
 #include "tests/support/temp_folder.h"
 
@@ -52,18 +50,6 @@ std::filesystem::path rig() {
   return folder;
 }
 
-/// Of a line of /proc/PID/stat, or of a thread of it: fields 14 and 15, for the program and for the kernel.
-double processor_seconds(const std::filesystem::path& file) {
-  std::string stat;
-  std::getline(std::ifstream(file), stat);
-  std::istringstream fields(stat.substr(stat.rfind(')') + 1));
-  std::string other;
-  for (int i = 3; i < 14; ++i) fields >> other;
-  double user = 0, system = 0;
-  fields >> user >> system;
-  return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
-}
-
 /// Of a process, and of its thread that answers desks.
 struct ProcessorTime {
   double all_s = 0, http_s = 0;
@@ -71,7 +57,7 @@ struct ProcessorTime {
 
 ProcessorTime processor_time(pid_t process) {
   const std::filesystem::path folder = "/proc/" + std::to_string(process);
-  ProcessorTime time{.all_s = processor_seconds(folder / "stat")};  // also of threads that have ended
+  ProcessorTime time{.all_s = processor_seconds(process)};
   for (const auto& thread : std::filesystem::directory_iterator(folder / "task")) {
     std::string name;
     std::ifstream(thread.path() / "comm") >> name;

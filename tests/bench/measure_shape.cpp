@@ -1,28 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Measures the goals of finding shapes in images: `deploy/measure shape [--json FILE]`. Photographs: what the model of
-// the found mesh scores beside that of the given one. The simulated rig: how far found and true surface are apart. The
-// photographs are looked for in $SHEEN_DATA; what is not there is not measured.
-#include <algorithm>
+// the found mesh scores beside that of the given one. The simulated rig: how far found and true surface are apart, and
+// what a capture without a mesh takes. The photographs are looked for in $SHEEN_DATA; what is not there is not
+// measured.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <random>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "common/base/order_statistics.h"
 #include "common/camera/posed_camera.h"
 #include "common/geometry/mesh_io.h"
-#include "common/geometry/ray_scene.h"
 #include "common/simulation/simulated_rig.h"
 #include "tests/bench/goal_rows.h"
-#include "tests/bench/program_run.h"
-#include "tests/bench/surface_distance.h"
+#include "tests/bench/live_shape.h"
+#include "tests/bench/reconstructor_runs.h"
+#include "tests/bench/surfaces_apart.h"
 
 namespace sheen {
 namespace {
@@ -53,52 +51,6 @@ struct PhotographSet {
   fs::path folder, mesh;
 };
 
-struct ImageScores {
-  double psnr_db = 0, ssim = 0;
-};
-
-/// `sheen-reconstructor` on one data set; what it writes goes to a folder.
-class Reconstructor {
- public:
-  Reconstructor(fs::path dataset, fs::path folder) : dataset_(std::move(dataset)), folder_(std::move(folder)) {
-    fs::create_directories(folder_);
-  }
-
-  ProgramRun find_shape() const { return run({"shape", dataset_, "--out", shape(), "--json", json("shape")}); }
-  fs::path shape() const { return folder_ / "shape.ply"; }
-  double share_seen() const { return report("shape").at("evidence").at("seen").get<double>(); }  ///< of its vertices
-
-  void refine_shape() const { run({"refine", dataset_, "--mesh", shape(), "--out", refined_shape()}); }
-  fs::path refined_shape() const { return folder_ / "refined.ply"; }
-
-  /// Refined first, as `build` does unless it is told not to. With the found shape that is what `build` without --mesh
-  /// makes.
-  fs::path model_on(const fs::path& mesh) const {
-    const fs::path model = folder_ / ("model_on_" + mesh.stem().string());
-    fs::remove_all(model);
-    run({"build", dataset_, "--mesh", mesh, "--out", model, "--loss", "0dB"});
-    return model;
-  }
-  /// Means over held-out images, on the pixels of a mesh; of none: of the model's own.
-  ImageScores scores(const fs::path& model, const fs::path& object = {}) const {
-    std::vector<std::string> arguments{"evaluate", model, dataset_, "--json", json("evaluate")};
-    if (!object.empty()) arguments.insert(arguments.end(), {"--object", object.string()});
-    run(arguments);
-    const nlohmann::json scores = report("evaluate").at("object");
-    return {scores.at("psnr_db").get<double>(), scores.at("ssim").get<double>()};
-  }
-
- private:
-  nlohmann::json report(const std::string& name) const { return nlohmann::json::parse(std::ifstream(json(name))); }
-  std::string json(const std::string& name) const { return folder_ / (name + ".json"); }
-  ProgramRun run(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), fs::read_symlink("/proc/self/exe").parent_path() / "sheen-reconstructor");
-    return run_program(arguments, folder_ / (arguments[1] + ".log"));
-  }
-
-  fs::path dataset_, folder_;
-};
-
 struct PhotographFigures {
   ProgramRun cost;
   ImageScores of_shape, of_given;  ///< on the given mesh's pixels
@@ -107,7 +59,7 @@ struct PhotographFigures {
 };
 
 PhotographFigures measure_photographs(GoalReport& report, const PhotographSet& set, double least_gain_db) {
-  const Reconstructor reconstructor(set.folder, measured() / set.name);
+  const ReconstructorRuns reconstructor(set.folder, measured() / set.name);
   PhotographFigures figures{.cost = reconstructor.find_shape()};
   const fs::path on_shape = reconstructor.model_on(reconstructor.shape()), on_given = reconstructor.model_on(set.mesh);
   figures.of_shape = reconstructor.scores(on_shape, set.mesh);
@@ -166,67 +118,12 @@ void measure_photograph_sets(GoalReport& report) {
     std::printf("how many of buddha, cube and juice are better: not measured, as not all are there\n");
 }
 
-/// A place on a mesh, in its file's frame.
-struct SurfacePoint {
-  Eigen::Vector3d place;
-  std::size_t triangle = 0;
-};
-/// Spread evenly.
-std::vector<SurfacePoint> points_on(const Mesh& mesh) {
-  constexpr std::size_t kPoints = 30'000;
-  std::vector<double> areas;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) areas.push_back(mesh.area_normal(t).norm());
-  std::mt19937 chance(1);
-  std::discrete_distribution<std::size_t> triangle(areas.begin(), areas.end());
-  std::uniform_real_distribution<double> part(0, 1);
-  std::vector<SurfacePoint> points;
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    const std::size_t t = triangle(chance);
-    const double u = std::sqrt(part(chance)), v = part(chance);  // even over the triangle
-    const Eigen::Vector3d a = mesh.corner(t, 0).cast<double>(), b = mesh.corner(t, 1).cast<double>(),
-                          c = mesh.corner(t, 2).cast<double>();
-    points.push_back({mesh.origin + (1 - u) * a + u * (1 - v) * b + u * v * c, t});
-  }
-  return points;
-}
-
-/// The parts of a surface that an image sees.
-std::vector<SurfacePoint> seen_points(const Mesh& mesh, std::span<const PosedCamera> cameras) {
-  const RayScene scene(mesh);
-  std::vector<SurfacePoint> seen;
-  for (const SurfacePoint& point : points_on(mesh)) {
-    const Eigen::Vector3d normal = mesh.area_normal(point.triangle).cast<double>();
-    const auto sees = [&](const PosedCamera& camera) {
-      const Eigen::Vector3d to_eye = camera_centre(camera.camera_from_object) - point.place;
-      const auto pixel = camera.camera.project(camera.camera_from_object * point.place);
-      return to_eye.dot(normal) > 0 && pixel && camera.camera.contains(*pixel) &&
-             !scene.occluded({.origin = (point.place - mesh.origin).cast<float>(),
-                              .direction = to_eye.cast<float>(),
-                              .near = 1e-4f,
-                              .far = 1});
-    };
-    if (std::any_of(cameras.begin(), cameras.end(), sees)) seen.push_back(point);
-  }
-  return seen;
-}
-
-struct Apart {
-  double median_mm = 0, most_mm = 0;  ///< most: of 90 %
-};
-Apart apart(const std::vector<SurfacePoint>& points, const Mesh& surface) {
-  if (points.empty()) return {HUGE_VAL, HUGE_VAL};
-  const SurfaceDistance distance(surface);
-  std::vector<double> distances_mm;
-  for (const SurfacePoint& point : points) distances_mm.push_back(1e3 * distance.to(point.place));
-  return {median(distances_mm), quantile(distances_mm, 0.9)};
-}
-
-/// In both directions, from what images see of one surface to all of the other.
+/// In both directions.
 struct BothWays {
   Apart found_to_true, true_to_found;
 };
 BothWays both_ways(const Mesh& found, const Mesh& truth, std::span<const PosedCamera> cameras) {
-  return {apart(seen_points(found, cameras), truth), apart(seen_points(truth, cameras), found)};
+  return {apart(found, truth, cameras), apart(truth, found, cameras)};
 }
 
 void report_ways(GoalReport& report, const std::string& name, const BothWays& before, const BothWays& after,
@@ -263,8 +160,9 @@ void measure_rig(GoalReport& report) {
   for (const RigFrame& frame : rig.frames) cameras.push_back({rig.camera, frame.camera_from_object});
   for (const bool masks : {true, false}) {
     const std::string name = masks ? "teapot, exact masks" : "teapot, stage sheet only";
-    const Reconstructor reconstructor(masks ? rig.folder : without_masks(rig.folder, measured() / "rig_without_masks"),
-                                      measured() / (masks ? "teapot" : "teapot_without_masks"));
+    const ReconstructorRuns reconstructor(
+        masks ? rig.folder : without_masks(rig.folder, measured() / "rig_without_masks"),
+        measured() / (masks ? "teapot" : "teapot_without_masks"));
     reconstructor.find_shape();
     reconstructor.refine_shape();
     const Mesh found = load_mesh(reconstructor.shape()).mesh, refined = load_mesh(reconstructor.refined_shape()).mesh;
@@ -277,6 +175,7 @@ void measure_rig(GoalReport& report) {
 void measure(GoalReport& report) {
   measure_photograph_sets(report);  // first: a program's peak of memory is not told apart from that of its caller
   measure_rig(report);
+  measure_live_shape(report, measured());
 }
 
 }  // namespace
