@@ -21,13 +21,21 @@ namespace {
 
 constexpr std::chrono::milliseconds kPoll{50};
 constexpr std::chrono::seconds kPause{2};  // without a capture, after which those that are there are tried
-constexpr std::uint64_t kFewestCaptures = 6;
+constexpr std::uint64_t kFewestCaptures = 5;
 constexpr double kGrowth = 1.4;       // of the captures until it is tried again
 constexpr double kSeenAtFirst = 0.3;  // of the vertices: less is no shape to begin with
 
-ShapeOptions while_images_come(const std::shared_ptr<const Mesh>& rough) {
-  return {.triangles = 12'000, .most_views = 40, .object_pixels = 50'000, .from = rough.get()};
+/// Coarsely at first, so that there soon is something to see: a look searches all images so far, and there is another
+/// when they are half as many again.
+ShapeOptions while_images_come(std::size_t images, const std::shared_ptr<const Mesh>& rough) {
+  constexpr double kPixelsPerImage = 500, kFewest = 10'000, kMost = 50'000, kTrianglesPerPixel = 0.24;
+  const double pixels = std::clamp(kPixelsPerImage * static_cast<double>(images), kFewest, kMost);
+  return {.triangles = static_cast<std::size_t>(kTrianglesPerPixel * pixels),
+          .most_views = 40,
+          .object_pixels = pixels,
+          .from = rough.get()};
 }
+
 ShapeOptions at_the_end(const std::shared_ptr<const Mesh>& rough) {
   return {.most_views = 40, .object_pixels = 120'000, .from = rough.get()};
 }
@@ -35,7 +43,9 @@ ShapeOptions at_the_end(const std::shared_ptr<const Mesh>& rough) {
 std::shared_ptr<const Mesh> kept(const FoundShape& found, const std::filesystem::path& folder) {
   save_mesh_of_session(folder, kShapeFile, [&](const std::filesystem::path& file) { save_ply(found.mesh, file); });
   log_info("shape", "found in the images so far",
-           {{"triangles", found.mesh.triangles.size()}, {"seen", share_known_as(ShapeEvidence::kSeen, found.mesh)}});
+           {{"views", found.views},
+            {"triangles", found.mesh.triangles.size()},
+            {"seen", share_known_as(ShapeEvidence::kSeen, found.mesh)}});
   return std::make_shared<const Mesh>(found.mesh);
 }
 
@@ -140,11 +150,12 @@ void FirstShape::find(const std::stop_token& stop) {
 
 std::shared_ptr<const Mesh> FirstShape::try_with(const CaptureSet& captures, const std::stop_token& stop) {
   const RefinementImages images = training_images(captures, hold_out_every_);
-  const FoundShape found = find_shape(images, while_images_come(rough_), [&](std::size_t done, std::size_t steps) {
-    if (stop.stop_requested()) throw Error("stopped");
-    say("The shape is being found in " + std::to_string(images.cameras.size()) + " images.",
-        static_cast<double>(done) / static_cast<double>(steps), "Move the camera on round the object.");
-  });
+  const FoundShape found =
+      find_shape(images, while_images_come(images.cameras.size(), rough_), [&](std::size_t done, std::size_t steps) {
+        if (stop.stop_requested()) throw Error("stopped");
+        say("The shape is being found in " + std::to_string(images.cameras.size()) + " images.",
+            static_cast<double>(done) / static_cast<double>(steps), "Move the camera on round the object.");
+      });
   return share_known_as(ShapeEvidence::kSeen, found.mesh) >= kSeenAtFirst ? kept(found, folder_) : nullptr;
 }
 
@@ -155,7 +166,8 @@ LookAtMesh shape_look(std::filesystem::path folder, std::shared_ptr<const Mesh> 
        said = std::set<std::string>()](const RefinementImages& images, const StepsDone& progress,
                                        nlohmann::json& told) mutable -> std::shared_ptr<const Mesh> {
         const bool last = over();
-        const FoundShape found = find_shape(images, last ? at_the_end(rough) : while_images_come(rough), progress);
+        const FoundShape found =
+            find_shape(images, last ? at_the_end(rough) : while_images_come(images.cameras.size(), rough), progress);
         told = {{"triangles", found.mesh.triangles.size()}, {"seen", share_known_as(ShapeEvidence::kSeen, found.mesh)}};
         const std::vector<ShapeFinding> findings = findings_of(found.measures);
         told["findings"] = findings_report(findings);

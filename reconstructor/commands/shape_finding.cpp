@@ -19,9 +19,10 @@ constexpr double kMostlySeen = 0.5;
 }  // namespace
 
 Option add_rough_mesh_option(Command& command, std::string& path) {
-  return command.option("--from-mesh", path,
-                        "a rough mesh of the object, in the dataset's frame: the shape is looked for within 3 % of its "
-                        "size of it");
+  return command.option(
+      "--from-mesh", path,
+      "a rough mesh of the object, in the dataset's frame: what an image shows beside it, by more than 3 % "
+      "of its size, is background");
 }
 
 std::optional<Mesh> rough_mesh(const std::string& path) {

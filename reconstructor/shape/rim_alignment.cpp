@@ -22,8 +22,8 @@ constexpr float kFarthest_px = 3;    // an outline that is farther away is anoth
 constexpr float kUnsure_px = 1.5f;   // between background and object: a rough outline, or none
 constexpr float kBeyond_px = 0.75f;  // so far outside of a rim nothing of the mesh is
 constexpr int kRounds = 2;           // the rim is elsewhere once it has moved
-constexpr int kReach = 6;            // triangles, of a rim to what lies beside it
-constexpr float kStiff = 1;          // weight of the neighbours, where a view on the rim has 1
+constexpr int kReach = 12;           // triangles, of a rim to what lies beside it
+constexpr float kStiff = 8;          // weight of the neighbours, where a view on the rim has 1
 constexpr float kStays = 0.15f;      // of a vertex for its own place
 
 constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
