@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "common/base/order_statistics.h"
@@ -90,6 +91,64 @@ TEST(WindowMatcher, IsBestAtTheSurface) {
     }
   ASSERT_GT(tried, 80);
   EXPECT_GT(best, 0.97 * tried);
+}
+
+/// The normalised cross-correlation of a slanted window with one other view, by its definition; 2 where the window
+/// leaves that view.
+double plain_cost(const ShapeView& view, const ShapeView& other, int x, int y, const SurfacePiece& piece) {
+  const Camera &camera = view.camera.camera, &other_camera = other.camera.camera;
+  const auto ray_of = [&](double u, double v) -> Eigen::Vector3d {
+    return {(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1};
+  };
+  const Eigen::Vector3d normal = piece.normal.cast<double>();
+  const double plane = normal.dot(piece.depth * ray_of(x, y));
+  const Rigid3 other_from_view = other.camera.camera_from_object * view.camera.camera_from_object.inverse();
+  double w = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  for (int dy = -4; dy <= 4; dy += 2)
+    for (int dx = -4; dx <= 4; dx += 2) {
+      const Eigen::Vector3d ray = ray_of(x + dx, y + dy), there = other_from_view * (plane / normal.dot(ray) * ray);
+      const double u = other_camera.fx * there.x() / there.z() + other_camera.cx,
+                   v = other_camera.fy * there.y() / there.z() + other_camera.cy;
+      if (!(there.z() > 0 && u >= 0 && v >= 0 && u < other.grey.width() - 1 && v < other.grey.height() - 1)) return 2;
+      const int i = static_cast<int>(u), j = static_cast<int>(v);
+      const double s = u - i, t = v - j;
+      const double value = (1 - t) * ((1 - s) * other.grey.at(i, j) + s * other.grey.at(i + 1, j)) +
+                           t * ((1 - s) * other.grey.at(i, j + 1) + s * other.grey.at(i + 1, j + 1));
+      const double own = view.grey.at(x + dx, y + dy), off = (own - view.grey.at(x, y)) / 60;
+      const double weight = 1 / (1 + off * off + 0.5 * (dx * dx + dy * dy) / 4);
+      w += weight, a += weight * own, b += weight * value;
+      aa += weight * own * own, bb += weight * value * value, ab += weight * own * value;
+    }
+  a /= w, b /= w, aa /= w, bb /= w, ab /= w;
+  return std::min(2.0, 1 - (ab - a * b) / std::sqrt((aa - a * a + 4) * (bb - b * b + 4)));
+}
+
+TEST(WindowMatcher, CostsWhatTheDefinitionSays) {
+  const BallViews ball;
+  WindowMatcher matcher(ball.views[0], ball.neighbours);
+  std::mt19937 chance(1);
+  std::normal_distribution<float> some;
+  int tried = 0;
+  for (int y = 20; y < 180; y += 5)
+    for (int x = 40; x < 200; x += 5) {
+      const float depth = ball.truth[0].depth.at(x, y);
+      if (!(depth > 0) || !matcher.take(x, y)) continue;
+      const Eigen::Vector3f towards = -matcher.ray(static_cast<float>(x), static_cast<float>(y)).normalized();
+      const SurfacePiece piece{
+          depth + 5 * some(chance) * matcher.depth_per_pixel(depth),
+          (towards + 0.3f * Eigen::Vector3f(some(chance), some(chance), some(chance))).normalized()};
+      std::vector<double> costs;
+      for (const ShapeView* other : ball.neighbours) costs.push_back(plain_cost(ball.views[0], *other, x, y, piece));
+      std::sort(costs.begin(), costs.end());
+      const double plain = (costs[0] + costs[1] + costs[2]) / 3;
+      const float cost = matcher.cost(piece);
+      EXPECT_NEAR(cost, plain, 2e-3) << x << ", " << y;
+      // What is enough is found as without it, and else it is not said to be better.
+      EXPECT_EQ(matcher.cost(piece, 1.01f * cost), cost);
+      EXPECT_GE(matcher.cost(piece, 0.7f * cost), 0.7f * cost);
+      ++tried;
+    }
+  EXPECT_GT(tried, 500);
 }
 
 TEST(WindowMatcher, FindsItsWayBackOnExactSurfaces) {
