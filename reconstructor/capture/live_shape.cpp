@@ -28,7 +28,7 @@ constexpr double kSeenAtFirst = 0.3;  // of the vertices: less is no shape to be
 /// Coarsely at first, so that there soon is something to see: a look searches all images so far, and there is another
 /// when they are half as many again.
 ShapeOptions while_images_come(std::size_t images, const std::shared_ptr<const Mesh>& rough) {
-  constexpr double kPixelsPerImage = 500, kFewest = 10'000, kMost = 50'000, kTrianglesPerPixel = 0.24;
+  constexpr double kPixelsPerImage = 2000, kFewest = 20'000, kMost = 50'000, kTrianglesPerPixel = 0.24;
   const double pixels = std::clamp(kPixelsPerImage * static_cast<double>(images), kFewest, kMost);
   return {.triangles = static_cast<std::size_t>(kTrianglesPerPixel * pixels),
           .most_views = 40,

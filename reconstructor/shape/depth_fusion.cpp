@@ -24,6 +24,7 @@ constexpr double kDepthError = 1;      // cells
 constexpr double kBehindSureHull = 4;  // cells, from where they count in full
 constexpr double kThickness = 0.15;  // of the box's diagonal: so deep behind what is seen the object is taken to reach
 constexpr int kFewestBefore = 2;
+constexpr int kFewestOutlines = 3;  // that tell of a point: else the hull is there because hardly any view shows it
 constexpr int kSmoothings = 20;
 constexpr float kSmoothness = 0.5f;  // weight of a point's six neighbours, where a view has 1
 constexpr float kMostWeight = 5;
@@ -97,7 +98,8 @@ class Fusion {
     float distance = 0, weight = 0;
   };
   Value at(const Eigen::Vector3d& point) const {
-    const float hull = hull_.distance(point);
+    const auto [hull, outlines] = hull_.at(point);
+    const bool bounded_here = outlines >= kFewestOutlines, sure = hull_is_sure_ && bounded_here;
     if (hull_is_sure_ && hull > reach_) return {reach_, kMostWeight};
     const Eigen::Vector3f centred = (point - hull_.box().center()).cast<float>();
     float sum = 0, weight = 0;
@@ -107,24 +109,25 @@ class Fusion {
       if (!said) continue;
       ++asked;
       if (said->weight > 0 && said->off < 0 && said->off > -thickness_) ++behind;
-      if (said->off < -(hull_is_sure_ ? kBehind : 1) * reach_) continue;
+      if (said->off < -(sure ? kBehind : 1) * reach_) continue;
       const float counted = said->off < -reach_ ? kBehindWeight * said->weight : said->weight;
       sum += counted * std::clamp(said->off, -reach_, reach_);
       weight += counted;
     }
     const float hull_off = std::clamp(hull, -reach_, reach_);
-    const bool bodily = hull_.has_outlines() || behind >= std::max(kFewestBefore, asked / 2);
-    const float mean = -error_near(hull) + (sum + kHullWeight * (bodily ? hull_off : reach_)) / (weight + kHullWeight);
-    const bool bounded = hull_is_sure_ || weight <= kOverrulesHull;
+    const bool bodily = bounded_here || behind >= std::max(kFewestBefore, asked / 2);
+    const float mean =
+        -(sure ? error_near(hull) : 0) + (sum + kHullWeight * (bodily ? hull_off : reach_)) / (weight + kHullWeight);
+    const bool bounded = sure || weight <= kOverrulesHull;
     return {bounded ? std::max(mean, hull_off) : mean, std::min(kMostWeight, weight + kHullWeight)};
   }
   float reach() const { return reach_; }
 
  private:
-  /// By how much depths must say more than the hull to count, at a distance from it.
+  /// By how much depths must say more than a hull that is sure to count, at a distance from it.
   float error_near(float hull) const {
     constexpr auto kFull = static_cast<float>(kBehindSureHull / kDepthError);
-    return hull_is_sure_ ? std::max(0.0f, depth_error_ - std::abs(hull) / kFull) : 0;
+    return std::max(0.0f, depth_error_ - std::abs(hull) / kFull);
   }
 
   std::vector<DepthView> views_;

@@ -20,8 +20,9 @@ constexpr double kCoarseCells = 64;  // along the longest side of a box
 constexpr double kCoherent = 0.98;   // overlap of outlines and hull from where masks are believed
 // Masks that agree show also what few images have in their frame.
 constexpr HullRule kStrict{.most_dissent = 1, .must_see = 0.2}, kTolerant{.may_dissent = 0.2};
-// Beside a sheet outlines are known in part, and glows and shadows touch them.
-constexpr HullRule kOnSheet{.most_dissent = 1, .may_dissent = 0.05, .must_see = 0.2};
+// Beside a sheet outlines are known in part, and glows and shadows touch them. Of few, none may dissent: what one more
+// would leave of the space above is much.
+constexpr HullRule kOnSheet{.may_dissent = 0.05, .must_see = 0.2};
 constexpr double kCoherentOnSheet = 0.9;
 constexpr double kSheet_px = 1.5;  // so thick depths of the stage's sheet may be
 

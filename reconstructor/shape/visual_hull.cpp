@@ -40,7 +40,7 @@ VisualHull::VisualHull(std::span<const ShapeView> views, const Eigen::AlignedBox
   }
 }
 
-float VisualHull::distance(const Eigen::Vector3d& point) const {
+VisualHull::Place VisualHull::at(const Eigen::Vector3d& point) const {
   const Eigen::Vector3f centred = (point - box_.center()).cast<float>();
   thread_local std::vector<float> outlines, frames;
   outlines.clear();
@@ -62,8 +62,10 @@ float VisualHull::distance(const Eigen::Vector3d& point) const {
   const double unseeing = 1 - rule_.must_see;
   const float seen_by_enough = largest_but(static_cast<int>(unseeing * static_cast<double>(frames.size())), frames);
   const Eigen::Vector3d beyond_box = (point - box_.center()).cwiseAbs() - 0.5 * box_.sizes();
-  return std::max({largest_but(rule_.dissenters(outlines.size()), outlines), seen_by_enough,
-                   static_cast<float>(beyond_box.maxCoeff())});
+  const int told = static_cast<int>(outlines.size());
+  return {.outside = std::max({largest_but(rule_.dissenters(outlines.size()), outlines), seen_by_enough,
+                               static_cast<float>(beyond_box.maxCoeff())}),
+          .outlines = told};
 }
 
 BlockField hull_field(const VisualHull& hull, const Lattice& lattice, const ForEach& for_each) {

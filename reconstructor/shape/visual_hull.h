@@ -30,10 +30,14 @@ class VisualHull {
  public:
   VisualHull(std::span<const ShapeView> views, const Eigen::AlignedBox3d& box, const HullRule& rule);
 
-  /// How far a point lies outside, metres; negative inside. Of a view i that is D_i z / f, with D_i the pixels from the
-  /// outline at distance z and focal length f; of all views that see it the one after as many
-  /// as may dissent, from the largest.
-  float distance(const Eigen::Vector3d& point) const;
+  struct Place {
+    float outside = 0;  ///< metres; negative inside
+    int outlines = 0;   ///< views whose outlines tell of it: that have it in their frame, and not off a sheet
+  };
+  /// How far a point lies outside. Of a view i that is D_i z / f, with D_i the pixels from the outline at distance z and
+  /// focal length f; of all views that tell of it the one after as many as may dissent, from the largest.
+  Place at(const Eigen::Vector3d& point) const;
+  float distance(const Eigen::Vector3d& point) const { return at(point).outside; }
 
   bool has_outlines() const { return outlines_ > 0; }
   int outlines() const { return outlines_; }  ///< views that have one

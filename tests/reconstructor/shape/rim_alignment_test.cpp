@@ -18,7 +18,7 @@ std::vector<ShapeView> views_of_ball(int count, double lowest) {
 }
 
 Mesh ball_mesh(double off_px) {
-  Mesh mesh = sphere_mesh(kRadius, 4);
+  Mesh mesh = sphere_mesh(kRadius, 5);
   for (Eigen::Vector3f& v : mesh.vertices) v *= static_cast<float>(1 + off_px * kPixel / kRadius);
   return mesh;
 }
