@@ -63,7 +63,7 @@ void LiveMesh::look_until_over(const std::stop_token& stop) {
     over = status.no_more_captures;
     if (over && !many_more(status.journaled, looked_at)) return;
     try {
-      if (const auto mesh = look(status.journaled, stop)) loop_.go_over_to(mesh);
+      if (const auto mesh = look(status, stop)) loop_.go_over_to(mesh);
       looked_at = status.journaled;
     } catch (const Overtaken&) {
     }
@@ -85,22 +85,22 @@ LoopStatus LiveMesh::wait_for(std::uint64_t captures, const std::stop_token& sto
   }
 }
 
-StepsDone LiveMesh::steps_of(std::uint64_t captures, const std::stop_token& stop) {
-  return [this, captures, stop](std::size_t done, std::size_t steps) {
+StepsDone LiveMesh::steps_of(const LoopStatus& begun, const std::stop_token& stop) {
+  return [this, captures = begun.journaled, last = begun.no_more_captures, stop](std::size_t done, std::size_t steps) {
     if (stop.stop_requested() || loop_.finished()) throw Stopped();
     loop_.tell(MeshLook{captures, done, steps});
     const LoopStatus status = loop_.status();
-    if (status.no_more_captures && many_more(status.journaled, captures)) throw Overtaken();
+    if (!last && status.no_more_captures && many_more(status.journaled, captures)) throw Overtaken();
   };
 }
 
-std::shared_ptr<const Mesh> LiveMesh::look(std::uint64_t so_many, const std::stop_token& stop) {
+std::shared_ptr<const Mesh> LiveMesh::look(const LoopStatus& status, const std::stop_token& stop) {
   const auto begun = Clock::now();
   const CaptureSet captures = patiently(stop, [&] { return open_capture_set(folder_); });
   const RefinementImages images = training_images(captures, options_.hold_out_every);
   if (images.cameras.size() < options_.fewest_images) return nullptr;
   nlohmann::json told;
-  std::shared_ptr<const Mesh> mesh = look_(images, steps_of(so_many, stop), told);
+  std::shared_ptr<const Mesh> mesh = look_(images, steps_of(status, stop), told);
   const std::chrono::duration<double> took = Clock::now() - begun;
   told["images"] = images.cameras.size();
   told["seconds"] = took.count();

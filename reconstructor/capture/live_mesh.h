@@ -27,7 +27,7 @@ struct LiveMeshOptions {
   std::size_t fewest_images = 8;    ///< of fewer, those that judge say little
   std::uint64_t first = 24;         ///< captures, before the first look
   double growth = 2;                ///< times as many each time: all looks together cost twice the last one
-  double growth_at_end = 1.25;      ///< since the last look, for another one when the capture is over
+  double growth_at_end = 1.25;      ///< since the last look, for another one when the capture is over; 1: always one
 };
 
 /// A mesh that becomes better while a capture runs: the images in its journal are looked at again and again as they
@@ -49,8 +49,8 @@ class LiveMesh {
   void look_until_over(const std::stop_token& stop);
   bool many_more(std::uint64_t captures, std::uint64_t looked_at) const;
   LoopStatus wait_for(std::uint64_t captures, const std::stop_token& stop) const;
-  std::shared_ptr<const Mesh> look(std::uint64_t captures, const std::stop_token& stop);
-  StepsDone steps_of(std::uint64_t captures, const std::stop_token& stop);
+  std::shared_ptr<const Mesh> look(const LoopStatus& begun, const std::stop_token& stop);
+  StepsDone steps_of(const LoopStatus& begun, const std::stop_token& stop);
 
   CaptureLoop& loop_;
   std::filesystem::path folder_;

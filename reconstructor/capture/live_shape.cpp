@@ -36,6 +36,11 @@ ShapeOptions while_images_come(std::size_t images, const std::shared_ptr<const M
           .from = rough.get()};
 }
 
+/// Not as fine as that of `shape`: somebody waits for it, and for the model to be saved.
+ShapeOptions at_the_end(const std::shared_ptr<const Mesh>& rough) {
+  return {.most_views = 40, .object_pixels = 120'000, .from = rough.get()};
+}
+
 std::shared_ptr<const Mesh> kept(const FoundShape& found, const std::filesystem::path& folder) {
   save_mesh_of_session(folder, kShapeFile, [&](const std::filesystem::path& file) { save_ply(found.mesh, file); });
   log_info("shape", "found in the images so far",
@@ -157,20 +162,21 @@ std::shared_ptr<const Mesh> FirstShape::try_with(const CaptureSet& captures, con
 
 LookAtMesh shape_look(std::filesystem::path folder, std::shared_ptr<const Mesh> rough, std::function<bool()> over,
                       std::function<void(const std::string&)> on_finding) {
-  return [folder = std::move(folder), rough = std::move(rough), over = std::move(over),
-          on_finding = std::move(on_finding),
-          said = std::set<std::string>()](const RefinementImages& images, const StepsDone& progress,
-                                          nlohmann::json& told) mutable -> std::shared_ptr<const Mesh> {
-    const bool last = over();
-    const FoundShape found = find_shape(
-        images, last ? ShapeOptions{.from = rough.get()} : while_images_come(images.cameras.size(), rough), progress);
-    told = {{"triangles", found.mesh.triangles.size()}, {"seen", share_known_as(ShapeEvidence::kSeen, found.mesh)}};
-    const std::vector<ShapeFinding> findings = findings_of(found.measures);
-    told["findings"] = findings_report(findings);
-    for (const ShapeFinding& finding : findings)
-      if ((last || !finding.passes_with_more_images) && said.insert(finding.kind).second) on_finding(finding.sentence);
-    return kept(found, folder);
-  };
+  return
+      [folder = std::move(folder), rough = std::move(rough), over = std::move(over), on_finding = std::move(on_finding),
+       said = std::set<std::string>()](const RefinementImages& images, const StepsDone& progress,
+                                       nlohmann::json& told) mutable -> std::shared_ptr<const Mesh> {
+        const bool last = over();
+        const FoundShape found =
+            find_shape(images, last ? at_the_end(rough) : while_images_come(images.cameras.size(), rough), progress);
+        told = {{"triangles", found.mesh.triangles.size()}, {"seen", share_known_as(ShapeEvidence::kSeen, found.mesh)}};
+        const std::vector<ShapeFinding> findings = findings_of(found.measures);
+        told["findings"] = findings_report(findings);
+        for (const ShapeFinding& finding : findings)
+          if ((last || !finding.passes_with_more_images) && said.insert(finding.kind).second)
+            on_finding(finding.sentence);
+        return kept(found, folder);
+      };
 }
 
 }  // namespace sheen

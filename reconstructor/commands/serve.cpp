@@ -184,7 +184,7 @@ LiveMeshOptions shape_options(int hold_out_every, std::uint64_t captures) {
           .fewest_images = 5,
           .first = static_cast<std::uint64_t>(kGrowth * static_cast<double>(captures)),
           .growth = kGrowth,
-          .growth_at_end = 1.1};
+          .growth_at_end = 1};  // the last is finer
 }
 
 void open_monitor(std::optional<MonitorServer>& monitor, SteeredCapture& steered, LiveModel& model,

@@ -77,8 +77,8 @@ double images_of_first_shape(const std::string& log) {
                                                                : std::stod(log.substr(at + std::strlen(kField)));
 }
 
-/// `serve` with these options receives so many frames of the rig's camera, to its end.
-LiveCapture captured(const RigRecording& rig, int frames, const fs::path& folder, const Words& options) {
+/// `serve` with these options receives so many frames of the rig's camera. `finished`: the model is made, too.
+LiveCapture captured(const RigRecording& rig, int frames, bool finished, const fs::path& folder, const Words& options) {
   fs::remove_all(folder);
   fs::create_directories(folder);
   const fs::path session = folder / "session", shape = session / "shape.ply";
@@ -109,6 +109,7 @@ LiveCapture captured(const RigRecording& rig, int frames, const fs::path& folder
   watch_until("the capture's end", [&] { return desk.output().find("finishing") != std::string::npos; });
   live.processor_s = processor_seconds(desk.id());
   live.first_shape_of = images_of_first_shape(desk.output());
+  if (!finished) return live;
   if (const auto end = desk.wait(kPatience); !end || end->status != 0) throw Error("serve failed:\n" + desk.output());
   return live;
 }
@@ -124,9 +125,9 @@ double score_db(const fs::path& folder, const RigRecording& rig) {
 void measure_live_shape(GoalReport& report, const fs::path& folder) {
   const RigRecording rig = recorded(folder / "live_rig");
   const fs::path with = folder / "live_with_mesh", without = folder / "live_without_mesh";
-  const LiveCapture given = captured(rig, kFrames, with, {"--mesh", rig.mesh_file()}),
-                    found = captured(rig, kFrames, without, {}),
-                    many = captured(rig, kManyFrames, folder / "live_many", {});
+  const LiveCapture given = captured(rig, kFrames, true, with, {"--mesh", rig.mesh_file()}),
+                    found = captured(rig, kFrames, true, without, {}),
+                    many = captured(rig, kManyFrames, false, folder / "live_many", {});
   const auto beside_ms = [](const LiveCapture& shape, const LiveCapture& alone) {
     return 1e3 * (shape.processor_s / static_cast<double>(shape.captures) -
                   alone.processor_s / static_cast<double>(alone.captures));
