@@ -108,6 +108,7 @@ void require_valid(const MonitorOptions& options) {
 struct Published {
   MonitorState state;
   PictureVersions pictures;
+  std::uint64_t pictures_so_far = 0;  ///< a number is never that of two pictures
   Clock::time_point when;
 };
 
@@ -279,10 +280,13 @@ void MonitorServer::publish(MonitorState state) {
   const std::shared_ptr<const Published> before = impl_->latest();
   auto next = std::make_shared<Published>();
   next->pictures = before->pictures;
-  if (state.preview_jpeg != before->state.preview_jpeg) ++next->pictures.preview;
-  if (state.shape_jpeg != before->state.shape_jpeg)
-    next->pictures.shape = state.shape_jpeg ? before->pictures.shape + 1 : 0;
-  if (state.camera_jpeg != before->state.camera_jpeg) ++next->pictures.camera;
+  next->pictures_so_far = before->pictures_so_far;
+  const auto number = [&](const auto& jpeg, const auto& jpeg_before, auto& picture) {
+    if (jpeg != jpeg_before) picture = jpeg ? ++next->pictures_so_far : 0;
+  };
+  number(state.preview_jpeg, before->state.preview_jpeg, next->pictures.preview);
+  number(state.shape_jpeg, before->state.shape_jpeg, next->pictures.shape);
+  number(state.camera_jpeg, before->state.camera_jpeg, next->pictures.camera);
   next->state = std::move(state);
   next->when = Clock::now();
   const std::lock_guard lock(impl_->mutex);

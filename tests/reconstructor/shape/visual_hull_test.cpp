@@ -47,6 +47,21 @@ TEST(VisualHull, ADissenterIsOutvoted) {
   EXPECT_LT(VisualHull(views, kBox, {.most_dissent = 1}).distance(middle), -0.9 * kRadius);
 }
 
+TEST(VisualHull, SaysHowManyOutlinesTellOfAPlace) {
+  const Photographs photographs(ball(), 30, -0.98, true);
+  std::vector<ShapeView> views = whole_views(photographs);
+  const Eigen::Vector3d middle = Eigen::Vector3d::Zero(), behind_all = Eigen::Vector3d::Constant(10);
+  EXPECT_EQ(VisualHull(views, kBox, {}).at(middle).outlines, 30);
+  EXPECT_LT(VisualHull(views, kBox, {}).at(behind_all).outlines, 30) << "not in each frame";
+  // In all but two the middle is off the sheet.
+  for (std::size_t i = 2; i < views.size(); ++i) {
+    views[i].before_sheet = true;
+    for (int x = kCamera.width / 2 - 5; x < kCamera.width / 2 + 5; ++x)
+      for (int y = 0; y < kCamera.height; ++y) views[i].outline.at(x, y) = static_cast<std::uint8_t>(Outline::kUnknown);
+  }
+  EXPECT_EQ(VisualHull(views, kBox, {}).at(middle).outlines, 2);
+}
+
 TEST(VisualHull, WithoutOutlinesIsWhatHalfOfTheViewsSee) {
   const Photographs photographs(ball(), 30, -0.98, false);
   const VisualHull hull(whole_views(photographs),
