@@ -34,8 +34,8 @@ class VisualHull {
     float outside = 0;  ///< metres; negative inside
     int outlines = 0;   ///< views whose outlines tell of it: that have it in their frame, and not off a sheet
   };
-  /// How far a point lies outside. Of a view i that is D_i z / f, with D_i the pixels from the outline at distance z and
-  /// focal length f; of all views that tell of it the one after as many as may dissent, from the largest.
+  /// How far a point lies outside. Of a view i that is D_i z / f, with D_i the pixels from the outline at distance z
+  /// and focal length f; of all views that tell of it the one after as many as may dissent, from the largest.
   Place at(const Eigen::Vector3d& point) const;
   float distance(const Eigen::Vector3d& point) const { return at(point).outside; }
 
