@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "reconstructor/shape/window_matcher.h"
@@ -107,9 +108,9 @@ class DepthSearch {
     if (!(piece.depth >= range_.nearest.at(x, y) && piece.depth <= range_.farthest.at(x, y))) return;
     const Eigen::Vector3f r = ray(x, y);
     if (!(-piece.normal.dot(r) > kFlattest * r.norm())) return;
-    const bool first = !(map_.depth.at(x, y) > 0);
-    const float cost = first ? matcher_.cost(piece) : matcher_.cost(piece, map_.cost.at(x, y));
-    if (!first && cost >= map_.cost.at(x, y)) return;
+    const float best = map_.depth.at(x, y) > 0 ? map_.cost.at(x, y) : std::numeric_limits<float>::infinity();
+    const float cost = matcher_.cost(piece, best);
+    if (cost >= best) return;
     map_.depth.at(x, y) = piece.depth;
     Eigen::Map<Eigen::Vector3f>(map_.normal.pixel(x, y)) = piece.normal;
     map_.cost.at(x, y) = cost;

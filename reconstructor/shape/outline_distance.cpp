@@ -2,29 +2,21 @@
 #include "reconstructor/shape/outline_distance.h"
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 #include <limits>
-#include <opencv2/imgproc.hpp>
+
+#include "common/registration/silhouette.h"
 
 namespace sheen {
 
 ImageF distance_from_rim(const ImageU8& outline, Outline least) {
-  cv::Mat outside(outline.height(), outline.width(), CV_8U);
-  for (int y = 0; y < outline.height(); ++y)
-    for (int x = 0; x < outline.width(); ++x)
-      outside.at<std::uint8_t>(y, x) = outline.at(x, y) < static_cast<std::uint8_t>(least) ? 255 : 0;
-  const int without = cv::countNonZero(outside);
-  if (without == 0 || without == outline.width() * outline.height()) return {};
-  cv::Mat away, within;
-  cv::distanceTransform(outside, away, cv::DIST_L2, cv::DIST_MASK_5, CV_32F);
-  cv::bitwise_not(outside, outside);
-  cv::distanceTransform(outside, within, cv::DIST_L2, cv::DIST_MASK_5, CV_32F);
-  ImageF distance(outline.width(), outline.height(), 1);
-  for (int y = 0; y < outline.height(); ++y)
-    for (int x = 0; x < outline.width(); ++x) {
-      const float out = away.at<float>(y, x), in = within.at<float>(y, x);
-      distance.at(x, y) = out > 0 ? out - 0.5f : 0.5f - in;
-    }
+  ImageU8 mask(outline.width(), outline.height(), 1);
+  std::transform(outline.data(), outline.data() + outline.size(), mask.data(),
+                 [&](std::uint8_t mark) { return mark >= static_cast<std::uint8_t>(least) ? 255 : 0; });
+  const auto end = mask.data() + mask.size();
+  if (std::find(mask.data(), end, 255) == end || std::find(mask.data(), end, 0) == end) return {};
+  ImageF distance = distance_from_outline(mask);
+  std::transform(distance.data(), distance.data() + distance.size(), distance.data(), std::negate<>());
   return distance;
 }
 

@@ -46,13 +46,15 @@ TEST(FindShape, ABallBeforeADarkBackground) {
   EXPECT_LT(rms_from_ball(found.mesh), 0.5 * kPixel);
 }
 
-/// A ball that stands on a table; nothing is known of any outline.
+constexpr double kSmall = 0.05;  // radius of a ball that stands on a table
+
+analytic::Scene ball_on_table() {
+  return {analytic::nearest_of(analytic::sphere(kSmall), analytic::square(0.6, -kSmall)), analytic::diffuse(0.03)};
+}
+
+/// Nothing is known of any outline.
 TEST(FindShape, ABallOnATable) {
-  analytic::Scene scene = ball();
-  constexpr double kSmall = 0.05;  // radius
-  scene.surface = analytic::nearest_of(analytic::sphere(kSmall), analytic::square(0.6, -kSmall));
-  scene.radiance = analytic::diffuse(0.03);
-  const Photographs photographs(scene, 24, 0.3, false);
+  const Photographs photographs(ball_on_table(), 24, 0.3, false);
   const FoundShape found = find_shape(photographs.images(), {});
   expect_closed(found.mesh);
   EXPECT_EQ(found.outlines, 0);
@@ -77,11 +79,7 @@ TEST(FindShape, ABallOnATable) {
 
 /// The same; somebody has a box round the ball.
 TEST(FindShape, ARoughMeshTakesTheTableAway) {
-  analytic::Scene scene = ball();
-  constexpr double kSmall = 0.05;  // radius
-  scene.surface = analytic::nearest_of(analytic::sphere(kSmall), analytic::square(0.6, -kSmall));
-  scene.radiance = analytic::diffuse(0.03);
-  const Photographs photographs(scene, 24, 0.3, false);
+  const Photographs photographs(ball_on_table(), 24, 0.3, false);
   const Mesh rough = sphere_mesh(1.02f * kSmall, 3);
   const FoundShape found = find_shape(photographs.images(), {.from = &rough});
   expect_closed(found.mesh);
